@@ -1,0 +1,42 @@
+PYTHON ?= python3
+VENV   := .venv
+BIN    := $(VENV)/bin
+PLUGINS := $(patsubst %/pyproject.toml,%,$(wildcard plugins/*/pyproject.toml))
+
+.PHONY: help demo test test-long lint paper bench clean
+help:
+	@echo "make demo       simulate a drive, run a tournament, find a hidden effect"
+	@echo "make test       lint, types and tests (under ten minutes on two cores)"
+	@echo "make test-long  the tests that take longer"
+	@echo "make paper      reproduce the 1997 paper into docs/paper.md"
+	@echo "make bench      speed and accuracy beside other packages"
+
+# One stamp: the environment is remade when what it is made from changes.
+$(VENV)/.installed: pyproject.toml constraints.txt $(addsuffix /pyproject.toml,$(PLUGINS))
+	$(PYTHON) -m venv $(VENV)
+	$(BIN)/pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[dev]' $(addprefix -e ./,$(PLUGINS))
+	touch $@
+
+demo: $(VENV)/.installed
+	$(BIN)/fricmodels demo
+
+lint: $(VENV)/.installed
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+
+test: lint
+	$(BIN)/pytest -m "not long"
+
+test-long: $(VENV)/.installed
+	$(BIN)/pytest -m long
+
+paper: $(VENV)/.installed
+	$(BIN)/python benchmarks/paper.py
+
+bench: $(VENV)/.installed
+	$(BIN)/pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[bench]'
+	$(BIN)/python benchmarks/speed.py
+
+clean:
+	rm -rf $(VENV) build runs demo-run

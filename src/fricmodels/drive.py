@@ -1,0 +1,267 @@
+"""The drive's equation of motion ``J dω/dt = τ_m − τ_L − τ_F`` around a friction model."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fricmodels.dimension import INERTIA, Dimension, Motion, Scales
+from fricmodels.errors import InputError
+from fricmodels.kernels import ArrayFunction
+from fricmodels.model import Model
+from fricmodels.parameter import Parameter
+from fricmodels.recording import Recording
+from fricmodels.term import SIGNALS
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class DriveParameter:
+    """A coefficient that an estimator is to find: a model's, or the inertia."""
+
+    key: str
+    dimension: Dimension
+    declared: Parameter
+    at_least: str | None
+    linear: bool
+
+
+@dataclass(frozen=True)
+class StateSpace:
+    """The drive as ``dx/dt = g(x, u)``, ``y = h(x)``, for filters and simulation (CasADi ``SX``).
+
+    ``x`` is velocity, then position if it was asked for, then the model's internal states, then the parameters, whose
+    rates are zero; ``u`` holds the signals named in :attr:`inputs`.
+    """
+
+    x: Any
+    u: Any
+    width: Any
+    rate: Any
+    output: Any
+    inputs: tuple[str, ...]
+    states: tuple[str, ...]
+    parameters: tuple[str, ...]
+
+
+class Drive:
+    """One drive: a friction model, its inertia (given, or to be estimated) and its kind of motion.
+
+    Args:
+        model: law plus effects.
+        inertia: J [kg m²] or M [kg]; ``None`` to estimate it.
+        motion: rotary or linear.
+
+    Raises:
+        InputError: for an inertia that is not positive and finite.
+    """
+
+    def __init__(self, model: Model, inertia: float | None = None, motion: Motion = Motion.ROTARY) -> None:
+        if inertia is not None and not (inertia > 0 and math.isfinite(inertia)):
+            raise InputError(f"inertia must be positive and finite, got {inertia}; leave it out to have it estimated")
+        self.model = model
+        self.inertia = inertia
+        self.motion = motion
+
+    @property
+    def inertia_key(self) -> str:
+        """``J`` on a rotary drive, ``M`` on a linear axis."""
+        return "J" if self.motion is Motion.ROTARY else "M"
+
+    @cached_property
+    def parameters(self) -> tuple[DriveParameter, ...]:
+        """What is to be estimated: the inertia first, unless it is given, then the model's parameters."""
+        listed = [
+            DriveParameter(p.key, p.declared.dimension, p.declared, p.at_least, linear)
+            for p, linear in zip(self.model.parameters, self.model.linear, strict=True)
+        ]
+        if self.inertia is None:
+            declared = Parameter(self.inertia_key, "kg m^2", initial=1.0, lower=0.0, meaning="inertia")
+            listed.insert(0, DriveParameter(self.inertia_key, INERTIA, declared, None, linear=True))
+        return tuple(listed)
+
+    @property
+    def keys(self) -> tuple[str, ...]:
+        """Keys of the estimated parameters, in order."""
+        return tuple(p.key for p in self.parameters)
+
+    def scaled(self, scales: Scales) -> Drive:
+        """Return the same drive in normalised units."""
+        inertia = None if self.inertia is None else self.inertia / scales.of(INERTIA)
+        return Drive(self.model, inertia, self.motion)
+
+    def restore(self, values: Sequence[float] | Array, scales: Scales) -> Array:
+        """Turn estimated parameters from normalised to SI units."""
+        return np.asarray(values, dtype=float) * self.parameter_scales(scales)
+
+    def parameter_scales(self, scales: Scales) -> Array:
+        """Return the SI size of one normalised unit of each estimated parameter."""
+        return np.array([scales.of(p.dimension) for p in self.parameters])
+
+    def split(self, values: Mapping[str, float]) -> tuple[float, Array]:
+        """Return the inertia and the model's parameters in order, from values by key."""
+        inertia = self.inertia if self.inertia is not None else values[self.inertia_key]
+        return float(inertia), np.array([values[p.key] for p in self.model.parameters], dtype=float)
+
+    # ---- evaluation on arrays -------------------------------------------------------------------------------------
+
+    def friction(
+        self,
+        recording: Recording,
+        values: Mapping[str, float],
+        *,
+        velocity: Array | float | None = None,
+        states: Sequence[Array] = (),
+        width: float | None = None,
+    ) -> Array:
+        """Return the friction torque τ_F of every sample, shape (N,).
+
+        Args:
+            recording: gives the signals that the model needs.
+            values: the model's parameters by key.
+            velocity: replaces the recorded velocity, such as ``±tiny`` for the two ends of the sticking interval.
+            states: one array for each internal state of the model.
+            width: width of rest [velocity]; see :func:`fricmodels.expressions.power`.
+        """
+        signals = self._signals(recording, velocity)
+        _, parameters = self.split(values)
+        chosen = rest_width(recording) if width is None else width
+        (torque,) = self._torque(*signals, *parameters, *states, chosen)
+        return np.broadcast_to(torque[0], (len(recording),)).copy() if torque.shape[1] == 1 else torque[0]
+
+    def sticking_interval(self, recording: Recording, values: Mapping[str, float]) -> tuple[Array, Array]:
+        """Return the least and the greatest friction torque that holds the drive at rest, at each sample.
+
+        They are the limits of the model's torque as the velocity goes to zero from below and from above.
+        """
+        tiny = 1e-9 * rest_width(recording)
+        below = self.friction(recording, values, velocity=-tiny)
+        above = self.friction(recording, values, velocity=tiny)
+        return np.minimum(below, above), np.maximum(below, above)
+
+    def regressors(self, recording: Recording, nonlinear: Sequence[float] = ()) -> tuple[Array, Array]:
+        """Split the friction torque into its linear part: ``τ_F = A.T θ_linear + b``.
+
+        Args:
+            recording: gives the signals.
+            nonlinear: values of the model parameters that are not linear, in order.
+
+        Returns:
+            A of shape (number of linear model parameters, N) and b of shape (N,).
+        """
+        signals = self._signals(recording, None)
+        design, offset = self._linear_part(*signals, *nonlinear, rest_width(recording))
+        shape = (design.shape[0], len(recording))
+        return np.broadcast_to(design, shape), np.broadcast_to(offset[0], shape[1:])
+
+    def jacobian(self, recording: Recording, values: Mapping[str, float]) -> Array:
+        """Return the derivative of τ_F by each model parameter, shape (parameters, N)."""
+        signals = self._signals(recording, None)
+        _, parameters = self.split(values)
+        (derivative,) = self._torque_jacobian(*signals, *parameters, *([0.0] * self._n_states), rest_width(recording))
+        return np.broadcast_to(derivative, (len(parameters), len(recording)))
+
+    def _signals(self, recording: Recording, velocity: Array | float | None) -> list[Any]:
+        recording.require(self.model.needs - {"load_torque"}, self.model.name)
+        if "load_torque" in self.model.needs:
+            recording.require(frozenset({"load_torque"}), self.model.name)
+        values: list[Any] = [recording.signal(name) if name in self.model.needs else 0.0 for name in SIGNALS]
+        if velocity is not None:
+            values[list(SIGNALS).index("velocity")] = velocity
+        return values
+
+    @property
+    def _n_states(self) -> int:
+        return len(self.model.states)
+
+    @cached_property
+    def _torque(self) -> ArrayFunction:
+        import casadi
+
+        e = self.model.expression()
+        return ArrayFunction(
+            casadi.Function("torque", [*e.signals.values(), e.parameters, e.states, e.width], [e.torque])
+        )
+
+    @cached_property
+    def _torque_jacobian(self) -> ArrayFunction:
+        import casadi
+
+        e = self.model.expression()
+        derivative = casadi.jacobian(e.torque, e.parameters).T
+        return ArrayFunction(
+            casadi.Function("jacobian", [*e.signals.values(), e.parameters, e.states, e.width], [derivative])
+        )
+
+    @cached_property
+    def _linear_part(self) -> ArrayFunction:
+        import casadi
+
+        if self.model.states:
+            raise InputError(f"'{self.model.name}' has internal states; it has no linear part to regress on")
+        e = self.model.expression()
+        linear = [i for i, is_linear in enumerate(self.model.linear) if is_linear]
+        other = [i for i, is_linear in enumerate(self.model.linear) if not is_linear]
+        chosen = e.parameters[linear] if linear else casadi.SX(0, 1)
+        design = casadi.jacobian(e.torque, chosen).T
+        zero = casadi.SX.zeros(len(linear), 1)
+        design, offset = (casadi.substitute(part, chosen, zero) for part in (design, e.torque))
+        rest = e.parameters[other] if other else casadi.SX(0, 1)
+        return ArrayFunction(casadi.Function("linear", [*e.signals.values(), rest, e.width], [design, offset]))
+
+    # ---- state space ----------------------------------------------------------------------------------------------
+
+    def state_space(self, *, smooth: bool, with_position: bool = False) -> StateSpace:
+        """Build ``dx/dt = g(x, u)``; an acceleration in the torque (an inertia error) is solved for.
+
+        Args:
+            smooth: replace sgn by a tanh of the width of rest.
+            with_position: carry the position as a state, instead of taking it as an input.
+
+        Raises:
+            InputError: when the torque is not affine in the acceleration.
+        """
+        import casadi
+
+        e = self.model.expression(smooth=smooth)
+        inertia = casadi.SX.sym("inertia") if self.inertia is None else casadi.SX(self.inertia)
+        acceleration = e.signals["acceleration"]
+        slope = casadi.jacobian(e.torque, acceleration)
+        if casadi.depends_on(slope, acceleration):
+            raise InputError(f"'{self.model.name}' is not affine in the acceleration and cannot be simulated")
+        at_zero = casadi.substitute(e.torque, acceleration, 0)
+        rate_of_velocity = (e.signals["motor_torque"] - e.signals["load_torque"] - at_zero) / (inertia + slope)
+        rates = [rate_of_velocity]
+        states = [e.signals["velocity"]]
+        names = ["velocity"]
+        if with_position:
+            rates.append(e.signals["velocity"])
+            states.append(e.signals["position"])
+            names.append("position")
+        rates.append(casadi.substitute(e.rates, acceleration, rate_of_velocity))
+        states.append(e.states)
+        names.extend(state.symbol for state in self.model.states)
+        parameters = casadi.vertcat(inertia, e.parameters) if self.inertia is None else e.parameters
+        needed = self.model.needs | {"motor_torque", "load_torque"}
+        inputs = tuple(
+            n for n in SIGNALS if n in needed and n not in ("velocity", "acceleration", *(["position"] * with_position))
+        )
+        x = casadi.vertcat(*states, parameters)
+        rate = casadi.vertcat(*rates, casadi.SX.zeros(parameters.numel(), 1))
+        u = casadi.vertcat(*(e.signals[name] for name in inputs))
+        return StateSpace(x, u, e.width, rate, e.signals["velocity"], inputs, tuple(names), self.keys)
+
+
+def rest_width(recording: Recording) -> float:
+    """Return the speed below which a drive counts as at rest for a law's slope: 1e-6 of the peak speed."""
+    if "velocity" not in recording:
+        return 1e-9
+    peak = float(np.max(np.abs(recording.velocity), initial=0.0))
+    return 1e-6 * peak if peak > 0 else 1e-9

@@ -1,0 +1,130 @@
+"""Evaluates an expression on whole arrays with NumPy: no compilation, exact for every sample."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from fricmodels.kernels.instructions import instructions
+
+_BLOCK = 8192
+"""Samples evaluated together: the work vectors then stay in the processor's cache."""
+
+
+def _if_else_zero(condition: Any, value: Any) -> Any:
+    return np.where(condition, value, 0.0)
+
+
+_FUNCTIONS: dict[str, Any] = {
+    "OP_ADD": np.add,
+    "OP_SUB": np.subtract,
+    "OP_MUL": np.multiply,
+    "OP_DIV": np.divide,
+    "OP_POW": np.power,
+    "OP_CONSTPOW": np.power,
+    "OP_LT": np.less,
+    "OP_LE": np.less_equal,
+    "OP_EQ": np.equal,
+    "OP_NE": np.not_equal,
+    "OP_AND": np.logical_and,
+    "OP_OR": np.logical_or,
+    "OP_FMIN": np.fmin,
+    "OP_FMAX": np.fmax,
+    "OP_ATAN2": np.arctan2,
+    "OP_COPYSIGN": np.copysign,
+    "OP_FMOD": np.fmod,
+    "OP_IF_ELSE_ZERO": _if_else_zero,
+    "OP_ASSIGN": np.positive,
+    "OP_NEG": np.negative,
+    "OP_EXP": np.exp,
+    "OP_LOG": np.log,
+    "OP_SQRT": np.sqrt,
+    "OP_SQ": np.square,
+    "OP_TWICE": lambda a: 2.0 * a,
+    "OP_SIN": np.sin,
+    "OP_COS": np.cos,
+    "OP_TAN": np.tan,
+    "OP_ASIN": np.arcsin,
+    "OP_ACOS": np.arccos,
+    "OP_ATAN": np.arctan,
+    "OP_SINH": np.sinh,
+    "OP_COSH": np.cosh,
+    "OP_TANH": np.tanh,
+    "OP_FABS": np.abs,
+    "OP_SIGN": np.sign,
+    "OP_NOT": np.logical_not,
+    "OP_INV": np.reciprocal,
+    "OP_FLOOR": np.floor,
+    "OP_CEIL": np.ceil,
+    "OP_EXPM1": np.expm1,
+    "OP_LOG1P": np.log1p,
+}
+
+
+class ArrayFunction:
+    """A CasADi ``SX`` function, evaluated for all samples at once.
+
+    Call it with one argument per *scalar input*, in order: a vector input of length n takes n arguments. Each is a
+    number or an array of N samples; numbers are combined once, not N times. Returns an array of shape
+    (rows of the output, N) for each output, structural zeros included.
+    """
+
+    def __init__(self, function: Any) -> None:
+        self._instructions = instructions(function)
+        self._slots = {}
+        position = 0
+        for i in range(function.n_in()):
+            for element in range(function.nnz_in(i)):
+                self._slots[i, element] = position
+                position += 1
+        self._arity = position
+        self._rows = [function.size_out(i) for i in range(function.n_out())]
+        self._places = [
+            [row + column * function.size_out(i)[0] for row, column in zip(*sparsity, strict=True)]
+            for i in range(function.n_out())
+            for sparsity in [function.sparsity_out(i).get_triplet()]
+        ]
+
+    def __call__(self, *arguments: ArrayLike) -> list[NDArray[np.float64]]:
+        """Evaluate; see the class.
+
+        Raises:
+            TypeError: when the number of arguments is not that of the scalar inputs.
+        """
+        if len(arguments) != self._arity:
+            raise TypeError(f"this function takes {self._arity} scalar inputs, got {len(arguments)}")
+        values = [np.asarray(argument, dtype=float) for argument in arguments]
+        count = max((value.size for value in values if value.ndim), default=1)
+        results = [np.zeros((rows * columns, count)) for rows, columns in self._rows]
+        for start in range(0, count, _BLOCK):
+            stop = min(start + _BLOCK, count)
+            block = [value[start:stop] if value.ndim else value for value in values]
+            self._evaluate(block, [result[:, start:stop] for result in results])
+        return results
+
+    def _evaluate(self, values: list[NDArray[np.float64]], results: list[NDArray[np.float64]]) -> None:
+        work: dict[int, Any] = {}
+        with np.errstate(all="ignore"):
+            for step in self._instructions:
+                if step.operation == "OP_CONST":
+                    work[step.outputs[0]] = step.constant
+                elif step.operation == "OP_INPUT":
+                    work[step.outputs[0]] = values[self._slots[step.inputs[0], step.inputs[1]]]
+                elif step.operation == "OP_OUTPUT":
+                    index, element = step.outputs
+                    results[index][self._places[index][element]] = work[step.inputs[0]]
+                else:
+                    function = _FUNCTIONS[step.operation]
+                    work[step.outputs[0]] = function(*(work[i] for i in step.inputs[: function_arity(step.operation)]))
+
+
+_UNARY = {name for name, function in _FUNCTIONS.items() if isinstance(function, np.ufunc) and function.nin == 1} | {
+    "OP_TWICE"
+}
+
+
+def function_arity(operation: str) -> int:
+    """Return how many operands an operation takes; CasADi lists a second, meaningless one for unary ones."""
+    return 1 if operation in _UNARY else 2

@@ -1,0 +1,181 @@
+"""A friction model: a law plus effects, as one symbolic expression."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+from typing import Any
+
+from fricmodels import plugins
+from fricmodels.errors import InputError
+from fricmodels.expressions import Expression, rest_treatment
+from fricmodels.parameter import Parameter, State
+from fricmodels.term import SIGNALS, Effect, Law, Parameters, Signals, Term
+
+
+@dataclass(frozen=True)
+class ModelExpression:
+    """The friction torque of a model as CasADi ``SX`` expressions.
+
+    Attributes:
+        signals: every signal of :data:`fricmodels.term.SIGNALS`, by name, used or not.
+        parameters: column of all parameters, in the order of :attr:`Model.parameters`.
+        states: column of all internal states, in the order of :attr:`Model.states`.
+        width: the width of rest [velocity].
+        torque: the friction torque τ_F.
+        rates: column of d/dt of the states.
+    """
+
+    signals: Mapping[str, Expression]
+    parameters: Expression
+    states: Expression
+    width: Expression
+    torque: Expression
+    rates: Expression
+
+
+@dataclass(frozen=True)
+class ModelParameter:
+    """A parameter within a model: ``key`` is its symbol in the law, ``effect.symbol`` in an effect."""
+
+    key: str
+    declared: Parameter
+    at_least: str | None
+
+
+class Model:
+    """A law and the effects added to it: ``asymmetric-coulomb-viscous+cogging+stribeck``."""
+
+    def __init__(self, law: Law, effects: Sequence[Effect] = ()) -> None:
+        names = [effect.name for effect in effects]
+        if len(set(names)) != len(names):
+            raise InputError(f"model '{'+'.join([law.name, *names])}' has an effect twice")
+        self.law = law
+        self.effects = tuple(effects)
+
+    @classmethod
+    def parse(cls, name: str) -> Model:
+        """Build the model that ``LAW+EFFECT+EFFECT`` names.
+
+        Raises:
+            InputError: for an unknown law or effect, naming the nearest known one.
+        """
+        registered = plugins.load()
+        law, *effects = (part.strip() for part in name.split("+"))
+        return cls(registered.laws[law](), [registered.effects[effect]() for effect in effects])
+
+    def plus(self, effect: Effect) -> Model:
+        """Return this model with one effect more."""
+        return Model(self.law, (*self.effects, effect))
+
+    def minus(self, effect_name: str) -> Model:
+        """Return this model without the named effect."""
+        return Model(self.law, [effect for effect in self.effects if effect.name != effect_name])
+
+    @property
+    def name(self) -> str:
+        """The name that :meth:`parse` reads."""
+        return "+".join(term.name for term in self.terms)
+
+    @property
+    def terms(self) -> tuple[Term, ...]:
+        """The law, then the effects."""
+        return (self.law, *self.effects)
+
+    @cached_property
+    def parameters(self) -> tuple[ModelParameter, ...]:
+        """All parameters, the law's first."""
+        return tuple(
+            ModelParameter(prefix + p.symbol, p, prefix + p.at_least if p.at_least else None)
+            for term, prefix in self._prefixed()
+            for p in term.parameters
+        )
+
+    @cached_property
+    def states(self) -> tuple[State, ...]:
+        """All internal states, the law's first."""
+        return tuple(state for term in self.terms for state in term.states)
+
+    def _prefixed(self) -> list[tuple[Term, str]]:
+        return [(self.law, ""), *((effect, f"{effect.name}.") for effect in self.effects)]
+
+    @cached_property
+    def needs(self) -> frozenset[str]:
+        """The signals that the model's equations touch."""
+        return self._build(smooth=False)[1]
+
+    def expression(self, *, smooth: bool = False) -> ModelExpression:
+        """Build the friction torque; ``smooth`` replaces sgn by tanh of the expression's width."""
+        return self._build(smooth=smooth)[0]
+
+    @lru_cache(maxsize=4)  # noqa: B019 - models are few and short-lived
+    def _build(self, *, smooth: bool) -> tuple[ModelExpression, frozenset[str]]:
+        import casadi
+
+        signals = {name: casadi.SX.sym(name) for name in SIGNALS}
+        width = casadi.SX.sym("width")
+        parameters: list[Any] = []
+        states: list[Any] = []
+        rates: list[Any] = []
+        torque = casadi.SX(0)
+        touched: set[str] = set()
+        with rest_treatment(width, smooth=smooth):
+            for term, prefix in self._prefixed():
+                own = {p.symbol: casadi.SX.sym(prefix + p.symbol) for p in term.parameters}
+                memory = {z.symbol: casadi.SX.sym(prefix + z.symbol) for z in term.states}
+                s, p = Signals(signals, memory), Parameters(own)
+                torque = torque + term.torque(s, p)
+                if memory:
+                    changes = term.rates(s, p)
+                    missing = set(memory) - set(changes)
+                    if missing:
+                        raise InputError(f"'{term.name}' gives no rate for its state '{sorted(missing)[0]}'")
+                    rates.extend(changes[symbol] for symbol in memory)
+                parameters.extend(own.values())
+                states.extend(memory.values())
+                touched |= s.touched
+        built = ModelExpression(
+            signals,
+            casadi.vertcat(*parameters),
+            casadi.vertcat(*states),
+            width,
+            torque,
+            casadi.vertcat(*rates),
+        )
+        return built, frozenset(touched)
+
+    @cached_property
+    def linear(self) -> tuple[bool, ...]:
+        """For each parameter, whether the torque is linear in it jointly with the others so marked.
+
+        Found from the expression: the Hessian of the torque in these parameters is structurally zero. Terms with
+        memory are nonlinear in all of their parameters that enter their rates.
+        """
+        import casadi
+
+        e = self.expression()
+        count = len(self.parameters)
+        hessian = casadi.hessian(e.torque, e.parameters)[0].sparsity()
+        coupled = {(i, j) for i, j in zip(*hessian.get_triplet(), strict=True)}
+        in_rates = set()
+        if self.states:
+            in_rates = set(casadi.jacobian(e.rates, e.parameters).sparsity().get_triplet()[1])
+        linear = [(i, i) not in coupled and i not in in_rates for i in range(count)]
+        while True:
+            conflicts = {
+                i: sum(1 for j in range(count) if linear[j] and (i, j) in coupled) for i in range(count) if linear[i]
+            }
+            worst = max(conflicts, key=lambda i: conflicts[i], default=None)
+            if worst is None or conflicts[worst] == 0:
+                return tuple(linear)
+            linear[worst] = False
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Model) and other.name == self.name
+
+    def __hash__(self) -> int:
+        return hash(self.name)
+
+    def __repr__(self) -> str:
+        return f"<Model '{self.name}'>"

@@ -1,0 +1,63 @@
+"""What a law or an effect declares: its parameters and, where it has a memory, its states."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+
+from fricmodels.dimension import Dimension, Motion, parse_unit
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """One physical coefficient of a law or an effect.
+
+    Attributes:
+        symbol: how the coefficient is written and printed; the name under which ``torque`` finds it.
+        unit: coherent SI unit for a rotary drive (``N m s/rad``); the linear one (``N s/m``) follows from it.
+        initial: value in ``unit`` that an estimator starts from where it has nothing better.
+        lower, upper: physical bounds in ``unit``.
+        at_least: symbol of another parameter of the same term that this one must not fall below
+            (a stick torque is never below the slip torque).
+        meaning: the quantity in words.
+        scan: for a coefficient that enters nonlinearly, the dimensionless values to try first, in units of the
+            recording's own scales (peak velocity, position range, duration); empty for coefficients that enter linearly.
+    """
+
+    symbol: str
+    unit: str = "1"
+    initial: float = 0.0
+    lower: float = -math.inf
+    upper: float = math.inf
+    at_least: str | None = None
+    meaning: str = ""
+    scan: tuple[float, ...] = ()
+
+    def __post_init__(self) -> None:
+        if not self.lower <= self.initial <= self.upper:
+            raise ValueError(f"parameter {self.symbol}: initial {self.initial} is outside [{self.lower}, {self.upper}]")
+
+    @cached_property
+    def dimension(self) -> Dimension:
+        """Dimension that the unit stands for."""
+        return parse_unit(self.unit)
+
+    def unit_for(self, motion: Motion) -> str:
+        """Return the SI unit on a rotary drive or on a linear axis."""
+        return self.dimension.unit(motion)
+
+
+@dataclass(frozen=True)
+class State:
+    """An internal state of a term with memory (a bristle deflection, a lagging friction torque)."""
+
+    symbol: str
+    unit: str = "1"
+    initial: float = 0.0
+    meaning: str = ""
+
+    @cached_property
+    def dimension(self) -> Dimension:
+        """Dimension that the unit stands for."""
+        return parse_unit(self.unit)

@@ -1,0 +1,178 @@
+"""One recording: named channels in SI units over sample times, and where they came from."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fricmodels.dimension import (
+    ACCELERATION,
+    DIMENSIONLESS,
+    DISPLACEMENT,
+    FORCE,
+    TEMPERATURE,
+    TIME,
+    VELOCITY,
+    Dimension,
+    Motion,
+    Scales,
+)
+from fricmodels.errors import InputError
+
+CHANNELS: Mapping[str, Dimension] = {
+    "time": TIME,
+    "torque": FORCE,
+    "velocity": VELOCITY,
+    "position": DISPLACEMENT,
+    "acceleration": ACCELERATION,
+    "load_torque": FORCE,
+    "temperature": TEMPERATURE,
+    "current": DIMENSIONLESS,
+}
+"""The channels that a recording may have. On a linear axis ``torque`` and ``load_torque`` are forces."""
+
+SIGNAL_CHANNEL: Mapping[str, str] = {
+    "velocity": "velocity",
+    "position": "position",
+    "acceleration": "acceleration",
+    "motor_torque": "torque",
+    "load_torque": "load_torque",
+    "temperature": "temperature",
+    "time": "time",
+}
+"""Signal of a term → channel that measures it."""
+
+
+@dataclass(frozen=True)
+class Recording:
+    """Measured (or simulated) motion of one drive under a known torque.
+
+    Attributes:
+        name: what it is called in leaderboards.
+        motion: rotary or linear.
+        channels: arrays of equal length N in SI units (rad or m, N m or N, s, °C as measured); ``time`` and ``torque``
+            are always there.
+        run: run number of each sample, shape (N,); time increases within a run, and nothing connects two runs.
+        derived: names of channels that were computed, not measured.
+        provenance: source file, column mapping, checksum of the file, true parameters of a simulation, …
+    """
+
+    name: str
+    motion: Motion
+    channels: Mapping[str, NDArray[np.float64]]
+    run: NDArray[np.int64]
+    derived: frozenset[str] = frozenset()
+    provenance: Mapping[str, Any] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        for required in ("time", "torque"):
+            if required not in self.channels:
+                raise InputError(f"recording '{self.name}' has no channel '{required}'")
+        sizes = {name: np.shape(values) for name, values in self.channels.items()}
+        if len({*sizes.values(), self.run.shape}) != 1:
+            raise InputError(f"recording '{self.name}' has channels of different lengths: {sizes}")
+
+    def __len__(self) -> int:
+        return len(self.time)
+
+    def __contains__(self, channel: object) -> bool:
+        return channel in self.channels
+
+    def __getitem__(self, channel: str) -> NDArray[np.float64]:
+        try:
+            return self.channels[channel]
+        except KeyError:
+            known = ", ".join(self.channels)
+            raise InputError(f"recording '{self.name}' has no channel '{channel}'; it has {known}") from None
+
+    @property
+    def time(self) -> NDArray[np.float64]:
+        """Sample times [s]."""
+        return self.channels["time"]
+
+    @property
+    def torque(self) -> NDArray[np.float64]:
+        """Motor torque [N m], or drive force [N]."""
+        return self.channels["torque"]
+
+    @property
+    def velocity(self) -> NDArray[np.float64]:
+        """Velocity [rad/s or m/s]."""
+        return self["velocity"]
+
+    @property
+    def load_torque(self) -> NDArray[np.float64]:
+        """Known load torque [N m or N], zero where none was given."""
+        return self.channels.get("load_torque", np.zeros(len(self)))
+
+    def signal(self, name: str) -> NDArray[np.float64]:
+        """Return the channel that measures a term's signal; a load that was not given is zero.
+
+        Raises:
+            InputError: when the recording does not have it.
+        """
+        if name == "load_torque":
+            return self.load_torque
+        return self[SIGNAL_CHANNEL[name]]
+
+    def require(self, signals: frozenset[str], wanted_by: str) -> None:
+        """Check that every signal that a model touches is there.
+
+        Raises:
+            InputError: naming the missing channel. A term that uses the load torque needs one that was given.
+        """
+        for signal in sorted(signals):
+            channel = SIGNAL_CHANNEL[signal]
+            if channel not in self.channels:
+                raise InputError(
+                    f"'{wanted_by}' needs the channel '{channel}', which recording '{self.name}' does not have; "
+                    f"map a column with --column {channel}=COLUMN[:UNIT] or leave that model out"
+                )
+
+    def select(self, mask: NDArray[Any], name: str | None = None) -> Recording:
+        """Return the samples that a boolean mask, an index array or a slice picks."""
+        return replace(
+            self,
+            name=name or self.name,
+            channels={key: values[mask] for key, values in self.channels.items()},
+            run=self.run[mask],
+        )
+
+    def with_channels(self, *, derived: bool = True, **channels: NDArray[np.float64]) -> Recording:
+        """Return a copy with channels added or replaced."""
+        marked = self.derived | set(channels) if derived else self.derived - set(channels)
+        return replace(self, channels={**self.channels, **channels}, derived=frozenset(marked))
+
+    def scaled(self, scales: Scales) -> Recording:
+        """Return the recording in normalised units: each channel divided by the size of its dimension."""
+        channels = {
+            name: values / scales.of(CHANNELS.get(name, DIMENSIONLESS)) for name, values in self.channels.items()
+        }
+        return replace(self, channels=channels)
+
+    def runs(self) -> Iterator[Recording]:
+        """Yield each run on its own, in order of run number."""
+        for number in np.unique(self.run):
+            yield self.select(self.run == number)
+
+    @cached_property
+    def interval(self) -> float:
+        """Median sampling interval within runs [s]."""
+        steps = np.diff(self.time)[np.diff(self.run) == 0]
+        return float(np.median(steps)) if len(steps) else float("nan")
+
+    @cached_property
+    def checksum(self) -> str:
+        """SHA-256 over channel names, values and runs: equal recordings have equal checksums."""
+        digest = hashlib.sha256(self.motion.encode())
+        for name in sorted(self.channels):
+            digest.update(name.encode())
+            digest.update(np.ascontiguousarray(self.channels[name], dtype="<f8").tobytes())
+        digest.update(np.ascontiguousarray(self.run, dtype="<i8").tobytes())
+        return digest.hexdigest()

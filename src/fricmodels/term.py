@@ -1,0 +1,132 @@
+"""What laws and effects are: a torque written once as a symbolic expression.
+
+A *law* is the friction law that a model starts from; an *effect* is a physical effect added to it. Both are
+:class:`Term`: they declare parameters (and states, where they remember) as class attributes and write one method.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any, ClassVar
+
+from fricmodels.dimension import (
+    ACCELERATION,
+    DISPLACEMENT,
+    FORCE,
+    TEMPERATURE,
+    TIME,
+    VELOCITY,
+    Dimension,
+)
+from fricmodels.expressions import Expression
+from fricmodels.parameter import Parameter, State
+
+SIGNALS: Mapping[str, Dimension] = {
+    "velocity": VELOCITY,
+    "position": DISPLACEMENT,
+    "acceleration": ACCELERATION,
+    "motor_torque": FORCE,
+    "load_torque": FORCE,
+    "temperature": TEMPERATURE,
+    "time": TIME,
+}
+"""The signals that a term may use, and their dimensions."""
+
+
+class Signals:
+    """The measured signals, and the term's own states, as a term sees them: ``s.velocity``, ``s.position``, …
+
+    What is touched is remembered; it is what the term needs from a recording.
+    """
+
+    def __init__(self, values: Mapping[str, Expression], states: Mapping[str, Expression]) -> None:
+        self._values = values
+        self._states = states
+        self.touched: set[str] = set()
+
+    if TYPE_CHECKING:
+        velocity: Any
+        position: Any
+        acceleration: Any
+        motor_torque: Any
+        load_torque: Any
+        temperature: Any
+        time: Any
+
+    def __getattr__(self, name: str) -> Expression:
+        if name in self._states:
+            return self._states[name]
+        if name in self._values:
+            self.touched.add(name)
+            return self._values[name]
+        known = ", ".join([*self._values, *self._states])
+        raise AttributeError(f"there is no signal or state '{name}'; known: {known}")
+
+
+class Parameters:
+    """A term's parameters as expressions, by symbol: ``p.K_v``."""
+
+    def __init__(self, values: Mapping[str, Expression]) -> None:
+        self._values = values
+
+    def __getattr__(self, name: str) -> Expression:
+        try:
+            return self._values[name]
+        except KeyError:
+            known = ", ".join(self._values)
+            raise AttributeError(f"there is no parameter '{name}'; declared: {known}") from None
+
+
+class Term(ABC):
+    """A contribution to the friction torque ``τ_F`` of ``J dω/dt = τ_m − τ_L − τ_F``.
+
+    Attributes:
+        name: lower case with hyphens, as printed and as used in model names.
+        formula: the equation in plain text, for lists and reports.
+        parameters, states: collected from the class body, in order of declaration.
+    """
+
+    name: ClassVar[str]
+    formula: ClassVar[str] = ""
+    parameters: ClassVar[tuple[Parameter, ...]] = ()
+    states: ClassVar[tuple[State, ...]] = ()
+
+    def __init_subclass__(cls) -> None:
+        super().__init_subclass__()
+        own = [value for value in vars(cls).values() if isinstance(value, Parameter)]
+        inherited = [parameter for parameter in cls.parameters if parameter.symbol not in {p.symbol for p in own}]
+        cls.parameters = (*inherited, *own)
+        own_states = [value for value in vars(cls).values() if isinstance(value, State)]
+        cls.states = (*cls.states, *own_states)
+        symbols = [item.symbol for item in (*cls.parameters, *cls.states)]
+        if len(set(symbols)) != len(symbols):
+            raise TypeError(f"{cls.__name__}: a symbol is declared twice among {', '.join(symbols)}")
+        for parameter in cls.parameters:
+            if parameter.at_least is not None and parameter.at_least not in symbols:
+                raise TypeError(f"{cls.__name__}: {parameter.symbol} is at least '{parameter.at_least}', not declared")
+
+    @abstractmethod
+    def torque(self, s: Signals, p: Parameters) -> Expression:
+        """Return the torque [N m] (or force [N]) that this term adds to the friction torque."""
+
+    def rates(self, s: Signals, p: Parameters) -> Mapping[str, Expression]:
+        """Return d/dt of each declared state, by symbol. Only terms with memory write this."""
+        return {}
+
+    def __repr__(self) -> str:
+        return f"<{type(self).__name__} '{self.name}'>"
+
+
+class Law(Term):
+    """A friction law: the base that a model starts from."""
+
+
+class Effect(Term):
+    """A physical effect that a base law leaves out."""
+
+    signature: ClassVar[str] = ""
+    """What the missing effect leaves in the residual torque, in words."""
+
+    needs_motion: ClassVar[str] = ""
+    """What a recording must contain to show it: slow motion, reversals, a wide speed range, …"""
