@@ -15,7 +15,7 @@ from fricmodels.fit import Fit
 from fricmodels.recording import Recording
 
 
-class Settings(BaseModel):
+class EstimatorSettings(BaseModel):
     """Typed settings of an estimator; unknown keys are refused."""
 
     model_config = ConfigDict(extra="forbid", frozen=True)
@@ -24,17 +24,17 @@ class Settings(BaseModel):
 class Estimator(ABC):
     """Fits a drive to a recording.
 
-    A subclass names itself, declares its :class:`Settings` and writes :meth:`fit`. An estimator that cannot give an
+    A subclass names itself, declares its ``Settings`` and writes :meth:`fit`. An estimator that cannot give an
     answer raises :class:`fricmodels.errors.EstimationError` or returns a fit whose status says so.
     """
 
     name: ClassVar[str]
     summary: ClassVar[str] = ""
-    Settings: ClassVar[type[Settings]] = Settings
+    Settings: ClassVar[type[EstimatorSettings]] = EstimatorSettings
     carries_states: ClassVar[bool] = False
     """Whether it can fit terms with memory."""
 
-    def __init__(self, settings: Mapping[str, Any] | Settings | None = None) -> None:
+    def __init__(self, settings: Mapping[str, Any] | EstimatorSettings | None = None) -> None:
         if isinstance(settings, BaseModel):
             settings = settings.model_dump()
         self.settings: Any = self.Settings.model_validate(dict(settings or {}))

@@ -71,10 +71,7 @@ def sign(x: Expression) -> Expression:
 
 
 def absolute(x: Expression) -> Expression:
-    """Return |x|; in smooth expressions x·tanh(x/w), whose slope at 0 is 0."""
-    rest = _rest.get()
-    if rest is not None and rest.smooth:
-        return x * _casadi().tanh(x / rest.width)
+    """Return |x|."""
     return _casadi().fabs(x)
 
 

@@ -149,22 +149,25 @@ class Model:
     def linear(self) -> tuple[bool, ...]:
         """For each parameter, whether the torque is linear in it jointly with the others so marked.
 
-        Found from the expression: the Hessian of the torque in these parameters is structurally zero. Terms with
-        memory are nonlinear in all of their parameters that enter their rates.
+        Found from the expression: the derivative of the torque by one such parameter does not depend on any of them,
+        comparisons included. A parameter that enters the rate of an internal state, or a comparison only, is nonlinear.
         """
         import casadi
 
         e = self.expression()
-        count = len(self.parameters)
-        hessian = casadi.hessian(e.torque, e.parameters)[0].sparsity()
-        coupled = {(i, j) for i, j in zip(*hessian.get_triplet(), strict=True)}
-        in_rates = set()
-        if self.states:
-            in_rates = set(casadi.jacobian(e.rates, e.parameters).sparsity().get_triplet()[1])
-        linear = [(i, i) not in coupled and i not in in_rates for i in range(count)]
+        symbols = casadi.vertsplit(e.parameters) if self.parameters else []
+        slopes = [casadi.jacobian(e.torque, symbol) for symbol in symbols]
+        linear = [
+            slope.nnz() > 0 and not casadi.depends_on(slope, symbol) and not casadi.depends_on(e.rates, symbol)
+            for slope, symbol in zip(slopes, symbols, strict=True)
+        ]
         while True:
+            members = [i for i, is_linear in enumerate(linear) if is_linear]
             conflicts = {
-                i: sum(1 for j in range(count) if linear[j] and (i, j) in coupled) for i in range(count) if linear[i]
+                i: sum(
+                    casadi.depends_on(slopes[j], symbols[i]) + casadi.depends_on(slopes[i], symbols[j]) for j in members
+                )
+                for i in members
             }
             worst = max(conflicts, key=lambda i: conflicts[i], default=None)
             if worst is None or conflicts[worst] == 0:

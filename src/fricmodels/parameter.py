@@ -22,7 +22,8 @@ class Parameter:
             (a stick torque is never below the slip torque).
         meaning: the quantity in words.
         scan: for a coefficient that enters nonlinearly, the dimensionless values to try first, in units of the
-            recording's own scales (peak velocity, position range, duration); empty for coefficients that enter linearly.
+            recording's own scales (peak velocity, position range, duration); empty for linear ones.
+        periodic: whether it is a wave number in position, to be searched for in the spectrum over position.
     """
 
     symbol: str
@@ -33,6 +34,7 @@ class Parameter:
     at_least: str | None = None
     meaning: str = ""
     scan: tuple[float, ...] = ()
+    periodic: bool = False
 
     def __post_init__(self) -> None:
         if not self.lower <= self.initial <= self.upper:

@@ -142,13 +142,11 @@ def _built_in_first(point: importlib.metadata.EntryPoint) -> tuple[bool, str, st
     return (name != "fricmodels", name, point.name)
 
 
-def _register(
-    entries: dict[str, Registered[object]], kind: str, cls: type[object], distribution: str
-) -> str | None:
+def _register(entries: dict[str, Registered[object]], kind: str, cls: type[object], distribution: str) -> str | None:
     name = getattr(cls, "name", None)
     if not isinstance(name, str):
         return f"{cls!r} is a {kind} without a name"
-    abstract = getattr(cls, "__abstractmethods__", frozenset())
+    abstract: frozenset[str] = getattr(cls, "__abstractmethods__", frozenset())
     if abstract:
         return f"{kind} '{name}' does not write {', '.join(sorted(abstract))}"
     if name in entries:

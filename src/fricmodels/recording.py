@@ -34,6 +34,7 @@ CHANNELS: Mapping[str, Dimension] = {
     "load_torque": FORCE,
     "temperature": TEMPERATURE,
     "current": DIMENSIONLESS,
+    "torque_rate": FORCE * TIME**-1,
 }
 """The channels that a recording may have. On a linear axis ``torque`` and ``load_torque`` are forces."""
 
@@ -42,6 +43,7 @@ SIGNAL_CHANNEL: Mapping[str, str] = {
     "position": "position",
     "acceleration": "acceleration",
     "motor_torque": "torque",
+    "motor_torque_rate": "torque_rate",
     "load_torque": "load_torque",
     "temperature": "temperature",
     "time": "time",
@@ -112,14 +114,27 @@ class Recording:
         return self.channels.get("load_torque", np.zeros(len(self)))
 
     def signal(self, name: str) -> NDArray[np.float64]:
-        """Return the channel that measures a term's signal; a load that was not given is zero.
+        """Return the channel that measures a term's signal.
+
+        A load that was not given is zero; a torque rate that was not given is the central difference of the torque.
 
         Raises:
             InputError: when the recording does not have it.
         """
         if name == "load_torque":
             return self.load_torque
+        if name == "motor_torque_rate" and "torque_rate" not in self.channels:
+            return self._torque_rate
         return self[SIGNAL_CHANNEL[name]]
+
+    @cached_property
+    def _torque_rate(self) -> NDArray[np.float64]:
+        rate = np.zeros(len(self))
+        for number in np.unique(self.run):
+            inside = np.flatnonzero(self.run == number)
+            if len(inside) > 1:
+                rate[inside] = np.gradient(self.torque[inside], self.time[inside])
+        return rate
 
     def require(self, signals: frozenset[str], wanted_by: str) -> None:
         """Check that every signal that a model touches is there.
@@ -129,6 +144,8 @@ class Recording:
         """
         for signal in sorted(signals):
             channel = SIGNAL_CHANNEL[signal]
+            if signal == "motor_torque_rate":
+                continue
             if channel not in self.channels:
                 raise InputError(
                     f"'{wanted_by}' needs the channel '{channel}', which recording '{self.name}' does not have; "

@@ -27,6 +27,7 @@ SIGNALS: Mapping[str, Dimension] = {
     "position": DISPLACEMENT,
     "acceleration": ACCELERATION,
     "motor_torque": FORCE,
+    "motor_torque_rate": FORCE * TIME**-1,
     "load_torque": FORCE,
     "temperature": TEMPERATURE,
     "time": TIME,
@@ -50,6 +51,7 @@ class Signals:
         position: Any
         acceleration: Any
         motor_torque: Any
+        motor_torque_rate: Any
         load_torque: Any
         temperature: Any
         time: Any

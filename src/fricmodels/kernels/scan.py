@@ -114,7 +114,10 @@ def _source(step: Any) -> str:
         lines += [f"        n{i} = {value}" for i, value in enumerate(next_state)]
         lines += [f"        s{i} = n{i}" for i in range(n)]
         total = " + ".join(f"s{i}" for i in range(n))
-        lines += [f"        if not abs({total}) < 1e300:", *(f"            state[{i}] = s{i}" for i in range(n))]
+        lines += [
+            f"        if not abs({total}) < 1e300:",
+            *(f"            state[{i}] = s{i}" for i in range(n)),
+        ]
         lines += ["            return k"]
         lines += [f"    state[{i}] = s{i}" for i in range(n)]
     lines += ["    return inputs.shape[0]"]

@@ -23,8 +23,12 @@ class AsymmetricExponentialStickSlip(Law):
     formula = "τ_F = [K_v1·|ω| + C_1 + (K_c1 − C_1)·exp(−B_1·|ω|)]·sgn₁ω + [… 2 …]·sgn₂ω"
     K_v1 = Parameter("K_v1", unit="N m s/rad", lower=0.0, meaning="viscous friction coefficient, positive rotation")
     K_v2 = Parameter("K_v2", unit="N m s/rad", lower=0.0, meaning="viscous friction coefficient, negative rotation")
-    K_c1 = Parameter("K_c1", unit="N m", lower=0.0, at_least="C_1", meaning="Coulomb torque at stick, positive rotation")
-    K_c2 = Parameter("K_c2", unit="N m", lower=0.0, at_least="C_2", meaning="Coulomb torque at stick, negative rotation")
+    K_c1 = Parameter(
+        "K_c1", unit="N m", lower=0.0, at_least="C_1", meaning="Coulomb torque at stick, positive rotation"
+    )
+    K_c2 = Parameter(
+        "K_c2", unit="N m", lower=0.0, at_least="C_2", meaning="Coulomb torque at stick, negative rotation"
+    )
     C_1 = Parameter("C_1", unit="N m", lower=0.0, meaning="Coulomb torque at slip, positive rotation")
     C_2 = Parameter("C_2", unit="N m", lower=0.0, meaning="Coulomb torque at slip, negative rotation")
     B_1 = Parameter("B_1", unit="s/rad", lower=0.0, meaning="stick-to-slip rate, positive rotation", scan=_SCAN)

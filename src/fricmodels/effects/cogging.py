@@ -1,0 +1,30 @@
+"""Cogging torque."""
+
+from __future__ import annotations
+
+from fricmodels.expressions import Expression, cos, sin
+from fricmodels.parameter import Parameter
+from fricmodels.term import Effect, Parameters, Signals
+
+
+class Cogging(Effect):
+    r"""Torque of poles, slots or teeth: periodic in position, independent of the motion.
+
+    .. math:: \tau = a\cos kq + b\sin kq
+
+    The wave number k [1/rad or 1/m] is searched for; a period need not divide a turn.
+
+    Source: Hanselman, Brushless Permanent Magnet Motor Design (2006), ch. 9.
+    """
+
+    name = "cogging"
+    formula = "τ = a·cos kq + b·sin kq"
+    signature = "periodic in position, the same in both directions"
+    needs_motion = "several periods in position"
+    a = Parameter("a", unit="N m", meaning="cosine amplitude")
+    b = Parameter("b", unit="N m", meaning="sine amplitude")
+    k = Parameter("k", unit="1/rad", initial=1.0, lower=0.0, meaning="wave number over position", periodic=True)
+
+    def torque(self, s: Signals, p: Parameters) -> Expression:
+        """Return the periodic torque."""
+        return p.a * cos(p.k * s.position) + p.b * sin(p.k * s.position)

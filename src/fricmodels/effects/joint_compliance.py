@@ -1,0 +1,47 @@
+"""Elasticity between motor and link."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from fricmodels.expressions import Expression
+from fricmodels.parameter import Parameter, State
+from fricmodels.term import Effect, Parameters, Signals
+
+
+class JointCompliance(Effect):
+    r"""A link of inertia J_l on a spring, where the drive model has it rigid: a resonance between motor and link.
+
+    .. math:: \tau = -J_l \dot v, \quad \dot x = v, \quad \dot v = \dot\omega - \omega_n^2 x - 2\zeta\omega_n v
+
+    x and v are the twist and its rate; the drive's inertia stays the whole one, motor and link.
+
+    Source: Spong (1987), the elastic joint linearised about the motor.
+    """
+
+    name = "joint-compliance"
+    formula = "τ = −J_l·dv/dt;  dx/dt = v;  dv/dt = dω/dt − ω_n²·x − 2·ζ·ω_n·v"
+    signature = "a resonance"
+    needs_motion = "acceleration up to the resonance"
+    J_l = Parameter("J_l", unit="kg m^2", lower=0.0, meaning="inertia of the link")
+    omega_n = Parameter(
+        "omega_n",
+        unit="1/s",
+        initial=100.0,
+        lower=1e-9,
+        meaning="natural angular frequency of the link",
+        scan=tuple(round(10 ** (1.5 + 0.15 * i), 1) for i in range(19)),
+    )
+    zeta = Parameter("zeta", initial=0.1, lower=0.0, upper=2.0, meaning="damping ratio", scan=(0.03, 0.15))
+    x = State("x", unit="rad", meaning="twist")
+    v = State("v", unit="rad/s", meaning="rate of twist")
+
+    def torque(self, s: Signals, p: Parameters) -> Expression:
+        """Return what the spring transmits less what a rigid link would take."""
+        spring = p.omega_n**2 * s.x + 2 * p.zeta * p.omega_n * s.v
+        return p.J_l * (spring - s.acceleration)
+
+    def rates(self, s: Signals, p: Parameters) -> Mapping[str, Expression]:
+        """Return the rates of twist."""
+        spring = p.omega_n**2 * s.x + 2 * p.zeta * p.omega_n * s.v
+        return {"x": s.v, "v": s.acceleration - spring}

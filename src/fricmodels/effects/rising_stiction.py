@@ -1,0 +1,42 @@
+"""A breakaway torque that grows with the time at rest."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from fricmodels.expressions import Expression, absolute, sign
+from fricmodels.parameter import Parameter, State
+from fricmodels.term import Effect, Parameters, Signals
+
+
+class RisingStiction(Effect):
+    r"""A contact that ages: at rest the breakaway torque rises with time, and sliding over x_s wears the bond off.
+
+    .. math:: \tau = F z \operatorname{sgn}\omega, \qquad \dot z = (1 - z)/T - |\omega| z/x_s
+
+    Source: Rabinowicz (1958); rate and state friction, Dieterich (1979), Ruina (1983).
+    """
+
+    name = "rising-stiction"
+    formula = "τ = F·z·sgn ω;  dz/dt = (1 − z)/T − |ω|·z/x_s"
+    signature = "a breakaway peak that grows with the time at rest"
+    needs_motion = "rests of different lengths"
+    F = Parameter("F", unit="N m", lower=0.0, meaning="rise of the breakaway torque after a long rest")
+    T = Parameter("T", unit="s", initial=1.0, lower=1e-9, meaning="time of the rise", scan=(0.003, 0.01, 0.03, 0.1))
+    x_s = Parameter(
+        "x_s",
+        unit="rad",
+        initial=1e-3,
+        lower=1e-12,
+        meaning="sliding that ends it",
+        scan=(0.001, 0.003, 0.01, 0.03),
+    )
+    z = State("z", meaning="age of the contact, 0 to 1")
+
+    def torque(self, s: Signals, p: Parameters) -> Expression:
+        """Return F z sgn ω."""
+        return p.F * s.z * sign(s.velocity)
+
+    def rates(self, s: Signals, p: Parameters) -> Mapping[str, Expression]:
+        """Return dz/dt = (1 − z)/T − |ω| z/x_s."""
+        return {"z": (1 - s.z) / p.T - absolute(s.velocity) * s.z / p.x_s}

@@ -1,0 +1,29 @@
+"""A delay between the recorded torque and the recorded motion."""
+
+from __future__ import annotations
+
+from fricmodels.expressions import Expression
+from fricmodels.parameter import Parameter
+from fricmodels.term import Effect, Parameters, Signals
+
+
+class SensorDelay(Effect):
+    r"""Torque that acts later than recorded, or motion that is recorded late: a shift in time by T.
+
+    .. math:: \tau = T\,\dot\tau_m
+
+    The first order of a shift, :math:`\tau_m(t - T) = \tau_m(t) - T\dot\tau_m(t) + \dots`; a torque that is recorded
+    late has T < 0. A torque held over a sample of length h by itself gives T = h/2.
+
+    Source: elementary.
+    """
+
+    name = "sensor-delay"
+    formula = "τ = T·dτ_m/dt"
+    signature = "the derivative of the motor torque"
+    needs_motion = "several frequencies"
+    T = Parameter("T", unit="s", meaning="delay of the motion record against the torque record")
+
+    def torque(self, s: Signals, p: Parameters) -> Expression:
+        """Return T dτ_m/dt."""
+        return p.T * s.motor_torque_rate

@@ -1,0 +1,26 @@
+"""A torque constant that is off."""
+
+from __future__ import annotations
+
+from fricmodels.expressions import Expression
+from fricmodels.parameter import Parameter
+from fricmodels.term import Effect, Parameters, Signals
+
+
+class TorqueGain(Effect):
+    r"""A torque constant that is off: the motor gives 1 + g times the torque that was recorded.
+
+    .. math:: \tau = -g\,\tau_m
+
+    Source: Elementary; the scale of the current or torque measurement.
+    """
+
+    name = "torque-gain"
+    formula = "τ = −g·τ_m"
+    signature = "in proportion to the motor torque"
+    needs_motion = "a known inertia or load"
+    g = Parameter("g", lower=-0.9, meaning="relative error of the torque constant")
+
+    def torque(self, s: Signals, p: Parameters) -> Expression:
+        """Return −g τ_m."""
+        return -p.g * s.motor_torque
