@@ -1,0 +1,363 @@
+"""Simulates a drive under a given torque: Karnopp's stick detection, trapezium rule, and simple sensors.
+
+While the drive slides in one direction its friction is smooth, and a step is the implicit trapezium rule
+
+.. math:: x_{k+1} = x_k + \\tfrac h2 [f(x_k, u_k) + f(x_{k+1}, u_{k+1})],
+
+solved by Newton's method. Where the velocity passes zero within a step, the step is cut there and the velocity set
+to exactly zero. At zero the drive sticks as long as the applied torque lies between the limits of the model's torque
+as ω → −0 and ω → +0; it leaves at the instant, within the step, at which the torque passes one of them. Nothing of
+this knows which law it simulates: the two limits are the law's own.
+
+Source: D. Karnopp, "Computer simulation of stick-slip friction in mechanical dynamic systems", 1985, with the instant
+of stopping and of breakaway instead of a band of small velocities.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, Literal, TypeAlias
+from weakref import WeakKeyDictionary
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from fricmodels.drive import Drive
+from fricmodels.errors import InputError
+from fricmodels.kernels import Scan
+from fricmodels.recording import Recording
+
+Array: TypeAlias = NDArray[np.float64]
+Between: TypeAlias = Literal["linear", "held"]
+
+_INPUTS = ("motor_torque", "load_torque", "temperature", "time")
+_NEWTON_STEPS = 3
+_scans: WeakKeyDictionary[Drive, Scan] = WeakKeyDictionary()
+
+
+def simulate(
+    drive: Drive,
+    values: Mapping[str, float],
+    time: ArrayLike,
+    torque: ArrayLike,
+    *,
+    load_torque: ArrayLike | None = None,
+    temperature: ArrayLike | None = None,
+    initial_velocity: float = 0.0,
+    initial_position: float = 0.0,
+    between_samples: Between = "linear",
+    substeps: int = 1,
+    noise: float = 0.0,
+    quantisation: float = 0.0,
+    hold: int = 1,
+    seed: int = 0,
+    with_position: bool | None = None,
+    name: str = "simulated",
+) -> Recording:
+    """Simulate the drive and measure its velocity.
+
+    Args:
+        drive: the model and its motion.
+        values: the model's parameters by key, in SI units, and the inertia unless the drive has one.
+        time: sample times [s], shape (N,), increasing; they need not be even.
+        torque: motor torque [N m] or force [N] at the samples.
+        load_torque: known load torque at the samples; zero where it is not given.
+        temperature: temperature at the samples [°C], for models that need it.
+        initial_velocity, initial_position: at the first sample.
+        between_samples: ``linear`` joins the samples of the torque, ``held`` keeps each until the next one.
+        substeps: steps of integration per sampling interval.
+        noise: standard deviation of white noise on the velocity, in percent of the RMS velocity.
+        quantisation: smallest step of the measured velocity [rad/s or m/s]; 0 for none.
+        hold: the velocity sensor gives a new value only every so many samples.
+        seed: of the noise.
+        with_position: whether the recording has the position; as a rule, where the model needs it.
+        name: of the recording.
+
+    Returns:
+        A recording with ``time``, ``torque``, ``velocity`` and what was given; ``provenance["true_parameters"]`` holds
+        the values. Where the integration stops being finite the velocity is not a number from there on.
+
+    Raises:
+        InputError: for a model that needs a signal that was not given, a missing parameter, or times that do not
+            increase.
+    """
+    times = np.asarray(time, dtype=float)
+    channels = {"time": times, "torque": np.broadcast_to(np.asarray(torque, dtype=float), times.shape).copy()}
+    for key, given in (("load_torque", load_torque), ("temperature", temperature)):
+        if given is not None:
+            channels[key] = np.broadcast_to(np.asarray(given, dtype=float), times.shape).copy()
+    run = np.zeros(len(times), dtype=np.int64)
+    driven = Recording(name, drive.motion, channels, run)
+    velocity, position = _integrate(
+        drive, values, driven, initial_velocity, initial_position, between_samples, substeps
+    )
+    channels["velocity"] = measure(velocity, noise=noise, quantisation=quantisation, hold=hold, seed=seed)
+    if with_position or (with_position is None and "position" in drive.model.needs):
+        channels["position"] = position
+    inertia, _ = drive.split(values)
+    provenance = {
+        "simulated": drive.model.name,
+        "true_parameters": {
+            drive.inertia_key: inertia,
+            **{p.key: float(values[p.key]) for p in drive.model.parameters},
+        },
+        "noise_percent": noise,
+        "seed": seed,
+    }
+    return Recording(name, drive.motion, channels, run, provenance=provenance)
+
+
+def measure(velocity: Array, *, noise: float = 0.0, quantisation: float = 0.0, hold: int = 1, seed: int = 0) -> Array:
+    """Return what a simple sensor makes of a velocity: white noise, quantisation, sample and hold, in this order.
+
+    Args:
+        velocity: the true velocity, shape (N,).
+        noise: standard deviation in percent of the RMS velocity.
+        quantisation: smallest step; 0 for none.
+        hold: a new value only every so many samples.
+        seed: of the noise.
+    """
+    if noise < 0 or quantisation < 0 or hold < 1:
+        raise InputError("noise and quantisation must not be negative, and hold at least 1")
+    deviation = noise / 100 * float(np.sqrt(np.mean(velocity**2)))
+    measured = velocity + deviation * np.random.default_rng(seed).standard_normal(len(velocity))
+    if quantisation > 0:
+        measured = quantisation * np.round(measured / quantisation)
+    return np.asarray(measured[np.arange(len(velocity)) // hold * hold], dtype=float)
+
+
+def simulated_velocity(
+    drive: Drive,
+    values: Mapping[str, float],
+    recording: Recording,
+    *,
+    between_samples: Between = "linear",
+    substeps: int = 1,
+) -> Array:
+    """Return the velocity that the drive would have under the recorded torque alone, shape (N,).
+
+    Each run starts from its own first velocity (and position); nothing after that is taken from the measured motion.
+    """
+    simulated = np.empty(len(recording))
+    for number in np.unique(recording.run):
+        mask = recording.run == number
+        one = recording.select(mask)
+        position = float(one["position"][0]) if "position" in one else 0.0
+        simulated[mask], _ = _integrate(drive, values, one, float(one.velocity[0]), position, between_samples, substeps)
+    return simulated
+
+
+def simulated_velocity_error(
+    drive: Drive,
+    values: Mapping[str, float],
+    recording: Recording,
+    *,
+    between_samples: Between = "linear",
+    substeps: int = 1,
+) -> Array:
+    """Return recorded minus simulated velocity, shape (N,); see :func:`simulated_velocity`."""
+    return recording.velocity - simulated_velocity(
+        drive, values, recording, between_samples=between_samples, substeps=substeps
+    )
+
+
+def _integrate(
+    drive: Drive,
+    values: Mapping[str, float],
+    driven: Recording,
+    initial_velocity: float,
+    initial_position: float,
+    between_samples: Between,
+    substeps: int,
+) -> tuple[Array, Array]:
+    """Return velocity and position at the samples of one run."""
+    if substeps < 1:
+        raise InputError(f"substeps must be at least 1, got {substeps}")
+    intervals = np.diff(driven.time)
+    if len(intervals) == 0 or not np.all(intervals > 0):
+        raise InputError(f"recording '{driven.name}' needs at least two increasing sample times to be simulated")
+    driven.require(drive.model.needs & {"temperature"}, drive.model.name)
+    inertia, parameters = _checked(drive, values)
+    zero = np.zeros(len(driven))
+    signals = [driven.torque, driven.load_torque, driven.channels.get("temperature", zero), driven.time]
+    step_length = np.repeat(intervals / substeps, substeps)
+    columns = [step_length]
+    for name, signal in zip(_INPUTS, signals, strict=True):
+        held = between_samples == "held" and name != "time"
+        columns.extend(_ends(signal, substeps, held=held))
+    push = float(np.max(np.abs(driven.torque - driven.load_torque)))
+    width = 1e-6 * float(np.median(intervals)) * push / inertia or 1e-9
+    scan = _scans.get(drive)
+    if scan is None:
+        scan = _scans[drive] = Scan(_step(drive))
+    states = [state.initial for state in drive.model.states]
+    start = [initial_velocity, initial_position, *states]
+    _, outputs, done = scan(start, np.column_stack(columns), [inertia, *parameters, width], stride=substeps)
+    if done < len(step_length):
+        outputs[done // substeps :] = np.nan
+    velocity = np.concatenate([[initial_velocity], outputs[:, 0]])
+    position = np.concatenate([[initial_position], outputs[:, 1]])
+    return velocity, position
+
+
+def _checked(drive: Drive, values: Mapping[str, float]) -> tuple[float, Array]:
+    try:
+        inertia, parameters = drive.split(values)
+    except KeyError as missing:
+        raise InputError(f"to simulate '{drive.model.name}' a value is needed for {missing}") from None
+    if not inertia > 0:
+        raise InputError(f"to simulate '{drive.model.name}' the inertia must be positive, got {inertia}")
+    return inertia, parameters
+
+
+def _ends(signal: Array, substeps: int, *, held: bool) -> tuple[Array, Array]:
+    """Return a signal at the beginning and the end of every step."""
+    if held:
+        kept = np.repeat(signal[:-1], substeps)
+        return kept, kept
+    fractions = np.arange(substeps) / substeps
+    rise = np.diff(signal)[:, None]
+    begin = (signal[:-1, None] + rise * fractions).ravel()
+    end = (signal[:-1, None] + rise * (fractions + 1 / substeps)).ravel()
+    return begin, end
+
+
+class _Motion:
+    """The drive's equations on one side of zero velocity, as expressions."""
+
+    def __init__(self, drive: Drive) -> None:
+        import casadi
+
+        e = drive.model.expression()
+        self.n_states = e.states.numel()
+        self.parameters, self.width = e.parameters, e.width
+        self.inertia = casadi.SX.sym("inertia")
+        acceleration = e.signals["acceleration"]
+        slope = casadi.jacobian(e.torque, acceleration)
+        if casadi.depends_on(slope, acceleration):
+            raise InputError(f"'{drive.model.name}' is not affine in the acceleration and cannot be simulated")
+        at_zero = casadi.substitute(e.torque, acceleration, 0)
+        applied = e.signals["motor_torque"] - e.signals["load_torque"]
+        rate = (applied - at_zero) / (self.inertia + slope)
+        arguments = [
+            e.signals["velocity"], e.signals["position"], e.states, *(e.signals[name] for name in _INPUTS)
+        ]  # fmt: skip
+        given = [self.inertia, self.parameters, self.width]
+        self._rate = casadi.Function("rate", [*arguments, *given], [rate])
+        self._excess = casadi.Function("excess", [*arguments, *given], [applied - at_zero])
+        sliding = casadi.substitute(e.rates, acceleration, rate) if self.n_states else e.rates
+        resting = casadi.substitute(e.rates, acceleration, 0) if self.n_states else e.rates
+        self._sliding = casadi.Function("sliding", [*arguments, *given], [sliding])
+        self._resting = casadi.Function("resting", [*arguments, *given], [resting])
+        self._given = given
+
+    def excess(self, direction: Any, position: Any, states: Any, inputs: list[Any]) -> Any:
+        """Applied torque beyond what friction holds as the velocity goes to zero from one side."""
+        tiny = 1e-9 * self.width
+        return self._excess(direction * tiny, position, states, *inputs, *self._given)
+
+    def _change(self, x: Any, direction: Any, position: Any, inputs: list[Any], *, moving: bool) -> Any:
+        import casadi
+
+        tiny = 1e-9 * self.width
+        speed = casadi.fmax(direction * x[0], tiny) if moving else tiny
+        states = x[1:]
+        arguments = [direction * speed, position, states, *inputs, *self._given]
+        if moving:
+            return casadi.vertcat(self._rate(*arguments), self._sliding(*arguments))
+        return casadi.vertcat(0, self._resting(*arguments))
+
+    def leg(
+        self,
+        x: Any,
+        position: Any,
+        direction: Any,
+        length: Any,
+        begin: list[Any],
+        end: list[Any],
+        *,
+        moving: bool,
+    ) -> tuple[Any, Any]:
+        """Advance ``x`` (velocity, internal states) and the position by the trapezium rule.
+
+        Newton's matrix takes no credit for friction that falls with speed: where the law pushes, an iteration is a
+        plain fixed-point one, and the rule is Heun's.
+        """
+        import casadi
+
+        first = self._change(x, direction, position, begin, moving=moving)
+        unknown = casadi.SX.sym("x", x.numel())
+        arrived = position + length / 2 * (x[0] + unknown[0])
+        last = self._change(unknown, direction, arrived, end, moving=moving)
+        residual = unknown - x - length / 2 * (first + last)
+        matrix = casadi.jacobian(residual, unknown)
+        matrix[0, 0] = casadi.fmax(matrix[0, 0], 1)
+        improved = unknown - casadi.solve(matrix, residual)
+        guess = x + length * first
+        for _ in range(_NEWTON_STEPS):
+            guess = casadi.substitute(improved, unknown, guess)
+        return guess, position + length / 2 * (x[0] + guess[0])
+
+
+def _step(drive: Drive) -> Any:
+    """Build one step (velocity, position, states) → the same, cut where the drive stops or breaks away."""
+    import casadi
+
+    motion = _Motion(drive)
+    state = casadi.SX.sym("state", 2 + motion.n_states)
+    inputs = casadi.SX.sym("input", 1 + 2 * len(_INPUTS))
+    constants = casadi.vertcat(motion.inertia, motion.parameters, motion.width)
+    x, position, length = casadi.vertcat(state[0], state[2:]), state[1], inputs[0]
+    begin = [inputs[1 + 2 * i] for i in range(len(_INPUTS))]
+    end = [inputs[2 + 2 * i] for i in range(len(_INPUTS))]
+
+    def between(fraction: Any) -> list[Any]:
+        return [a + fraction * (b - a) for a, b in zip(begin, end, strict=True)]
+
+    def choose(condition: Any, yes: Any, no: Any) -> Any:
+        # A product with a condition would spread a not-a-number of the branch that is not taken.
+        return casadi.vertcat(*(casadi.if_else(condition, yes[i], no[i]) for i in range(yes.numel())))
+
+    # At rest: held while neither limit is passed; ``wait`` is the fraction of the step until one of them is.
+    states = x[1:]
+    above = [motion.excess(1, position, states, ends) for ends in (begin, end)]
+    below = [motion.excess(-1, position, states, ends) for ends in (begin, end)]
+    at_rest = casadi.logic_and(x[0] == 0, casadi.logic_and(above[0] <= 0, below[0] >= 0))
+    leaves_up = above[1] > 0
+    leaves = casadi.logic_or(leaves_up, below[1] < 0)
+    up_fraction = above[0] / (above[0] - above[1])
+    down_fraction = below[0] / (below[0] - below[1])
+    until = casadi.if_else(leaves, casadi.if_else(leaves_up, up_fraction, down_fraction), 1)
+    wait = casadi.if_else(at_rest, until, 0)
+    from_rest = casadi.if_else(casadi.if_else(at_rest, leaves_up, above[0] > 0), 1, -1)
+    direction = casadi.if_else(x[0] == 0, from_rest, casadi.if_else(x[0] > 0, 1, -1))
+    held, _ = motion.leg(x, position, direction, wait * length, begin, between(wait), moving=False)
+    x1 = choose(at_rest, held, x)
+
+    # Sliding for what is left, up to where the velocity passes zero.
+    left = (1 - wait) * length
+    x2, position2 = motion.leg(x1, position, direction, left, between(wait), end, moving=True)
+    stops = casadi.logic_and(direction * x2[0] <= 0, left > 0)
+    part = casadi.if_else(stops, x1[0] / (x1[0] - x2[0]), 1)
+    stopped = x1 + part * (x2 - x1)
+    stopped[0] = 0
+    position_stopped = position + part * left * x1[0] / 2
+
+    # After a stop: held, or off in the other direction.
+    rest = (1 - part) * left
+    there = between(wait + part * (1 - wait))
+    back = -direction
+    turns = direction * motion.excess(back, position_stopped, stopped[1:], there) < 0
+    x3, position3 = motion.leg(stopped, position_stopped, back, rest, there, end, moving=True)
+    kept, _ = motion.leg(stopped, position_stopped, back, rest, there, end, moving=False)
+    returned = casadi.logic_and(turns, back * x3[0] > 0)
+    after = choose(returned, x3, kept)
+    position_after = casadi.if_else(returned, position3, position_stopped)
+
+    final = choose(stops, after, x2)
+    final_position = casadi.if_else(stops, position_after, position2)
+    # A drive that was held for the whole step has no leg to slide.
+    final = choose(wait >= 1, x1, final)
+    final_position = casadi.if_else(wait >= 1, position, final_position)
+    following = casadi.vertcat(final[0], final_position, final[1:])
+    return casadi.Function("step", [state, inputs, constants], [following, following[:2]])
