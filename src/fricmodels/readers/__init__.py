@@ -1,1 +1,19 @@
-"""The built-in readers, one format a file."""
+"""From files to recordings. The built-in readers, one format a file, register through the same hook as anybody's."""
+
+from __future__ import annotations
+
+from fricmodels.hookspecs import hookimpl
+from fricmodels.readers.base import Reader
+from fricmodels.readers.checks import check
+from fricmodels.readers.csv import CsvReader
+from fricmodels.readers.matlab import MatlabReader
+from fricmodels.readers.parquet import ParquetReader
+from fricmodels.readers.reading import read
+
+__all__ = ["Reader", "check", "read"]
+
+
+@hookimpl
+def fricmodels_readers() -> list[type[Reader]]:
+    """Return the built-in readers."""
+    return [CsvReader, ParquetReader, MatlabReader]

@@ -1,0 +1,81 @@
+"""Whether the content of a recording can be used at all."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from fricmodels.errors import InputError
+from fricmodels.recording import Recording
+
+
+def _sample(row: int) -> str:
+    return f"sample {row + 1}"
+
+
+def check(recording: Recording, place: Callable[[int], str] = _sample) -> None:
+    """Check that values are finite, time goes forward within each run, and something moves under some torque.
+
+    Args:
+        recording: samples of each run stand together.
+        place: names the place of a sample in its file.
+
+    Raises:
+        InputError: one line with the cause, the place and the way out.
+    """
+    source = recording.provenance.get("source", recording.name)
+    columns = recording.provenance.get("columns", {})
+    for channel, values in recording.channels.items():
+        bad = np.flatnonzero(~np.isfinite(values))
+        if len(bad):
+            value = "an empty field or NaN" if np.isnan(values[bad[0]]) else "an infinite value"
+            others = f", and {len(bad) - 1} more" if len(bad) > 1 else ""
+            raise InputError(
+                f"{source}: {place(int(bad[0]))}, {channel} ({columns.get(channel, channel)}): {value}{others}; "
+                f"remove or repair those rows"
+            )
+    if len(recording) < 2:
+        raise InputError(f"{source}: {len(recording) or 'no'} sample{'s' if len(recording) != 1 else ''}; "
+                         f"identification needs many")  # fmt: skip
+    _check_time(recording, source, place)
+    _check_motion(recording, source)
+
+
+def _check_time(recording: Recording, source: str, place: Callable[[int], str]) -> None:
+    within = np.diff(recording.run) == 0
+    step = np.diff(recording.time)
+    back = np.flatnonzero(within & (step <= 0))
+    if len(back):
+        row = int(back[0]) + 1
+        before, here = recording.time[row - 1 : row + 1]
+        cause = f"the time {here:.9g} s is repeated" if here == before else (
+            f"the time goes back from {before:.9g} s to {here:.9g} s"
+        )  # fmt: skip
+        way = "drop repeated samples" if here == before else "sort the samples"
+        raise InputError(
+            f"{source}: {place(row)}: {cause}; {way}, or if a new run begins there name its column "
+            f"with --column run=COLUMN"
+        )
+    counts = np.bincount(np.unique(recording.run, return_inverse=True)[1])
+    if (counts < 2).any():
+        number = np.unique(recording.run)[int(np.argmin(counts))]
+        row = int(np.flatnonzero(recording.run == number)[0])
+        raise InputError(f"{source}: {place(row)}: the run {number} has one sample only; remove it")
+
+
+def _check_motion(recording: Recording, source: str) -> None:
+    if not recording.torque.any():
+        raise InputError(f"{source}: the torque is zero throughout; map the column that drives the motion")
+    if "velocity" in recording:
+        velocity = recording.velocity
+    else:
+        within = np.diff(recording.run) == 0
+        position = recording["position"]
+        velocity = (np.diff(position) / np.diff(recording.time))[within]
+        rounding = 8 * np.spacing(np.abs(position).max()) / np.diff(recording.time)[within].min()
+        if np.ptp(velocity) <= rounding:
+            velocity = np.full(1, np.median(velocity) if abs(np.median(velocity)) > rounding else 0.0)
+    if np.ptp(velocity) == 0.0:
+        what = "nothing moves" if velocity[0] == 0.0 else f"the velocity is {velocity[0]:.6g} throughout"
+        raise InputError(f"{source}: {what}; friction shows only where the velocity varies")

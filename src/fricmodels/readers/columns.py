@@ -1,0 +1,218 @@
+"""Which column of a table is which channel: standard names, and ``CHANNEL=COLUMN[:UNIT]``.
+
+The column may contain spaces, equal signs and colons. A column of the whole name after the first ``=`` is taken
+first; only if there is none, what follows the last colon is the unit. So ``velocity=a:b`` is the column ``a:b``
+where the table has one, and the column ``a`` in the unit ``b`` otherwise.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from difflib import get_close_matches
+
+from fricmodels.dimension import Motion
+from fricmodels.errors import InputError, suggestion
+from fricmodels.readers import units
+
+STANDARD: Mapping[Motion, Mapping[str, str]] = {
+    Motion.ROTARY: {
+        "time": "time_s",
+        "torque": "torque_Nm",
+        "velocity": "velocity_rad_s",
+        "position": "position_rad",
+        "acceleration": "acceleration_rad_s2",
+        "load_torque": "load_torque_Nm",
+        "temperature": "temperature_degC",
+        "current": "current_A",
+        "run": "run",
+    },
+    Motion.LINEAR: {
+        "time": "time_s",
+        "torque": "force_N",
+        "velocity": "velocity_m_s",
+        "position": "position_m",
+        "acceleration": "acceleration_m_s2",
+        "load_torque": "load_force_N",
+        "temperature": "temperature_degC",
+        "current": "current_A",
+        "run": "run",
+    },
+}
+"""Standard column of each channel, by kind of motion."""
+
+_ALIASES = {"force": "torque", "load_force": "load_torque"}
+NAMES = (*STANDARD[Motion.ROTARY], *_ALIASES)
+"""Channel names that a mapping may use; ``force`` and ``load_force`` are those of a linear axis."""
+
+
+@dataclass(frozen=True)
+class Column:
+    """One mapped channel: the name as written, the column, and the unit if one was given."""
+
+    name: str
+    column: str
+    unit: str | None = None
+
+    @property
+    def channel(self) -> str:
+        """The channel of the recording that it fills."""
+        return _ALIASES.get(self.name, self.name)
+
+    def __str__(self) -> str:
+        return f"{self.name}={self.column}" + (f":{self.unit}" if self.unit else "")
+
+
+def parse(specification: str, present: Sequence[str]) -> Column:
+    """Read ``CHANNEL=COLUMN[:UNIT]`` against the columns that are there.
+
+    Raises:
+        InputError: for an unknown channel, a column that is not there, or an unknown unit.
+    """
+    name, equals, rest = (part.strip() for part in specification.partition("="))
+    if not equals or not rest:
+        raise InputError(f"'{specification}' is no column mapping; write CHANNEL=COLUMN or CHANNEL=COLUMN:UNIT")
+    if name not in NAMES:
+        raise InputError(f"unknown channel '{name}' in '{specification}'{suggestion(name, NAMES)}")
+    if rest in present:
+        return Column(name, rest)
+    column, colon, unit = (part.strip() for part in rest.rpartition(":"))
+    if colon and column in present:
+        if not unit:
+            return Column(name, column)
+        if not units.known(unit):
+            raise InputError(
+                f"unknown unit '{unit}' in '{specification}'; write it as in deg/s, rpm, mA, N*m or count/2000"
+            )
+        return Column(name, column, unit)
+    wanted = column if colon and units.known(unit) else rest
+    raise InputError(f"there is no column '{wanted}' for the {name}{_near(wanted, present)}; columns: {_list(present)}")
+
+
+def mapping(columns: Sequence[str] | Mapping[str, str], present: Sequence[str]) -> dict[str, Column]:
+    """Read several mappings, of a list or ``{channel: "COLUMN[:UNIT]"}``; return them by channel.
+
+    Raises:
+        InputError: as :func:`parse`, and for a channel that is mapped twice.
+    """
+    listed = [f"{name}={column}" for name, column in columns.items()] if isinstance(columns, Mapping) else columns
+    if isinstance(listed, str):
+        listed = [listed]
+    found: dict[str, Column] = {}
+    for specification in listed:
+        column = parse(specification, present)
+        if column.channel in found:
+            raise InputError(f"the channel '{column.name}' is mapped twice: '{found[column.channel]}' and '{column}'")
+        found[column.channel] = column
+    return found
+
+
+def detect_motion(mapped: Mapping[str, Column], present: Sequence[str]) -> Motion:
+    """Tell rotary from linear by the mapping's names and units, then by the standard names; rotary if nothing tells.
+
+    Raises:
+        InputError: when the mapping speaks of both.
+    """
+    said = {column.name: True for column in mapped.values() if column.name in _ALIASES}
+    for column in mapped.values():
+        if column.unit and column.channel not in ("time", "run", "temperature", "current"):
+            linear = units.is_linear(column.unit)
+            if linear is not None:
+                said[column.name] = linear
+    if len(set(said.values())) > 1:
+        sliding = [name for name, linear in said.items() if linear]
+        turning = [name for name, linear in said.items() if not linear]
+        raise InputError(
+            f"the mapping mixes a linear axis ({', '.join(sliding)}) with a rotary one ({', '.join(turning)}); "
+            f"correct the units or name the motion"
+        )
+    if said:
+        return Motion.LINEAR if next(iter(said.values())) else Motion.ROTARY
+    fits = {
+        motion: sum(
+            name in present
+            for channel, name in names.items()
+            if channel not in mapped and name != STANDARD[_other(motion)][channel]
+        )
+        for motion, names in STANDARD.items()
+    }
+    if fits[Motion.LINEAR] != fits[Motion.ROTARY]:
+        return max(fits, key=lambda motion: fits[motion])
+    sources = [column.column.lower() for channel, column in mapped.items() if channel not in ("time", "run")]
+    linear_names = sum(source.startswith("force") or source.endswith(("_n", "_m", "_m_s", "_mm")) for source in sources)
+    rotary_names = sum("torque" in source or "rad" in source or source.endswith("nm") for source in sources)
+    return Motion.LINEAR if linear_names > rotary_names else Motion.ROTARY
+
+
+def _other(motion: Motion) -> Motion:
+    return Motion.LINEAR if motion is Motion.ROTARY else Motion.ROTARY
+
+
+def assign(
+    columns: Sequence[str] | Mapping[str, str], present: Sequence[str], motion: Motion | None
+) -> tuple[dict[str, Column], Motion]:
+    """Return the column of each channel, and the motion: what is mapped, and standard names for the rest.
+
+    Raises:
+        InputError: naming a channel that is missing, the columns that are there and the way out; or a column that is
+            there twice.
+    """
+    found = mapping(columns, present)
+    kind = motion or detect_motion(found, present)
+    for channel, name in STANDARD[kind].items():
+        if channel not in found and name in present:
+            found[channel] = Column(channel, name)
+    for column in found.values():
+        if list(present).count(column.column) > 1:
+            raise InputError(f"the column '{column.column}' is there {list(present).count(column.column)} times")
+    _require(found, kind, present)
+    return found, kind
+
+
+def _require(found: Mapping[str, Column], motion: Motion, present: Sequence[str]) -> None:
+    force = "force" if motion is Motion.LINEAR else "torque"
+    for needed, any_of in (("time", ("time",)), (force, ("torque", "current")), ("velocity", ("velocity", "position"))):
+        if any(channel in found for channel in any_of):
+            continue
+        standard = " or ".join(STANDARD[motion][channel] for channel in any_of)
+        likely = _likely(needed, any_of, [name for name in present if name not in {c.column for c in found.values()}])
+        raise InputError(
+            f"no column for the {' or '.join((needed, *any_of[1:]))}: none is called {standard}; "
+            f"map one with --column {needed}={likely or 'COLUMN'}[:UNIT]; columns: {_list(present)}"
+        )
+
+
+_HABITS = {
+    "time": ("t", "time", "stamp", "zeit", "sec", "timestamp"),
+    "torque": ("torque", "tau", "effort", "tq", "trq", "moment"),
+    "force": ("force", "effort", "thrust", "load"),
+    "current": ("current", "i", "amps", "iq"),
+    "velocity": ("velocity", "vel", "speed", "qd", "dq", "omega", "w", "rpm"),
+    "position": ("position", "pos", "q", "angle", "theta", "encoder"),
+}
+
+
+def _likely(needed: str, any_of: Sequence[str], free: Sequence[str]) -> str | None:
+    habits = [word for channel in dict.fromkeys((needed, *any_of)) for word in _HABITS[channel]]
+    lowered = {name.lower(): name for name in free}
+    for habit in habits:
+        for low, name in lowered.items():
+            stem = low.replace(" ", "_").replace("[", "_").replace("(", "_").split("_")[0]
+            if low == habit or (len(habit) > 2 and low.startswith(habit)) or stem == habit:
+                return name
+    for habit in habits:
+        near = get_close_matches(habit, lowered, n=1, cutoff=0.75)
+        if near:
+            return lowered[near[0]]
+    return None
+
+
+def _near(word: str, present: Sequence[str]) -> str:
+    lowered = {name.lower(): name for name in present}
+    near = get_close_matches(word.lower(), lowered, n=1, cutoff=0.5)
+    return f"; did you mean '{lowered[near[0]]}'?" if near else ""
+
+
+def _list(present: Sequence[str]) -> str:
+    names = [str(name) for name in present]
+    return ", ".join(names[:20]) + (f" and {len(names) - 20} more" if len(names) > 20 else "")

@@ -1,0 +1,193 @@
+"""From a file to a recording."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fricmodels.dimension import Motion
+from fricmodels.errors import InputError, suggestion
+from fricmodels.readers import units
+from fricmodels.readers.base import Reader
+from fricmodels.readers.checks import check
+from fricmodels.readers.columns import Column, assign
+from fricmodels.recording import Recording
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+
+def read(
+    path: str | Path,
+    *,
+    columns: Sequence[str] | Mapping[str, str] = (),
+    motion: Motion | None = None,
+    name: str | None = None,
+    reader: str | None = None,
+    torque_constant: float | None = None,
+) -> Recording:
+    """Read a recording.
+
+    Args:
+        path: the file; its suffix decides the reader.
+        columns: mappings ``CHANNEL=COLUMN[:UNIT]`` for what does not have the standard names, see
+            :mod:`fricmodels.readers.columns`; without a unit the column is in SI, or in the unit that the file states.
+        motion: rotary or linear; found from names and units if not given.
+        name: of the recording; the file's stem if not given.
+        reader: name of the reader, if not by suffix.
+        torque_constant: K_t [N m/A, or N/A], which makes torque of the current where no torque was measured.
+
+    Returns:
+        The recording in SI units, samples of each run together, checked by :func:`fricmodels.readers.check`.
+
+    Raises:
+        InputError: for a file that is not there or holds nothing usable; one line with the place and the way out.
+    """
+    source = Path(path)
+    _check_file(source)
+    chosen = _reader(source, reader)
+    table = chosen.table(source)
+    try:
+        found, kind = assign(columns, [str(column) for column in table.columns], motion)
+        found = _with_stated_units(found, table.attrs.get("units", {}))
+        conversions = _conversions(found, kind, torque_constant)
+    except InputError as error:
+        raise InputError(f"{source}: {error}") from None
+    if not len(table):
+        raise InputError(f"{source}: there are no samples")
+    run, run_names = _runs(found, table)
+    order = np.argsort(run, kind="stable")
+    channels = {
+        channel: conversion(_numbers(source, chosen, table, found[column]))[order]
+        for channel, (column, conversion) in conversions.items()
+    }
+    recording = Recording(
+        name=name or source.stem,
+        motion=kind,
+        channels=channels,
+        run=run[order],
+        provenance={
+            "source": str(source),
+            "sha256": _sha256(source),
+            "reader": chosen.name,
+            "columns": {channel: str(column) for channel, column in found.items()},
+            **({"runs": run_names} if run_names else {}),
+            **({"torque_constant": torque_constant} if torque_constant is not None else {}),
+        },
+    )
+    check(recording, lambda row: chosen.place(source, int(order[row])))
+    return recording
+
+
+def _check_file(source: Path) -> None:
+    if source.is_dir():
+        raise InputError(f"{source}: is a directory; name a file in it")
+    if not source.exists():
+        near = suggestion(source.name, [p.name for p in source.parent.iterdir()]) if source.parent.is_dir() else ""
+        raise InputError(f"{source}: there is no such file{near if 'did you mean' in near else ''}")
+    try:
+        with source.open("rb") as stream:
+            start = stream.read(1)
+    except OSError as error:
+        raise InputError(f"{source}: cannot be opened: {error.strerror}") from None
+    if not start:
+        raise InputError(f"{source}: the file is empty")
+
+
+def _reader(source: Path, name: str | None) -> Reader:
+    from fricmodels import plugins
+
+    readers = plugins.load().readers
+    if name is not None:
+        return readers[name]()
+    suffix = source.suffix.lower()
+    for candidate in readers:
+        if suffix in readers[candidate].suffixes:
+            return readers[candidate]()
+    known = ", ".join(suffix for candidate in readers for suffix in readers[candidate].suffixes)
+    raise InputError(f"{source}: no reader knows the file type '{source.suffix}'; known: {known}; or give --reader")
+
+
+def _with_stated_units(found: Mapping[str, Column], stated: Mapping[str, str]) -> dict[str, Column]:
+    """Complete mappings without unit from the units that the file states."""
+    return {
+        channel: Column(column.name, column.column, stated[column.column])
+        if column.unit is None and column.column in stated and channel != "run"
+        else column
+        for channel, column in found.items()
+    }
+
+
+def _conversions(
+    found: Mapping[str, Column], motion: Motion, torque_constant: float | None
+) -> dict[str, tuple[str, units.Conversion]]:
+    """Return for each channel which mapped column fills it, and how it is converted."""
+    si = units.Conversion(1.0, 0.0)
+    result: dict[str, tuple[str, units.Conversion]] = {}
+    driven = found.get("torque", found.get("current"))
+    by_current = driven is not None and (
+        driven.channel == "current" or (driven.unit is not None and units.is_current(driven.unit))
+    )
+    if by_current and torque_constant is None:
+        unit = "N/A" if motion is Motion.LINEAR else "N m/A"
+        raise InputError(f"'{driven}' is a current: give the torque constant [{unit}] with --torque-constant")
+    if torque_constant is not None and not by_current:
+        raise InputError(f"a torque constant was given, but '{driven}' is no current")
+    if torque_constant is not None and not (np.isfinite(torque_constant) and torque_constant != 0.0):
+        raise InputError(f"the torque constant must be finite and not zero, got {torque_constant}")
+    for channel, column in found.items():
+        if channel == "run":
+            continue
+        target = "current" if by_current and channel == "torque" else channel
+        conversion = units.conversion(column.unit, target, motion) if column.unit else si
+        result[target] = (channel, conversion)
+    if by_current and torque_constant is not None:
+        filled, conversion = result["current"]
+        factor, offset = (torque_constant * part for part in (conversion.factor, conversion.offset))
+        result["torque"] = (filled, units.Conversion(factor, offset))
+    return result
+
+
+def _numbers(source: Path, reader: Reader, table: pd.DataFrame, column: Column) -> NDArray[np.float64]:
+    import pandas as pd
+
+    values = table[column.column]
+    if pd.api.types.is_datetime64_any_dtype(values):
+        return (values - values.iloc[0]).dt.total_seconds().to_numpy(dtype=float)
+    if pd.api.types.is_numeric_dtype(values):
+        return values.to_numpy(dtype=float, na_value=np.nan)
+    numbers = pd.to_numeric(values, errors="coerce")
+    wrong = np.flatnonzero((numbers.isna() & values.notna()).to_numpy())
+    if len(wrong):
+        value = str(values.iloc[int(wrong[0])])
+        others = f", and {len(wrong) - 1} more" if len(wrong) > 1 else ""
+        raise InputError(
+            f"{source}: {reader.place(source, int(wrong[0]))}, column '{column.column}': "
+            f"'{value[:40]}' is not a number{others}; remove or repair those rows"
+        )
+    return numbers.to_numpy(dtype=float, na_value=np.nan)
+
+
+def _runs(found: Mapping[str, Column], table: pd.DataFrame) -> tuple[NDArray[np.int64], dict[int, str]]:
+    """Return the run number of each row, and the names of runs that are not whole numbers."""
+    import pandas as pd
+
+    if "run" not in found:
+        return np.zeros(len(table), dtype=np.int64), {}
+    values = table[found["run"].column]
+    if pd.api.types.is_numeric_dtype(values) and not values.isna().any() and (values == values.round()).all():
+        return values.to_numpy(dtype=np.int64), {}
+    codes, names = pd.factorize(values.astype(str))
+    return codes.astype(np.int64), {i: str(label) for i, label in enumerate(names)}
+
+
+def _sha256(source: Path) -> str:
+    with source.open("rb") as stream:
+        return hashlib.file_digest(stream, "sha256").hexdigest()
+
+

@@ -1,0 +1,127 @@
+"""Units of columns: to coherent SI, with the angle as a quantity of its own.
+
+Any unit that Pint knows can be written, with a factor if need be: ``deg/s``, ``rpm``, ``ms``, ``kN``, ``0.5 um``.
+Encoder counts state their resolution as counts a turn: ``count/2000`` is a two-thousandth of a turn, and
+``count/2000/s`` a speed. Hertz is not a speed here, for nobody knows whether it counts turns or radians.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fricmodels.dimension import Motion
+from fricmodels.errors import InputError
+
+_ROTARY = {
+    "time": "s",
+    "torque": "N*m",
+    "velocity": "rad/s",
+    "position": "rad",
+    "acceleration": "rad/s^2",
+    "load_torque": "N*m",
+    "temperature": "degC",
+    "current": "A",
+}
+_LINEAR = _ROTARY | {
+    "torque": "N",
+    "velocity": "m/s",
+    "position": "m",
+    "acceleration": "m/s^2",
+    "load_torque": "N",
+}
+SI_UNITS = {Motion.ROTARY: _ROTARY, Motion.LINEAR: _LINEAR}
+"""The unit of each channel, by kind of motion."""
+
+_COUNT = re.compile(r"\bcounts?\b")
+
+
+@dataclass(frozen=True)
+class Conversion:
+    """``SI value = factor × value + offset``."""
+
+    factor: float
+    offset: float
+
+    def __call__(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Convert an array."""
+        if self.factor == 1.0 and self.offset == 0.0:
+            return values
+        return self.factor * values + self.offset
+
+
+@lru_cache(maxsize=1)
+def _registry() -> Any:
+    import pint
+
+    registry: Any = pint.UnitRegistry()
+    registry.define("newton_metre = newton * meter = Nm")
+    return registry
+
+
+@lru_cache(maxsize=256)
+def _quantity(unit: str) -> Any:
+    """Return one of the unit. The angle stays in its root units, where Pint's dimensions leave it out."""
+    registry = _registry()
+    try:
+        try:
+            return registry.Quantity(1.0, registry.parse_units(unit))
+        except Exception:
+            return registry.Quantity(registry.parse_expression(_COUNT.sub("turn", unit).replace("°", "deg")))
+    except Exception:
+        raise InputError(f"unknown unit '{unit}'") from None
+
+
+def _measures(unit: str, targets: set[str]) -> bool:
+    registry = _registry()
+    root = registry.get_root_units(_quantity(unit).units)[1]
+    return any(root == registry.get_root_units(registry.parse_units(target))[1] for target in targets)
+
+
+def known(unit: str) -> bool:
+    """Whether a text can be read as a unit."""
+    try:
+        _quantity(unit)
+    except InputError:
+        return False
+    return True
+
+
+def is_current(unit: str) -> bool:
+    """Whether a unit measures an electric current."""
+    return _measures(unit, {"A"})
+
+
+def is_linear(unit: str) -> bool | None:
+    """Tell from a unit whether it belongs to a linear axis, a rotary one, or to either."""
+    if _measures(unit, set(_LINEAR.values()) - set(_ROTARY.values())):
+        return True
+    return False if _measures(unit, set(_ROTARY.values()) - set(_LINEAR.values())) else None
+
+
+def conversion(unit: str, channel: str, motion: Motion) -> Conversion:
+    """Return how to convert a channel from ``unit`` to SI.
+
+    Raises:
+        InputError: for an unknown unit, or one of another dimension than the channel's.
+    """
+    target = SI_UNITS[motion][channel]
+    quantity = _quantity(unit)
+    if not _measures(unit, {target}):
+        hint = "; state the counts a turn, such as count/2000" if _COUNT.search(unit) else ""
+        hint = hint or ("; use turn/s or rad/s" if "hz" in unit.lower() else "")
+        raise InputError(
+            f"the unit '{unit}' does not measure the {channel.replace('_', ' ')} of a {motion} drive, "
+            f"which is in {target.replace('*', ' ')}{hint}"
+        )
+    create = _registry().Quantity
+    low, high = (create(value * quantity.magnitude, quantity.units).to(target).magnitude for value in (0.0, 1.0))
+    factor = float(high - low)
+    if not (np.isfinite(factor) and factor != 0.0):
+        raise InputError(f"the unit '{unit}' has the size {factor}")
+    return Conversion(factor, float(low))

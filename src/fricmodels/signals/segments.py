@@ -1,0 +1,49 @@
+"""Uninterrupted stretches of a recording: within one run, without a gap in time."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Runs = NDArray[np.int64]
+
+_FENCE = 3.0
+"""Tukey's outer fence, in interquartile ranges."""
+_BRIDGED = 5.0
+"""Steps of up to so many median steps are no gap: a local polynomial over true time stamps bridges lost samples."""
+
+
+def gap_length(time: Array, runs: Runs | None = None) -> float:
+    """Return the step [s] from which the samples on both sides belong to different stretches.
+
+    The outer fence of the logarithm of the steps, for steps that vary by nature, and never less than five median steps.
+    """
+    step = np.diff(time)
+    if runs is not None:
+        step = step[np.diff(runs) == 0]
+    step = step[step > 0]
+    if not len(step):
+        return float("inf")
+    low, middle, high = np.percentile(step, [25.0, 50.0, 75.0])
+    return float(max(high * (high / low) ** _FENCE, _BRIDGED * middle))
+
+
+def stretches(time: Array, runs: Runs | None = None) -> list[slice]:
+    """Return the uninterrupted stretches, in order; together they are all samples."""
+    if not len(time):
+        return []
+    new = np.diff(time) >= gap_length(time, runs)
+    if runs is not None:
+        new |= np.diff(runs) != 0
+    borders = [0, *(np.flatnonzero(new) + 1).tolist(), len(time)]
+    return [slice(start, stop) for start, stop in zip(borders, borders[1:], strict=False)]
+
+
+def is_even(time: Array) -> bool:
+    """Whether the samples are evenly spaced, as far as a thousandth of a step."""
+    if len(time) < 3:
+        return True
+    step = (time[-1] - time[0]) / (len(time) - 1)
+    grid = time[0] + step * np.arange(len(time))
+    return bool(np.abs(time - grid).max() <= 1e-3 * step)
