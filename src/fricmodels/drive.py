@@ -118,7 +118,7 @@ class Drive:
         values: Mapping[str, float],
         *,
         velocity: Array | float | None = None,
-        states: Sequence[Array] = (),
+        states: Sequence[Array] | None = None,
         width: float | None = None,
     ) -> Array:
         """Return the friction torque τ_F of every sample, shape (N,).
@@ -127,14 +127,30 @@ class Drive:
             recording: gives the signals that the model needs.
             values: the model's parameters by key.
             velocity: replaces the recorded velocity, such as ``±tiny`` for the two ends of the sticking interval.
-            states: one array for each internal state of the model.
+            states: one array for each internal state of the model; by default they are integrated along the motion.
             width: width of rest [velocity]; see :func:`fricmodels.expressions.power`.
         """
         signals = self._signals(recording, velocity)
         _, parameters = self.split(values)
         chosen = rest_width(recording) if width is None else width
+        if states is None:
+            states = self.states(recording, parameters)
         (torque,) = self._torque(*signals, *parameters, *states, chosen)
         return np.broadcast_to(torque[0], (len(recording),)).copy() if torque.shape[1] == 1 else torque[0]
+
+    def states(self, recording: Recording, parameters: Sequence[float] | Array) -> tuple[Array, ...]:
+        """Integrate the model's internal states along the recorded motion; empty for a model without memory.
+
+        Args:
+            recording: gives the signals.
+            parameters: the model's parameters, in order.
+        """
+        if not self.model.states:
+            return ()
+        from fricmodels.memory import trace
+
+        signals = dict(zip(SIGNALS, self._signals(recording, None), strict=True))
+        return trace(self.model, signals, recording.time, recording.run, parameters, rest_width(recording))
 
     def sticking_interval(self, recording: Recording, values: Mapping[str, float]) -> tuple[Array, Array]:
         """Return the least and the greatest friction torque that holds the drive at rest, at each sample.
@@ -149,6 +165,8 @@ class Drive:
     def regressors(self, recording: Recording, nonlinear: Sequence[float] = ()) -> tuple[Array, Array]:
         """Split the friction torque into its linear part: ``τ_F = A.T θ_linear + b``.
 
+        Internal states depend on nonlinear parameters only; they are integrated along the recorded motion.
+
         Args:
             recording: gives the signals.
             nonlinear: values of the model parameters that are not linear, in order.
@@ -157,15 +175,19 @@ class Drive:
             A of shape (number of linear model parameters, N) and b of shape (N,).
         """
         signals = self._signals(recording, None)
-        design, offset = self._linear_part(*signals, *nonlinear, rest_width(recording))
+        given = iter(nonlinear)
+        parameters = [0.0 if is_linear else next(given) for is_linear in self.model.linear]
+        states = self.states(recording, parameters)
+        design, offset = self._linear_part(*signals, *nonlinear, *states, rest_width(recording))
         shape = (design.shape[0], len(recording))
         return np.broadcast_to(design, shape), np.broadcast_to(offset[0], shape[1:])
 
     def jacobian(self, recording: Recording, values: Mapping[str, float]) -> Array:
-        """Return the derivative of τ_F by each model parameter, shape (parameters, N)."""
+        """Return the derivative of τ_F by each model parameter at fixed internal states, shape (parameters, N)."""
         signals = self._signals(recording, None)
         _, parameters = self.split(values)
-        (derivative,) = self._torque_jacobian(*signals, *parameters, *([0.0] * self._n_states), rest_width(recording))
+        states = self.states(recording, parameters)
+        (derivative,) = self._torque_jacobian(*signals, *parameters, *states, rest_width(recording))
         return np.broadcast_to(derivative, (len(parameters), len(recording)))
 
     def _signals(self, recording: Recording, velocity: Array | float | None) -> list[Any]:
@@ -176,10 +198,6 @@ class Drive:
         if velocity is not None:
             values[list(SIGNALS).index("velocity")] = velocity
         return values
-
-    @property
-    def _n_states(self) -> int:
-        return len(self.model.states)
 
     @cached_property
     def _torque(self) -> ArrayFunction:
@@ -204,8 +222,6 @@ class Drive:
     def _linear_part(self) -> ArrayFunction:
         import casadi
 
-        if self.model.states:
-            raise InputError(f"'{self.model.name}' has internal states; it has no linear part to regress on")
         e = self.model.expression()
         linear = [i for i, is_linear in enumerate(self.model.linear) if is_linear]
         other = [i for i, is_linear in enumerate(self.model.linear) if not is_linear]
@@ -214,7 +230,9 @@ class Drive:
         zero = casadi.SX.zeros(len(linear), 1)
         design, offset = (casadi.substitute(part, chosen, zero) for part in (design, e.torque))
         rest = e.parameters[other] if other else casadi.SX(0, 1)
-        return ArrayFunction(casadi.Function("linear", [*e.signals.values(), rest, e.width], [design, offset]))
+        return ArrayFunction(
+            casadi.Function("linear", [*e.signals.values(), rest, e.states, e.width], [design, offset])
+        )
 
     # ---- state space ----------------------------------------------------------------------------------------------
 
