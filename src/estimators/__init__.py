@@ -1,1 +1,13 @@
 """The built-in estimators, one a file."""
+
+from __future__ import annotations
+
+from estimators.detchmendy_sridhar import DetchmendySridhar
+from fricmodels.estimator import Estimator
+from fricmodels.hookspecs import hookimpl
+
+
+@hookimpl
+def fricmodels_estimators() -> list[type[Estimator]]:
+    """Return the built-in estimators."""
+    return [DetchmendySridhar]

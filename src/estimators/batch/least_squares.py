@@ -1,0 +1,82 @@
+"""Small least-squares problems with bounds, from their normal equations in scaled columns."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+RANK_TOLERANCE = 1e-11
+"""Eigenvalues of the scaled normal matrix below this are rounding: the direction is not in the data."""
+
+
+@dataclass(frozen=True)
+class NormalEquations:
+    """``XᵀX`` and ``Xᵀy`` in columns of unit length, with the inverse of the part that the data determine.
+
+    Attributes:
+        size: length of each column of X.
+        gram: XᵀX of the scaled columns.
+        values, vectors: its eigenvalues (ascending) and eigenvectors.
+        right: Xᵀy of the scaled columns.
+    """
+
+    size: Array
+    gram: Array
+    values: Array
+    vectors: Array
+    right: Array
+
+    @classmethod
+    def of(cls, gram: Array, right: Array) -> NormalEquations:
+        """Scale and decompose."""
+        size = np.sqrt(np.clip(np.diag(gram), 0.0, None))
+        size = np.where(size > 0.0, size, 1.0)
+        scaled = gram / np.outer(size, size)
+        values, vectors = np.linalg.eigh(scaled)
+        return cls(size, scaled, values, vectors, right / size)
+
+    @property
+    def rank(self) -> int:
+        """Number of directions that the data determine."""
+        return int(np.sum(self.values > RANK_TOLERANCE))
+
+    @property
+    def null(self) -> Array:
+        """Directions, in scaled columns, that the data do not determine, shape (n, n − rank)."""
+        return self.vectors[:, self.values <= RANK_TOLERANCE]
+
+    @property
+    def inverse(self) -> Array:
+        """(XᵀX)⁻¹ in the original columns, of the part that the data determine."""
+        inverse = np.where(self.values > RANK_TOLERANCE, 1.0 / np.maximum(self.values, RANK_TOLERANCE), 0.0)
+        return (self.vectors * inverse) @ self.vectors.T / np.outer(self.size, self.size)
+
+    def solve(self, constraints: Array, limits: Array) -> Array:
+        """Return the least-squares solution subject to ``constraints @ x ≥ limits``."""
+        free = self.inverse @ (self.right * self.size)
+        slack = constraints @ free - limits
+        if np.all(slack >= -1e-12 * np.abs(constraints) @ np.abs(free)):
+            return np.asarray(free)
+        root = np.sqrt(np.maximum(self.values, RANK_TOLERANCE))
+        back = self.vectors / root / self.size[:, None]
+        return free + back @ _least_distance(constraints @ back, -slack)
+
+
+def _least_distance(matrix: Array, bound: Array) -> Array:
+    """Return the shortest z with ``matrix @ z ≥ bound`` (Lawson and Hanson, Solving Least Squares Problems, ch. 23)."""
+    from scipy.optimize import nnls
+
+    rows = np.linalg.norm(matrix, axis=1)
+    rows = np.where(rows > 0.0, rows, 1.0)
+    scaled, reach = matrix / rows[:, None], bound / rows
+    unit = float(np.max(np.abs(reach), initial=0.0)) or 1.0
+    stacked = np.vstack([scaled.T, reach / unit])
+    target = np.zeros(len(stacked))
+    target[-1] = 1.0
+    dual, _ = nnls(stacked, target)
+    residual = stacked @ dual - target
+    return -residual[:-1] / residual[-1] * unit

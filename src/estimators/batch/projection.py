@@ -1,0 +1,166 @@
+"""Variable projection: linear parameters are eliminated, Gauss–Newton runs on the few others (Kaufman's Jacobian)."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from estimators.batch.least_squares import NormalEquations
+from estimators.batch.separable import Separable
+
+Array = NDArray[np.float64]
+
+MAX_STARTS = 64
+TOLERANCE = 1e-7
+
+
+@dataclass(frozen=True)
+class Equations:
+    """Linear functionals of the equation of motion (bumps, or filtered samples), one an equation.
+
+    Attributes:
+        separable: the split model.
+        target: the functionals of τ_m − τ_L (less J dω/dt where the inertia is given), shape (M,).
+        acceleration: the functionals of dω/dt where the inertia is estimated, shape (M,), else ``None``.
+        fixed: the functionals of the model's fixed rows, shape (rows, M).
+        moving: α → functionals of the moving rows and slopes, shape (rows + slopes, M).
+    """
+
+    separable: Separable
+    target: Array
+    acceleration: Array | None
+    fixed: Array
+    moving: Callable[[Array], Array]
+
+
+@dataclass(frozen=True)
+class Nonlinear:
+    """How the nonlinear parameters are searched: starting values, bounds, and which on a logarithmic scale."""
+
+    starts: Sequence[tuple[float, ...]]
+    lower: Array
+    upper: Array
+    logarithmic: NDArray[np.bool_]
+
+    def clip(self, alpha: Array) -> Array:
+        """Return the nearest values within the bounds."""
+        return np.clip(alpha, self.lower, self.upper)
+
+    def combinations(self) -> list[Array]:
+        """Return the starting points: all combinations while they are few, else one parameter varied at a time."""
+        total = np.prod([len(values) for values in self.starts])
+        if total <= MAX_STARTS:
+            return [np.array(values) for values in itertools.product(*self.starts)]
+        middle = [values[len(values) // 2] for values in self.starts]
+        points = [np.array(middle)]
+        for i, values in enumerate(self.starts):
+            points += [np.array([*middle[:i], value, *middle[i + 1 :]]) for value in values]
+        return points
+
+
+@dataclass(frozen=True)
+class Solution:
+    """A least-squares fit: parameters (inertia if estimated, linear θ, nonlinear α), Jacobian and residual."""
+
+    theta: Array
+    alpha: Array
+    jacobian: Array
+    residual: Array
+    normal: NormalEquations
+    iterations: int
+    converged: bool
+
+    @property
+    def cost(self) -> float:
+        """Sum of squared residuals."""
+        return float(self.residual @ self.residual)
+
+
+class Projection:
+    """Solves :class:`Equations` subject to linear constraints on the linear parameters."""
+
+    def __init__(self, equations: Equations, constraints: Array, limits: Array) -> None:
+        self._equations = equations
+        self._constraints, self._limits = constraints, limits
+        split = equations.separable
+        self._first = 0 if equations.acceleration is None else 1
+        self._width = self._first + len(split.linear)
+        count = len(equations.target)
+        self._columns = np.zeros((self._width + len(split.nonlinear), count))
+        if equations.acceleration is not None:
+            self._columns[0] = equations.acceleration
+        self._target = equations.target.copy()
+        for row, values in zip(split.fixed, equations.fixed, strict=True):
+            if row == len(split.linear):
+                self._target -= values
+            else:
+                self._columns[self._first + row] = values
+
+    def solve(self, nonlinear: Nonlinear, max_iterations: int = 50) -> Solution:
+        """Search from every starting point roughly, from the best one to the end."""
+        if not self._equations.separable.nonlinear:
+            return self._at(np.zeros(0))
+        starts = [nonlinear.clip(point) for point in nonlinear.combinations()]
+        best = min((self._at(point) for point in starts), key=lambda solution: solution.cost)
+        return self._descend(best, nonlinear, max_iterations)
+
+    def _descend(self, at: Solution, nonlinear: Nonlinear, max_iterations: int) -> Solution:
+        damping = 1e-3
+        for iteration in range(1, max_iterations + 1):
+            scale = np.where(nonlinear.logarithmic, np.maximum(at.alpha, 1e-300), 1.0)
+            step = self._step(at, scale, damping)
+            log_step = np.clip(np.where(nonlinear.logarithmic, step, 0.0), -1.5, 1.5)
+            moved = np.where(nonlinear.logarithmic, at.alpha * np.exp(log_step), at.alpha + step)
+            trial = self._at(nonlinear.clip(moved))
+            gain = at.cost - trial.cost
+            small = float(np.max(np.abs(trial.alpha - at.alpha) / np.maximum(np.abs(at.alpha), 1e-300)))
+            if gain >= 0.0:
+                damping = max(damping / 10.0, 1e-12)
+                better, at = at, trial
+                if small < 1e-4 or gain <= TOLERANCE * better.cost:
+                    return _finished(at, iteration, converged=True)
+            else:
+                damping *= 10.0
+                if small < 1e-6 or damping > 1e8:
+                    return _finished(at, iteration, converged=True)
+        return _finished(at, max_iterations, converged=False)
+
+    def _step(self, at: Solution, scale: Array, damping: float) -> Array:
+        """Return the Levenberg step of α, the linear parameters following (their columns are projected out)."""
+        n = self._width
+        gram = at.normal.gram * np.outer(at.normal.size, at.normal.size)
+        inner = NormalEquations.of(gram[:n, :n], np.zeros(n)).inverse
+        cross = gram[:n, n:] * scale
+        slopes = at.jacobian[n:] * scale[:, None]
+        reduced = gram[n:, n:] * np.outer(scale, scale) - cross.T @ inner @ cross
+        gradient = slopes @ at.residual - cross.T @ (inner @ (at.jacobian[:n] @ at.residual))
+        diagonal = np.maximum(np.diag(reduced), 1e-300)
+        return np.asarray(np.linalg.lstsq(reduced + damping * np.diag(diagonal), gradient, rcond=1e-14)[0])
+
+    def _at(self, alpha: Array) -> Solution:
+        split, n = self._equations.separable, self._width
+        columns, target = self._columns.copy(), self._target
+        rows = self._equations.moving(alpha) if split.moving else np.zeros((0, len(target)))
+        for row, values in zip(split.moving, rows, strict=False):
+            if row == len(split.linear):
+                target = target - values
+            else:
+                columns[self._first + row] = values
+        gram = columns[:n] @ columns[:n].T
+        theta = NormalEquations.of(gram, columns[:n] @ target).solve(self._constraints, self._limits)
+        for (row, j), values in zip(split.slopes, rows[len(split.moving) :], strict=True):
+            factor = 1.0 if row == len(split.linear) else theta[self._first + row]
+            columns[n + j] += factor * values
+        residual = target - theta @ columns[:n]
+        normal = NormalEquations.of(columns @ columns.T, columns @ residual)
+        return Solution(theta, alpha, columns, residual, normal, 0, True)
+
+
+def _finished(solution: Solution, iterations: int, *, converged: bool) -> Solution:
+    from dataclasses import replace
+
+    return replace(solution, iterations=iterations, converged=converged)

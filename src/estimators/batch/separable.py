@@ -1,0 +1,89 @@
+"""A friction model split for variable projection: columns of linear parameters, and what depends on the others."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fricmodels.drive import rest_width
+from fricmodels.kernels import ArrayFunction
+from fricmodels.model import Model
+from fricmodels.recording import Recording
+from fricmodels.term import SIGNALS
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Separable:
+    r"""The friction torque as :math:`\tau_F = \sum_k A_k(\alpha)\,\theta_k + b(\alpha)`.
+
+    Rows that do not depend on :math:`\alpha` are *fixed* and evaluated once; the others are *moving* and come with
+    their derivatives by :math:`\alpha`, as far as these are not zero everywhere.
+
+    Attributes:
+        model: the friction model.
+        linear, nonlinear: indices of the parameters :math:`\theta` and :math:`\alpha` among the model's.
+        fixed: rows evaluated once, by index into :math:`(A, b)`; b has the index ``len(linear)``.
+        moving: rows evaluated for every :math:`\alpha`.
+        slopes: pairs (row, index into α) of the derivatives that are not zero everywhere.
+    """
+
+    model: Model
+    linear: tuple[int, ...]
+    nonlinear: tuple[int, ...]
+    fixed: tuple[int, ...]
+    moving: tuple[int, ...]
+    slopes: tuple[tuple[int, int], ...]
+    _fixed: ArrayFunction
+    _moving: ArrayFunction
+
+    def fixed_rows(self, recording: Recording) -> Array:
+        """Return the fixed rows at every sample, shape (len(fixed), N)."""
+        return self._evaluate(self._fixed, len(self.fixed), recording, ())
+
+    def moving_rows(self, recording: Recording, alpha: Array) -> Array:
+        """Return the moving rows, then the slopes, at every sample, shape (len(moving) + len(slopes), N)."""
+        return self._evaluate(self._moving, len(self.moving) + len(self.slopes), recording, tuple(alpha))
+
+    def _evaluate(self, function: ArrayFunction, rows: int, recording: Recording, alpha: tuple[float, ...]) -> Array:
+        signals: list[Any] = [recording.signal(name) if name in self.model.needs else 0.0 for name in SIGNALS]
+        (values,) = function(*signals, *alpha, rest_width(recording))
+        return np.broadcast_to(values, (rows, len(recording)))
+
+
+@lru_cache(maxsize=128)
+def separable(model: Model) -> Separable:
+    """Split a model without internal states; built once per model."""
+    import casadi
+
+    e = model.expression()
+    linear = tuple(i for i, is_linear in enumerate(model.linear) if is_linear)
+    nonlinear = tuple(i for i, is_linear in enumerate(model.linear) if not is_linear)
+    theta = e.parameters[list(linear)] if linear else casadi.SX(0, 1)
+    alpha = e.parameters[list(nonlinear)] if nonlinear else casadi.SX(0, 1)
+    zero = casadi.SX.zeros(len(linear), 1)
+    design = casadi.substitute(casadi.jacobian(e.torque, theta).T, theta, zero)
+    rows = casadi.vertcat(design, casadi.substitute(e.torque, theta, zero))
+    derivative = casadi.jacobian(rows, alpha)
+    pattern = derivative.sparsity().get_triplet()
+    slopes = tuple(sorted(zip(*pattern, strict=True)))
+    moving = tuple(sorted({row for row, _ in slopes}))
+    present = set(rows.sparsity().row())
+    fixed = tuple(i for i in range(rows.numel()) if i in present and i not in moving)
+    signals = list(e.signals.values())
+    chosen = casadi.vertcat(*(rows[i] for i in moving), *(derivative[i, j] for i, j in slopes))
+    return Separable(
+        model,
+        linear,
+        nonlinear,
+        fixed,
+        moving,
+        slopes,
+        ArrayFunction(casadi.Function("fixed", [*signals, e.width], [casadi.vertcat(*(rows[i] for i in fixed))])),
+        ArrayFunction(casadi.Function("moving", [*signals, alpha, e.width], [chosen])),
+    )

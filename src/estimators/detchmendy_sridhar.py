@@ -1,0 +1,181 @@
+"""The paper's sequential least-squares filter (Detchmendy and Sridhar 1966)."""
+
+from __future__ import annotations
+
+import time
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import Field
+
+from estimators.preparation import Hold, paper_scales, scanned_guess, usable
+from estimators.result import averaged_fit
+from estimators.sequential import (
+    FilterProblem,
+    ProblemOnline,
+    bounded,
+    normalised_bounds,
+    symbolic_covariance,
+    symbolic_pack,
+)
+from estimators.substeps import stable_substeps
+from estimators.transition import transition
+from fricmodels.dimension import Scales
+from fricmodels.drive import Drive, StateSpace
+from fricmodels.estimator import EstimatorSettings, OnlineFilter, SequentialEstimator
+from fricmodels.fit import Fit
+from fricmodels.kernels import Scan
+from fricmodels.recording import Recording
+
+Array = NDArray[np.float64]
+
+REST_WIDTH = 1e-3
+"""Width of rest, as a fraction of the peak speed: limits the slope of |ω|^p to what a step can follow."""
+
+
+def detchmendy_sridhar_step(space: StateSpace) -> Any:
+    r"""Build one step of eqs. 12–14 as a CasADi function for :class:`fricmodels.kernels.Scan`.
+
+    .. math::
+        d\hat x/dr = g(\hat x, r) + 2PHQ[y - h(\hat x)], \qquad
+        dP/dr = \tfrac{\partial g}{\partial x}P + P\tfrac{\partial g}{\partial x}^T + 2PMP + W, \qquad
+        M = \tfrac{\partial}{\partial x}\{HQ(y - h(\hat x))\}
+
+    M contains the second derivative of a nonlinear h. The step splits the two parts of the right-hand sides: the
+    motion first (:mod:`estimators.transition`; P ← F P Fᵀ + W Δr), then the observation, whose equation
+    dP/dr = 2PMP has the exact solution P ← P + 2Δr P M (I − 2Δr P M)⁻¹ P. For linear h this never overflows, however
+    large P is, where explicit integration does; it tends to eqs. 12–14 as Δr → 0. Only the lower triangle of P is
+    stored, so that it stays symmetric.
+
+    State: ``[x; lower triangle of P]``. Input: ``[Δr, weight, y, u…]``, the weight being the time since the last
+    observation, or zero for none. Constants: ``[width, Q, W, lower bounds…, upper bounds…]``.
+    Output: ``[x; diagonal of P; innovation; 2/(Q Δr) + Hᵀ P H]``.
+    """
+    import casadi
+
+    step = transition(space)
+    x, n, moving = space.x, space.x.numel(), len(space.states)
+    triangle, covariance = symbolic_covariance(n)
+    weight, y, q, w = (casadi.SX.sym(name) for name in ("weight", "y", "Q", "W"))
+    lower, upper = casadi.SX.sym("lower", n - moving), casadi.SX.sym("upper", n - moving)
+
+    predicted = casadi.mtimes([step.jacobian, covariance, step.jacobian.T]) + w * step.duration * casadi.SX.eye(n)
+    observation = casadi.Function("observation", [x, space.u], [space.output])
+    slope = casadi.gradient(space.output, x)
+    correction = casadi.Function("correction", [x, space.u, y, q], [slope * q * (y - space.output)])
+    bracket = casadi.Function("bracket", [x, space.u, y, q], [casadi.jacobian(slope * q * (y - space.output), x)])
+
+    prior = step.following
+    curvature = casadi.sparsify(bracket(prior, space.u, y, q))
+    seen = sorted({*curvature.sparsity().get_triplet()[0], *curvature.sparsity().get_triplet()[1]})
+    small = curvature[seen, seen]
+    gain = predicted[:, seen]
+    shrink = casadi.inv(casadi.SX.eye(len(seen)) - 2 * weight * casadi.mtimes(small, predicted[seen, seen]))
+    posterior = predicted + 2 * weight * casadi.mtimes([gain, shrink, small, gain.T])
+    estimate = prior + 2 * weight * casadi.mtimes(posterior, correction(prior, space.u, y, q))
+    estimate = casadi.vertcat(estimate[:moving], bounded(estimate[moving:], lower, upper))
+
+    innovation = y - observation(prior, space.u)
+    seen_slope = casadi.substitute(slope, x, prior)
+    spread = casadi.mtimes([seen_slope.T, predicted, seen_slope]) + 1 / (2 * q * casadi.fmax(weight, 1e-300))
+    return casadi.Function(
+        "detchmendy_sridhar",
+        [
+            casadi.vertcat(x, triangle),
+            casadi.vertcat(step.duration, weight, y, space.u),
+            casadi.vertcat(space.width, q, w, lower, upper),
+        ],
+        [
+            casadi.vertcat(estimate, symbolic_pack(posterior)),
+            casadi.vertcat(estimate, casadi.diag(posterior), innovation, spread),
+        ],
+        {"cse": True},
+    )
+
+
+class DetchmendySridharSettings(EstimatorSettings):
+    """Settings; the defaults are the paper's, in its normalised units."""
+
+    weight_of_observations: float = Field(1.0, gt=0, description="Q of eq. 12")
+    weight_of_model: float = Field(1.0, ge=0, description="factor of the unit matrix in eq. 14")
+    initial_variance: float = Field(4.0, gt=0, description="diagonal of P(0)")
+    initial_covariance: float = Field(1.0, description="elements of P(0) off the diagonal")
+    initial_inertia_variance: float = Field(0.04, gt=0, description="element of P(0) of an inertia that is estimated")
+    nonlinear_start: bool = Field(True, description="start nonlinear parameters from their scan, not from zero")
+    average: float = Field(0.7, ge=0, lt=1, description="last part of the record over which estimates are averaged")
+    substeps: int | None = Field(None, ge=1, description="steps between samples; by stability where not given")
+    torque: Hold = Field("linear", description="motor torque between samples: linear, or held")
+    bounds: bool = Field(True, description="keep parameters within their physical bounds")
+
+
+class DetchmendySridhar(SequentialEstimator):
+    """Sequential least-squares filter of the paper, eqs. 12–14.
+
+    The recording is normalised as in eq. 6 and the estimate converted back. Eq. 14 adds the unit matrix to dP/dr, so
+    the gain never dies and the filter keeps following; the estimate that it is asked for at the end is the mean of
+    its history over the last whole cycles (``average``), and the standard error comes from the spread of the cycles'
+    means: P itself is no covariance of the estimate, since Q = W = 1 are not noise intensities.
+    """
+
+    name = "detchmendy-sridhar"
+    summary = "sequential least-squares filter of Detchmendy and Sridhar (1966), the paper's method"
+    Settings = DetchmendySridharSettings
+    carries_states = True
+
+    def fit(self, drive: Drive, recording: Recording, *, seed: int = 0) -> Fit:
+        """Filter the recording; see the class."""
+        began = time.perf_counter()
+        kept = usable(drive, recording)
+        problem = self._problem(drive, kept)
+        trajectory = problem.run(kept)
+        return averaged_fit(self, problem, kept, trajectory, self.settings.average, began)
+
+    def start(self, drive: Drive, recording: Recording) -> OnlineFilter:
+        """Return the filter before its first sample."""
+        return ProblemOnline(self._problem(drive, usable(drive, recording)))
+
+    def _problem(self, drive: Drive, recording: Recording) -> FilterProblem:
+        settings = self.settings
+        scales = paper_scales(drive, recording)
+        space = Drive(drive.model, None if drive.inertia is None else 1.0, drive.motion).state_space(smooth=False)
+        covariance = np.full((space.x.numel(),) * 2, settings.initial_covariance)
+        np.fill_diagonal(covariance, settings.initial_variance)
+        moving = len(space.states)
+        parameters = start_values(drive, recording, scales, settings.nonlinear_start)
+        if drive.inertia is None:
+            covariance[moving, :] = covariance[:, moving] = 0.0
+            covariance[moving, moving] = settings.initial_inertia_variance
+        lower, upper = normalised_bounds(drive, scales)
+        if not settings.bounds:
+            lower, upper = np.full_like(lower, -1e300), np.full_like(upper, 1e300)
+        head = [2 * REST_WIDTH, settings.weight_of_observations, settings.weight_of_model]
+        return FilterProblem(
+            drive=drive,
+            scales=scales,
+            space=space,
+            scan=Scan(detchmendy_sridhar_step(space)),
+            constants=np.concatenate([head, lower, upper]),
+            initial_states=initial_states(drive, scales),
+            initial_parameters=parameters,
+            initial_covariance=covariance,
+            substeps=settings.substeps or stable_substeps(drive, recording, scales),
+            hold=settings.torque,
+        )
+
+
+def initial_states(drive: Drive, scales: Scales) -> Array:
+    """Return the normalised velocity, zero, and the model's internal states at their initial values."""
+    return np.array([0.0, *(state.initial / scales.of(state.dimension) for state in drive.model.states)])
+
+
+def start_values(drive: Drive, recording: Recording, scales: Scales, scan: bool) -> Array:
+    """Return normalised start values: declared ones, an inertia of 1, and nonlinear parameters from their scan."""
+    values = {p.key: p.declared.initial for p in drive.parameters}
+    nonlinear = [p.key for p in drive.parameters if not p.linear]
+    if scan and nonlinear:
+        guess = scanned_guess(drive, recording).values
+        values |= {key: guess[key] for key in nonlinear}
+    if drive.inertia is None:
+        values[drive.inertia_key] = scales.force / (scales.displacement / scales.time**2)
+    return np.array([values[key] for key in drive.keys]) / drive.parameter_scales(scales)

@@ -1,0 +1,227 @@
+"""What every sequential estimator does before the first sample: clean, find the scales, make a first guess."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fricmodels.dimension import Dimension, Scales
+from fricmodels.drive import Drive
+from fricmodels.errors import EstimationError
+from fricmodels.recording import Recording
+
+Array = NDArray[np.float64]
+Hold = Literal["linear", "held"]
+
+_LEAST = 20
+_MOST_COMBINATIONS = 400
+
+
+def usable(drive: Drive, recording: Recording) -> Recording:
+    """Return the samples at which everything that the drive needs is finite.
+
+    Raises:
+        InputError: when a channel is missing.
+        EstimationError: when fewer than 20 samples are left, or the drive does not move, or no torque was applied.
+    """
+    recording.require(drive.model.needs - {"acceleration"}, drive.model.name)
+    channels = [recording.time, recording.torque, recording.velocity]
+    channels += [recording.signal(name) for name in drive.model.needs - {"acceleration"}]
+    finite = np.all([np.isfinite(values) for values in channels], axis=0)
+    kept = recording if finite.all() else recording.select(finite)
+    where = f"recording '{recording.name}'"
+    if len(kept) < _LEAST:
+        raise EstimationError(f"{where} has {len(kept)} usable samples; at least {_LEAST} are needed")
+    if not np.ptp(kept.velocity) > 0:
+        raise EstimationError(f"{where} has a constant velocity; friction and inertia need a motion that changes")
+    if not np.any(kept.torque):
+        raise EstimationError(f"{where} has zero torque throughout; there is nothing to relate the motion to")
+    return kept
+
+
+def peak_speed(recording: Recording) -> float:
+    """Return the 99 % quantile of the speed: the peak, but of the motion and not of its noise."""
+    return float(np.quantile(np.abs(recording.velocity), 0.99)) or float(np.max(np.abs(recording.velocity)))
+
+
+def longest_run(recording: Recording) -> Recording:
+    """Return the run with the most samples."""
+    numbers, counts = np.unique(recording.run, return_counts=True)
+    return recording if len(numbers) == 1 else recording.select(recording.run == numbers[np.argmax(counts)])
+
+
+def dominant_frequency(recording: Recording) -> float:
+    """Return the angular frequency ω [rad/s] that carries most of the velocity's variation in the longest run.
+
+    The peak of the periodogram (Hann window, padded four times); at least one cycle in the run.
+    """
+    run = longest_run(recording)
+    count = len(run)
+    duration = float(run.time[-1] - run.time[0])
+    grid = np.linspace(run.time[0], run.time[-1], count)
+    values = np.interp(grid, run.time, run.velocity)
+    spectrum = np.abs(np.fft.rfft((values - values.mean()) * np.hanning(count), 4 * count))
+    frequency = 2 * np.pi * np.fft.rfftfreq(4 * count, duration / (count - 1))
+    spectrum[frequency < 2 * np.pi / duration * (1 - 1e-9)] = 0.0
+    return float(frequency[np.argmax(spectrum)])
+
+
+def velocity_noise(recording: Recording) -> float:
+    """Return the standard deviation of white noise on the velocity.
+
+    From the median of its third differences, which a smooth motion hardly has: median |Δ³y| / (0.6745 √20).
+    At least 1e-4 of the peak speed, so that a noiseless simulation does not make a filter infinitely certain.
+    """
+    third = np.diff(recording.velocity, 3)
+    joined = np.diff(recording.run) == 0
+    inside = joined[:-2] & joined[1:-1] & joined[2:]
+    spread = float(np.median(np.abs(third[inside]))) / (0.6745 * math.sqrt(20.0)) if inside.any() else 0.0
+    return max(spread, 1e-4 * peak_speed(recording))
+
+
+def smoothed_acceleration(recording: Recording) -> Array:
+    """Return dω/dt by a local cubic over about a twentieth of the dominant cycle."""
+    from scipy.signal import savgol_filter
+
+    acceleration = np.zeros(len(recording))
+    period = 2 * np.pi / dominant_frequency(recording)
+    for number in np.unique(recording.run):
+        rows = np.flatnonzero(recording.run == number)
+        if len(rows) < 9:
+            continue
+        step = float(np.median(np.diff(recording.time[rows])))
+        window = min(max(7, 2 * round(period / 40 / step) + 1), len(rows) - 1 + len(rows) % 2)
+        grid = np.arange(recording.time[rows[0]], recording.time[rows[-1]] + step / 2, step)
+        window = min(window, len(grid) - 1 + len(grid) % 2)
+        even = np.interp(grid, recording.time[rows], recording.velocity[rows])
+        slope = savgol_filter(even, window, 3, deriv=1, delta=step)
+        acceleration[rows] = np.interp(recording.time[rows], grid, slope)
+    return acceleration
+
+
+def inertia_guess(drive: Drive, recording: Recording) -> float:
+    """Return the drive's inertia, or a first value from regressing the torque on dω/dt, ω, sgn ω and 1.
+
+    Raises:
+        EstimationError: when the recording gives none (the drive never accelerates).
+    """
+    if drive.inertia is not None:
+        return drive.inertia
+    acceleration = smoothed_acceleration(recording)
+    speed = recording.velocity
+    moving = np.abs(speed) > 0.05 * peak_speed(recording)
+    design = np.stack([acceleration, speed, np.sign(speed), np.ones_like(speed)])[:, moving]
+    torque = (recording.torque - recording.load_torque)[moving]
+    size = np.sqrt(np.mean(design**2, axis=1, keepdims=True))
+    size[size == 0] = 1.0
+    solution = np.linalg.lstsq((design / size).T, torque, rcond=None)[0] / size[:, 0]
+    if not solution[0] > 0:
+        raise EstimationError(
+            f"recording '{recording.name}' gives no inertia: torque does not grow with acceleration; state --inertia"
+        )
+    return float(solution[0])
+
+
+def paper_scales(drive: Drive, recording: Recording) -> Scales:
+    """Return the paper's normalisation: time in 1/ω, torque in J ω² D, so that the inertia becomes 1.
+
+    ω is the dominant frequency. The paper's D is 1 rad, with which its motor reaches a normalised speed of about 2;
+    D is chosen such that every drive does: D = peak speed / (2 ω).
+    """
+    omega = dominant_frequency(recording)
+    displacement = peak_speed(recording) / (2 * omega)
+    force = inertia_guess(drive, recording) * displacement * omega**2
+    return Scales(force=force, displacement=displacement, time=1 / omega)
+
+
+def scan_unit(dimension: Dimension, recording: Recording) -> float:
+    """Return the SI size of one unit in which :attr:`Parameter.scan` is counted, from the recording's own scales.
+
+    Times are counted in the recording's duration, speeds in its peak speed, displacements in its range of position,
+    torques in the RMS torque.
+    """
+    peak = peak_speed(recording)
+    reach = float(np.ptp(recording["position"])) if "position" in recording else 0.0
+    reach = reach or peak / dominant_frequency(recording)
+    duration = float(np.ptp(longest_run(recording).time))
+    size = float(np.sqrt(np.mean(recording.torque**2))) ** float(dimension.force)
+    along, time = float(dimension.displacement), float(dimension.time)
+    if along == 0:
+        return float(size * duration**time)
+    return float(size * peak ** (-time) * reach ** (along + time))
+
+
+@dataclass(frozen=True)
+class Guess:
+    """Values of the drive's parameters in SI, by key, and the residual [N m] of the regression that gave them."""
+
+    values: Mapping[str, float]
+    residual: float
+
+
+def scanned_guess(drive: Drive, recording: Recording) -> Guess:
+    """Return a first guess: nonlinear parameters from their scan values, the linear ones regressed.
+
+    Parameters without scan values keep their declared initial values. Models with internal states, which have no
+    regression, are given their declared values and the middle of each scan.
+    """
+    parameters = drive.model.parameters
+    free = [i for i, linear in enumerate(drive.model.linear) if not linear]
+    inertia = inertia_guess(drive, recording)
+    choices: list[Sequence[float]] = []
+    for i in free:
+        declared = parameters[i].declared
+        unit = scan_unit(declared.dimension, recording) if declared.scan else 1.0
+        values = [unit * value for value in declared.scan] or [declared.initial]
+        choices.append([min(max(value, declared.lower), declared.upper) for value in values])
+    if drive.model.states:
+        middle = {parameters[i].key: choice[len(choice) // 2] for i, choice in zip(free, choices, strict=True)}
+        initial = {p.key: p.declared.initial for p in parameters}
+        return Guess({drive.inertia_key: inertia, **initial, **middle}, math.inf)
+    acceleration = smoothed_acceleration(recording)
+    moving = np.flatnonzero(np.abs(recording.velocity) > 0.02 * peak_speed(recording))
+    moving = moving[:: max(1, len(moving) // 4000)]
+    used = recording.select(moving).with_channels(acceleration=acceleration[moving])
+    torque = used.torque - used.load_torque - inertia * used["acceleration"]
+    lower = np.array([p.declared.lower for p, linear in zip(parameters, drive.model.linear, strict=True) if linear])
+    upper = np.array([p.declared.upper for p, linear in zip(parameters, drive.model.linear, strict=True) if linear])
+    best: tuple[float, tuple[float, ...], Array] | None = None
+    for nonlinear in itertools.islice(itertools.product(*choices), _MOST_COMBINATIONS):
+        design, offset = drive.regressors(used, nonlinear)
+        size = np.sqrt(np.mean(design**2, axis=1, keepdims=True))
+        size[size == 0] = 1.0
+        linear = np.linalg.lstsq((design / size).T, torque - offset, rcond=1e-9)[0] / size[:, 0]
+        linear = np.clip(linear, lower, upper)
+        residual = float(np.sqrt(np.mean((torque - offset - linear @ design) ** 2)))
+        if best is None or residual < best[0]:
+            best = (residual, nonlinear, linear)
+    if best is None:
+        raise EstimationError(f"'{drive.model.name}' has no value to start from")
+    values = {drive.inertia_key: inertia}
+    nonlinear_values, linear_values = iter(best[1]), iter(best[2])
+    for p, is_linear in zip(parameters, drive.model.linear, strict=True):
+        values[p.key] = float(next(linear_values) if is_linear else next(nonlinear_values))
+    return Guess(values, best[0])
+
+
+def mid_step(drive_inputs: Sequence[str], run: Recording, substeps: int, hold: Hold) -> tuple[Array, Array]:
+    """Return the durations, shape (N − 1,), and the inputs in the middle of every sub-step, (substeps (N − 1), m).
+
+    Inputs run linearly between samples; a ``held`` motor torque keeps the value of the sample before.
+    """
+    durations = np.diff(run.time)
+    fraction = (np.arange(substeps) + 0.5) / substeps
+    columns = []
+    for name in drive_inputs:
+        values = run.signal(name)
+        if name == "motor_torque" and hold == "held":
+            columns.append(np.repeat(values[:-1], substeps))
+        else:
+            columns.append((values[:-1, None] * (1 - fraction) + values[1:, None] * fraction).ravel())
+    return durations, np.stack(columns, axis=1) if columns else np.zeros((len(durations) * substeps, 0))
