@@ -1,2 +1,106 @@
-"""Command line."""
-def main() -> None: ...
+"""The command line. Each command is a module of this package with a function ``command``, imported when it is used."""
+
+from __future__ import annotations
+
+import importlib
+import sys
+import traceback
+from typing import Annotated, Any
+
+import typer
+from typer.core import TyperGroup
+
+from fricmodels import __version__
+from fricmodels.errors import FricmodelsError
+
+COMMANDS = {
+    "run": "Run a tournament and rank models and estimators.",
+    "leaderboard": "Show or export the leaderboard of a run.",
+    "list": "List laws, effects, estimators, readers or the data sets of a run.",
+    "demo": "See all of it on simulated data.",
+    "schema": "Print the JSON Schema of a configuration, for editors.",
+}
+"""Command → what it does, in one line. A new command is a module ``cli/NAME.py`` and a line here."""
+
+
+class _Lazy(TyperGroup):
+    """Imports the module of a command only when the command is used."""
+
+    def list_commands(self, ctx: Any) -> list[str]:
+        """Return the commands in the order in which they are declared."""
+        return list(COMMANDS)
+
+    def get_command(self, ctx: Any, name: str) -> Any:
+        """Return the command of that name."""
+        if name not in COMMANDS:
+            return None
+        module = importlib.import_module(f"fricmodels.cli.{name}")
+        app = typer.Typer(add_completion=False)
+        app.command(name, help=_help(name, module.command))(module.command)
+        return typer.main.get_command(app)
+
+
+def _help(name: str, function: Any) -> str:
+    """Put the one line that lists show before what else the command says of itself."""
+    rest = (function.__doc__ or "").strip().partition("\n\n")[2]
+    return f"{COMMANDS[name]}\n\n{rest}".strip()
+
+
+app = typer.Typer(cls=_Lazy, no_args_is_help=True, add_completion=False)
+
+
+def _version(wanted: bool) -> None:
+    if wanted:
+        typer.echo(f"fricmodels {__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def _options(
+    version: Annotated[
+        bool, typer.Option("--version", callback=_version, is_eager=True, help="Print the version.")
+    ] = False,
+    debug: Annotated[bool, typer.Option("--debug", help="Show the traceback of an error.")] = False,
+) -> None:
+    """Find out what friction really does in a drive."""
+
+
+def main(arguments: list[str] | None = None) -> None:
+    """Run the command line. Exit codes: 0 done, 1 the work failed, 2 bad input, 130 interrupted."""
+    given = sys.argv[1:] if arguments is None else arguments
+    sys.exit(_run(given))
+
+
+def _run(arguments: list[str]) -> int:
+    try:
+        result = app(arguments, prog_name="fricmodels", standalone_mode=False)
+    except Exception as error:
+        if "--debug" in arguments:
+            traceback.print_exc()
+        return _explain(error)
+    except KeyboardInterrupt:
+        _say("interrupted")
+        return 130
+    return result if isinstance(result, int) else 0
+
+
+def _explain(error: Exception) -> int:
+    """Print an error in one line and return the exit code."""
+    if isinstance(error, FricmodelsError):
+        _say(str(error))
+        return error.exit_code
+    if isinstance(error, typer.Abort):
+        _say("interrupted")
+        return 130
+    usage = getattr(error, "format_message", None)
+    if callable(usage):
+        _say(f"{usage()} (see --help)")
+        return int(getattr(error, "exit_code", 2))
+    if isinstance(error, BrokenPipeError):
+        return 1
+    _say(f"{type(error).__name__}: {error} (unexpected; 'fricmodels --debug …' shows the traceback)")
+    return 1
+
+
+def _say(message: str) -> None:
+    print(f"error: {' '.join(message.split())}", file=sys.stderr)

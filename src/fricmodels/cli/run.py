@@ -1,0 +1,36 @@
+"""``fricmodels run``: a tournament from its YAML file."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+
+def command(
+    config: Annotated[Path, typer.Argument(help="The tournament, in YAML.", show_default=False)],
+    out: Annotated[Path | None, typer.Option(help="Directory for the results; runs/NAME by default.")] = None,
+    executor: Annotated[str, typer.Option(help="local, dask or serial")] = "local",
+    jobs: Annotated[int | None, typer.Option(min=1, help="Processes; one a core by default.")] = None,
+    retry: Annotated[bool, typer.Option("--retry", help="Do again what did not end well.")] = False,
+) -> None:
+    """Run a tournament and rank models and estimators.
+
+    Results are kept as they come: after an interruption, or when the configuration grows, the same command does only
+    what is missing.
+    """
+    from fricmodels import plugins
+    from fricmodels.cli.leaderboard import show
+    from fricmodels.cli.printing import progress_of_fits, warn
+    from fricmodels.tournament import load_config, plan, run
+
+    warn(plugins.load().failures)
+    loaded = load_config(config)
+    planned = plan(loaded, config.parent)
+    warn(planned.left_out)
+    target = out if out is not None else Path("runs") / loaded.name
+    with progress_of_fits() as report:
+        board = run(loaded, target, executor=executor, processes=jobs, retry=retry, report=report, planned=planned)
+    show(board, loaded.ranking)
+    print(f"written to {target / 'leaderboard.json'}")

@@ -1,0 +1,165 @@
+"""The formats in which a leaderboard is written.
+
+Names in a leaderboard come from files and plugins, so every format escapes what its readers would take for markup or
+for a formula.
+"""
+
+from __future__ import annotations
+
+import csv
+import html
+import io
+import json
+from collections.abc import Callable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+from fricmodels.errors import InputError, suggestion
+from fricmodels.export.columns import Column, concise, frame
+
+if TYPE_CHECKING:
+    from fricmodels.tournament.leaderboard import Leaderboard
+
+_LATEX = {
+    "\\": r"\textbackslash{}",
+    "{": r"\{",
+    "}": r"\}",
+    "$": r"\$",
+    "&": r"\&",
+    "#": r"\#",
+    "%": r"\%",
+    "_": r"\_",
+    "~": r"\textasciitilde{}",
+    "^": r"\textasciicircum{}",
+}
+_MARKDOWN = set("\\`*_{}[]<>#|~$")
+
+
+def export(board: Leaderboard, form: str) -> bytes:
+    """Return a leaderboard in one of :data:`FORMATS`.
+
+    Raises:
+        InputError: for an unknown format.
+    """
+    if form not in FORMATS:
+        raise InputError(f"unknown format '{form}'{suggestion(form, FORMATS)}")
+    return FORMATS[form](board)
+
+
+def _table(board: Leaderboard) -> bytes:
+    columns = concise(board)
+    widths = [max(len(column.title), *map(len, column.cells), 0) for column in columns]
+    lines = ["  ".join(column.title.ljust(width) for column, width in zip(columns, widths, strict=True)).rstrip()]
+    lines.append("  ".join("─" * width for width in widths))
+    for cells in _rows(columns):
+        aligned = [
+            cell.rjust(width) if column.number else cell.ljust(width)
+            for cell, column, width in zip(cells, columns, widths, strict=True)
+        ]
+        lines.append("  ".join(aligned).rstrip())
+    return _bytes(lines)
+
+
+def _markdown(board: Leaderboard) -> bytes:
+    return markdown(concise(board)).encode()
+
+
+def markdown(columns: Sequence[Column]) -> str:
+    """Return a table in Markdown."""
+    lines = ["| " + " | ".join(_in_markdown(column.title) for column in columns) + " |"]
+    lines.append("|" + "|".join("---:" if column.number else "---" for column in columns) + "|")
+    lines.extend("| " + " | ".join(map(_in_markdown, cells)) + " |" for cells in _rows(columns))
+    return "\n".join(lines) + "\n"
+
+
+def _in_markdown(text: str) -> str:
+    return "".join("\\" + c if c in _MARKDOWN else c for c in " ".join(text.split()))
+
+
+def _csv(board: Leaderboard) -> bytes:
+    table = frame(board)
+    stream = io.StringIO()
+    writer = csv.writer(stream, lineterminator="\n")
+    writer.writerow([_in_spreadsheet(name) for name in table.columns])
+    for values in table.astype(object).itertuples(index=False, name=None):
+        writer.writerow(["" if value is None or value != value else _in_spreadsheet(value) for value in values])
+    return stream.getvalue().encode()
+
+
+def _in_spreadsheet(value: Any) -> Any:
+    """Keep text from being taken for a formula."""
+    if isinstance(value, str) and value.startswith(("=", "+", "-", "@", "\t", "\r")):
+        return "'" + value
+    return value
+
+
+def _json(board: Leaderboard) -> bytes:
+    from fricmodels.tournament.leaderboard import SCHEMA
+
+    return (json.dumps({"schema": SCHEMA, "rows": list(board.rows)}, indent=1, ensure_ascii=False) + "\n").encode()
+
+
+def _parquet(board: Leaderboard) -> bytes:
+    stream = io.BytesIO()
+    table = frame(board)
+    for name in table.select_dtypes(object).columns:
+        kinds = {type(value) for value in table[name].dropna()}
+        if len(kinds) > 1 or kinds & {list, dict}:
+            table[name] = table[name].map(lambda value: None if value is None else str(value))
+    table.to_parquet(stream, index=False)
+    return stream.getvalue()
+
+
+def _html(board: Leaderboard) -> bytes:
+    columns = concise(board)
+    titles = "".join(f"<th>{html.escape(column.title)}</th>" for column in columns)
+    lines = [
+        "<!DOCTYPE html>",
+        '<html lang="en"><head><meta charset="utf-8"><title>Leaderboard</title><style>',
+        "body{font:15px/1.5 system-ui,sans-serif;margin:2rem}table{border-collapse:collapse}",
+        "th,td{padding:.25rem .75rem;border-bottom:1px solid #ccc;text-align:left}",
+        "td.number{text-align:right;font-variant-numeric:tabular-nums}",
+        "</style></head><body><h1>Leaderboard</h1><table>",
+        f"<thead><tr>{titles}</tr></thead><tbody>",
+    ]
+    for cells in _rows(columns):
+        inside = "".join(
+            f"{'<td class=number>' if column.number else '<td>'}{html.escape(cell)}</td>"
+            for cell, column in zip(cells, columns, strict=True)
+        )
+        lines.append(f"<tr>{inside}</tr>")
+    lines.append("</tbody></table></body></html>")
+    return _bytes(lines)
+
+
+def _latex(board: Leaderboard) -> bytes:
+    columns = concise(board)
+    layout = "".join("r" if column.number else "l" for column in columns)
+    lines = [rf"\begin{{tabular}}{{{layout}}}", r"\hline"]
+    lines.append(" & ".join(_in_latex(column.title) for column in columns) + r" \\ \hline")
+    lines.extend(" & ".join(map(_in_latex, cells)) + r" \\" for cells in _rows(columns))
+    lines += [r"\hline", r"\end{tabular}"]
+    return _bytes(lines)
+
+
+def _in_latex(text: str) -> str:
+    return "".join(_LATEX.get(c, c) for c in " ".join(text.split()))
+
+
+def _rows(columns: Sequence[Column]) -> list[tuple[str, ...]]:
+    return list(zip(*(column.cells for column in columns), strict=True))
+
+
+def _bytes(lines: Sequence[str]) -> bytes:
+    return ("\n".join(lines) + "\n").encode()
+
+
+FORMATS: Mapping[str, Callable[[Leaderboard], bytes]] = {
+    "table": _table,
+    "md": _markdown,
+    "csv": _csv,
+    "json": _json,
+    "parquet": _parquet,
+    "html": _html,
+    "latex": _latex,
+}
+"""How to write a leaderboard, by the name of the format."""

@@ -1,0 +1,9 @@
+"""Tournaments: recordings × models × estimators, from YAML to a ranked leaderboard."""
+
+from __future__ import annotations
+
+from fricmodels.tournament.config import Config, load_config
+from fricmodels.tournament.leaderboard import Leaderboard
+from fricmodels.tournament.running import Interrupted, Plan, plan, run
+
+__all__ = ["Config", "Interrupted", "Leaderboard", "Plan", "load_config", "plan", "run"]

@@ -1,0 +1,177 @@
+"""Reads a YAML file and remembers where every key stands, so that an error can name its line."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from types import UnionType
+from typing import Any, TypeVar, Union, get_args, get_origin
+
+import yaml
+from pydantic import BaseModel, ValidationError
+
+from fricmodels.errors import InputError, suggestion
+
+Path_ = tuple[str | int, ...]
+M = TypeVar("M", bound=BaseModel)
+_MOST_NODES = 100_000
+
+
+@dataclass(frozen=True)
+class Document:
+    """The content of a YAML file, and the line of each of its keys and items."""
+
+    file: Path
+    content: Any
+    lines: dict[Path_, int]
+
+    def line(self, path: Sequence[str | int]) -> int:
+        """Return the line of the innermost part of ``path`` that the file has."""
+        parts = tuple(path)
+        while parts and parts not in self.lines:
+            parts = parts[:-1]
+        return self.lines.get(parts, 1)
+
+    def error(self, path: Sequence[str | int], message: str) -> InputError:
+        """Return an error that names file and line."""
+        return InputError(f"{self.file}:{self.line(path)}: {message}")
+
+
+def read_yaml(file: str | Path) -> Document:
+    """Read a YAML file safely: no tag builds an object, no key stands twice.
+
+    Raises:
+        InputError: naming file and line.
+    """
+    path = Path(file)
+    try:
+        text = path.read_text(encoding="utf-8")
+    except FileNotFoundError:
+        raise InputError(f"{path}: there is no such file") from None
+    except (OSError, UnicodeDecodeError) as error:
+        raise InputError(f"{path}: cannot be read as text: {error}") from None
+    loader = yaml.SafeLoader(text)
+    try:
+        node = loader.get_single_node()
+        if node is None:
+            raise InputError(f"{path}: the file is empty")
+        lines = _lines(node, path)
+        content = loader.construct_document(node)
+    except yaml.MarkedYAMLError as error:
+        mark = error.problem_mark or error.context_mark
+        where = f"{path}:{mark.line + 1}" if mark else str(path)
+        raise InputError(f"{where}: {_one_line(error)}") from None
+    except (yaml.YAMLError, RecursionError, ValueError) as error:
+        raise InputError(f"{path}: is not valid YAML: {' '.join(str(error).split())}") from None
+    finally:
+        loader.dispose()
+    return Document(path, content, lines)
+
+
+def _one_line(error: yaml.MarkedYAMLError) -> str:
+    problem = " ".join(str(error.problem or error.context or "is not valid YAML").split())
+    if "could not determine a constructor for the tag" in problem:
+        tag = problem.split("'")[1] if "'" in problem else "?"
+        return f"the tag '{tag}' is refused: a configuration builds no objects; write plain values"
+    return f"is not valid YAML: {problem}"
+
+
+def _lines(root: yaml.Node, file: Path) -> dict[Path_, int]:
+    lines: dict[Path_, int] = {(): root.start_mark.line + 1}
+    waiting: list[tuple[Path_, yaml.Node]] = [((), root)]
+    while waiting:
+        if len(lines) > _MOST_NODES:
+            raise InputError(f"{file}: has more than {_MOST_NODES} entries after its anchors are followed")
+        path, node = waiting.pop()
+        if isinstance(node, yaml.MappingNode):
+            waiting.extend(_keys(path, node, file, lines))
+        elif isinstance(node, yaml.SequenceNode):
+            for index, item in enumerate(node.value):
+                lines[(*path, index)] = item.start_mark.line + 1
+                waiting.append(((*path, index), item))
+    return lines
+
+
+def _keys(path: Path_, node: yaml.MappingNode, file: Path, lines: dict[Path_, int]) -> list[tuple[Path_, yaml.Node]]:
+    inside: list[tuple[Path_, yaml.Node]] = []
+    seen: dict[str, int] = {}
+    for key, value in node.value:
+        line = key.start_mark.line + 1
+        name = str(key.value)
+        if name in seen and key.tag != "tag:yaml.org,2002:merge":
+            raise InputError(f"{file}:{line}: key '{name}' stands twice; it is already on line {seen[name]}")
+        seen[name] = line
+        if key.tag == "tag:yaml.org,2002:merge":
+            merged = value.value if isinstance(value, yaml.SequenceNode) else [value]
+            for source in merged:
+                if isinstance(source, yaml.MappingNode):
+                    inside.extend(_keys(path, source, file, lines))
+            continue
+        lines[(*path, name)] = line
+        inside.append(((*path, name), value))
+    return inside
+
+
+def validate(document: Document, model: type[M]) -> M:
+    """Turn a document into a pydantic model.
+
+    Raises:
+        InputError: for the first thing that is wrong, naming file, line, key and the nearest right key.
+    """
+    if not isinstance(document.content, dict):
+        raise InputError(f"{document.file}:1: a mapping of keys is expected, got {type(document.content).__name__}")
+    try:
+        return model.model_validate(document.content)
+    except ValidationError as error:
+        first = error.errors(include_url=False)[0]
+        raise document.error(first["loc"], _message(first, model)) from None
+
+
+def first_problem(error: ValidationError, model: type[BaseModel]) -> str:
+    """Return the first problem of a validation in one line, without a place."""
+    return _message(error.errors(include_url=False)[0], model)
+
+
+def _message(problem: Any, model: type[BaseModel]) -> str:
+    path = problem["loc"]
+    names = [str(part) for part in path if isinstance(part, str)]
+    key = names[-1] if names else "?"
+    inside = f" in '{'.'.join(names[:-1])}'" if len(names) > 1 else ""
+    if problem["type"] == "extra_forbidden":
+        known = _fields(model, path[:-1])
+        return f"key '{key}'{inside} is unknown{suggestion(key, known)}"
+    if problem["type"] == "missing":
+        return f"key '{key}'{inside} is missing"
+    text = str(problem["msg"]).removeprefix("Value error, ")
+    value = problem.get("input")
+    shown = f", got {value!r}" if isinstance(value, str | int | float | bool) or value is None else ""
+    if problem["type"] in ("literal_error", "enum") and isinstance(value, str):
+        expected = [word.strip("'") for word in str(problem["ctx"]["expected"]).replace(" or ", ", ").split(", ")]
+        return f"key '{key}'{inside} cannot be '{value}'{suggestion(value, expected)}"
+    if problem["type"] == "value_error":
+        return f"key '{key}'{inside}: {text}" if names else text
+    return f"key '{key}'{inside}: {text[:1].lower()}{text[1:]}{shown}"
+
+
+def _fields(model: type[BaseModel], path: Sequence[str | int]) -> set[str]:
+    """Return the keys that the model knows at ``path``."""
+    here: type[BaseModel] | None = model
+    for part in path:
+        if not isinstance(part, str) or here is None:
+            continue
+        field = here.model_fields.get(part)
+        if field is not None:
+            here = _model_of(field.annotation)
+    return set(here.model_fields) if here is not None else set()
+
+
+def _model_of(annotation: Any) -> type[BaseModel] | None:
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        return annotation
+    if get_origin(annotation) in (Union, UnionType, list, tuple, dict):
+        for inner in get_args(annotation):
+            found = _model_of(inner)
+            if found is not None:
+                return found
+    return None

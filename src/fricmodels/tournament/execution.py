@@ -1,0 +1,139 @@
+"""Does jobs: in processes that may die or hang, on a Dask cluster, or one after the other right here."""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+from collections import deque
+from collections.abc import Callable, Iterator
+from concurrent.futures import FIRST_COMPLETED, Future, wait
+from typing import Any
+
+from fricmodels.errors import InputError
+from fricmodels.fit import Status
+from fricmodels.tournament.jobs import Job, Row, execute
+
+Results = Iterator[tuple[Job, Row]]
+EXECUTORS = ("local", "dask", "serial")
+
+
+def results(jobs: list[Job], *, executor: str, processes: int | None, timeout: float) -> Results:
+    """Do the jobs and yield each with its row, as they finish.
+
+    Args:
+        jobs: in an order in which those that share compiled code stand together.
+        executor: ``local`` processes, ``dask``, or ``serial``: here, without a time limit.
+        processes: how many; one a core by default.
+        timeout: seconds for one job.
+
+    Raises:
+        InputError: for an unknown executor, or Dask where it is not installed.
+    """
+    if executor == "serial":
+        return ((job, execute(job)) for job in jobs)
+    if executor == "dask":
+        return _dask(jobs, processes, timeout)
+    if executor == "local":
+        return _local(jobs, min(processes or available_cores(), max(len(jobs), 1)), timeout)
+    raise InputError(f"unknown executor '{executor}'; known: {', '.join(EXECUTORS)}")
+
+
+def available_cores() -> int:
+    """Return how many cores this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+class _Queue:
+    """Jobs by group. A worker stays with its group, then takes one that nobody has, then helps with the longest."""
+
+    def __init__(self, jobs: list[Job]) -> None:
+        self._groups: dict[tuple[str, str, str], deque[Job]] = {}
+        for job in jobs:
+            self._groups.setdefault(job.group, deque()).append(job)
+        self._taken: dict[int, tuple[str, str, str]] = {}
+
+    def next(self, worker: int) -> Job | None:
+        """Return the next job for a worker, or ``None`` when there is none left."""
+        group = self._taken.get(worker)
+        if group is None or not self._groups.get(group):
+            self._groups = {key: waiting for key, waiting in self._groups.items() if waiting}
+            free = [key for key in self._groups if key not in self._taken.values()]
+            group = next(iter(free), None) or max(self._groups, key=lambda key: len(self._groups[key]), default=None)
+            if group is None:
+                return None
+            self._taken[worker] = group
+        return self._groups[group].popleft()
+
+
+def _local(jobs: list[Job], processes: int, timeout: float) -> Results:
+    """One pool of one process for each worker, so that it is known which worker has compiled what."""
+    from pebble import ProcessPool
+
+    context = multiprocessing.get_context("spawn")
+    queue = _Queue(jobs)
+    pools: list[Any] = [ProcessPool(max_workers=1, context=context, initializer=_one_thread) for _ in range(processes)]
+    running: dict[Future[Any], tuple[int, Job]] = {}
+
+    def start(worker: int) -> None:
+        job = queue.next(worker)
+        if job is not None:
+            running[pools[worker].schedule(execute, args=[job], timeout=timeout)] = (worker, job)
+
+    try:
+        for worker in range(processes):
+            start(worker)
+        while running:
+            done, _ = wait(running, return_when=FIRST_COMPLETED)
+            for future in done:
+                worker, job = running.pop(future)
+                start(worker)
+                yield job, _outcome(job, future.result, timeout)
+    finally:
+        for pool in pools:
+            pool.stop()
+        for pool in pools:
+            pool.join()
+
+
+def _one_thread() -> None:
+    """Keep a worker to one core and leave Ctrl-C to the process that started it."""
+    import signal
+
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
+        os.environ.setdefault(name, "1")
+
+
+def _outcome(job: Job, result: Callable[[], Row], timeout: float) -> Row:
+    from pebble import ProcessExpired
+
+    try:
+        return result()
+    except TimeoutError:
+        return job.row(Status.TIMEOUT, f"took longer than {timeout:g} s", timeout)
+    except ProcessExpired as error:
+        return job.row(Status.CRASHED, f"its process died with exit code {error.exitcode}")
+    except Exception as error:
+        return job.row(Status.CRASHED, f"{type(error).__name__}: {error}")
+
+
+def _dask(jobs: list[Job], processes: int | None, timeout: float) -> Results:
+    """Jobs through the ``concurrent.futures`` executor of Dask's client; its scheduler is asked for by environment.
+
+    ``DASK_SCHEDULER_ADDRESS`` names a running cluster; without it a local one is started. A worker that dies is
+    tried again by Dask; a job that fails there gives a row that says so.
+    """
+    try:
+        from distributed import Client
+    except ImportError:
+        raise InputError("the executor 'dask' needs the extra: pip install 'fricmodels[dask]'") from None
+    address = os.environ.get("DASK_SCHEDULER_ADDRESS")
+    local = {"n_workers": processes or available_cores(), "threads_per_worker": 1, "dashboard_address": None}
+    connect: Any = Client
+    with connect(address) if address else connect(**local) as client, client.get_executor() as pool:
+        running = {pool.submit(execute, job): job for job in jobs}
+        while running:
+            done, _ = wait(running, return_when=FIRST_COMPLETED)
+            for future in done:
+                job = running.pop(future)
+                yield job, _outcome(job, future.result, timeout)

@@ -1,0 +1,200 @@
+"""One job of a tournament: fit one model to one recording with one estimator, and score it."""
+
+from __future__ import annotations
+
+import hashlib
+import importlib.metadata
+import inspect
+import json
+import math
+import time
+import warnings
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+
+from fricmodels import __version__, plugins
+from fricmodels.dimension import Motion
+from fricmodels.drive import Drive
+from fricmodels.errors import FricmodelsError
+from fricmodels.fit import Fit, Status
+from fricmodels.model import Model
+from fricmodels.tournament.config import Config
+from fricmodels.tournament.sources import Source, load
+
+SCHEMA = 1
+"""Raised whenever rows change their meaning, so that old results are not taken for new ones."""
+
+Row = dict[str, Any]
+
+
+@dataclass(frozen=True)
+class Job:
+    """What one worker does at a time; all plain values, so that it can be sent anywhere.
+
+    Attributes:
+        key: hash of all that decides the result; equal keys, equal results.
+        title: what the estimator is called in the leaderboard.
+        settings: of the estimator, as JSON.
+        measure: what the score's percentages are of.
+        simulate: whether the simulated velocity is scored.
+    """
+
+    key: str
+    source: Source
+    model: str
+    estimator: str
+    title: str
+    settings: str
+    measure: str
+    simulate: bool
+    seed: int = field(default=0)
+
+    @property
+    def group(self) -> tuple[str, str, str]:
+        """Jobs of one group share compiled code and run on one worker where possible."""
+        return (self.model, self.estimator, self.settings)
+
+    def row(self, status: Status, message: str = "", seconds: float = math.nan) -> Row:
+        """Return the row of the leaderboard for a job that gave no fit."""
+        return {
+            "model": self.model,
+            "estimator": self.title,
+            "dataset": self.source.dataset,
+            "tags": dict(self.source.tags),
+            "rms_torque_error_percent": None,
+            "held_out_rms_torque_error_percent": None,
+            "parameters": {},
+            "standard_errors": {},
+            "true_parameters": self.source.true_parameters,
+            "seconds": None if math.isnan(seconds) else seconds,
+            "status": status.value,
+            "message": " ".join(message.split()),
+            "not_identified": {},
+            "settings": json.loads(self.settings),
+            "key": self.key,
+        }
+
+
+def jobs(config: Config, sources: list[Source], digests: Mapping[Source, str]) -> list[Job]:
+    """Return every combination of recording, model and estimator, those that share compiled code together.
+
+    Args:
+        config: the tournament.
+        sources: its recordings.
+        digests: checksum of each recording that was read from a file.
+    """
+    listed = []
+    measure = "paper" if config.score == "paper" else "torque"
+    for model in config.model_names:
+        for entrant in config.entrants:
+            settings = json.dumps(entrant.settings, sort_keys=True)
+            what = (model, _code(model), entrant.name, estimator_version(entrant.name), settings, measure)
+            for source in sources:
+                decides = (SCHEMA, __version__, *what, config.simulate, source.description, source.inertia)
+                content = json.dumps([*decides, digests.get(source, "")], sort_keys=True)
+                key = hashlib.sha256(content.encode()).hexdigest()
+                listed.append(Job(key, source, model, entrant.name, entrant.title, settings, measure, config.simulate))
+    return listed
+
+
+@lru_cache(maxsize=256)
+def _code(model: str) -> str:
+    """Return a hash of the source of a model's terms and the versions of where they came from."""
+    registered = plugins.load()
+    parsed = Model.parse(model)
+    texts = [_source(type(term)) for term in parsed.terms]
+    origins = [registered.laws.entry(parsed.law.name).distribution]
+    origins += [registered.effects.entry(effect.name).distribution for effect in parsed.effects]
+    return hashlib.sha256("\n".join([*texts, *map(_version, origins)]).encode()).hexdigest()
+
+
+@lru_cache(maxsize=256)
+def estimator_version(name: str) -> str:
+    """Return a hash of an estimator's source and the version of its distribution."""
+    entry = plugins.load().estimators.entry(name)
+    module = inspect.getmodule(entry.cls)
+    text = _source(module) if module is not None else _source(entry.cls)
+    return hashlib.sha256((text + _version(entry.distribution)).encode()).hexdigest()
+
+
+def _source(what: Any) -> str:
+    try:
+        return inspect.getsource(what)
+    except (OSError, TypeError):
+        return repr(what)
+
+
+def _version(distribution: str) -> str:
+    try:
+        return importlib.metadata.version(distribution)
+    except importlib.metadata.PackageNotFoundError:
+        return ""
+
+
+@lru_cache(maxsize=64)
+def _drive(model: str, inertia: float | None, motion: Motion) -> Drive:
+    return Drive(Model.parse(model), inertia, motion)
+
+
+def execute(job: Job) -> Row:
+    """Do one job and return its row. An estimator that fails gives a row that says so; it never raises for that."""
+    begin = time.perf_counter()
+    with warnings.catch_warnings(record=True) as caught:
+        try:
+            row = _fit_and_score(job)
+        except FricmodelsError as error:
+            row = job.row(Status.FAILED, str(error), time.perf_counter() - begin)
+        except Exception as error:
+            row = job.row(Status.FAILED, f"{type(error).__name__}: {error}", time.perf_counter() - begin)
+    if caught and not row["message"]:
+        row["message"] = f"warned: {' '.join(str(caught[0].message).split())}"
+    return row
+
+
+def _fit_and_score(job: Job) -> Row:
+    from fricmodels.score import score
+
+    loaded = load(job.source)
+    drive = _drive(job.model, job.source.inertia, loaded.train.motion)
+    estimator = plugins.load().estimators[job.estimator](json.loads(job.settings))
+    begin = time.perf_counter()
+    fit = estimator.fit(drive, loaded.train, seed=job.seed)
+    row = job.row(fit.status, fit.message, time.perf_counter() - begin)
+    _describe(row, fit)
+    if loaded.true_parameters is not None:
+        row["true_parameters"] = dict(loaded.true_parameters)
+    if fit.status is not Status.OK:
+        return row
+    figures = score(
+        drive,
+        fit,
+        loaded.prepared_train,
+        loaded.prepared_test,
+        measure="paper" if job.measure == "paper" else "torque",
+        simulate=job.simulate,
+    )
+    row.update({key: _number(value) for key, value in figures.as_dict().items()})
+    decisive = "rms_torque_error" if loaded.prepared_test is None else "held_out_rms_torque_error"
+    if row[decisive] is None:
+        row["status"] = Status.DIVERGED.value
+        row["message"] = "the torque error of this fit is not a finite number"
+    return row
+
+
+def _describe(row: Row, fit: Fit) -> None:
+    row["parameters"] = {key: _number(value) for key, value in fit.parameters.items()}
+    row["standard_errors"] = {key: _number(value) for key, value in fit.standard_errors.items()}
+    row["not_identified"] = dict(fit.not_identified)
+
+
+def _number(value: Any) -> Any:
+    """Return a plain number; what is not finite becomes ``None``, which JSON can hold."""
+    if isinstance(value, str | bool) or value is None:
+        return value
+    if isinstance(value, int | np.integer):
+        return int(value)
+    return float(value) if math.isfinite(value) else None

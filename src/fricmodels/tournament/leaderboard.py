@@ -1,0 +1,125 @@
+"""The ranked result of a tournament, and its file ``leaderboard.json``."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from statistics import median
+from typing import Any
+
+from fricmodels.errors import InputError
+from fricmodels.tournament.files import write_text
+from fricmodels.tournament.jobs import Row
+
+SCHEMA = "fricmodels/leaderboard/1"
+FILE = "leaderboard.json"
+HELD_OUT = "held_out_rms_torque_error_percent"
+
+
+@dataclass(frozen=True)
+class Leaderboard:
+    """Rows in order of rank; those without a result come last, with their reason."""
+
+    rows: tuple[Row, ...]
+
+    @classmethod
+    def ranked(cls, rows: Iterable[Row], rank_by: str = HELD_OUT) -> Leaderboard:
+        """Rank rows by a column, the smallest first, and number them from 1."""
+        ordered = sorted(rows, key=lambda row: _place(row, rank_by))
+        return cls(tuple({"rank": rank, **_without_rank(row)} for rank, row in enumerate(ordered, start=1)))
+
+    @property
+    def failures(self) -> tuple[Row, ...]:
+        """Rows whose status is not ok."""
+        return tuple(row for row in self.rows if row["status"] != "ok")
+
+    @property
+    def tags(self) -> tuple[str, ...]:
+        """Names of all tags, in order of appearance."""
+        return tuple(dict.fromkeys(tag for row in self.rows for tag in row["tags"]))
+
+    def summary(self, rank_by: str = HELD_OUT) -> list[Row]:
+        """Summarise over seeds: median, quartiles, and how many ended well.
+
+        A fit without a result counts as infinitely bad, so that failing on hard seeds is no advantage.
+        """
+        groups: dict[str, list[Row]] = {}
+        for row in self.rows:
+            tags = {tag: value for tag, value in row["tags"].items() if tag != "seed"}
+            groups.setdefault(json.dumps([row["model"], row["estimator"], row["dataset"], tags]), []).append(row)
+        listed = []
+        for identity, rows in groups.items():
+            model, estimator, dataset, tags = json.loads(identity)
+            values = sorted(_place(row, rank_by)[1] for row in rows)
+            seconds = [row["seconds"] for row in rows if row["seconds"] is not None]
+            listed.append(
+                {
+                    "model": model,
+                    "estimator": estimator,
+                    "dataset": dataset,
+                    "tags": tags,
+                    "seeds": len(rows),
+                    "ok": sum(row["status"] == "ok" for row in rows),
+                    "median": _finite(median(values)),
+                    "lower_quartile": _finite(_quantile(values, 0.25)),
+                    "upper_quartile": _finite(_quantile(values, 0.75)),
+                    "median_seconds": median(seconds) if seconds else None,
+                }
+            )
+        listed.sort(key=lambda row: math.inf if row["median"] is None else row["median"])
+        return [{"rank": rank, **row} for rank, row in enumerate(listed, start=1)]
+
+    def write(self, directory: str | Path) -> Path:
+        """Write ``leaderboard.json`` whole, or not at all."""
+        content = {"schema": SCHEMA, "rows": list(self.rows)}
+        return write_text(
+            Path(directory) / FILE, json.dumps(content, indent=1, allow_nan=False, ensure_ascii=False) + "\n"
+        )
+
+    @classmethod
+    def read(cls, run: str | Path) -> Leaderboard:
+        """Read the leaderboard of a finished run, given its directory or the file itself.
+
+        Raises:
+            InputError: when there is none, or it is of another kind.
+        """
+        path = Path(run)
+        path = path / FILE if path.is_dir() else path
+        try:
+            content = json.loads(path.read_text(encoding="utf-8"))
+        except FileNotFoundError:
+            raise InputError(
+                f"{path}: there is no leaderboard; make one with: fricmodels run CONFIG.yaml --out DIR"
+            ) from None
+        except (OSError, UnicodeDecodeError, json.JSONDecodeError) as error:
+            raise InputError(f"{path}: cannot be read as a leaderboard: {' '.join(str(error).split())}") from None
+        if not isinstance(content, dict) or content.get("schema") != SCHEMA:
+            raise InputError(f"{path}: is no leaderboard of schema '{SCHEMA}'")
+        return cls(tuple(content["rows"]))
+
+
+def _without_rank(row: Row) -> Row:
+    return {key: value for key, value in row.items() if key != "rank"}
+
+
+def _place(row: Row, rank_by: str) -> tuple[bool, float]:
+    """Return what decides the rank: whether there is no result, then the figure."""
+    value = row.get(rank_by)
+    bad = row["status"] != "ok" or value is None
+    return bad, math.inf if bad or value is None else float(value)
+
+
+def _quantile(ordered: Sequence[float], fraction: float) -> float:
+    """Return a quantile of sorted values, interpolated; infinite values stay infinite."""
+    position = fraction * (len(ordered) - 1)
+    below, above = math.floor(position), math.ceil(position)
+    if ordered[below] == ordered[above]:
+        return ordered[below]
+    return ordered[below] + (position - below) * (ordered[above] - ordered[below])
+
+
+def _finite(value: float) -> Any:
+    return value if math.isfinite(value) else None

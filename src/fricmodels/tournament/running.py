@@ -1,0 +1,134 @@
+"""Runs a tournament: what is missing is done, what is there is taken, all of it is ranked."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from contextlib import closing
+from dataclasses import dataclass
+from pathlib import Path
+
+from fricmodels import plugins
+from fricmodels.errors import FricmodelsError, InputError
+from fricmodels.model import Model
+from fricmodels.tournament.config import Config
+from fricmodels.tournament.execution import EXECUTORS, results
+from fricmodels.tournament.jobs import Job, Row, jobs
+from fricmodels.tournament.leaderboard import Leaderboard
+from fricmodels.tournament.sources import Source, load, sources
+from fricmodels.tournament.store import Store
+
+Report = Callable[[int, int, Job, Row], None]
+
+
+class Interrupted(FricmodelsError):
+    """The run was stopped from outside; what was done is kept."""
+
+    exit_code = 130
+
+
+@dataclass(frozen=True)
+class Plan:
+    """All jobs of a tournament, checked against the recordings; nothing has been written yet."""
+
+    config: Config
+    jobs: tuple[Job, ...]
+    left_out: tuple[str, ...]
+
+
+def plan(config: Config, directory: str | Path = ".") -> Plan:
+    """Read every file once, check that each model has the channels that it needs, and list the jobs.
+
+    Args:
+        config: the tournament.
+        directory: where its relative paths start; that of its file.
+
+    Raises:
+        InputError: for anything that cannot be used, before anything is written.
+    """
+    titles: dict[str, str] = {}
+    for entrant in config.entrants:
+        content = entrant.model_dump_json(exclude={"label"})
+        if titles.setdefault(entrant.title, content) != content:
+            raise InputError(f"two estimators are called '{entrant.title}'; give one of them another 'label'")
+    listed, left_out = sources(config, Path(directory))
+    models = [Model.parse(name) for name in config.model_names]
+    digests = {source: _check(source, models) for source in listed if source.values["kind"] == "files"}
+    if not plugins.load().estimators:
+        raise InputError("no estimator is registered; install the distribution that has them")
+    return Plan(config, tuple(jobs(config, listed, digests)), tuple(left_out))
+
+
+def _check(source: Source, models: list[Model]) -> str:
+    loaded = load(source)
+    for model in models:
+        for part in (loaded.prepared_train, loaded.prepared_test):
+            if part is not None:
+                part.require(model.needs, model.name)
+    return loaded.digest
+
+
+def run(
+    config: Config,
+    out: str | Path,
+    *,
+    directory: str | Path = ".",
+    executor: str = "local",
+    processes: int | None = None,
+    retry: bool = False,
+    report: Report | None = None,
+    planned: Plan | None = None,
+) -> Leaderboard:
+    """Run a tournament and write ``leaderboard.json`` into ``out``.
+
+    Results are kept in ``out/results.sqlite`` as they come; running again does only what is missing.
+
+    Args:
+        config: the tournament.
+        out: directory for the results; made when there is something to write.
+        directory: where relative paths in the configuration start.
+        executor: ``local``, ``dask`` or ``serial``.
+        processes: how many; ``config.jobs`` or one a core by default.
+        retry: do again what did not end well.
+        report: called after each job with how many are done, how many there are, the job and its row.
+        planned: the result of :func:`plan`, when it is there already.
+
+    Raises:
+        InputError: for bad input, before anything is written.
+        Interrupted: on Ctrl-C; what was done is kept.
+    """
+    if executor not in EXECUTORS:
+        raise InputError(f"unknown executor '{executor}'; known: {', '.join(EXECUTORS)}")
+    ready = planned or plan(config, directory)
+    target = Path(out)
+    try:
+        target.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError(f"{target}: cannot be made a directory: {error.strerror}") from None
+    with Store(target) as store:
+        rows = store.get(job.key for job in ready.jobs)
+        if retry:
+            rows = {key: row for key, row in rows.items() if row["status"] == "ok"}
+        missing = [job for job in ready.jobs if job.key not in rows]
+        done = len(ready.jobs) - len(missing)
+        outcomes = results(missing, executor=executor, processes=processes or config.jobs, timeout=config.timeout)
+        try:
+            with closing(outcomes):  # type: ignore[type-var]
+                for job, row in outcomes:
+                    store.put(job.key, row)
+                    rows[job.key] = row
+                    done += 1
+                    if report is not None:
+                        report(done, len(ready.jobs), job, row)
+        except KeyboardInterrupt:
+            raise Interrupted(
+                f"stopped after {done} of {len(ready.jobs)} fits, all kept in {store.path}; "
+                "the same command goes on from there"
+            ) from None
+    board = Leaderboard.ranked((_named(rows[job.key], job) for job in ready.jobs), config.ranking)
+    board.write(target)
+    return board
+
+
+def _named(row: Row, job: Job) -> Row:
+    """Return a kept row under the names that it has in this tournament."""
+    return {**row, "estimator": job.title, "dataset": job.source.dataset, "tags": dict(job.source.tags)}

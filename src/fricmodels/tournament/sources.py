@@ -1,0 +1,273 @@
+"""Where a tournament's recordings come from: files, simulations and rigs, each described by plain values.
+
+A source is small and can be sent to another process, which loads the recording itself and keeps the last few.
+"""
+
+from __future__ import annotations
+
+import glob
+import hashlib
+import json
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from functools import lru_cache
+from itertools import product
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from fricmodels.dimension import Motion
+from fricmodels.drive import Drive
+from fricmodels.errors import InputError
+from fricmodels.model import Model
+from fricmodels.recording import Recording
+from fricmodels.signals import Preparation, prepare
+from fricmodels.split import Split, split
+from fricmodels.tournament.config import Config, Dataset, Simulate
+
+
+@dataclass(frozen=True)
+class Source:
+    """One recording of a tournament, before it is loaded.
+
+    Attributes:
+        dataset: its name in the leaderboard.
+        tags: what tells it from the other recordings of the same dataset: noise, seed, amplitude, …
+        inertia: given inertia, or ``None`` to estimate it.
+        description: all that decides its content, as JSON: file, mapping, true parameters, preparation, split.
+    """
+
+    dataset: str
+    tags: Mapping[str, Any] = field(hash=False)
+    inertia: float | None
+    description: str
+
+    @property
+    def values(self) -> dict[str, Any]:
+        """The description as plain values."""
+        return dict(json.loads(self.description))
+
+    @property
+    def true_parameters(self) -> dict[str, float] | None:
+        """What a simulated drive was simulated with; ``None`` for measurements."""
+        values = self.values
+        if values["kind"] != "simulate":
+            return None
+        key = "J" if values["motion"] == Motion.ROTARY else "M"
+        return {key: values["inertia"], **values["parameters"]}
+
+
+@dataclass(frozen=True)
+class Loaded:
+    """A recording, split into what is fitted and what is scored; raw and prepared."""
+
+    train: Recording
+    prepared_train: Recording
+    prepared_test: Recording | None
+    true_parameters: Mapping[str, float] | None
+    digest: str
+
+
+def sources(config: Config, directory: Path) -> tuple[list[Source], list[str]]:
+    """List the recordings of a tournament.
+
+    Args:
+        config: the tournament.
+        directory: where relative paths start.
+
+    Returns:
+        The sources, and one line for each optional dataset that is left out because it is not there.
+
+    Raises:
+        InputError: when no file matches, or two datasets have one name.
+    """
+    listed: list[Source] = []
+    left_out: list[str] = []
+    for number, dataset in enumerate(config.datasets, start=1):
+        common = {
+            "preparation": (dataset.preparation or config.preparation).model_dump(mode="json"),
+            "split": None if config.score == "paper" else (dataset.split or config.split).model_dump(mode="json"),
+        }
+        if dataset.simulate is not None:
+            listed.extend(_simulated(dataset, dataset.simulate, dataset.name or f"simulated-{number}", common))
+        elif dataset.rig is not None:
+            listed.extend(_rigs(dataset, dataset.rig, directory, common))
+        else:
+            try:
+                listed.extend(_files(dataset, directory, common))
+            except FileNotFoundError as error:
+                if not dataset.optional:
+                    raise InputError(f"{error}; correct the path under 'files'") from None
+                left_out.append(f"dataset '{dataset.name or number}' is left out: {error}")
+    seen: set[tuple[str, str]] = set()
+    for source in listed:
+        identity = (source.dataset, json.dumps(source.tags, sort_keys=True))
+        if identity in seen:
+            raise InputError(f"two datasets are called '{source.dataset}'; give each another 'name'")
+        seen.add(identity)
+    return listed, left_out
+
+
+def _describe(kind: str, common: Mapping[str, Any], **values: Any) -> str:
+    return json.dumps({"kind": kind, **common, **values}, sort_keys=True)
+
+
+def _simulated(dataset: Dataset, simulate: Simulate, name: str, common: Mapping[str, Any]) -> Iterator[Source]:
+    several = {key for key in ("amplitude", "frequency") if len(getattr(simulate, key)) > 1}
+    fixed = simulate.model_dump(mode="json", exclude={"amplitude", "frequency", "noise_percent", "seeds"})
+    fixed["motion"] = (dataset.motion or Motion.ROTARY).value
+    combinations = product(simulate.amplitude, simulate.frequency, simulate.noise_percent, simulate.seeds)
+    for amplitude, frequency, noise, seed in combinations:
+        varied = {"amplitude": amplitude, "frequency": frequency, "noise_percent": noise, "seed": seed}
+        tags = {key: value for key, value in varied.items() if key in several or key in ("noise_percent", "seed")}
+        given = dataset.inertia if dataset.inertia is not None else simulate.inertia
+        inertia = None if dataset.estimate_inertia else given
+        yield Source(name, tags, inertia, _describe("simulate", common, **fixed, **varied))
+
+
+def _rigs(dataset: Dataset, rig: str, directory: Path, common: Mapping[str, Any]) -> Iterator[Source]:
+    path = directory / rig
+    if not path.is_file():
+        raise InputError(f"{path}: there is no such rig file")
+    checksum = hashlib.sha256(path.read_bytes()).hexdigest()
+    for seed in dataset.seeds:
+        described = _describe("rig", common, file=str(path), checksum=checksum, seed=seed)
+        yield Source(dataset.name or path.stem, {"seed": seed}, dataset.inertia, described)
+
+
+def _files(dataset: Dataset, directory: Path, common: Mapping[str, Any]) -> Iterator[Source]:
+    found = _matching(dataset.files or [], directory)
+    tests = _matching(dataset.test_files, directory) if dataset.test_files is not None else []
+    if tests and len(found) > 1:
+        raise InputError("'test_files' goes with one training file; list the others as datasets of their own")
+    reading = {
+        "reader": dataset.reader,
+        "columns": dataset.columns,
+        "motion": dataset.motion.value if dataset.motion else None,
+        "torque_constant": dataset.torque_constant,
+        "runs": dataset.runs,
+    }
+    for path in found:
+        name = path.stem if dataset.name is None else dataset.name if len(found) == 1 else f"{dataset.name}/{path.stem}"
+        described = _describe("files", common, file=str(path), test_files=[str(t) for t in tests], **reading)
+        yield Source(name, {}, dataset.inertia, described)
+
+
+def _matching(patterns: list[str], directory: Path) -> list[Path]:
+    found: dict[Path, None] = {}
+    for pattern in patterns:
+        whole = str(directory / pattern)
+        matches = [whole] if Path(whole).is_file() else sorted(glob.glob(whole, recursive=True))
+        files = [Path(match) for match in matches if Path(match).is_file()]
+        if not files:
+            raise FileNotFoundError(f"there is no file '{pattern}' in {directory}")
+        found.update(dict.fromkeys(files))
+    return list(found)
+
+
+@lru_cache(maxsize=8)
+def load(source: Source) -> Loaded:
+    """Read or simulate a recording, split it and prepare both parts.
+
+    Raises:
+        InputError: for anything in the file that cannot be used.
+    """
+    values = source.values
+    recording, tests = _recordings(source, values)
+    preparation = Preparation.model_validate(values["preparation"])
+    test: Recording | None
+    if tests:
+        train, test = recording, _joined(tests)
+    elif values["split"] is None:
+        train, test = recording, None
+    else:
+        train, test = split(recording, Split.model_validate(values["split"]))
+    checksums = train.checksum + (test.checksum if test is not None else "")
+    return Loaded(
+        train,
+        prepare(train, preparation),
+        prepare(test, preparation) if test is not None else None,
+        recording.provenance.get("true_parameters"),
+        hashlib.sha256(checksums.encode()).hexdigest(),
+    )
+
+
+def _recordings(source: Source, values: Mapping[str, Any]) -> tuple[Recording, list[Recording]]:
+    if values["kind"] == "simulate":
+        return _simulate(source.dataset, values), []
+    if values["kind"] == "rig":
+        return _record_rig(values, source.dataset), []
+    tests = [_read(Path(file), values, f"{source.dataset}/{Path(file).stem}") for file in values["test_files"]]
+    return _read(Path(values["file"]), values, source.dataset), tests
+
+
+def _read(path: Path, values: Mapping[str, Any], name: str) -> Recording:
+    from fricmodels import readers
+
+    recording = readers.read(
+        path,
+        columns=values["columns"],
+        motion=Motion(values["motion"]) if values["motion"] else None,
+        name=name,
+        reader=values["reader"],
+        torque_constant=values["torque_constant"],
+    )
+    wanted = values["runs"]
+    if wanted is None:
+        return recording
+    known = np.unique(recording.run)
+    missing = sorted(set(wanted) - set(known.tolist()))
+    if missing:
+        raise InputError(f"{path}: there is no run {missing[0]}; it has {', '.join(map(str, known[:20]))}")
+    return recording.select(np.isin(recording.run, wanted))
+
+
+def _record_rig(values: Mapping[str, Any], name: str) -> Recording:
+    from fricmodels.rig import record
+
+    recording: Recording = record(values["file"], seed=values["seed"], name=name)
+    return recording
+
+
+@lru_cache(maxsize=8)
+def _drive(model: str, motion: Motion) -> Drive:
+    return Drive(Model.parse(model), None, motion)
+
+
+def _simulate(name: str, values: Mapping[str, Any]) -> Recording:
+    from fricmodels.simulation import simulate
+
+    drive = _drive(values["model"], Motion(values["motion"]))
+    step = 2 * math.pi / values["frequency"] / values["samples_per_cycle"]
+    time = step * np.arange(values["cycles"] * values["samples_per_cycle"])
+    return simulate(
+        drive,
+        {drive.inertia_key: values["inertia"], **values["parameters"]},
+        time,
+        values["amplitude"] * np.sin(values["frequency"] * time),
+        noise=values["noise_percent"],
+        quantisation=values["quantisation"],
+        hold=values["hold"],
+        between_samples=values["between_samples"],
+        seed=values["seed"],
+        name=name,
+    )
+
+
+def _joined(recordings: list[Recording]) -> Recording:
+    """Put several recordings behind each other as runs of one."""
+    if len(recordings) == 1:
+        return recordings[0]
+    shared = set.intersection(*(set(recording.channels) for recording in recordings))
+    channels = {key: np.concatenate([recording[key] for recording in recordings]) for key in sorted(shared)}
+    numbers: list[Any] = []
+    first = 0
+    for recording in recordings:
+        _, order = np.unique(recording.run, return_inverse=True)
+        numbers.append(order + first)
+        first += int(order.max()) + 1
+    derived = frozenset.union(*(recording.derived for recording in recordings)) & shared
+    run = np.concatenate(numbers).astype(np.int64)
+    return Recording(recordings[0].name, recordings[0].motion, channels, run, derived)

@@ -1,0 +1,65 @@
+"""Keeps the results of a tournament as they come, in SQLite, by the hash of what decides them."""
+
+from __future__ import annotations
+
+import json
+import sqlite3
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from types import TracebackType
+from typing import Any
+
+from fricmodels.errors import FricmodelsError
+
+FILE = "results.sqlite"
+
+
+class Store:
+    """Rows by job key. Whatever stops the program, the rows that were put are there afterwards.
+
+    Args:
+        directory: where the file ``results.sqlite`` lies or is made.
+    """
+
+    def __init__(self, directory: str | Path) -> None:
+        self.path = Path(directory) / FILE
+        try:
+            self._connection = sqlite3.connect(self.path, timeout=30.0)
+            self._connection.execute("PRAGMA journal_mode=WAL")
+            self._connection.execute(
+                "CREATE TABLE IF NOT EXISTS results (key TEXT PRIMARY KEY, status TEXT NOT NULL, row TEXT NOT NULL,"
+                " finished TEXT NOT NULL DEFAULT CURRENT_TIMESTAMP)"
+            )
+            self._connection.commit()
+        except sqlite3.Error as error:
+            raise FricmodelsError(f"{self.path}: cannot be used as a store of results: {error}") from None
+
+    def __enter__(self) -> Store:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._connection.close()
+
+    def put(self, key: str, row: Mapping[str, Any]) -> None:
+        """Keep a row; it is on disk when this returns."""
+        with self._connection:
+            self._connection.execute(
+                "INSERT OR REPLACE INTO results (key, status, row) VALUES (?, ?, ?)",
+                (key, row["status"], json.dumps(row, allow_nan=False)),
+            )
+
+    def get(self, keys: Iterable[str]) -> dict[str, dict[str, Any]]:
+        """Return the rows that are there, by key."""
+        wanted = list(keys)
+        found: dict[str, dict[str, Any]] = {}
+        for start in range(0, len(wanted), 500):
+            part = wanted[start : start + 500]
+            marks = ",".join("?" * len(part))
+            query = f"SELECT key, row FROM results WHERE key IN ({marks})"
+            found.update({key: json.loads(row) for key, row in self._connection.execute(query, part)})
+        return found
+
+    def __len__(self) -> int:
+        return int(self._connection.execute("SELECT COUNT(*) FROM results").fetchone()[0])
