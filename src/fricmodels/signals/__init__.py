@@ -11,18 +11,27 @@ from fricmodels.signals.lanczos import (
     noise,
 )
 from fricmodels.signals.preparation import Preparation, prepare
-from fricmodels.signals.segments import gap_length, stretches
+from fricmodels.signals.resample import resample
+from fricmodels.signals.rest import resting, smoothed_velocity
+from fricmodels.signals.segments import gap_length, is_even, stretches
+from fricmodels.signals.weak import WeakForm, weak_form
 
 __all__ = [
     "Preparation",
+    "WeakForm",
     "best_half_width",
     "butterworth",
     "central_difference",
     "gap_length",
+    "is_even",
     "lanczos_derivative",
     "lanczos_smooth",
     "lanczos_window",
     "noise",
     "prepare",
+    "resample",
+    "resting",
+    "smoothed_velocity",
     "stretches",
+    "weak_form",
 ]

@@ -6,6 +6,7 @@ Source: A. Janot, M. Gautier, M. Brunot, "Data Set and Reference Models of EMPS"
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from fricmodels.errors import InputError
 from fricmodels.signals.segments import Array, Runs, stretches
@@ -32,6 +33,19 @@ def butterworth(time: Array, values: Array, cutoff: float, order: int = 4, runs:
             raise InputError(f"the cut-off of {cutoff:g} Hz must be below half the sampling rate of {rate:g} Hz")
         b, a = butter(order, 2.0 * cutoff / rate)
         result[part] = filtfilt(b, a, result[part])
+    return result
+
+
+def settled(time: Array, cutoff: float, order: int, runs: Runs | None = None) -> NDArray[np.bool_]:
+    """Return where the filter has settled: its slowest pole has fallen to 1 % since either border of the stretch.
+
+    Second derivatives nearer to a border are worthless.
+    """
+    slowest = 2.0 * np.pi * cutoff * np.sin(np.pi / (2 * order))
+    tail = np.log(100.0) / slowest
+    result = np.zeros(len(time), dtype=bool)
+    for part in stretches(time, runs):
+        result[part] = (time[part] - time[part.start] >= tail) & (time[part.stop - 1] - time[part] >= tail)
     return result
 
 

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Literal
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field, PositiveFloat, PositiveInt
+from pydantic import BaseModel, ConfigDict, PositiveFloat, PositiveInt
 
 from fricmodels.errors import InputError
 from fricmodels.recording import Recording
-from fricmodels.signals.butterworth import butterworth, central_difference
+from fricmodels.signals.butterworth import butterworth, central_difference, settled
 from fricmodels.signals.lanczos import best_half_width, lanczos_derivative
 from fricmodels.signals.segments import stretches
 
@@ -19,7 +20,8 @@ class Preparation(BaseModel):
 
     Attributes:
         method: ``lanczos``, local least squares (any sampling); or ``butterworth``, zero-phase low-pass filter
-            and central differences (even sampling), the usual recipe for robots.
+            and central differences (even sampling), the usual recipe for robots, which loses the samples at the
+            borders of a stretch where the filter has not settled.
         half_width: of the Lanczos differentiator, in samples; found from the noise if not given.
         smooth_velocity: whether a measured velocity is replaced by its smoothed one.
         cutoff: of the Butterworth filter [Hz].
@@ -35,7 +37,7 @@ class Preparation(BaseModel):
     smooth_velocity: bool = False
     cutoff: PositiveFloat = 100.0
     order: PositiveInt = 4
-    decimate: PositiveInt = Field(default=1)
+    decimate: PositiveInt = 1
 
 
 def prepare(recording: Recording, preparation: Preparation | None = None) -> Recording:
@@ -71,20 +73,17 @@ def _lanczos(recording: Recording, settings: Preparation) -> Recording:
 
 def _butterworth(recording: Recording, settings: Preparation) -> Recording:
     time, run = recording.time, recording.run
+    if "velocity" in recording:
+        velocity = butterworth(time, recording.velocity, settings.cutoff, settings.order, run)
+    else:
+        position = butterworth(time, recording["position"], settings.cutoff, settings.order, run)
+        velocity = central_difference(time, position, run)
     result = recording
-    if "velocity" not in result:
-        position = butterworth(time, result["position"], settings.cutoff, settings.order, run)
-        result = result.with_channels(position=position, velocity=central_difference(time, position, run))
-    elif settings.smooth_velocity or "acceleration" not in result:
-        smooth = butterworth(time, result.velocity, settings.cutoff, settings.order, run)
-        acceleration = central_difference(time, smooth, run)
-        if settings.smooth_velocity:
-            result = result.with_channels(velocity=smooth)
-        if "acceleration" not in result:
-            result = result.with_channels(acceleration=acceleration)
-    if "acceleration" not in result:
-        result = result.with_channels(acceleration=central_difference(time, result.velocity, run))
-    return result
+    if "velocity" not in recording or settings.smooth_velocity:
+        result = result.with_channels(velocity=velocity)
+    if "acceleration" not in recording:
+        result = result.with_channels(acceleration=central_difference(time, velocity, run))
+    return result.select(settled(time, settings.cutoff, settings.order, run))
 
 
 def _decimate(recording: Recording, factor: int) -> Recording:
@@ -95,10 +94,9 @@ def _decimate(recording: Recording, factor: int) -> Recording:
     if not parts:
         raise InputError(f"recording '{recording.name}' is too short to keep every {factor}th sample only")
     kept = np.concatenate([np.arange(part.start, part.stop, factor) for part in parts])
-    channels = {
-        name: values[kept] if name == "time" else np.concatenate([decimate(values[part], factor) for part in parts])
+    even = {
+        name: np.concatenate([decimate(values[part], factor) for part in parts])
         for name, values in recording.channels.items()
+        if name != "time"
     }
-    return recording.select(kept).with_channels(
-        derived=False, **{name: v for name, v in channels.items() if name not in recording.derived}
-    ).with_channels(**{name: v for name, v in channels.items() if name in recording.derived})  # fmt: skip
+    return replace(recording.select(kept), channels={"time": recording.time[kept], **even})
