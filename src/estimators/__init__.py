@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from estimators.detchmendy_sridhar import DetchmendySridhar
+from estimators.ekf import ExtendedKalman
 from fricmodels.estimator import Estimator
 from fricmodels.hookspecs import hookimpl
 
@@ -10,4 +11,4 @@ from fricmodels.hookspecs import hookimpl
 @hookimpl
 def fricmodels_estimators() -> list[type[Estimator]]:
     """Return the built-in estimators."""
-    return [DetchmendySridhar]
+    return [DetchmendySridhar, ExtendedKalman]

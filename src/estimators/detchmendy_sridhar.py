@@ -103,7 +103,7 @@ class DetchmendySridharSettings(EstimatorSettings):
     initial_covariance: float = Field(1.0, description="elements of P(0) off the diagonal")
     initial_inertia_variance: float = Field(0.04, gt=0, description="element of P(0) of an inertia that is estimated")
     nonlinear_start: bool = Field(True, description="start nonlinear parameters from their scan, not from zero")
-    average: float = Field(0.7, ge=0, lt=1, description="last part of the record over which estimates are averaged")
+    average: float = Field(0.5, ge=0, lt=1, description="last part of the record over which estimates are averaged")
     substeps: int | None = Field(None, ge=1, description="steps between samples; by stability where not given")
     torque: Hold = Field("linear", description="motor torque between samples: linear, or held")
     bounds: bool = Field(True, description="keep parameters within their physical bounds")

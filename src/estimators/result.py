@@ -118,3 +118,13 @@ def _elapsed(recording: Recording) -> Array:
     """Return the time spent within runs up to each sample [s]."""
     steps = np.where(np.diff(recording.run) == 0, np.diff(recording.time), 0.0)
     return np.concatenate([[0.0], np.cumsum(steps)])
+
+
+def unidentified(problem: FilterProblem, variances: Array) -> dict[str, str]:
+    """Name the parameters whose variance the recording left above a quarter of what it was at the start."""
+    before = np.diag(problem.initial_covariance)[problem.moving :]
+    return {
+        key: "the recording narrows it by less than half of its initial uncertainty"
+        for key, after, first in zip(problem.drive.keys, variances, before, strict=True)
+        if after > 0.25 * first
+    }

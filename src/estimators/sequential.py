@@ -111,7 +111,6 @@ class FilterProblem:
         """Filter a recording in SI units from its first sample to its last."""
         n = self.order
         memory = self.initial_memory() if memory is None else memory
-        fresh = memory
         outputs = np.full((len(recording), 2 * n + 2), np.nan)
         diverged = None
         scaled = recording.scaled(self.scales)
@@ -121,7 +120,7 @@ class FilterProblem:
             memory = self.restarted(memory, float(run.velocity[0]))
             outputs[where[0], :n] = memory[:n]
             outputs[where[0], n : 2 * n] = np.diag(unpack(memory[n:], n))
-            if memory is fresh or len(where) < 2:
+            if len(where) < 2:
                 continue
             rows = self.rows(run)
             memory, out, done = self.scan(memory, rows, self.constants, stride=self.substeps)

@@ -11,7 +11,7 @@ from estimators.batch.inference import covariance
 from estimators.batch.problem import linear_constraints, nonlinear_search
 from estimators.batch.projection import Equations, Projection, Solution
 from estimators.batch.separable import Separable, separable
-from estimators.batch.weak_form import HOPS, Bumps, Quadrature
+from estimators.batch.weak_form import HOPS, Bumps, Quadrature, segments
 from fricmodels.drive import Drive
 from fricmodels.errors import EstimationError
 from fricmodels.recording import Recording
@@ -68,9 +68,39 @@ def _places(drive: Drive, split: Separable) -> NDArray[np.int64]:
     return np.array([*first, *(shift + i for i in (*split.linear, *split.nonlinear))])
 
 
-def weak_fit(drive: Drive, recording: Recording, width: int, resting: NDArray[np.bool_], velocity: Array) -> TorqueFit:
-    """Fit the weak form with bumps of one width, the friction evaluated at ``velocity``."""
+def weak_fit(
+    drive: Drive, recording: Recording, width: int | None, resting: NDArray[np.bool_], velocity: Array
+) -> TorqueFit:
+    """Fit the weak form, the friction evaluated at ``velocity``.
+
+    Without a width, bumps of 16, 32, 64, … samples are tried, up to a quarter of the longest stretch without a gap,
+    and those are taken whose estimates have the smallest (generalised) variance.
+    """
     quadrature = Quadrature.of(recording, velocity, resting)
+    if width is not None:
+        return _fit_width(drive, recording, quadrature, width, resting)
+    longest = max(piece.stop - piece.start for piece in segments(recording))
+    widths = [8 * 2**i for i in range(1, 12) if 8 * 2**i <= max(longest // 4, 16)]
+    fits = []
+    for candidate in widths:
+        try:
+            fits.append(_fit_width(drive, recording, quadrature, candidate, resting))
+        except EstimationError:
+            if candidate == widths[-1] and not fits:
+                raise
+    return min(fits, key=lambda fit: _generalised_variance(fit.covariance, fit.solution))
+
+
+def _generalised_variance(covariance: Array, solution: Solution) -> float:
+    """Return the logarithm of the determinant over the determined directions; infinite where there are fewer."""
+    size = np.sqrt(np.diag(covariance))
+    sign, value = np.linalg.slogdet(covariance)
+    return float(value) if sign > 0 and np.all(size > 0) and solution.converged else np.inf
+
+
+def _fit_width(
+    drive: Drive, recording: Recording, quadrature: Quadrature, width: int, resting: NDArray[np.bool_]
+) -> TorqueFit:
     bumps = Bumps(recording, width, resting)
     equations = weak_equations(drive, quadrature, bumps, recording)
     return fit_equations(drive, recording, equations, 2.0 * bumps.count / HOPS, bumps.width)

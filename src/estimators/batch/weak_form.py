@@ -35,12 +35,12 @@ def segments(recording: Recording) -> list[slice]:
 class Quadrature:
     """Where a torque is evaluated to be integrated: at the samples, and where the drive stops, starts or turns between.
 
-    A cell lies between two neighbouring samples. Where the velocity changes its sign within a cell, the cell is split
-    at the zero of the chord; where the drive comes to rest or leaves it within a cell, only the moving part counts,
-    found by continuing the neighbouring chord to zero.
+    A cell lies between two neighbouring samples. Where the drive turns, stops or starts within a cell, only the parts
+    of it before and after the standstill count; they are found by continuing the velocity of the neighbouring cells
+    to zero, because its slope jumps there by twice the Coulomb friction.
 
     Attributes:
-        recording: the recorded samples, then for each split cell the instant before the zero, then the one after.
+        recording: the recorded samples, then for each split cell the instant of stopping, then that of starting.
         cell: index of the sample before each split cell.
         before, after: half the duration of the moving part before and after the zero.
         weight: duration that each recorded sample stands for, shape (N,).
@@ -68,11 +68,10 @@ class Quadrature:
         earlier, later = velocity[cell], velocity[cell + 1]
         previous = velocity[np.maximum(cell - 1, 0)]
         following = velocity[np.minimum(cell + 2, len(recording) - 1)]
-        turn = _share(earlier, earlier - later)
-        before = np.where(turning[cell], turn, np.where(moving[cell], _share(earlier, previous - earlier), 0.0))
-        after = np.where(turning[cell], 1.0 - turn, np.where(moving[cell + 1], _share(later, following - later), 0.0))
-        share_before = np.where(before + after > 0.0, before, 0.5)
-        share_after = np.where(turning[cell], share_before, 1.0 - after)
+        before = np.where(moving[cell], _share(earlier, previous - earlier), 0.0)
+        after = np.where(moving[cell + 1], _share(later, following - later), 0.0)
+        both_parts = np.maximum(before + after, 1.0)
+        before, after = before / both_parts, after / both_parts
         tiny = 1e-9 * float(np.max(np.abs(velocity), initial=1e-300))
         channels = {}
         for name, values in recording.channels.items():
@@ -80,7 +79,7 @@ class Quadrature:
                 parts = [velocity, tiny * np.sign(earlier), tiny * np.sign(later)]
             else:
                 first, change = values[cell], values[cell + 1] - values[cell]
-                parts = [values, first + share_before * change, first + share_after * change]
+                parts = [values, first + before * change, first + (1.0 - after) * change]
             channels[name] = np.concatenate(parts)
         run = np.concatenate([recording.run, recording.run[cell], recording.run[cell]])
         half_step = 0.5 * step[cell]

@@ -1,0 +1,63 @@
+"""Names the parameters that a recording does not determine, and says why in words."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fricmodels.drive import Drive
+
+Array = NDArray[np.float64]
+
+NORMAL_95 = 1.959963984540054
+
+
+def not_identified(
+    drive: Drive, values: Array, covariance: Array, undetermined: Array, searched: tuple[Array, Array]
+) -> dict[str, str]:
+    """Return key → reason for each parameter that the recording does not determine.
+
+    Args:
+        drive: gives keys and units.
+        values, covariance: the estimate, in the order of the drive's parameters.
+        undetermined: directions along which nothing changes, in columns of unit length, shape (n, any number).
+        searched: least and greatest value that the data can tell apart, infinite for linear parameters.
+    """
+    keys = drive.keys
+    spread = np.sqrt(np.clip(np.diag(covariance), 0.0, None))
+    found: dict[str, str] = {}
+    for direction in undetermined.T:
+        members = [keys[i] for i in np.flatnonzero(np.abs(direction) > 0.05 * np.max(np.abs(direction)))]
+        for key in members:
+            others = [other for other in members if other != key]
+            found[key] = (
+                f"the recording determines only a combination of it with {', '.join(others)}"
+                if others
+                else "it changes nothing in this recording"
+            )
+    for i, parameter in enumerate(drive.parameters):
+        key = parameter.key
+        if key in found:
+            continue
+        unit = parameter.declared.unit_for(drive.motion)
+        half = NORMAL_95 * spread[i]
+        if not (searched[0][i] <= values[i] <= searched[1][i]):
+            found[key] = f"its best value {values[i]:.3g} {unit} lies beyond what this motion can tell apart"
+        elif abs(values[i]) <= half and _zero_matters(parameter.declared.lower, parameter.declared.upper):
+            partner, correlation = _partner(covariance, spread, i)
+            found[key] = f"its 95 % interval, {values[i] - half:.3g} to {values[i] + half:.3g} {unit}, contains zero"
+            if correlation > 0.9:
+                found[key] += f"; it trades with {keys[partner]} (correlation {correlation:.3f})"
+    return found
+
+
+def _zero_matters(lower: float, upper: float) -> bool:
+    return lower <= 0.0 <= upper
+
+
+def _partner(covariance: Array, spread: Array, i: int) -> tuple[int, float]:
+    scale = spread * spread[i]
+    correlation = np.where(scale > 0.0, np.abs(covariance[i]) / np.where(scale > 0.0, scale, 1.0), 0.0)
+    correlation[i] = 0.0
+    partner = int(np.argmax(correlation))
+    return partner, float(correlation[partner])

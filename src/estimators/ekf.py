@@ -1,0 +1,329 @@
+"""Extended Kalman filter: filterpy's, and a compiled twin for long records."""
+
+from __future__ import annotations
+
+import math
+import time
+from dataclasses import replace
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import Field
+
+from estimators.detchmendy_sridhar import REST_WIDTH, initial_states
+from estimators.preparation import (
+    Hold,
+    dominant_frequency,
+    paper_scales,
+    peak_speed,
+    scanned_guess,
+    usable,
+    velocity_noise,
+)
+from estimators.result import diverged_fit, provenance, unidentified
+from estimators.sequential import (
+    FilterProblem,
+    ProblemOnline,
+    Trajectory,
+    bounded,
+    normalised_bounds,
+    pack,
+    symbolic_covariance,
+    symbolic_pack,
+    unpack,
+)
+from estimators.substeps import stable_substeps
+from estimators.transition import transition
+from fricmodels.dimension import VELOCITY, Scales
+from fricmodels.drive import Drive, StateSpace
+from fricmodels.estimator import EstimatorSettings, OnlineFilter, SequentialEstimator
+from fricmodels.fit import Fit
+from fricmodels.kernels import Scan
+from fricmodels.recording import Recording
+
+Array = NDArray[np.float64]
+
+_CALIBRATION_SAMPLES = 20_000
+_MODEL_NOISE = (0.0, 1e-3, 3e-3, 1e-2, 3e-2, 0.1, 0.3)
+_NOISE_FACTORS = (0.5, 1.0, 2.0)
+
+
+def kalman_step(space: StateSpace) -> Any:
+    r"""Build one predict-and-update step as a CasADi function for :class:`fricmodels.kernels.Scan`.
+
+    .. math::
+        \hat x^- = f(\hat x, u),\; P^- = F P F^T + W\Delta t;\quad
+        K = P^- H / (H^T P^- H + R),\; \hat x = \hat x^- + K (y - \hat x^-_1),\; P = P^- - K (H^T P^- H + R) K^T
+
+    with H = [1, 0, …, 0]ᵀ, the measured velocity; the update is left out where the weight of the row is zero.
+
+    State: ``[x; lower triangle of P]``. Input: ``[Δt, weight, y, u…]``.
+    Constants: ``[width, R, diagonal of W…, lower bounds…, upper bounds…]``.
+    Output: ``[x; diagonal of P; innovation; HᵀPH + R]``.
+    """
+    import casadi
+
+    step = transition(space)
+    n, moving = space.x.numel(), len(space.states)
+    triangle, covariance = symbolic_covariance(n)
+    weight, y, r = (casadi.SX.sym(name) for name in ("weight", "y", "R"))
+    w = casadi.SX.sym("W", n)
+    lower, upper = casadi.SX.sym("lower", n - moving), casadi.SX.sym("upper", n - moving)
+
+    predicted = casadi.mtimes([step.jacobian, covariance, step.jacobian.T]) + step.duration * casadi.diag(w)
+    spread = predicted[0, 0] + r
+    taken = casadi.if_else(weight > 0, 1 / spread, 0)
+    innovation = y - step.following[0]
+    estimate = step.following + predicted[:, 0] * (taken * innovation)
+    estimate = casadi.vertcat(estimate[:moving], bounded(estimate[moving:], lower, upper))
+    posterior = predicted - taken * casadi.mtimes(predicted[:, 0], predicted[0, :])
+    kept = casadi.if_else(weight > 0, r / spread, 1) * predicted[0, :]
+    posterior[0, :], posterior[:, 0] = kept, kept.T
+    return casadi.Function(
+        "kalman",
+        [
+            casadi.vertcat(space.x, triangle),
+            casadi.vertcat(step.duration, weight, y, space.u),
+            casadi.vertcat(space.width, r, w, lower, upper),
+        ],
+        [
+            casadi.vertcat(estimate, symbolic_pack(posterior)),
+            casadi.vertcat(estimate, casadi.diag(posterior), innovation, spread),
+        ],
+        {"cse": True},
+    )
+
+
+def prediction_step(space: StateSpace) -> Any:
+    """Build the step ``x → f(x, u)`` with the elements of F, column by column, as its output."""
+    import casadi
+
+    step = transition(space)
+    return casadi.Function(
+        "prediction",
+        [space.x, casadi.vertcat(step.duration, space.u), space.width],
+        [step.following, casadi.vec(casadi.densify(step.jacobian))],
+        {"cse": True},
+    )
+
+
+class ExtendedKalmanSettings(EstimatorSettings):
+    """Settings; what is left out comes from the data."""
+
+    engine: Literal["compiled", "filterpy"] = Field("compiled", description="the compiled twin, or filterpy itself")
+    velocity_noise: float | None = Field(
+        None, gt=0, description="standard deviation of the velocity noise, SI; from third differences and likelihood"
+    )
+    model_noise: float | None = Field(
+        None, ge=0, description="white torque error of a sample over the RMS torque; by likelihood where not given"
+    )
+    drift: float = Field(0.0, ge=0, description="random walk of each parameter in a cycle, over its initial deviation")
+    initial_inertia_deviation: float = Field(0.3, gt=0, description="relative, where the inertia is estimated")
+    substeps: int | None = Field(None, ge=1, description="steps between samples; by stability where not given")
+    torque: Hold = Field("linear", description="motor torque between samples: linear, or held")
+
+
+class ExtendedKalman(SequentialEstimator):
+    """Extended Kalman filter of velocity, internal states and constant parameters.
+
+    Starts from a regression (nonlinear parameters from their scan), with standard deviations as wide as the torque
+    itself. The noise of the measurement and of the model are those, on a grid, under which the innovations of the
+    first 20 000 samples are likeliest. Standard errors are the filter's own, widened where the innovations are
+    larger or more alike from sample to sample than the filter believes.
+    """
+
+    name = "ekf"
+    summary = "extended Kalman filter (filterpy, or its compiled twin)"
+    Settings = ExtendedKalmanSettings
+    carries_states = True
+
+    def fit(self, drive: Drive, recording: Recording, *, seed: int = 0) -> Fit:
+        """Filter the recording; see the class."""
+        began = time.perf_counter()
+        kept = usable(drive, recording)
+        problem = self._problem(drive, kept)
+        trajectory = run_filterpy(problem, kept) if self.settings.engine == "filterpy" else problem.run(kept)
+        if trajectory.diverged_at is not None:
+            return diverged_fit(self, problem, kept, trajectory, began)
+        moving, size = problem.moving, drive.parameter_scales(problem.scales)
+        x, covariance = trajectory.memory[: problem.order], unpack(trajectory.memory[problem.order :], problem.order)
+        return Fit(
+            model=drive.model.name,
+            estimator=self.name,
+            dataset=kept.name,
+            parameters=problem.named(problem.parameters(x)),
+            covariance=covariance[moving:, moving:] * np.outer(size, size) * inflation(trajectory),
+            estimated=drive.keys,
+            not_identified=unidentified(problem, np.diag(covariance)[moving:]),
+            history=problem.history(trajectory),
+            seconds=time.perf_counter() - began,
+            provenance=provenance(self, kept) | {"noise": self._noise(problem)},
+        )
+
+    def start(self, drive: Drive, recording: Recording) -> OnlineFilter:
+        """Return the filter before its first sample; it runs compiled whatever the engine."""
+        return ProblemOnline(self._problem(drive, usable(drive, recording)))
+
+    def _noise(self, problem: FilterProblem) -> dict[str, float]:
+        """Return the noise that the filter was given, in SI."""
+        velocity = problem.scales.of(VELOCITY)
+        return {
+            "velocity": float(np.sqrt(problem.constants[1]) * velocity),
+            "model": float(np.sqrt(problem.constants[2] / problem.scales.time) * velocity),
+        }
+
+    def _problem(self, drive: Drive, recording: Recording) -> FilterProblem:
+        settings = self.settings
+        scales = paper_scales(drive, recording)
+        space = Drive(drive.model, None if drive.inertia is None else 1.0, drive.motion).state_space(smooth=False)
+        size = drive.parameter_scales(scales)
+        lower, upper = normalised_bounds(drive, scales)
+        guess = scanned_guess(drive, recording).values
+        start = np.clip(np.array([guess[key] for key in drive.keys]) / size, lower, upper)
+        deviation = initial_deviation(drive, recording, start * size) / size
+        if drive.inertia is None:
+            deviation[0] = settings.initial_inertia_deviation
+        moving = len(space.states)
+        noise = (settings.velocity_noise or velocity_noise(recording)) / scales.of(VELOCITY)
+        memory = [state.initial / scales.of(state.dimension) for state in drive.model.states]
+        problem = FilterProblem(
+            drive=drive,
+            scales=scales,
+            space=space,
+            scan=Scan(kalman_step(space)),
+            constants=np.zeros(2 + moving + 3 * len(start)),
+            initial_states=initial_states(drive, scales),
+            initial_parameters=start,
+            initial_covariance=np.diag([noise**2, *(1e-6 + np.square(memory)), *deviation**2]),
+            substeps=settings.substeps or stable_substeps(drive, recording, scales),
+            hold=settings.torque,
+        )
+        walk = (settings.drift * deviation) ** 2 / (2 * np.pi)
+        return self._calibrated(problem, recording, noise, walk, lower, upper)
+
+    def _calibrated(
+        self, problem: FilterProblem, recording: Recording, noise: float, walk: Array, lower: Array, upper: Array
+    ) -> FilterProblem:
+        """Return the problem with the noise under which the innovations are likeliest, started where that run ends."""
+        settings, scales = self.settings, problem.scales
+        part = recording if len(recording) <= _CALIBRATION_SAMPLES else recording.select(slice(_CALIBRATION_SAMPLES))
+        torque = float(np.sqrt(np.mean(recording.torque**2))) / scales.force
+        step = recording.interval / scales.time
+        factors = _NOISE_FACTORS if settings.velocity_noise is None else (1.0,)
+        levels = _MODEL_NOISE if settings.model_noise is None else (settings.model_noise,)
+        best: tuple[float, FilterProblem, Array] | None = None
+        for factor in factors:
+            for level in levels:
+                w = [(level * torque) ** 2 * step, *[0.0] * (problem.moving - 1), *walk]
+                constants = np.array([2 * REST_WIDTH, (factor * noise) ** 2, *w, *lower, *upper])
+                tried = replace(problem, constants=constants)
+                trajectory = tried.run(part)
+                score = log_likelihood(trajectory)
+                if best is None or score > best[0]:
+                    best = (score, tried, trajectory.memory)
+        if best is None:
+            raise AssertionError("the noise grid is empty")
+        _, chosen, memory = best
+        parameters = memory[problem.moving : problem.order]
+        if not np.all(np.isfinite(parameters)):
+            return chosen
+        return replace(chosen, initial_parameters=parameters)
+
+
+def initial_deviation(drive: Drive, recording: Recording, start: Array) -> Array:
+    """Return the standard deviations in SI that parameters start with.
+
+    A linear one may carry the whole RMS torque at the peak speed; a nonlinear one may be wrong by half.
+    """
+    omega = dominant_frequency(recording)
+    torque = float(np.sqrt(np.mean(recording.torque**2)))
+    natural = Scales(force=torque, displacement=peak_speed(recording) / omega, time=1 / omega)
+    size = drive.parameter_scales(natural)
+    linear = np.array([p.linear for p in drive.parameters])
+    return np.where(linear | (start == 0), size, 0.5 * np.abs(start))
+
+
+def log_likelihood(trajectory: Trajectory) -> float:
+    """Return the logarithm of the likelihood of the innovations; minus infinity for a run that diverged."""
+    if trajectory.diverged_at is not None:
+        return -math.inf
+    with np.errstate(invalid="ignore", divide="ignore"):
+        terms = np.log(trajectory.innovation_variance) + trajectory.innovation**2 / trajectory.innovation_variance
+    total = -0.5 * float(np.nansum(terms))
+    return total if math.isfinite(total) else -math.inf
+
+
+def inflation(trajectory: Trajectory) -> float:
+    """Return by how much the covariance must grow for innovations that are not white or larger than believed.
+
+    The long-run variance of the normalised innovations over the second half, by equal-weighted cosines; at least 1.
+    """
+    normalised = trajectory.innovation / np.sqrt(trajectory.innovation_variance)
+    late = normalised[len(normalised) // 2 :]
+    late = late[np.isfinite(late)]
+    return max(1.0, float(np.mean(late**2)), long_run_variance(late))
+
+
+def long_run_variance(values: Array, cosines: int = 16) -> float:
+    """Return the variance that the mean of correlated values has, times their number (equal-weighted cosines)."""
+    count = len(values)
+    phase = np.pi * (np.arange(count) + 0.5) / count
+    waves = np.sqrt(2 / count) * np.array([values @ np.cos(k * phase) for k in range(1, cosines + 1)])
+    return float(np.mean(waves**2))
+
+
+def run_filterpy(problem: FilterProblem, recording: Recording) -> Trajectory:
+    """Filter with filterpy's ExtendedKalmanFilter: ``predict()`` for each sub-step, then ``update()``.
+
+    The only Python per sample is filterpy's own and the calls of the compiled prediction.
+    """
+    from filterpy.kalman import ExtendedKalmanFilter
+
+    n, moving = problem.order, problem.moving
+    prediction = Scan(prediction_step(problem.space))
+    count = n - moving
+    width, noise = problem.constants[:2]
+    w = problem.constants[2 : 2 + n]
+    lower, upper = problem.constants[2 + n : 2 + n + count], problem.constants[2 + n + count :]
+    observed = np.zeros((1, n))
+    observed[0, 0] = 1.0
+
+    class Filter(ExtendedKalmanFilter):  # type: ignore[misc]
+        def predict_x(self, u: Any = 0) -> None:
+            following, jacobian, _ = prediction(self.x, u[None, :], [width])
+            self.x = following[:, None]
+            self.F = jacobian.reshape(n, n).T
+            self.Q = u[0] * np.diag(w)
+
+    memory = problem.initial_memory()
+    outputs = np.full((len(recording), 2 * n + 2), np.nan)
+    scaled = recording.scaled(problem.scales)
+    diverged = None
+    for number in np.unique(recording.run):
+        where = np.flatnonzero(recording.run == number)
+        run = scaled.select(where)
+        memory = problem.restarted(memory, float(run.velocity[0]))
+        kalman = Filter(dim_x=n, dim_z=1)
+        kalman.x, kalman.P, kalman.R = memory[:n, None].copy(), unpack(memory[n:], n), np.array([[noise]])
+        outputs[where[0], :n], outputs[where[0], n : 2 * n] = memory[:n], np.diag(kalman.P)
+        rows = problem.rows(run)
+        sample = 0
+        for row in rows:
+            kalman.predict(np.concatenate([row[:1], row[3:]]))
+            if not row[1] > 0:
+                continue
+            sample += 1
+            if not (np.all(np.isfinite(kalman.x)) and np.all(np.isfinite(kalman.P))):
+                diverged = int(where[sample])
+                break
+            kalman.update(row[2], lambda _: observed, lambda x: x[:1])
+            kalman.x[moving:, 0] = np.clip(kalman.x[moving:, 0], lower, upper)
+            outputs[where[sample]] = [
+                *kalman.x[:, 0], *np.diag(kalman.P), kalman.y.item(), kalman.S.item()
+            ]  # fmt: skip
+        memory = np.concatenate([kalman.x[:, 0], pack(kalman.P)])
+        if diverged is not None:
+            break
+    columns = (outputs[:, :n], outputs[:, n : 2 * n], outputs[:, 2 * n], outputs[:, 2 * n + 1])
+    return Trajectory(recording.time, recording.run, *columns, memory, diverged)
