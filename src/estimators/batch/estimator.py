@@ -59,9 +59,7 @@ class Batch(Estimator):
         place = np.empty(len(result.order), dtype=int)
         place[np.arange(len(result.order))] = result.order
         undetermined = solution.normal.null[place]
-        reasons = not_identified(
-            drive, result.values, result.covariance, undetermined, _told_apart(drive, recording)
-        )
+        reasons = not_identified(drive, result.values, result.covariance, undetermined, _told_apart(drive, recording))
         return Fit(
             model=drive.model.name,
             estimator=self.name,

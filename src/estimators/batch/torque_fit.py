@@ -46,7 +46,9 @@ def weak_equations(drive: Drive, quadrature: Quadrature, bumps: Bumps, recording
     return Equations(split, target, momentum if drive.inertia is None else None, fixed, moving)
 
 
-def fit_equations(drive: Drive, recording: Recording, equations: Equations, independent: float, width: int) -> TorqueFit:
+def fit_equations(
+    drive: Drive, recording: Recording, equations: Equations, independent: float, width: int
+) -> TorqueFit:
     """Solve, and order parameters and covariance as the drive has them."""
     linear = [p for p in drive.parameters if p.linear]
     constraints, limits = linear_constraints(linear)
