@@ -17,6 +17,7 @@ COMMANDS = {
     "run": "Run a tournament and rank models and estimators.",
     "leaderboard": "Show or export the leaderboard of a run.",
     "list": "List laws, effects, estimators, readers or the data sets of a run.",
+    "simulate": "Make a recording with hidden effects from a rig file.",
     "demo": "See all of it on simulated data.",
     "schema": "Print the JSON Schema of a configuration, for editors.",
 }

@@ -10,7 +10,7 @@ import hashlib
 import json
 import math
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from itertools import product
 from pathlib import Path
@@ -128,9 +128,12 @@ def _simulated(dataset: Dataset, simulate: Simulate, name: str, common: Mapping[
 
 
 def _rigs(dataset: Dataset, rig: str, directory: Path, common: Mapping[str, Any]) -> Iterator[Source]:
+    from fricmodels.rig.file import load_rig
+
     path = directory / rig
     if not path.is_file():
         raise InputError(f"{path}: there is no such rig file")
+    load_rig(path)
     checksum = hashlib.sha256(path.read_bytes()).hexdigest()
     for seed in dataset.seeds:
         described = _describe("rig", common, file=str(path), checksum=checksum, seed=seed)
@@ -225,10 +228,10 @@ def _read(path: Path, values: Mapping[str, Any], name: str) -> Recording:
 
 
 def _record_rig(values: Mapping[str, Any], name: str) -> Recording:
-    from fricmodels.rig import record
+    from fricmodels.rig.file import load_rig
 
-    recording: Recording = record(values["file"], seed=values["seed"], name=name)
-    return recording
+    rig = load_rig(values["file"])
+    return replace(rig.model_copy(update={"seed": values["seed"]}).simulate(), name=name)
 
 
 @lru_cache(maxsize=8)

@@ -1,0 +1,113 @@
+"""Every format holds the same leaderboard, and escapes what its readers would take for markup or a formula."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+from html.parser import HTMLParser
+from typing import Any
+
+import pandas as pd
+import pytest
+
+from fricmodels.errors import InputError
+from fricmodels.export import FORMATS, export
+from fricmodels.tournament.leaderboard import Leaderboard
+
+NASTY = '=cmd|"<b>&_%|`$'
+
+
+def board() -> Leaderboard:
+    def row(model: str, error: float | None, status: str, seed: int) -> dict[str, Any]:
+        return {
+            "model": model,
+            "estimator": "batch",
+            "dataset": NASTY,
+            "tags": {"noise_percent": 5.0, "seed": seed},
+            "rms_torque_error_percent": error,
+            "held_out_rms_torque_error_percent": error,
+            "parameters": {"K_v": 1.25e-4} if error else {},
+            "standard_errors": {"K_v": None} if error else {},
+            "true_parameters": {"K_v": 1e-4},
+            "seconds": 0.25,
+            "status": status,
+            "message": "" if error else "why\nnot",
+            "settings": {"mode": "fast", "limit": seed} if seed else {"mode": 3},
+        }
+
+    return Leaderboard.ranked([row("b", 2.5, "ok", 1), row("a", 1.5, "ok", 0), row("c", None, "failed", 2)])
+
+
+def test_csv_is_safe_for_spreadsheets() -> None:
+    rows = list(csv.DictReader(io.StringIO(export(board(), "csv").decode())))
+    assert [r["model"] for r in rows] == ["a", "b", "c"]
+    assert rows[0]["dataset"] == "'" + NASTY
+    assert float(rows[1]["held_out_rms_torque_error_percent"]) == 2.5
+    assert float(rows[0]["parameter.K_v"]) == 1.25e-4
+    assert rows[2]["held_out_rms_torque_error_percent"] == ""
+    assert rows[0]["tag.seed"] == "0"
+
+
+def test_parquet_holds_all() -> None:
+    table = pd.read_parquet(io.BytesIO(export(board(), "parquet")))
+    assert table["model"].tolist() == ["a", "b", "c"]
+    assert table["parameter.K_v"].iloc[0] == 1.25e-4
+    assert table["true_parameter.K_v"].iloc[2] == 1e-4
+    assert table["dataset"].iloc[0] == NASTY
+
+
+def test_json_is_the_leaderboard() -> None:
+    content = json.loads(export(board(), "json"))
+    assert content["rows"] == list(board().rows)
+
+
+def test_html_shows_names_as_text() -> None:
+    class Cells(HTMLParser):
+        def __init__(self) -> None:
+            super().__init__()
+            self.cells: list[str] = []
+            self.tags: set[str] = set()
+
+        def handle_starttag(self, tag: str, attrs: Any) -> None:
+            self.tags.add(tag)
+
+        def handle_data(self, data: str) -> None:
+            self.cells.append(data)
+
+    parser = Cells()
+    parser.feed(export(board(), "html").decode())
+    assert NASTY in parser.cells
+    assert "b" not in parser.tags
+
+
+def test_markdown_keeps_its_columns() -> None:
+    lines = export(board(), "md").decode().splitlines()
+    bars = [len(line.replace("\\|", "").split("|")) for line in lines]
+    assert len(set(bars)) == 1
+    assert len(lines) == 2 + 3
+
+
+def test_latex_escapes_names() -> None:
+    text = export(board(), "latex").decode()
+    assert r"=cmd|\"" not in text
+    assert r"<b>\&\_\%|`\$" in text
+    body = [line for line in text.splitlines() if line.endswith(r"\\")]
+    assert len({line.replace(r"\&", "").count("&") for line in body}) == 1
+
+
+def test_table_is_aligned_and_ranked() -> None:
+    lines = export(board(), "table").decode().splitlines()
+    assert lines[0].startswith("rank")
+    assert [line.split()[1] for line in lines[2:]] == ["a", "b", "c"]
+    assert lines[-1].endswith("why\nnot".replace("\n", " ")) or "why" in lines[-1]
+
+
+def test_unknown_format_names_the_nearest() -> None:
+    with pytest.raises(InputError, match="did you mean 'parquet'"):
+        export(board(), "parket")
+
+
+@pytest.mark.parametrize("form", sorted(FORMATS))
+def test_an_empty_leaderboard_is_a_table_without_rows(form: str) -> None:
+    assert export(Leaderboard(()), form)
