@@ -1,0 +1,222 @@
+r"""The torque error: what the equation of motion leaves over (eq. 21).
+
+.. math:: T_e = \tau_m - \tau_L - J\dot\omega - \tau_F(\omega)
+
+At rest the friction torque is no function of the velocity: it is whatever holds the drive, between two limits. There
+the error is how far the torque that would be needed lies outside these limits, and zero inside.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fricmodels.drive import Drive
+from fricmodels.recording import Recording
+
+Array: TypeAlias = NDArray[np.float64]
+Mask: TypeAlias = NDArray[np.bool_]
+
+
+def torque_error(drive: Drive, values: Mapping[str, float], prepared: Recording) -> Array:
+    """Return the torque error T_e of eq. 21 at every sample, shape (N,), in SI units.
+
+    Args:
+        drive: model and inertia.
+        values: parameters by key; the inertia among them unless the drive has one.
+        prepared: recording with ``velocity`` and ``acceleration``, from :func:`fricmodels.signals.prepare`.
+
+    Raises:
+        InputError: when the recording lacks a channel that the model needs.
+    """
+    inertia, _ = drive.split(values)
+    needed = prepared.torque - prepared.load_torque - inertia * prepared["acceleration"]
+    return needed - _friction(drive, values, prepared, needed)
+
+
+def _friction(drive: Drive, values: Mapping[str, float], prepared: Recording, needed: Array) -> Array:
+    """Return the model's friction torque; at rest the one nearest to what is needed."""
+    from fricmodels.signals import resting
+
+    friction = drive.friction(prepared, values)
+    rest = np.zeros(len(prepared), dtype=bool) if drive.model.states else resting(prepared)
+    if rest.any():
+        least, greatest = drive.sticking_interval(prepared.select(rest), values)
+        friction[rest] = np.clip(needed[rest], least, greatest)
+    return friction
+
+
+def filtered_torque_error(
+    drive: Drive, values: Mapping[str, float], recording: Recording, half_width: int | None = None
+) -> Array:
+    r"""Return eq. 21 with every term of it filtered alike, shape (N,), in SI units.
+
+    Lanczos's differentiator of half width h is a weighted mean of the slopes from sample to sample:
+
+    .. math::
+        D\omega_k = \sum_j c_{kj}\,\frac{\omega_{j+1} - \omega_j}{t_{j+1} - t_j}, \qquad
+        c_{kj} \propto (h + \tfrac12)^2\,\overline{\Delta t}^2 - (t_{j+1/2} - t_k)^2 \ge 0, \quad \sum_j c_{kj} = 1.
+
+    Where the friction torque jumps within the window, at a reversal, this is the mean of two accelerations, and eq. 21
+    with the friction torque of one instant would blame the law for it. So all terms are averaged with these weights:
+
+    .. math:: T_{e,k} = \sum_j c_{kj} \Bigl[\overline{\tau_m - \tau_L}_j - J\,\frac{\omega_{j+1} - \omega_j}
+              {t_{j+1} - t_j} - \overline{\tau_F}_j\Bigr]
+
+    The bracket is the balance of momentum over one sampling interval, exact for any window. The mean friction torque
+    of an interval is the trapezium rule, in two parts where the velocity passes zero, each on its side. Where the
+    drive comes to rest, or leaves it, within the interval, the instant is not known: the error is the distance to the
+    nearest possible mean. What is left is the law's error and the noise of the differentiator,
+    :math:`J\sigma\sqrt{3/[h(h+1)(2h+1)]}/\Delta t`.
+
+    The friction torque is taken at the velocity smoothed over the same window. At the borders of a run the window
+    stays within it.
+
+    Args:
+        drive: model and inertia.
+        values: parameters by key.
+        recording: with ``velocity``.
+        half_width: h; :func:`sliding_half_width` if not given.
+    """
+    from fricmodels.signals import lanczos_derivative, resting, stretches
+
+    width = sliding_half_width(recording) if half_width is None else half_width
+    smooth, _ = lanczos_derivative(recording.time, recording.velocity, width, recording.run)
+    rest = resting(recording) | (recording.velocity == 0)
+    smooth[rest] = 0.0
+    moving = recording.with_channels(velocity=smooth)
+    error = np.zeros(len(recording))
+    inertia, _ = drive.split(values)
+    for part in stretches(recording.time, recording.run):
+        one = moving.select(np.arange(part.start, part.stop))
+        if len(one) < 2:
+            continue
+        applied = _mean(one.torque - one.load_torque)
+        needed = applied - inertia * np.diff(recording.velocity[part]) / np.diff(one.time)
+        least, greatest = _mean_friction(drive, values, one, rest[part])
+        error[part] = _window_mean(needed - np.clip(needed, least, greatest), one.time, width)
+    return error
+
+
+def _mean(values: Array) -> Array:
+    return (values[:-1] + values[1:]) / 2
+
+
+def _mean_friction(drive: Drive, values: Mapping[str, float], one: Recording, rest: Mask) -> tuple[Array, Array]:
+    """Return the least and the greatest mean friction torque of each sampling interval; equal while sliding."""
+    velocity = one.velocity
+    at = drive.friction(one, values)
+    mean = _mean(at)
+    if drive.model.states:
+        return mean, mean
+    below, above = drive.sticking_interval(one, values)
+    first, last = velocity[:-1], velocity[1:]
+    passes = (first * last < 0) & ~rest[:-1] & ~rest[1:]
+    share = np.where(passes, _share_before_zero(velocity), 0.0)
+    leaving, entering = np.where(first > 0, above[:-1], below[:-1]), np.where(first > 0, below[1:], above[1:])
+    in_two = share * (at[:-1] + leaving) / 2 + (1 - share) * (entering + at[1:]) / 2
+    mean = np.where(passes, in_two, mean)
+    one_rests = rest[:-1] ^ rest[1:]
+    sliding = np.where(rest[:-1], at[1:], at[:-1])
+    held_least, held_greatest = _mean(below), _mean(above)
+    least = np.where(rest[:-1] & rest[1:], held_least, mean)
+    greatest = np.where(rest[:-1] & rest[1:], held_greatest, mean)
+    least = np.where(one_rests, np.minimum(sliding, held_least), least)
+    greatest = np.where(one_rests, np.maximum(sliding, held_greatest), greatest)
+    return least, greatest
+
+
+def _share_before_zero(velocity: Array) -> Array:
+    """Return the share of each interval before the velocity passes zero, from the slopes before and after it."""
+    first, last = np.abs(velocity[:-1]), np.abs(velocity[1:])
+    slope = np.abs(np.diff(velocity))
+    before, after = np.append(slope[:1], slope[:-1]), np.append(slope[1:], slope[-1:])
+    to_zero, from_zero = first * after, last * before
+    total = to_zero + from_zero
+    share: Array = np.divide(to_zero, total, out=np.full(len(total), 0.5), where=total > 0)
+    return share
+
+
+def _window_mean(error: Array, time: Array, half_width: int) -> Array:
+    """Average over the intervals of each sample's window with the weights of Lanczos's differentiator."""
+    samples = len(time)
+    width = min(half_width, (samples - 1) // 2)
+    if width < 1:
+        return np.append(error, error[-1])
+    windows = np.lib.stride_tricks.sliding_window_view
+    steps = np.diff(time)
+    centre = time[width : samples - width]
+    offset = windows(_mean(time), 2 * width) - centre[:, None]
+    reach = (width + 0.5) * windows(steps, 2 * width).mean(axis=1)
+    weight = windows(steps, 2 * width) * np.clip(reach[:, None] ** 2 - offset**2, 0.0, None)
+    inner = np.sum(weight * windows(error, 2 * width), axis=1) / np.sum(weight, axis=1)
+    result: Array = inner[np.clip(np.arange(samples) - width, 0, len(inner) - 1)]
+    return result
+
+
+def sliding_half_width(recording: Recording, largest: int = 256) -> int:
+    r"""Return the half width of Lanczos's differentiator that estimates the acceleration best while sliding.
+
+    Stein's unbiased estimate of the mean squared error of :math:`D_h\omega`, but for a constant,
+
+    .. math:: \overline{(D_h\omega)^2 - 2\,(D_h\omega)(D_1\omega)} + 2\sigma^2\,d_h\cdot d_1,
+
+    is least for it, over the samples around which the drive slides in one direction for the widest window that is
+    tried, a quarter of the median time between two reversals. Reversals are left out because the acceleration jumps
+    there, which :func:`filtered_torque_error` allows for: they would keep the window short and the rest noisy. The
+    mean is weighted by the distance from the next reversal, so that the noise of :math:`D_1\omega` cancels between
+    neighbours. d are the weights of the differentiators; σ is the noise of the velocity, from the median of its
+    third differences, :math:`|\Delta^3\omega| / (0.6745\sqrt{20})`.
+
+    Source: C. Stein, "Estimation of the mean of a multivariate normal distribution", Ann. Statist. 9 (1981).
+    """
+    from fricmodels.signals.lanczos import even_weights
+
+    velocity = recording.velocity
+    third = np.diff(velocity, 3)[recording.run[3:] == recording.run[:-3]]
+    if len(third) == 0:
+        return 1
+    noise = float(np.median(np.abs(third))) / (0.6745 * np.sqrt(20.0))
+    free = _free_of_reversals(recording)
+    if not np.any(free):
+        return 1
+    longest = int(min(largest, max(1, np.median(free[free > 0]))))
+    weight = np.clip(free - longest, 0, None) / np.sum(np.clip(free - longest, 0, None))
+    rough = np.convolve(velocity, even_weights(1)[1][::-1], mode="same")
+    best, least = 1, np.inf
+    for half_width in _geometric(longest):
+        weights = even_weights(half_width)[1]
+        slope = np.convolve(velocity, weights[::-1], mode="same")
+        overlap = float(weights[half_width - 1 : half_width + 2] @ even_weights(1)[1])
+        risk = float(weight @ (slope * (slope - 2 * rough))) + 2 * noise**2 * overlap
+        if risk < least:
+            best, least = half_width, risk
+    return best
+
+
+def _geometric(largest: int) -> list[int]:
+    """Return 1, 2, 3 … in steps of at most a tenth, up to ``largest``."""
+    widths, width = [], 1
+    while width <= largest:
+        widths.append(width)
+        width = max(width + 1, width * 11 // 10)
+    return widths
+
+
+def _free_of_reversals(recording: Recording) -> NDArray[np.int64]:
+    """Return how far, in samples, each sample is from the next one at which the direction is not certain."""
+    from fricmodels.signals.rest import smoothed_velocity
+
+    velocity, error = smoothed_velocity(recording)
+    uncertain = np.abs(velocity) <= 3 * error
+    border = (velocity[1:] * velocity[:-1] < 0) | (np.diff(recording.run) != 0)
+    uncertain[1:] |= border
+    uncertain[:-1] |= border
+    uncertain[[0, -1]] = True
+    at = np.flatnonzero(uncertain)
+    index = np.arange(len(velocity))
+    after = np.searchsorted(at, index)
+    return np.asarray(np.minimum(at[after] - index, index - at[np.maximum(after - 1, 0)]).clip(0), dtype=np.int64)
