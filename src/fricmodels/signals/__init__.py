@@ -3,13 +3,8 @@
 from __future__ import annotations
 
 from fricmodels.signals.butterworth import butterworth, central_difference
-from fricmodels.signals.lanczos import (
-    best_half_width,
-    lanczos_derivative,
-    lanczos_smooth,
-    lanczos_window,
-    noise,
-)
+from fricmodels.signals.lanczos import lanczos_derivative, lanczos_smooth, lanczos_window
+from fricmodels.signals.noise_level import best_half_width, noise, quantum
 from fricmodels.signals.preparation import Preparation, prepare
 from fricmodels.signals.resample import resample
 from fricmodels.signals.rest import resting, smoothed_velocity
@@ -29,6 +24,7 @@ __all__ = [
     "lanczos_window",
     "noise",
     "prepare",
+    "quantum",
     "resample",
     "resting",
     "smoothed_velocity",

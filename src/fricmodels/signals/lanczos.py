@@ -30,20 +30,23 @@ def lanczos_derivative(
     Args:
         time: sample times [s], increasing within each run, shape (N,).
         values: the signal, shape (N,).
-        half_width: h; found from the noise by :func:`best_half_width` if not given.
+        half_width: h; found from the noise by :func:`fricmodels.signals.best_half_width` if not given.
         runs: run of each sample; windows never reach over runs or gaps.
         degree: of the local polynomial.
     """
     values = np.asarray(values, dtype=float)
     if half_width is None:
+        from fricmodels.signals.noise_level import best_half_width
+
         half_width = best_half_width(time, values, runs, degree=degree)
     smooth, slope = np.empty_like(values), np.empty_like(values)
     for part in stretches(time, runs):
-        smooth[part], slope[part] = _fit(time[part], values[part], half_width, degree)
+        smooth[part], slope[part] = fit_stretch(time[part], values[part], half_width, degree)
     return smooth, slope
 
 
-def _fit(time: Array, values: Array, half_width: int, degree: int) -> tuple[Array, Array]:
+def fit_stretch(time: Array, values: Array, half_width: int, degree: int) -> tuple[Array, Array]:
+    """Return value and slope of the local polynomials in one uninterrupted stretch."""
     size = min(2 * half_width + 1, len(time))
     degree = min(degree, size - 1)
     if degree == 0:
@@ -92,65 +95,6 @@ def _fit_windows(time: Array, values: Array, size: int, degree: int, at: NDArray
         smooth[start : start + rows] = coefficients[:, 0] + values[centre]
         slope[start : start + rows] = coefficients[:, 1] / scale
     return smooth, slope
-
-
-def noise(time: Array, values: Array, runs: Runs | None = None) -> float:
-    """Estimate the standard deviation of white noise on a smooth signal.
-
-    From what a cubic through seven neighbours leaves over: a signal sampled finely enough leaves nothing there.
-    Quantisation shows as noise too.
-    """
-    half_width, degree = 3, 3
-    residual, count = 0.0, 0
-    share = 1.0 - even_weights(half_width, degree)[0][half_width]
-    for part in stretches(time, runs):
-        if part.stop - part.start >= 2 * half_width + 1:
-            smooth, _ = _fit(time[part], values[part], half_width, degree)
-            inner = slice(part.start + half_width, part.stop - half_width)
-            difference = values[inner] - smooth[half_width : len(smooth) - half_width]
-            residual += float(difference @ difference)
-            count += len(difference)
-    return float(np.sqrt(residual / (count * share))) if count else 0.0
-
-
-def best_half_width(
-    time: Array, values: Array, runs: Runs | None = None, *, degree: int = DEGREE, largest: int = 256
-) -> int:
-    r"""Return the half width whose derivative has the least mean squared error, as estimated from the data.
-
-    Against the shortest differentiator :math:`D_0`, which has hardly any bias, the error of :math:`D_h` is, but for a
-    constant, :math:`\overline{(D_h y)^2 - 2\,(D_h y)(D_0 y)} + 2\sigma^2\, d_h\cdot d_0` with the weights d and the
-    noise σ (Stein's unbiased estimate of risk). The widths are tried in steps of a quarter, on at most a million samples.
-    """
-    parts = [part for part in stretches(time, runs) if part.stop - part.start >= 8]
-    shortest = max(1, (degree + 1) // 2)
-    if not parts:
-        return shortest
-    longest = max(part.stop - part.start for part in parts)
-    step = float(np.median(np.concatenate([np.diff(time[part]) for part in parts])))
-    kept, total = [], 0
-    for part in parts:
-        kept.append(slice(part.start, min(part.stop, part.start + 1_000_000 - total)))
-        total += kept[-1].stop - kept[-1].start
-        if total >= 1_000_000:
-            break
-    sigma = noise(time, values, runs)
-    reference = even_weights(shortest, degree)[1] / step
-    base = [_fit(time[part], values[part], shortest, degree)[1] for part in kept]
-    best, least, half_width = shortest, np.inf, shortest
-    while half_width <= min(largest, longest // 8 or 1) or half_width == shortest:
-        weights = even_weights(half_width, degree)[1] / step
-        overlap = float(weights[half_width - shortest : half_width + shortest + 1] @ reference)
-        risk = 2.0 * sigma**2 * overlap
-        for part, rough in zip(kept, base, strict=True):
-            slope = _fit(time[part], values[part], half_width, degree)[1]
-            risk += float(np.sum(slope * (slope - 2.0 * rough))) / total
-        if risk < least:
-            best, least = half_width, risk
-        elif half_width > 4 * best:
-            break
-        half_width = max(half_width + 1, half_width * 5 // 4)
-    return best
 
 
 def lanczos_window(half_width: int) -> Array:

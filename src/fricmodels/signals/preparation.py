@@ -11,7 +11,8 @@ from pydantic import BaseModel, ConfigDict, PositiveFloat, PositiveInt
 from fricmodels.errors import InputError
 from fricmodels.recording import Recording
 from fricmodels.signals.butterworth import butterworth, central_difference, settled
-from fricmodels.signals.lanczos import best_half_width, lanczos_derivative
+from fricmodels.signals.lanczos import lanczos_derivative
+from fricmodels.signals.noise_level import best_half_width
 from fricmodels.signals.segments import stretches
 
 

@@ -1,7 +1,7 @@
 r"""Where the drive stands still, told from its motion by statistics.
 
 The velocity is smoothed by local least squares; a sample may be at rest if the smoothed velocity is within three
-standard errors of zero. That happens at each reversal too, so the velocity must stay there: longer than any smooth passage through
+standard errors, or one step of its sensor, of zero, and if the position does not drift. That happens at each reversal too, so the velocity must stay there: longer than any smooth passage through
 zero could, :math:`2\cdot 3\,\mathrm{se}/a` with the acceleration a with which this recording otherwise leaves the band.
 """
 
@@ -11,7 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fricmodels.recording import Recording
-from fricmodels.signals.lanczos import best_half_width, even_weights, lanczos_derivative, noise
+from fricmodels.signals.lanczos import even_weights, lanczos_derivative
+from fricmodels.signals.noise_level import best_half_width, noise, quantum
 from fricmodels.signals.segments import Array, stretches
 
 _BAND = 3.0
@@ -27,25 +28,47 @@ def resting(recording: Recording) -> NDArray[np.bool_]:
         InputError: when the recording has neither.
     """
     velocity, error = smoothed_velocity(recording)
-    still = np.abs(velocity) <= _BAND * error
-    passage = _passage(recording, velocity, error)
+    band = _BAND * error
+    if not _from_position(recording):
+        band = max(band, 1.01 * quantum(recording.velocity))
+    still = np.abs(velocity) <= band
+    passage = _passage(recording, velocity, band)
+    if "position" in recording and "position" not in recording.derived:
+        still &= _in_place(recording, passage)
     mask = np.zeros(len(recording), dtype=bool)
     for part in stretches(recording.time, recording.run):
         change = np.flatnonzero(np.diff(still[part].astype(np.int8))) + 1
         borders = np.r_[0, change, part.stop - part.start] + part.start
-        for start, stop in zip(borders[:-1], borders[1:], strict=True):
-            if still[start] and stop - start > 1:
-                mask[start:stop] = recording.time[stop - 1] - recording.time[start] > passage
+        start, stop = borders[:-1], borders[1:]
+        kept = still[start] & (recording.time[stop - 1] - recording.time[start] > passage)
+        mask[part] = np.repeat(kept, stop - start)
     return mask
+
+
+def _from_position(recording: Recording) -> bool:
+    return "velocity" not in recording or ("velocity" in recording.derived and "position" in recording)
+
+
+def _in_place(recording: Recording, duration: float) -> NDArray[np.bool_]:
+    """Tell where the position, over ``duration`` [s] before or after, changes no more than its sensor does at rest."""
+    position = recording["position"]
+    spread = _BAND * np.sqrt(2.0) * noise(recording.time, position, recording.run)
+    allowed = max(spread, 1.01 * quantum(position))
+    count = max(1, round(duration / recording.interval))
+    result = np.zeros(len(position), dtype=bool)
+    for part in stretches(recording.time, recording.run):
+        values = position[part]
+        near = np.abs(values[min(count, len(values) - 1) :] - values[: max(len(values) - count, 1)]) <= allowed
+        result[part.start : part.start + len(near)] |= near
+        result[part.stop - len(near) : part.stop] |= near
+    return result
 
 
 def smoothed_velocity(recording: Recording) -> tuple[Array, float]:
     """Return the velocity, smoothed, and its standard error from noise and quantisation."""
     time, run = recording.time, recording.run
-    if "velocity" in recording and not ("velocity" in recording.derived and "position" in recording):
-        values, order = recording.velocity, 0
-    else:
-        values, order = recording["position"], 1
+    order = int(_from_position(recording))
+    values = recording["position"] if order else recording.velocity
     width = best_half_width(time, values, run)
     smooth = lanczos_derivative(time, values, width, run)[order]
     gain = float(np.linalg.norm(even_weights(width)[order]))
@@ -54,20 +77,20 @@ def smoothed_velocity(recording: Recording) -> tuple[Array, float]:
     return smooth, max(error, float(rounding))
 
 
-def _passage(recording: Recording, velocity: Array, error: float) -> float:
+def _passage(recording: Recording, velocity: Array, band: float) -> float:
     """Return how long [s] a passage through the band about zero lasts, going at the slower of the usual accelerations.
 
     The usual acceleration is taken where the speed is low but certain; its lower quartile stands for slow passages.
     """
     speed = np.abs(velocity)
-    moving = speed > _BAND * error
+    moving = speed > band
     if not moving.any():
         return 0.0
-    low = moving & (speed <= max(np.quantile(speed[moving], 0.25), 2.0 * _BAND * error))
+    low = moving & (speed <= max(np.quantile(speed[moving], 0.25), 2.0 * band))
     acceleration = np.abs(_slope(recording, velocity))[low]
     slow = float(np.quantile(acceleration, 0.25)) if len(acceleration) else 0.0
     shortest = 3.0 * recording.interval
-    return max(2.0 * _BAND * error / slow, shortest) if slow > 0.0 else shortest
+    return max(2.0 * band / slow, shortest) if slow > 0.0 else shortest
 
 
 def _slope(recording: Recording, velocity: Array) -> Array:

@@ -1,0 +1,157 @@
+r"""The equation of motion in weak form: multiplied by bumps that vanish at their ends, and integrated.
+
+.. math:: \int \varphi\,(\tau_m - \tau_L - \tau_F)\,dt = J \int \varphi\,\dot\omega\,dt = -J \int \dot\varphi\,\omega\,dt
+
+The derivative stands on the bump, which is known, and not on the velocity, which is measured: nothing smears the Coulomb
+step at a reversal, and nothing amplifies noise. Integrals are by the trapezium rule; where the velocity changes its sign
+between two samples, the integral is split at the instant of the crossing. A resting drive fulfils the equation whatever
+its friction is, so samples at rest contribute to neither side.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fricmodels.recording import Recording
+
+Array = NDArray[np.float64]
+
+HOPS = 8
+"""Neighbouring bumps are an eighth of a bump apart: finer ones say nothing new."""
+
+
+def segments(recording: Recording) -> list[slice]:
+    """Return the stretches without a gap: within a run, no step longer than three median ones."""
+    step = np.diff(recording.time)
+    broken = (np.diff(recording.run) != 0) | (step > 3.0 * recording.interval)
+    edges = [0, *(np.flatnonzero(broken) + 1), len(recording)]
+    return [slice(start, stop) for start, stop in zip(edges[:-1], edges[1:], strict=True)]
+
+
+@dataclass(frozen=True)
+class Quadrature:
+    """Where a torque is evaluated to be integrated: at the samples, and where the drive stops, starts or turns between.
+
+    A cell lies between two neighbouring samples. Where the drive turns, stops or starts within a cell, only the parts
+    of it before and after the standstill count; they are found by continuing the velocity of the neighbouring cells
+    to zero, because its slope jumps there by twice the Coulomb friction.
+
+    Attributes:
+        recording: the recorded samples, then for each split cell the instant of stopping, then that of starting.
+        cell: index of the sample before each split cell.
+        before, after: half the duration of the moving part before and after the zero.
+        weight: duration that each recorded sample stands for, shape (N,).
+    """
+
+    recording: Recording
+    cell: NDArray[np.int64]
+    before: Array
+    after: Array
+    weight: Array
+
+    @classmethod
+    def of(cls, recording: Recording, velocity: Array, resting: NDArray[np.bool_]) -> Quadrature:
+        """Prepare the integrals over a recording with the velocity that the friction torque is to be evaluated at."""
+        joined = np.zeros(len(recording) - 1, dtype=bool)
+        for piece in segments(recording):
+            joined[piece.start : piece.stop - 1] = True
+        step = np.where(joined, np.diff(recording.time), 0.0)
+        moving = ~resting
+        both = moving[:-1] & moving[1:]
+        turning = both & (velocity[:-1] * velocity[1:] < 0.0)
+        half = np.where(both & ~turning, 0.5 * step, 0.0)
+        weight = np.concatenate([half, [0.0]]) + np.concatenate([[0.0], half])
+        cell = np.flatnonzero(joined & (turning | (moving[:-1] != moving[1:])))
+        earlier, later = velocity[cell], velocity[cell + 1]
+        previous = velocity[np.maximum(cell - 1, 0)]
+        following = velocity[np.minimum(cell + 2, len(recording) - 1)]
+        before = np.where(moving[cell], _share(earlier, previous - earlier), 0.0)
+        after = np.where(moving[cell + 1], _share(later, following - later), 0.0)
+        both_parts = np.maximum(before + after, 1.0)
+        before, after = before / both_parts, after / both_parts
+        tiny = 1e-9 * float(np.max(np.abs(velocity), initial=1e-300))
+        channels = {}
+        for name, values in recording.channels.items():
+            if name == "velocity":
+                parts = [velocity, tiny * np.sign(earlier), tiny * np.sign(later)]
+            else:
+                first, change = values[cell], values[cell + 1] - values[cell]
+                parts = [values, first + before * change, first + (1.0 - after) * change]
+            channels[name] = np.concatenate(parts)
+        run = np.concatenate([recording.run, recording.run[cell], recording.run[cell]])
+        half_step = 0.5 * step[cell]
+        np.add.at(weight, cell, before * half_step)
+        np.add.at(weight, cell + 1, after * half_step)
+        at = replace(recording, channels=channels, run=run)
+        return cls(at, cell, before * half_step, after * half_step, weight)
+
+    def integrand(self, rows: Array) -> Array:
+        """Turn rows evaluated at :attr:`recording` into what is summed: shape (k, N), each in torque × time."""
+        count, cells = len(self.weight), len(self.cell)
+        values = rows[:, :count] * self.weight
+        if cells:
+            for k in range(len(values)):
+                values[k] += np.bincount(self.cell, self.before * rows[k, count : count + cells], count)
+                values[k] += np.bincount(self.cell + 1, self.after * rows[k, count + cells :], count)
+        return values
+
+
+def _share(velocity: Array, change: Array) -> Array:
+    """Return the share of a cell after which a velocity that changes so much in a cell is zero, at most 1."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        share = np.where(change != 0.0, velocity / change, 1.0)
+    return np.where((share >= 0.0) & (share <= 1.0), share, 1.0)
+
+
+class Bumps:
+    """Bumps of one width along a recording, an eighth of their width apart.
+
+    Args:
+        recording: gives the stretches without a gap.
+        width: samples that a bump spans; rounded to a multiple of 8.
+        resting: samples at rest; a bump that is at rest more than half of its weight is left out.
+    """
+
+    def __init__(self, recording: Recording, width: int, resting: NDArray[np.bool_]) -> None:
+        self.hop = max(1, round(width / HOPS))
+        self.width = self.hop * HOPS
+        x = 2.0 * np.arange(1, self.width) / self.width - 1.0
+        between = np.concatenate([[0.0], (1.0 - x**2) ** 2, [0.0]])
+        between /= between.sum()
+        self._mean = 0.5 * (between[:-1] + between[1:])
+        self._fall = between[:-1] - between[1:]
+        self._pieces = [
+            slice(piece.start, piece.start + self.hop * ((piece.stop - piece.start) // self.hop))
+            for piece in segments(recording)
+            if piece.stop - piece.start >= self.width
+        ]
+        moving = self._apply((~resting).astype(float)[None], self._mean)[0] if self._pieces else np.zeros(0)
+        self._kept = moving >= 0.5
+        self.count = int(self._kept.sum())
+
+    def integrals(self, integrand: Array) -> Array:
+        """Return ∫φ f dt for rows f, shape (k, number of bumps)."""
+        return self._keep(self._apply(integrand, self._mean))
+
+    def momentum(self, velocity: Array) -> Array:
+        """Return ∫φ dω = −∫φ' ω dt, shape (number of bumps,)."""
+        return self._keep(self._apply(velocity[None], self._fall))[0]
+
+    def _keep(self, values: Array) -> Array:
+        return values if self.count == values.shape[1] else values[:, self._kept]
+
+    def _apply(self, rows: Array, kernel: Array) -> Array:
+        parts = kernel.reshape(HOPS, self.hop).T
+        results = []
+        for piece in self._pieces:
+            blocks = rows[:, piece].reshape(len(rows), -1, self.hop)
+            product = blocks @ parts
+            count = product.shape[1] - HOPS + 1
+            total = product[:, :count, 0].copy()
+            for part in range(1, HOPS):
+                total += product[:, part : part + count, part]
+            results.append(total)
+        return np.concatenate(results, axis=1) if len(results) != 1 else results[0]
