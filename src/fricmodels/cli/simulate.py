@@ -1,4 +1,4 @@
-"""``fricmodels simulate``: a recording from a rig whose truth is known."""
+"""``fricmodels simulate``: data with known truth and hidden effects."""
 
 from __future__ import annotations
 
@@ -9,18 +9,20 @@ import typer
 
 
 def command(
-    rig: Annotated[Path, typer.Argument(help="The rig, in YAML.", show_default=False)],
-    out: Annotated[Path, typer.Option(help="File to write: .csv or .parquet", show_default=False)],
-    seed: Annotated[int | None, typer.Option(min=0, help="Seed in place of the rig file's.")] = None,
+    rig: Annotated[Path, typer.Argument(metavar="RIG.yaml", help="Description of the simulated drive.")],
+    out: Annotated[Path, typer.Option("--out", help="Recording to write: .csv or .parquet.")],
+    seed: Annotated[int | None, typer.Option("--seed", help="Use another seed than the file's.")] = None,
 ) -> None:
-    """Make a recording with hidden effects from a rig file.
+    """Simulate a drive with hidden effects.
 
-    The truth goes into another file beside it, with .truth.json at its end.
+    Writes the recording, and the truth beside it as DATA.truth.json.
     """
-    from fricmodels.rig.file import load_rig
-    from fricmodels.rig.write import write
+    from fricmodels.rig import load_rig, write
 
-    loaded = load_rig(rig)
-    chosen = loaded if seed is None else loaded.model_copy(update={"seed": seed})
-    for file in write(chosen.simulate(), out):
-        print(f"written to {file}")
+    chosen = load_rig(rig)
+    if seed is not None:
+        chosen = chosen.model_copy(update={"seed": seed})
+    recording = chosen.simulate()
+    data, truth = write(recording, out)
+    print(f"{data}: {len(recording)} samples of {', '.join(recording.channels)}")
+    print(f"{truth}: the truth, {chosen.true_model}")

@@ -6,7 +6,10 @@ that finding a hidden effect is no tautology.
 
 from __future__ import annotations
 
+from fricmodels.rig.draw import SCALES, random_rig, strength, with_size
+from fricmodels.rig.file import load_rig
 from fricmodels.rig.rig import Friction, Load, Rig
 from fricmodels.rig.sensors import Sensors
+from fricmodels.rig.write import write
 
-__all__ = ["Friction", "Load", "Rig", "Sensors"]
+__all__ = ["SCALES", "Friction", "Load", "Rig", "Sensors", "load_rig", "random_rig", "strength", "with_size", "write"]

@@ -30,7 +30,11 @@ class HiddenEffect(BaseModel):
 
     def scaled(self, factor: float) -> Self:
         """Return the same effect, stronger by ``factor``."""
-        return self.model_copy(update={field: factor * getattr(self, field) for field in self.sizes})
+        return self.model_copy(update={field: self.largest(factor * getattr(self, field)) for field in self.sizes})
+
+    def largest(self, value: float) -> float:
+        """Return a size cut to what is physical."""
+        return value
 
     def parameters(self) -> dict[str, Any]:
         """Return everything but the name."""
@@ -41,7 +45,13 @@ class HiddenEffect(BaseModel):
         """Write the effect into the physical coefficients ``p`` and the table of periodic torques."""
 
 
-class Asymmetry(HiddenEffect):
+class _Share(HiddenEffect):
+    def largest(self, value: float) -> float:
+        """Return a share of at most 0.9."""
+        return min(max(value, -0.9), 0.9)
+
+
+class Asymmetry(_Share):
     """Friction stronger forward by these shares, weaker backward."""
 
     name: Literal["asymmetry"] = "asymmetry"
@@ -122,7 +132,7 @@ class DirectionalEfficiency(HiddenEffect):
         p["driven_loss"] += self.driven
 
 
-class TorqueGain(HiddenEffect):
+class TorqueGain(_Share):
     """The shaft gets (1 + ``error``) times the recorded torque."""
 
     name: Literal["torque-gain"] = "torque-gain"
@@ -134,7 +144,7 @@ class TorqueGain(HiddenEffect):
         p["gain"] += self.error
 
 
-class InertiaError(HiddenEffect):
+class InertiaError(_Share):
     """The drive has (1 + ``error``) times the inertia that is stated."""
 
     name: Literal["inertia-error"] = "inertia-error"
@@ -228,7 +238,7 @@ class PositionFriction(_Periodic):
 
 
 class TorqueRipple(_Periodic):
-    """Commutation ripple: the delivered torque is the recorded one times 1 + Σ amplitude·cos (amplitudes are shares)."""
+    """Commutation ripple: delivered is recorded torque times 1 + Σ amplitude·cos (amplitudes are shares)."""
 
     name: Literal["torque-ripple"] = "torque-ripple"
     kind: ClassVar[float] = 2.0
@@ -351,7 +361,7 @@ class Thermal(HiddenEffect):
         p["viscous_thinning"], p["coulomb_thinning"] = self.viscous, self.coulomb
 
 
-class Drift(HiddenEffect):
+class Drift(_Share):
     """Friction changes by these shares as 1 − e^(−t/time), without a sensor for the cause."""
 
     name: Literal["drift"] = "drift"

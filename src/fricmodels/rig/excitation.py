@@ -53,7 +53,7 @@ class Sine(Excitation):
 
 
 class Multisine(Excitation):
-    """A motor torque of ``lines`` equal harmonics of ``frequency``, of random phase; ``amplitude`` is √2 times its RMS."""
+    """A motor torque of ``lines`` equal harmonics of ``frequency``, of random phase; RMS is ``amplitude``/√2."""
 
     kind: Literal["multisine"] = "multisine"
     amplitude: Positive

@@ -54,7 +54,8 @@ def _message(file: Path, root: Any, error: ValidationError) -> str:
     if first["type"] == "union_tag_invalid":
         context = first["ctx"]
         tags = [tag.strip().strip("'") for tag in context["expected_tags"].split(",")]
-        return f"{place}: unknown {context['discriminator']} '{context['tag']}' in '{key}'{suggestion(context['tag'], tags)}"
+        kind, tag = str(context["discriminator"]).strip("'"), context["tag"]
+        return f"{place}: unknown {kind} '{tag}' in '{key}'{suggestion(tag, tags)}"
     return f"{place}: '{key}': {first['msg'].removeprefix('Value error, ')}"
 
 

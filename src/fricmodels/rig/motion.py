@@ -23,7 +23,7 @@ from fricmodels.rig.physics import (
     viscous_torque,
 )
 
-_compile = njit(cache=True, error_model="numpy", nogil=True)
+_compile: Any = njit(cache=True, error_model="numpy", nogil=True)
 _MOST_EVENTS = 12
 
 
@@ -168,7 +168,7 @@ def advance(
             beyond = excess(p, waves, x, 2, motor, given, lagged, slow, 0.0)
             if beyond != 0.0:
                 s2 = math.copysign(1.0, beyond)
-        y, ynew, zn, a0, a1, b0, b1 = _heun(p, waves, x, s1, s2, z, motor, m1, given, g1, lagged, l1, h, slow)
+        ynew, zn, a0, a1, b0, b1 = _heun(p, waves, x, s1, s2, z, motor, m1, given, g1, lagged, l1, h, slow)
         fraction, body = 1.0, 0
         if not elastic:
             if s1 != 0.0:
@@ -188,7 +188,7 @@ def advance(
             end = done + fraction * (1.0 - done)
             me, ge, le = m0 + end * (m1 - m0), g0 + end * (g1 - g0), l0 + end * (l1 - l0)
             h *= fraction
-            y, ynew, zn, a0, a1, b0, b1 = _heun(p, waves, x, s1, s2, z, motor, me, given, ge, lagged, le, h, slow)
+            ynew, zn, a0, a1, b0, b1 = _heun(p, waves, x, s1, s2, z, motor, me, given, ge, lagged, le, h, slow)
             done = end
         else:
             done = 1.0
@@ -274,7 +274,7 @@ def _heun(
         w2 + 0.5 * h * (b0 + b1),
         worn,
     )
-    return y, end, zn, a0, a1, b0, b1
+    return end, zn, a0, a1, b0, b1
 
 
 @_compile

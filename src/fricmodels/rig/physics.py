@@ -37,7 +37,7 @@ PHYSICS = np.dtype(
 RIGID, DAHL, LUGRE, MAXWELL_SLIP = 0.0, 1.0, 2.0, 3.0
 COGGING, FRICTION_WAVE, RIPPLE = 0.0, 1.0, 2.0
 
-_compile = njit(cache=True, error_model="numpy", nogil=True)
+_compile: Any = njit(cache=True, error_model="numpy", nogil=True)
 
 
 @_compile

@@ -20,6 +20,7 @@ Array = NDArray[np.float64]
 Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 NotNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
 Pair = tuple[NotNegative, NotNegative]
+_EXCLUSIVE = (("backlash", "joint-compliance"), ("presliding", "rising-stiction"), ("frictional-lag", "presliding"))
 
 
 class Friction(BaseModel):
@@ -131,6 +132,11 @@ class Rig(BaseModel):
                 raise ValueError(f"'{min(pair)}' and '{max(pair)}' cannot be simulated together")
         return self
 
+    def __copy__(self) -> Self:
+        copied = super().__copy__()
+        copied.__dict__.pop("histories", None)
+        return copied
+
     # ---- variations -----------------------------------------------------------------------------------------------
 
     def without_effects(self) -> Rig:
@@ -212,7 +218,7 @@ class Rig(BaseModel):
         """Return what the hidden effects leave in the residual torque of the true law, shape (runs·samples,).
 
         It is τ_m − τ_L − J dω/dt − τ_F(ω) of the recorded signals, without noise and without hidden effects in τ_F;
-        at rest, the distance to what dry friction can hold. The derivative is that of the finely stepped motion.
+        at rest, the distance to what dry friction can hold. The derivative is the forward one of the fine motion.
         """
         time = np.arange(self.samples) / self.rate
         moved, driven = self._delays
@@ -220,9 +226,9 @@ class Rig(BaseModel):
         for history in self.histories:
             step = history.interval * self.samples / len(history.velocity)
             at = time - moved
-            velocity = history.moving(history.velocity, at)
-            later, earlier = (history.moving(history.velocity, at + side * step) for side in (1, -1))
-            net = history.driving(time - driven) - history.load - self.inertia * (later - earlier) / (2 * step)
+            velocity, soon, later = (history.moving(history.velocity, at + ahead * step) for ahead in (0, 1, 2))
+            acceleration = (4 * soon - 3 * velocity - later) / (2 * step)
+            net = history.driving(time - driven) - history.load - self.inertia * acceleration
             parts.append(self.friction.residual(velocity, net))
         return np.concatenate(parts)
 
@@ -271,7 +277,7 @@ class Rig(BaseModel):
 
         rng = np.random.default_rng([self.seed, number])
         interval = 1 / self.rate
-        time = np.arange(self.samples) * interval
+        time = np.arange(self.samples, dtype=np.float64) * interval
         p, waves = self._physics()
         command = self.excitation.command(time, rng)
         load = np.zeros(self.samples)

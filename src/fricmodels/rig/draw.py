@@ -1,0 +1,350 @@
+"""Rigs drawn at random: a drive, a motion that can show the hidden effects, sensors, and effects of a wanted size."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from fricmodels.dimension import Motion
+from fricmodels.errors import InputError, suggestion
+from fricmodels.rig.effects import HiddenEffect
+from fricmodels.rig.rig import Rig
+
+
+@dataclass(frozen=True)
+class Scale:
+    """Ranges of one kind of drive, in SI units; ``flow`` is viscous over Coulomb torque at the highest speed."""
+
+    motion: Motion
+    inertia: tuple[float, float]
+    coulomb: tuple[float, float]
+    speed: tuple[float, float]
+    flow: tuple[float, float]
+
+
+SCALES: Mapping[str, Scale] = {
+    "paper-motor": Scale(Motion.ROTARY, (3e-6, 8e-6), (6e-3, 1.4e-2), (60.0, 120.0), (0.4, 1.5)),
+    "robot-joint": Scale(Motion.ROTARY, (0.5, 5.0), (5.0, 30.0), (1.0, 3.0), (0.4, 1.5)),
+    "linear-axis": Scale(Motion.LINEAR, (50.0, 200.0), (10.0, 40.0), (0.15, 0.5), (0.5, 3.0)),
+}
+"""Kinds of drive that :func:`random_rig` knows."""
+
+EXCITATIONS = ("sine", "multisine", "tracking", "trapezoid", "stair", "ramp")
+_CLOSED = ("tracking", "trapezoid", "ramp")
+_BROAD = ("multisine", "tracking", "trapezoid")
+_SHOWN_BY: Mapping[str, tuple[str, ...]] = {
+    "stribeck": ("sine", "multisine", "tracking", "ramp", "stair"),
+    "nonlinear-viscous": ("sine", "multisine", "tracking", "ramp", "stair"),
+    "load-friction": _CLOSED,
+    "directional-efficiency": _CLOSED,
+    "torque-gain": _BROAD,
+    "inertia-error": _BROAD,
+    "gravity": ("tracking", "trapezoid", "ramp"),
+    "stiffness": ("tracking", "trapezoid", "ramp"),
+    "presliding": ("multisine", "tracking", "trapezoid", "ramp"),
+    "frictional-lag": ("sine", "multisine", "tracking"),
+    "rising-stiction": ("trapezoid",),
+    "backlash": ("tracking", "trapezoid", "ramp"),
+    "sensor-delay": ("multisine", "tracking"),
+    "joint-compliance": ("multisine", "tracking", "trapezoid"),
+}
+_NEEDS_LOAD = {"load-friction", "directional-efficiency", "torque-gain", "inertia-error"}
+_NEEDS_SYMMETRY = {"asymmetry", "torque-offset"}
+
+
+@dataclass(frozen=True)
+class _Drive:
+    """What is drawn first, and the sizes that follow from it."""
+
+    inertia: float
+    coulomb: float
+    speed: float
+    friction: float
+    frequency: float
+    rate: float
+    samples: int
+    travel: float
+    bandwidth: float
+
+    @property
+    def duration(self) -> float:
+        return self.samples / self.rate
+
+
+def random_rig(
+    rng: np.random.Generator,
+    effects: Sequence[str] = ("cogging",),
+    *,
+    size: float | Sequence[float] | None = None,
+    scale: str | None = None,
+    excitation: str | None = None,
+    noise_percent: float | None = None,
+    samples: int = 20_000,
+) -> Rig:
+    """Draw a rig whose recording contains what is needed to show the hidden effects.
+
+    Args:
+        rng: source of everything that is drawn.
+        effects: names of the hidden effects; none is allowed.
+        size: RMS torque that each effect leaves in the residual, relative to the RMS friction torque; drawn
+            log-uniformly from 0.05 to 0.3 where not given. An effect that saturates comes as near as it can.
+        scale: one of :data:`SCALES`; excitation: one of :data:`EXCITATIONS`; drawn where not given.
+        noise_percent: noise of the velocity in % of its RMS value; drawn log-uniformly from 0.2 to 5.
+        samples: length of the record.
+
+    Raises:
+        InputError: for an unknown effect, scale or excitation, or an excitation that cannot show an effect.
+    """
+    for name, known in (*((e, _DRAWN) for e in effects), (scale, SCALES), (excitation, EXCITATIONS)):
+        if name is not None and name not in known:
+            raise InputError(f"there is no '{name}'{suggestion(name, known)}")
+    for _ in range(30):
+        rig = _draw(rng, tuple(effects), size, scale, excitation, noise_percent, samples)
+        if rig is not None:
+            return rig
+    raise InputError(f"no rig in 30 draws moved enough to show {', '.join(effects) or 'friction'}")
+
+
+def strength(rig: Rig) -> float:
+    """Return the RMS torque that a rig's hidden effects leave in the residual over its RMS friction torque."""
+    speeds = np.concatenate([h.velocity[:: len(h.velocity) // rig.samples] for h in rig.histories])
+    level = np.where(speeds >= 0, rig.friction.level(abs(speeds), 0), rig.friction.level(abs(speeds), 1))
+    return float(np.sqrt(np.mean(rig.effect_torque() ** 2) / np.mean(level[speeds != 0] ** 2)))
+
+
+def with_size(rig: Rig, size: float) -> Rig:
+    """Return the rig with its hidden effects scaled so that their :func:`strength` is ``size``, to 5 %.
+
+    An effect that saturates (a delay, a gap, an asymmetry) comes as near as it can.
+    """
+    low, high = 0.0, np.inf
+    factor, best, error = 1.0, rig, np.inf
+    for _ in range(8):
+        trial = rig.with_strength(factor)
+        reached = strength(trial)
+        miss = abs(np.log(reached / size)) if np.isfinite(reached) and reached > 0 else np.inf
+        if miss < error:
+            best, error = trial, miss
+        if miss < 0.05:
+            break
+        if np.isfinite(reached) and reached < size:
+            low = factor
+        else:
+            high = factor
+        step = float(np.clip(size / reached, 0.1, 10.0)) if np.isfinite(reached) and reached > 0 else 0.3
+        factor *= step
+        if not low < factor < high:
+            factor = float(np.sqrt(low * high)) if low > 0 and np.isfinite(high) else 0.5 * (low + min(high, 4 * low))
+    return best
+
+
+def _log(rng: np.random.Generator, low: float, high: float) -> float:
+    return float(np.exp(rng.uniform(np.log(low), np.log(high))))
+
+
+def _draw(
+    rng: np.random.Generator,
+    effects: tuple[str, ...],
+    size: float | Sequence[float] | None,
+    scale: str | None,
+    excitation: str | None,
+    noise_percent: float | None,
+    samples: int,
+) -> Rig | None:
+    possible = [s for s in SCALES if "gravity" not in effects or SCALES[s].motion is Motion.ROTARY]
+    ranges = SCALES[scale or str(rng.choice(possible))]
+    shown = [kind for kind in EXCITATIONS if all(kind in _SHOWN_BY.get(e, EXCITATIONS) for e in effects)]
+    if excitation is not None and excitation not in shown:
+        raise InputError(f"'{excitation}' does not show {', '.join(effects)}; these do: {', '.join(shown) or 'none'}")
+    kind = excitation or str(rng.choice(shown or ["tracking"]))
+    d, friction = _drive(rng, ranges, effects, samples)
+    loaded = bool(_NEEDS_LOAD & set(effects)) or (kind in _CLOSED and rng.random() < 0.2)
+    amplitude = d.friction * rng.uniform(0.5, 1.5)
+    load = {
+        "bias": amplitude * rng.uniform(-0.4, 0.4),
+        "amplitude": amplitude * (1.0 if kind in _CLOSED else 0.3),
+        "frequency": d.frequency * rng.uniform(0.15, 0.6),
+    }
+    noise = _log(rng, 0.2, 5.0) if noise_percent is None else noise_percent
+    base: dict[str, Any] = {
+        "motion": ranges.motion,
+        "inertia": d.inertia,
+        "friction": friction,
+        "load": load if loaded else None,
+        "excitation": _excitation(rng, kind, d),
+        "sensors": {"velocity_noise_percent": noise, "temperature_noise": 0.1},
+        "rate": d.rate,
+        "samples": samples,
+        "hold": bool(rng.random() < 0.7),
+        "seed": int(rng.integers(2**31)),
+    }
+    plain = Rig.model_validate(base)
+    if not _moves(plain, d):
+        return None
+    wanted = size if isinstance(size, Sequence) else [size] * len(effects)
+    hidden: list[HiddenEffect] = []
+    for name, target in zip(effects, wanted, strict=True):
+        drawn = {"name": name, **_DRAWN[name](rng, d, plain)}
+        alone = Rig.model_validate({**base, "effects": [drawn]})
+        goal = _log(rng, 0.05, 0.3) if target is None else target
+        hidden.extend(with_size(alone, goal).effects)
+    rig = Rig.model_validate({**base, "effects": hidden, "name": "+".join(effects) or "nothing-hidden"})
+    return rig if _moves(rig, d) else None
+
+
+def _drive(
+    rng: np.random.Generator, ranges: Scale, effects: tuple[str, ...], samples: int
+) -> tuple[_Drive, dict[str, Any]]:
+    inertia, coulomb = _log(rng, *ranges.inertia), _log(rng, *ranges.coulomb)
+    speed, flow = _log(rng, *ranges.speed), rng.uniform(*ranges.flow)
+    total = coulomb * (1 + flow)
+    frequency = rng.uniform(0.3, 1.5) * total / (inertia * 2 * np.pi * speed)
+    if "gravity" in effects:
+        frequency = speed / (2 * np.pi * rng.uniform(1.6, 3.5))
+    travel = speed / (2 * np.pi * frequency)
+    rate = frequency * _log(rng, 500, 1500)
+    viscous = flow * coulomb / speed
+    drive = _Drive(inertia, coulomb, speed, total, frequency, rate, samples, travel, frequency * rng.uniform(12, 25))
+    skew = rng.uniform(0.05, 0.25) if rng.random() < 0.4 and not _NEEDS_SYMMETRY & set(effects) else 0.0
+
+    def sides(value: float, share: float) -> float | tuple[float, float]:
+        return (value * (1 + share), value * (1 - share)) if skew else value
+
+    friction: dict[str, Any] = {"viscous": sides(viscous, rng.uniform(-1, 1) * skew), "coulomb": sides(coulomb, skew)}
+    if "frictional-lag" in effects:
+        friction["stick"] = sides(coulomb * rng.uniform(1.3, 1.7), skew)
+        friction["fall"] = sides(1 / (speed * rng.uniform(0.05, 0.2)), 0.0)
+    return drive, friction
+
+
+def _excitation(rng: np.random.Generator, kind: str, d: _Drive) -> dict[str, Any]:
+    torque = 1.1 * float(np.hypot(d.friction, d.inertia * 2 * np.pi * d.frequency * d.speed))
+    acceleration = 2 * np.pi * d.frequency * d.speed
+    closed = {"bandwidth": d.bandwidth, "damping_ratio": rng.uniform(0.7, 1.1)}
+    period = 1 / d.frequency
+    choices: Mapping[str, dict[str, Any]] = {
+        "sine": {"amplitude": torque, "frequency": d.frequency},
+        "multisine": {"amplitude": torque, "frequency": d.frequency / 3, "lines": int(rng.integers(4, 9))},
+        "tracking": {
+            "velocity": 0.7 * d.speed,
+            "frequency": d.frequency / 2,
+            "lines": int(rng.integers(3, 7)),
+            **closed,
+        },
+        "trapezoid": {
+            "velocity": d.speed,
+            "acceleration": acceleration,
+            "span": 4 * d.travel,
+            "rests": (0.02 * period, period),
+            **closed,
+        },
+        "stair": {"velocity": d.speed, "acceleration": acceleration, "hold": 0.4 * period, "levels": 8, **closed},
+        "ramp": {"velocity": d.speed, "period": 2 * period, **closed},
+    }
+    return {"kind": kind, **choices[kind]}
+
+
+def _moves(rig: Rig, d: _Drive) -> bool:
+    """Whether the drive slides in both directions for a good part of the record, at sensible speeds."""
+    velocity = np.concatenate([h.velocity for h in rig.histories])
+    if not np.all(np.isfinite(velocity)) or np.max(np.abs(velocity)) > 6 * d.speed:
+        return False
+    fast = 0.02 * d.speed
+    return bool(min(np.mean(velocity > fast), np.mean(velocity < -fast)) > 0.15)
+
+
+def _waves(rng: np.random.Generator, d: _Drive, plain: Rig) -> float:
+    """Draw a wave number with several periods over the travel, and enough samples in each at full speed."""
+    position = np.concatenate([h.position for h in plain.histories])
+    span = float(np.quantile(position, 0.95) - np.quantile(position, 0.05))
+    fastest = float(np.quantile(np.concatenate([np.abs(h.velocity) for h in plain.histories]), 0.95))
+    least, most = 2 * np.pi * 4 / span, 2 * np.pi * d.rate / (12 * fastest)
+    if plain.motion is Motion.ROTARY:
+        least = max(least, 2.0)
+    return _log(rng, least, max(min(most, 10 * least), 1.2 * least))
+
+
+def _periodic(amplitude: Callable[[_Drive], float]) -> Callable[[np.random.Generator, _Drive, Rig], dict[str, Any]]:
+    def draw(rng: np.random.Generator, d: _Drive, plain: Rig) -> dict[str, Any]:
+        first = _waves(rng, d, plain)
+        harmonics = [{"order": first, "amplitude": amplitude(d), "phase": rng.uniform(0, 2 * np.pi)}]
+        if rng.random() < 0.2:
+            second = {"order": 2 * first, "amplitude": 0.3 * amplitude(d), "phase": rng.uniform(0, 2 * np.pi)}
+            harmonics.append(second)
+        return {"harmonics": harmonics}
+
+    return draw
+
+
+def _sign(rng: np.random.Generator) -> float:
+    return float(rng.choice([-1.0, 1.0]))
+
+
+_DRAWN: Mapping[str, Callable[[np.random.Generator, _Drive, Rig], dict[str, Any]]] = {
+    "asymmetry": lambda r, d, _: {"coulomb": 0.1 * _sign(r) * r.uniform(0.3, 1), "viscous": 0.1 * r.uniform(-1, 1)},
+    "torque-offset": lambda r, d, _: {"torque": 0.1 * d.friction * _sign(r)},
+    "stribeck": lambda r, d, _: {
+        "rise": 0.5 * d.coulomb,
+        "speed": d.speed * _log(r, 0.04, 0.2),
+        "exponent": float(r.choice([1.0, 2.0])),
+    },
+    "nonlinear-viscous": lambda r, d, _: _power(d, float(r.choice([0.5, 2 / 3, 2.0, 3.0]))),
+    "load-friction": lambda r, d, _: {"coefficient": 0.1},
+    "directional-efficiency": lambda r, d, _: {
+        "driving": 0.2 * r.uniform(0.6, 1),
+        "driven": 0.2 * r.uniform(-0.1, 0.3),
+    },
+    "torque-gain": lambda r, d, _: {"error": 0.1 * _sign(r)},
+    "inertia-error": lambda r, d, _: {"error": 0.1 * _sign(r)},
+    "gravity": lambda r, d, _: _weight(d, r.uniform(0, 2 * np.pi)),
+    "stiffness": lambda r, d, _: {"stiffness": 0.1 * d.friction / d.travel, "neutral": d.travel * r.uniform(-0.5, 0.5)},
+    "cogging": _periodic(lambda d: 0.15 * d.friction),
+    "position-friction": _periodic(lambda d: 0.15 * d.friction),
+    "torque-ripple": _periodic(lambda d: 0.1),
+    "presliding": lambda r, d, _: {
+        "kind": str(r.choice(["dahl", "lugre", "maxwell-slip"])),
+        "width": d.travel * _log(r, 0.005, 0.05),
+        "micro_damping": 0.3 * float(np.sqrt(d.inertia * d.coulomb / (0.02 * d.travel))),
+    },
+    "frictional-lag": lambda r, d, _: {"delay": _log(r, 0.002, 0.02) / d.frequency},
+    "rising-stiction": lambda r, d, _: {
+        "rise": 0.5 * d.coulomb,
+        "time": 0.3 / d.frequency,
+        "distance": d.travel * _log(r, 0.01, 0.08),
+    },
+    "backlash": lambda r, d, _: {
+        "gap": d.travel * _log(r, 0.02, 0.1),
+        "load_inertia_share": r.uniform(0.3, 0.7),
+        "load_friction_share": r.uniform(0.3, 0.7),
+        "contact_frequency": d.rate * r.uniform(0.05, 0.15),
+    },
+    "joint-compliance": lambda r, d, _: {
+        "frequency": d.bandwidth * r.uniform(3, 6),
+        "load_inertia_share": r.uniform(0.3, 0.7),
+        "damping_ratio": _log(r, 0.01, 0.1),
+    },
+    "sensor-delay": lambda r, d, _: {"delay": _log(r, 1, 6) / d.rate, "channel": str(r.choice(["motion", "torque"]))},
+    "thermal": lambda r, d, _: {
+        "end": r.uniform(35, 60),
+        "time": d.duration * r.uniform(0.3, 1),
+        "viscous": 0.01,
+        "coulomb": 0.004 * r.uniform(0, 1),
+    },
+    "drift": lambda r, d, _: {
+        "viscous": 0.3 * _sign(r) * r.uniform(0.3, 1),
+        "coulomb": 0.3 * _sign(r),
+        "time": d.duration * r.uniform(0.5, 2),
+    },
+    "step-change": lambda r, d, _: {"time": d.duration * r.uniform(0.3, 0.7), "coulomb": 0.2 * d.coulomb * _sign(r)},
+}
+
+
+def _power(d: _Drive, exponent: float) -> dict[str, Any]:
+    return {"coefficient": 0.3 * d.friction / d.speed**exponent, "exponent": exponent}
+
+
+def _weight(d: _Drive, angle: float) -> dict[str, Any]:
+    return {"sine": 0.15 * d.friction * float(np.sin(angle)), "cosine": 0.15 * d.friction * float(np.cos(angle))}
