@@ -189,5 +189,3 @@ def _runs(found: Mapping[str, Column], table: pd.DataFrame) -> tuple[NDArray[np.
 def _sha256(source: Path) -> str:
     with source.open("rb") as stream:
         return hashlib.file_digest(stream, "sha256").hexdigest()
-
-

@@ -1,4 +1,4 @@
-"""Signals: derivatives, filters, rest, resampling and the weak form."""
+"""Signals: derivatives, filters, noise, rest, resampling; the weak form is in :mod:`fricmodels.signals.weak_form`."""
 
 from __future__ import annotations
 
@@ -9,11 +9,9 @@ from fricmodels.signals.preparation import Preparation, prepare
 from fricmodels.signals.resample import resample
 from fricmodels.signals.rest import resting, smoothed_velocity
 from fricmodels.signals.segments import gap_length, is_even, stretches
-from fricmodels.signals.weak import WeakForm, weak_form
 
 __all__ = [
     "Preparation",
-    "WeakForm",
     "best_half_width",
     "butterworth",
     "central_difference",
@@ -29,5 +27,4 @@ __all__ = [
     "resting",
     "smoothed_velocity",
     "stretches",
-    "weak_form",
 ]

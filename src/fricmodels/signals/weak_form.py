@@ -112,10 +112,13 @@ class Bumps:
     Args:
         recording: gives the stretches without a gap.
         width: samples that a bump spans; rounded to a multiple of 8.
-        resting: samples at rest; a bump that is at rest more than half of its weight is left out.
+        resting: samples at rest, or otherwise of no use.
+        least_moving: share of a bump's weight that must be in motion; a bump with less is left out.
     """
 
-    def __init__(self, recording: Recording, width: int, resting: NDArray[np.bool_]) -> None:
+    def __init__(
+        self, recording: Recording, width: int, resting: NDArray[np.bool_], *, least_moving: float = 0.5
+    ) -> None:
         self.hop = max(1, round(width / HOPS))
         self.width = self.hop * HOPS
         x = 2.0 * np.arange(1, self.width) / self.width - 1.0
@@ -129,7 +132,7 @@ class Bumps:
             if piece.stop - piece.start >= self.width
         ]
         moving = self._apply((~resting).astype(float)[None], self._mean)[0] if self._pieces else np.zeros(0)
-        self._kept = moving >= 0.5
+        self._kept = moving >= least_moving - 1e-12
         self.count = int(self._kept.sum())
 
     def integrals(self, integrand: Array) -> Array:

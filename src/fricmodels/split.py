@@ -1,0 +1,190 @@
+"""What is fitted and what is kept back for the score."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import BaseModel, ConfigDict, Field, NonNegativeInt, PositiveFloat, PositiveInt, model_validator
+
+from fricmodels.errors import InputError
+from fricmodels.recording import Recording
+
+Mask = NDArray[np.bool_]
+
+
+class Split(BaseModel):
+    """How a recording is divided into a part to fit and a part to score. Nothing is drawn at random.
+
+    Attributes:
+        by: ``runs``, whole runs; ``cycles``, the last cycles of periodic motion in each run; ``time``, a piece of time
+            in each run; ``blocks``, every so many-th of equal blocks of time, spread over each run.
+        fraction: share that is kept back: of the runs (the last ones), of the time of each run (its end), of the blocks.
+        test_runs: numbers or names of the runs that are kept back, instead of a fraction.
+        test_cycles: cycles kept back at the end of each run.
+        period: of the motion [s], for ``cycles``; found from the recording if not given.
+        test_from, test_to: time [s] from and to which samples are kept back, since the start of their run.
+        blocks: number of blocks in each run.
+    """
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    by: Literal["runs", "cycles", "time", "blocks"] = "time"
+    fraction: Annotated[float, Field(gt=0, lt=1)] = 0.3
+    test_runs: tuple[int | str, ...] | None = None
+    test_cycles: PositiveInt = 2
+    period: PositiveFloat | None = None
+    test_from: float | None = None
+    test_to: float | None = None
+    blocks: Annotated[NonNegativeInt, Field(ge=2)] = 10
+
+    @model_validator(mode="after")
+    def _belongs(self) -> Split:
+        """Refuse a setting that the chosen way of splitting does not use."""
+        used = {
+            "runs": {"fraction", "test_runs"},
+            "cycles": {"test_cycles", "period"},
+            "time": {"fraction", "test_from", "test_to"},
+            "blocks": {"fraction", "blocks"},
+        }
+        changed = {
+            name
+            for name, info in type(self).model_fields.items()
+            if name != "by" and getattr(self, name) != info.default
+        }
+        unused = sorted(changed - used[self.by])
+        if unused:
+            owner = next(by for by, names in used.items() if unused[0] in names)
+            raise ValueError(f"'{unused[0]}' is not used when splitting by {self.by}; say by: {owner}")
+        return self
+
+
+def split(recording: Recording, how: Split | None = None) -> tuple[Recording, Recording]:
+    """Return what is to be fitted and what is to be scored.
+
+    Raises:
+        InputError: when either part would be empty, a run is not there, or no period can be found.
+    """
+    how = how or Split()
+    test = {"runs": _runs, "cycles": _cycles, "time": _time, "blocks": _blocks}[how.by](recording, how)
+    if test.all() or not test.any():
+        what = "nothing" if test.all() else "everything"
+        raise InputError(
+            f"splitting recording '{recording.name}' by {how.by} leaves {what} to fit and "
+            f"{'everything' if test.all() else 'nothing'} to score; change the split"
+        )
+    return _part(recording, ~test), _part(recording, test)
+
+
+def _part(recording: Recording, mask: Mask) -> Recording:
+    """Select samples; where a run is cut out of the middle, what follows becomes a run of its own."""
+    part = recording.select(mask)
+    where = np.flatnonzero(mask)
+    cut = (np.diff(where) > 1) & (np.diff(part.run) == 0)
+    if not cut.any():
+        return part
+    from dataclasses import replace
+
+    piece = np.r_[0, np.cumsum((np.diff(where) > 1) | (np.diff(part.run) != 0))]
+    return replace(part, run=piece.astype(np.int64))
+
+
+def _runs(recording: Recording, how: Split) -> Mask:
+    numbers = np.unique(recording.run)
+    if how.test_runs is None:
+        if len(numbers) < 2:
+            raise InputError(
+                f"recording '{recording.name}' is a single run and cannot be split by runs; "
+                f"split by time, or name the column of the run with --column run=COLUMN"
+            )
+        count = min(max(1, round(how.fraction * len(numbers))), len(numbers) - 1)
+        return np.isin(recording.run, numbers[-count:])
+    names = {str(name): int(number) for number, name in recording.provenance.get("runs", {}).items()}
+    wanted = []
+    for run in how.test_runs:
+        number = names.get(str(run), run)
+        if number not in numbers:
+            known = ", ".join(names) if names else ", ".join(str(n) for n in numbers[:20])
+            raise InputError(f"recording '{recording.name}' has no run '{run}'; it has {known}")
+        wanted.append(int(number))
+    return np.isin(recording.run, wanted)
+
+
+def _elapsed(recording: Recording) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return the time since the start of the run, and the duration of the run, of each sample."""
+    numbers, inverse = np.unique(recording.run, return_inverse=True)
+    start, stop = np.full(len(numbers), np.inf), np.full(len(numbers), -np.inf)
+    np.minimum.at(start, inverse, recording.time)
+    np.maximum.at(stop, inverse, recording.time)
+    return recording.time - start[inverse], (stop - start)[inverse]
+
+
+def _time(recording: Recording, how: Split) -> Mask:
+    elapsed, duration = _elapsed(recording)
+    if how.test_from is None and how.test_to is None:
+        return np.asarray(elapsed > (1.0 - how.fraction) * duration)
+    start = -np.inf if how.test_from is None else how.test_from
+    stop = np.inf if how.test_to is None else how.test_to
+    return np.asarray((elapsed >= start) & (elapsed <= stop))
+
+
+def _cycles(recording: Recording, how: Split) -> Mask:
+    elapsed, duration = _elapsed(recording)
+    length = period(recording) if how.period is None else how.period
+    return np.asarray(elapsed > duration - how.test_cycles * length * (1.0 + 1e-9))
+
+
+def _blocks(recording: Recording, how: Split) -> Mask:
+    elapsed, duration = _elapsed(recording)
+    block = np.minimum((how.blocks * elapsed / np.where(duration > 0, duration, 1.0)).astype(int), how.blocks - 1)
+    count = min(max(1, round(how.fraction * how.blocks)), how.blocks - 1)
+    kept_back = np.unique(((np.arange(count) + 0.5) * how.blocks / count).astype(int))
+    return np.isin(block, kept_back)
+
+
+def period(recording: Recording) -> float:
+    """Return the period [s] of the motion, from the autocorrelation of the torque and the velocity or position.
+
+    The period is the first peak that is nearly as high as any (nine tenths), refined by a parabola. The correlation
+    at each lag is that of the samples that overlap there.
+
+    Raises:
+        InputError: when the motion is not periodic, or not two periods long.
+    """
+    from fricmodels.signals.resample import resample
+
+    longest = max(recording.runs(), key=lambda run: run.time[-1] - run.time[0])
+    even = resample(longest)
+    names = [name for name in ("torque", "velocity", "position") if name in even and name not in even.derived]
+    correlation = np.mean([_autocorrelation(even[name]) for name in names], axis=0)
+    below = np.flatnonzero(correlation < 0.5)
+    lags = np.arange(len(correlation))
+    peak = (lags > 0) & (np.r_[False, np.diff(correlation) > 0]) & (np.r_[np.diff(correlation) <= 0, False])
+    if len(below):
+        peak &= lags > below[0]
+    heights = correlation[peak]
+    if not len(below) or not len(heights) or heights.max() < 0.7:
+        raise InputError(
+            f"the motion of recording '{recording.name}' does not repeat itself for two periods; "
+            f"give the period, or split by time"
+        )
+    lag = int(lags[peak][heights >= 0.9 * heights.max()][0])
+    left, middle, right = correlation[lag - 1 : lag + 2]
+    curvature = left - 2.0 * middle + right
+    shift = 0.5 * (left - right) / curvature if curvature < 0 else 0.0
+    return float((lag + shift) * even.interval)
+
+
+def _autocorrelation(values: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the correlation of the signal with itself at lags up to half its length, each normalised on its overlap."""
+    from scipy.signal import fftconvolve
+
+    centred = values - values.mean()
+    count = len(centred)
+    lags = count // 2
+    product = fftconvolve(centred, centred[::-1])[count - 1 : count - 1 + lags]
+    energy = np.r_[0.0, np.cumsum(centred**2)]
+    head, tail = energy[count - np.arange(lags)], energy[count] - energy[np.arange(lags)]
+    scale = np.sqrt(head * tail)
+    return product / np.where(scale > 0, scale, 1.0)
