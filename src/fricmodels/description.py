@@ -132,9 +132,17 @@ def describe(recording: Recording) -> Description:
         turns=travel / (2.0 * np.pi) if travel is not None and recording.motion is Motion.ROTARY else None,
         reversals=reversals(velocity, 3.0 * error, recording.run),
         velocity_noise=noise(recording.time, shown, recording.run) if measured else error,
-        velocity_step=quantum(recording.velocity) or None if measured else None,
-        position_step=quantum(position) or None if position is not None else None,
+        velocity_step=_visible_step(recording, "velocity") if measured else None,
+        position_step=_visible_step(recording, "position"),
     )
+
+
+def _visible_step(recording: Recording, channel: str) -> float | None:
+    """Return the quantisation step of a measured channel, unless noise drowns it, as it does printed digits."""
+    if channel not in recording or channel in recording.derived:
+        return None
+    step = quantum(recording[channel])
+    return step if step > noise(recording.time, recording[channel], recording.run) else None
 
 
 def saturation(values: NDArray[np.float64]) -> float:

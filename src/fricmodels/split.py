@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Annotated, Literal
 
 import numpy as np
@@ -20,7 +21,7 @@ class Split(BaseModel):
     Attributes:
         by: ``runs``, whole runs; ``cycles``, the last cycles of periodic motion in each run; ``time``, a piece of time
             in each run; ``blocks``, every so many-th of equal blocks of time, spread over each run.
-        fraction: share that is kept back: of the runs (the last ones), of the time of each run (its end), of the blocks.
+        fraction: share that is kept back: of the runs (the last), of the time of each run (its end), of the blocks.
         test_runs: numbers or names of the runs that are kept back, instead of a fraction.
         test_cycles: cycles kept back at the end of each run.
         period: of the motion [s], for ``cycles``; found from the recording if not given.
@@ -84,8 +85,6 @@ def _part(recording: Recording, mask: Mask) -> Recording:
     cut = (np.diff(where) > 1) & (np.diff(part.run) == 0)
     if not cut.any():
         return part
-    from dataclasses import replace
-
     piece = np.r_[0, np.cumsum((np.diff(where) > 1) | (np.diff(part.run) != 0))]
     return replace(part, run=piece.astype(np.int64))
 
@@ -177,7 +176,7 @@ def period(recording: Recording) -> float:
 
 
 def _autocorrelation(values: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the correlation of the signal with itself at lags up to half its length, each normalised on its overlap."""
+    """Return the correlation of a signal with itself at lags up to half its length, normalised on the overlap."""
     from scipy.signal import fftconvolve
 
     centred = values - values.mean()
@@ -187,4 +186,4 @@ def _autocorrelation(values: NDArray[np.float64]) -> NDArray[np.float64]:
     energy = np.r_[0.0, np.cumsum(centred**2)]
     head, tail = energy[count - np.arange(lags)], energy[count] - energy[np.arange(lags)]
     scale = np.sqrt(head * tail)
-    return product / np.where(scale > 0, scale, 1.0)
+    return np.asarray(product / np.where(scale > 0, scale, 1.0))

@@ -62,9 +62,18 @@ def _vectors(variables: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[s
             elif value.ndim == 2:
                 rows = value if value.shape[0] >= value.shape[1] else value.T
                 yield from ((f"{label}({i + 1})", rows[:, i]) for i in range(rows.shape[1]))
-        elif isinstance(value, np.ndarray) and value.dtype.kind == "O" and value.ndim == 1 and value.size > 1:
-            if all(isinstance(item, str) for item in value):
-                yield label, value
+        elif _is_text(value):
+            yield label, value
+
+
+def _is_text(value: Any) -> bool:
+    return (
+        isinstance(value, np.ndarray)
+        and value.dtype.kind == "O"
+        and value.ndim == 1
+        and value.size > 1
+        and all(isinstance(item, str) for item in value)
+    )
 
 
 def _kind(value: Any) -> str:

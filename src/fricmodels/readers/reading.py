@@ -158,7 +158,7 @@ def _numbers(source: Path, reader: Reader, table: pd.DataFrame, column: Column) 
 
     values = table[column.column]
     if pd.api.types.is_datetime64_any_dtype(values):
-        return (values - values.iloc[0]).dt.total_seconds().to_numpy(dtype=float)
+        return np.asarray((values - values.iloc[0]).dt.total_seconds(), dtype=float)
     if pd.api.types.is_numeric_dtype(values):
         return values.to_numpy(dtype=float, na_value=np.nan)
     numbers = pd.to_numeric(values, errors="coerce")

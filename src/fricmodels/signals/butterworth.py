@@ -5,6 +5,8 @@ Source: A. Janot, M. Gautier, M. Brunot, "Data Set and Reference Models of EMPS"
 
 from __future__ import annotations
 
+from typing import Literal
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -54,6 +56,6 @@ def central_difference(time: Array, values: Array, runs: Runs | None = None) -> 
     result = np.zeros(len(values))
     for part in stretches(time, runs):
         if part.stop - part.start >= 2:
-            order = 2 if part.stop - part.start >= 3 else 1
+            order: Literal[1, 2] = 2 if part.stop - part.start >= 3 else 1
             result[part] = np.gradient(values[part], time[part], edge_order=order)
     return result

@@ -1,8 +1,9 @@
 r"""Where the drive stands still, told from its motion by statistics.
 
-The velocity is smoothed by local least squares; a sample may be at rest if the smoothed velocity is within three
-standard errors, or one step of its sensor, of zero, and if the position does not drift. That happens at each reversal too, so the velocity must stay there: longer than any smooth passage through
-zero could, :math:`2\cdot 3\,\mathrm{se}/a` with the acceleration a with which this recording otherwise leaves the band.
+The velocity is smoothed by local least squares. A sample may be at rest if the smoothed velocity is within three
+standard errors, or one step of its sensor, of zero, and if the measured position does not drift. That happens at each
+reversal too, so it must last: longer than a smooth passage through the band about zero, :math:`2 b/a`, with the band b
+and the acceleration a with which this recording otherwise moves at low speed.
 """
 
 from __future__ import annotations

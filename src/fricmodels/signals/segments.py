@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -37,7 +39,7 @@ def stretches(time: Array, runs: Runs | None = None) -> list[slice]:
     if runs is not None:
         new |= np.diff(runs) != 0
     borders = [0, *(np.flatnonzero(new) + 1).tolist(), len(time)]
-    return [slice(start, stop) for start, stop in zip(borders, borders[1:], strict=False)]
+    return [slice(start, stop) for start, stop in pairwise(borders)]
 
 
 def is_even(time: Array) -> bool:
