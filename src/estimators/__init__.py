@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from estimators.constant_velocity import ConstantVelocity
 from estimators.detchmendy_sridhar import DetchmendySridhar
 from estimators.ekf import ExtendedKalman
+from estimators.rls import RecursiveLeastSquares
 from fricmodels.estimator import Estimator
 from fricmodels.hookspecs import hookimpl
 
@@ -11,4 +13,4 @@ from fricmodels.hookspecs import hookimpl
 @hookimpl
 def fricmodels_estimators() -> list[type[Estimator]]:
     """Return the built-in estimators."""
-    return [DetchmendySridhar, ExtendedKalman]
+    return [DetchmendySridhar, ExtendedKalman, RecursiveLeastSquares, ConstantVelocity]

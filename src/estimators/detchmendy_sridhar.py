@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,12 +16,13 @@ from estimators.sequential import (
     ProblemOnline,
     bounded,
     normalised_bounds,
+    normalised_space,
     symbolic_covariance,
     symbolic_pack,
 )
 from estimators.substeps import stable_substeps
 from estimators.transition import transition
-from fricmodels.dimension import Scales
+from fricmodels.dimension import INERTIA, Scales
 from fricmodels.drive import Drive, StateSpace
 from fricmodels.estimator import EstimatorSettings, OnlineFilter, SequentialEstimator
 from fricmodels.fit import Fit
@@ -34,7 +35,7 @@ REST_WIDTH = 1e-3
 """Width of rest, as a fraction of the peak speed: limits the slope of |ω|^p to what a step can follow."""
 
 
-def detchmendy_sridhar_step(space: StateSpace) -> Any:
+def detchmendy_sridhar_step(space: StateSpace, drive: Drive) -> Any:
     r"""Build one step of eqs. 12–14 as a CasADi function for :class:`fricmodels.kernels.Scan`.
 
     .. math::
@@ -74,7 +75,7 @@ def detchmendy_sridhar_step(space: StateSpace) -> Any:
     shrink = casadi.inv(casadi.SX.eye(len(seen)) - 2 * weight * casadi.mtimes(small, predicted[seen, seen]))
     posterior = predicted + 2 * weight * casadi.mtimes([gain, shrink, small, gain.T])
     estimate = prior + 2 * weight * casadi.mtimes(posterior, correction(prior, space.u, y, q))
-    estimate = casadi.vertcat(estimate[:moving], bounded(estimate[moving:], lower, upper))
+    estimate = casadi.vertcat(estimate[:moving], bounded(estimate[moving:], lower, upper, drive))
 
     innovation = y - observation(prior, space.u)
     seen_slope = casadi.substitute(slope, x, prior)
@@ -102,7 +103,9 @@ class DetchmendySridharSettings(EstimatorSettings):
     initial_variance: float = Field(4.0, gt=0, description="diagonal of P(0)")
     initial_covariance: float = Field(1.0, description="elements of P(0) off the diagonal")
     initial_inertia_variance: float = Field(0.04, gt=0, description="element of P(0) of an inertia that is estimated")
-    nonlinear_start: bool = Field(True, description="start nonlinear parameters from their scan, not from zero")
+    scan: Literal["effects", "all", "none"] = Field(
+        "effects", description="whose nonlinear parameters start from their scan; the others start as declared, at 0"
+    )
     average: float = Field(0.5, ge=0, lt=1, description="last part of the record over which estimates are averaged")
     substeps: int | None = Field(None, ge=1, description="steps between samples; by stability where not given")
     torque: Hold = Field("linear", description="motor torque between samples: linear, or held")
@@ -138,11 +141,11 @@ class DetchmendySridhar(SequentialEstimator):
     def _problem(self, drive: Drive, recording: Recording) -> FilterProblem:
         settings = self.settings
         scales = paper_scales(drive, recording)
-        space = Drive(drive.model, None if drive.inertia is None else 1.0, drive.motion).state_space(smooth=False)
+        space = normalised_space(drive)
         covariance = np.full((space.x.numel(),) * 2, settings.initial_covariance)
         np.fill_diagonal(covariance, settings.initial_variance)
         moving = len(space.states)
-        parameters = start_values(drive, recording, scales, settings.nonlinear_start)
+        parameters = start_values(drive, recording, scales, settings.scan)
         if drive.inertia is None:
             covariance[moving, :] = covariance[:, moving] = 0.0
             covariance[moving, moving] = settings.initial_inertia_variance
@@ -154,7 +157,7 @@ class DetchmendySridhar(SequentialEstimator):
             drive=drive,
             scales=scales,
             space=space,
-            scan=Scan(detchmendy_sridhar_step(space)),
+            scan=Scan(detchmendy_sridhar_step(space, drive)),
             constants=np.concatenate([head, lower, upper]),
             initial_states=initial_states(drive, scales),
             initial_parameters=parameters,
@@ -169,13 +172,15 @@ def initial_states(drive: Drive, scales: Scales) -> Array:
     return np.array([0.0, *(state.initial / scales.of(state.dimension) for state in drive.model.states)])
 
 
-def start_values(drive: Drive, recording: Recording, scales: Scales, scan: bool) -> Array:
-    """Return normalised start values: declared ones, an inertia of 1, and nonlinear parameters from their scan."""
+def start_values(drive: Drive, recording: Recording, scales: Scales, scan: str) -> Array:
+    """Return normalised start values: declared ones, an inertia of 1, chosen nonlinear ones from their scan."""
     values = {p.key: p.declared.initial for p in drive.parameters}
-    nonlinear = [p.key for p in drive.parameters if not p.linear]
-    if scan and nonlinear:
+    own = len(drive.model.law.parameters)
+    law = {p.key for p in drive.model.parameters[:own]}
+    nonlinear = {p.key for p in drive.parameters if not p.linear} - (law if scan == "effects" else set())
+    if nonlinear and scan != "none":
         guess = scanned_guess(drive, recording).values
         values |= {key: guess[key] for key in nonlinear}
     if drive.inertia is None:
-        values[drive.inertia_key] = scales.force / (scales.displacement / scales.time**2)
+        values[drive.inertia_key] = scales.of(INERTIA)
     return np.array([values[key] for key in drive.keys]) / drive.parameter_scales(scales)

@@ -28,7 +28,9 @@ from estimators.sequential import (
     Trajectory,
     bounded,
     normalised_bounds,
+    normalised_space,
     pack,
+    projected,
     symbolic_covariance,
     symbolic_pack,
     unpack,
@@ -44,12 +46,16 @@ from fricmodels.recording import Recording
 
 Array = NDArray[np.float64]
 
+_FARTHEST = 3.0
+"""How many initial standard deviations a parameter may move from its start."""
 _CALIBRATION_SAMPLES = 20_000
 _MODEL_NOISE = (0.0, 1e-3, 3e-3, 1e-2, 3e-2, 0.1, 0.3)
-_NOISE_FACTORS = (0.5, 1.0, 2.0)
+_NOISE_FACTORS = (0.5, 0.7, 1.0, 1.4, 2.0)
+_INDISTINCT = 1.92
+"""Half the 95 % quantile of chi-square, one degree of freedom: model noise is assumed where it explains more."""
 
 
-def kalman_step(space: StateSpace) -> Any:
+def kalman_step(space: StateSpace, drive: Drive) -> Any:
     r"""Build one predict-and-update step as a CasADi function for :class:`fricmodels.kernels.Scan`.
 
     .. math::
@@ -76,7 +82,7 @@ def kalman_step(space: StateSpace) -> Any:
     taken = casadi.if_else(weight > 0, 1 / spread, 0)
     innovation = y - step.following[0]
     estimate = step.following + predicted[:, 0] * (taken * innovation)
-    estimate = casadi.vertcat(estimate[:moving], bounded(estimate[moving:], lower, upper))
+    estimate = casadi.vertcat(estimate[:moving], bounded(estimate[moving:], lower, upper, drive))
     posterior = predicted - taken * casadi.mtimes(predicted[:, 0], predicted[0, :])
     kept = casadi.if_else(weight > 0, r / spread, 1) * predicted[0, :]
     posterior[0, :], posterior[:, 0] = kept, kept.T
@@ -176,7 +182,7 @@ class ExtendedKalman(SequentialEstimator):
     def _problem(self, drive: Drive, recording: Recording) -> FilterProblem:
         settings = self.settings
         scales = paper_scales(drive, recording)
-        space = Drive(drive.model, None if drive.inertia is None else 1.0, drive.motion).state_space(smooth=False)
+        space = normalised_space(drive)
         size = drive.parameter_scales(scales)
         lower, upper = normalised_bounds(drive, scales)
         guess = scanned_guess(drive, recording).values
@@ -184,6 +190,10 @@ class ExtendedKalman(SequentialEstimator):
         deviation = initial_deviation(drive, recording, start * size) / size
         if drive.inertia is None:
             deviation[0] = settings.initial_inertia_deviation
+        linear = np.array([p.linear for p in drive.parameters])
+        start = np.where(linear, np.clip(start, -2 * np.maximum(deviation, 0.5), 2 * np.maximum(deviation, 0.5)), start)
+        lower = np.maximum(lower, start - _FARTHEST * deviation)
+        upper = np.minimum(upper, start + _FARTHEST * deviation)
         moving = len(space.states)
         noise = (settings.velocity_noise or velocity_noise(recording)) / scales.of(VELOCITY)
         memory = [state.initial / scales.of(state.dimension) for state in drive.model.states]
@@ -191,7 +201,7 @@ class ExtendedKalman(SequentialEstimator):
             drive=drive,
             scales=scales,
             space=space,
-            scan=Scan(kalman_step(space)),
+            scan=Scan(kalman_step(space, drive)),
             constants=np.zeros(2 + moving + 3 * len(start)),
             initial_states=initial_states(drive, scales),
             initial_parameters=start,
@@ -207,28 +217,28 @@ class ExtendedKalman(SequentialEstimator):
     ) -> FilterProblem:
         """Return the problem with the noise under which the innovations are likeliest, started where that run ends."""
         settings, scales = self.settings, problem.scales
-        part = recording if len(recording) <= _CALIBRATION_SAMPLES else recording.select(slice(_CALIBRATION_SAMPLES))
+        part = (
+            recording if len(recording) <= _CALIBRATION_SAMPLES else recording.select(np.arange(_CALIBRATION_SAMPLES))
+        )
         torque = float(np.sqrt(np.mean(recording.torque**2))) / scales.force
         step = recording.interval / scales.time
         factors = _NOISE_FACTORS if settings.velocity_noise is None else (1.0,)
         levels = _MODEL_NOISE if settings.model_noise is None else (settings.model_noise,)
-        best: tuple[float, FilterProblem, Array] | None = None
+        tried = []
         for factor in factors:
             for level in levels:
                 w = [(level * torque) ** 2 * step, *[0.0] * (problem.moving - 1), *walk]
                 constants = np.array([2 * REST_WIDTH, (factor * noise) ** 2, *w, *lower, *upper])
-                tried = replace(problem, constants=constants)
-                trajectory = tried.run(part)
-                score = log_likelihood(trajectory)
-                if best is None or score > best[0]:
-                    best = (score, tried, trajectory.memory)
-        if best is None:
-            raise AssertionError("the noise grid is empty")
-        _, chosen, memory = best
-        parameters = memory[problem.moving : problem.order]
-        if not np.all(np.isfinite(parameters)):
-            return chosen
-        return replace(chosen, initial_parameters=parameters)
+                candidate = replace(problem, constants=constants)
+                trajectory = candidate.run(part)
+                tried.append((log_likelihood(trajectory), level, candidate, trajectory.memory))
+        likeliest = max(score for score, *_ in tried)
+        if likeliest == -math.inf:
+            return tried[0][2]
+        likely = [entry for entry in tried if entry[0] >= likeliest - _INDISTINCT]
+        smallest = min(level for _, level, *_ in likely)
+        _, _, chosen, memory = max((e for e in likely if e[1] == smallest), key=lambda entry: entry[0])
+        return replace(chosen, initial_parameters=memory[problem.moving : problem.order])
 
 
 def initial_deviation(drive: Drive, recording: Recording, start: Array) -> Array:
@@ -292,7 +302,7 @@ def run_filterpy(problem: FilterProblem, recording: Recording) -> Trajectory:
     class Filter(ExtendedKalmanFilter):  # type: ignore[misc]
         def predict_x(self, u: Any = 0) -> None:
             following, jacobian, _ = prediction(self.x, u[None, :], [width])
-            self.x = following[:, None]
+            self.x: Array = following[:, None]
             self.F = jacobian.reshape(n, n).T
             self.Q = u[0] * np.diag(w)
 
@@ -318,7 +328,7 @@ def run_filterpy(problem: FilterProblem, recording: Recording) -> Trajectory:
                 diverged = int(where[sample])
                 break
             kalman.update(row[2], lambda _: observed, lambda x: x[:1])
-            kalman.x[moving:, 0] = np.clip(kalman.x[moving:, 0], lower, upper)
+            kalman.x[moving:, 0] = projected(kalman.x[moving:, 0], lower, upper, problem.drive)
             outputs[where[sample]] = [
                 *kalman.x[:, 0], *np.diag(kalman.P), kalman.y.item(), kalman.S.item()
             ]  # fmt: skip

@@ -203,11 +203,11 @@ def scanned_guess(drive: Drive, recording: Recording) -> Guess:
             best = (residual, nonlinear, linear)
     if best is None:
         raise EstimationError(f"'{drive.model.name}' has no value to start from")
-    values = {drive.inertia_key: inertia}
+    found = {drive.inertia_key: inertia}
     nonlinear_values, linear_values = iter(best[1]), iter(best[2])
     for p, is_linear in zip(parameters, drive.model.linear, strict=True):
-        values[p.key] = float(next(linear_values) if is_linear else next(nonlinear_values))
-    return Guess(values, best[0])
+        found[p.key] = float(next(linear_values) if is_linear else next(nonlinear_values))
+    return Guess(found, best[0])
 
 
 def mid_step(drive_inputs: Sequence[str], run: Recording, substeps: int, hold: Hold) -> tuple[Array, Array]:

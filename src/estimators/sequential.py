@@ -256,11 +256,15 @@ def symbolic_pack(matrix: Any) -> Any:
     return casadi.vertcat(*(matrix[int(i), int(j)] for i, j in zip(rows, columns, strict=True)))
 
 
-def bounded(parameters: Any, lower: Any, upper: Any) -> Any:
-    """Return parameters projected onto their physical bounds."""
+def bounded(parameters: Any, lower: Any, upper: Any, drive: Drive) -> Any:
+    """Return parameters projected onto their physical bounds; a stick torque is raised to its slip torque."""
     import casadi
 
-    return casadi.fmin(casadi.fmax(parameters, lower), upper)
+    inside = casadi.fmin(casadi.fmax(parameters, lower), upper)
+    for i, parameter in enumerate(drive.parameters):
+        if parameter.at_least is not None:
+            inside[i] = casadi.fmax(inside[i], inside[drive.keys.index(parameter.at_least)])
+    return inside
 
 
 def normalised_bounds(drive: Drive, scales: Scales) -> tuple[Array, Array]:
@@ -271,3 +275,17 @@ def normalised_bounds(drive: Drive, scales: Scales) -> tuple[Array, Array]:
     if drive.inertia is None:
         lower[0] = 0.1
     return np.maximum(lower, -1e300), np.minimum(upper, 1e300)
+
+
+def projected(parameters: Array, lower: Array, upper: Array, drive: Drive) -> Array:
+    """Return what :func:`bounded` builds, for numbers."""
+    inside = np.clip(parameters, lower, upper)
+    for i, parameter in enumerate(drive.parameters):
+        if parameter.at_least is not None:
+            inside[i] = max(inside[i], inside[drive.keys.index(parameter.at_least)])
+    return np.asarray(inside)
+
+
+def normalised_space(drive: Drive) -> StateSpace:
+    """Return the state space of the drive scaled to an inertia of 1; the numbers of one drive are not built in."""
+    return Drive(drive.model, None if drive.inertia is None else 1.0, drive.motion).state_space(smooth=False)

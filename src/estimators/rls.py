@@ -1,0 +1,223 @@
+"""Recursive weighted least squares with exponential forgetting, on the equation of motion in weak form."""
+
+from __future__ import annotations
+
+import time
+from collections import deque
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+from pydantic import Field
+
+from estimators.preparation import dominant_frequency, inertia_guess, peak_speed, scanned_guess, usable, velocity_noise
+from estimators.regression import Design, long_run_covariance
+from estimators.result import provenance
+from estimators.sequential import HISTORY_ROWS, symbolic_covariance, symbolic_pack, unpack
+from fricmodels.drive import Drive
+from fricmodels.errors import EstimationError, InputError
+from fricmodels.estimator import EstimatorSettings, OnlineFilter, SequentialEstimator
+from fricmodels.fit import Fit
+from fricmodels.kernels import Scan
+from fricmodels.recording import SIGNAL_CHANNEL, Recording
+
+Array = NDArray[np.float64]
+
+_VAGUE = 1e6
+"""Initial variance of the normalised parameters."""
+
+
+def recursive_step(order: int) -> Any:
+    r"""Build one step of recursive least squares for :class:`fricmodels.kernels.Scan`.
+
+    .. math::
+        k = \frac{P a}{\lambda + a^T P a},\quad \theta \leftarrow \theta + k (z - a^T\theta),\quad
+        P \leftarrow (P - k a^T P)/\lambda
+
+    A row with ``use`` zero changes nothing. State: ``[θ; lower triangle of P]``. Input: ``[a…, z, use]``.
+    Constant: ``[λ]``. Output: ``[θ; diagonal of P]``.
+    """
+    import casadi
+
+    theta, a = casadi.SX.sym("theta", order), casadi.SX.sym("a", order)
+    z, use, forgetting = (casadi.SX.sym(name) for name in ("z", "use", "forgetting"))
+    triangle, covariance = symbolic_covariance(order)
+    reach = casadi.mtimes(covariance, a)
+    gain = reach / (forgetting + casadi.dot(a, reach))
+    estimate = theta + use * gain * (z - casadi.dot(a, theta))
+    shrunk = (covariance - casadi.mtimes(gain, reach.T)) / forgetting
+    posterior = covariance + use * (shrunk - covariance)
+    state = casadi.vertcat(estimate, symbolic_pack(posterior))
+    return casadi.Function(
+        "recursive_least_squares",
+        [casadi.vertcat(theta, triangle), casadi.vertcat(a, z, use), forgetting],
+        [state, casadi.vertcat(estimate, casadi.diag(posterior))],
+        {"cse": True},
+    )
+
+
+class RecursiveLeastSquaresSettings(EstimatorSettings):
+    """Settings."""
+
+    memory: float = Field(20.0, gt=0, description="cycles after which a sample's weight has fallen to 1/e")
+    window: int | None = Field(None, ge=5, description="samples in the weak form's window; a tenth of a cycle")
+    smoothing: int | None = Field(
+        None, ge=1, description="samples of the local cubic that smooths the velocity; by its noise where not given"
+    )
+
+
+@dataclass(frozen=True)
+class _Problem:
+    drive: Drive
+    design: Design
+    scan: Scan
+    forgetting: float
+
+    @property
+    def order(self) -> int:
+        return len(self.design.keys)
+
+    def initial_memory(self) -> Array:
+        triangle = _VAGUE * np.eye(self.order)[np.tril_indices(self.order)]
+        return np.concatenate([np.zeros(self.order), triangle])
+
+    def named(self, memory: Array) -> dict[str, float]:
+        found = dict(zip(self.design.keys, (memory[: self.order] * self.design.size).tolist(), strict=True))
+        values = {**self.design.fixed, **found}
+        return {self.drive.inertia_key: values.pop(self.drive.inertia_key), **values}
+
+
+class RecursiveLeastSquares(SequentialEstimator):
+    """Recursive weighted least squares with exponential forgetting (Canudas de Wit and Carrillo 1988).
+
+    The torque equation is multiplied by a bump over the last samples and integrated, so that no measured velocity is
+    differentiated. Windows that contain standstill are left out. Only linear parameters are estimated; nonlinear
+    ones are held at the best of their scan. Standard errors hold for autocorrelated errors.
+    """
+
+    name = "rls"
+    summary = "recursive weighted least squares with forgetting (Canudas de Wit and Carrillo 1988)"
+    Settings = RecursiveLeastSquaresSettings
+
+    def fit(self, drive: Drive, recording: Recording, *, seed: int = 0) -> Fit:
+        """Estimate over the recording; see the class.
+
+        Raises:
+            EstimationError: for a model with internal states, or a recording that never slides for a whole window.
+        """
+        began = time.perf_counter()
+        kept = usable(drive, recording)
+        problem = self._problem(drive, kept)
+        rows = np.concatenate([problem.design.windows(run) for run in kept.runs()])
+        used = rows[:, -1] > 0
+        if np.count_nonzero(used) < 2 * problem.order:
+            raise EstimationError(
+                f"recording '{kept.name}' slides for {np.count_nonzero(used)} windows; {2 * problem.order} are needed"
+            )
+        memory, outputs, _ = problem.scan(problem.initial_memory(), rows, [problem.forgetting])
+        n, size = problem.order, problem.design.size
+        theta, covariance = memory[:n], unpack(memory[n:], n)
+        age = np.cumsum(used[::-1])[::-1] - 1.0
+        weight = np.where(used, problem.forgetting**age, 0.0)
+        scores = (weight * (rows[:, n] - rows[:, :n] @ theta))[:, None] * rows[:, :n]
+        errors = covariance @ long_run_covariance(scores[used]) @ covariance
+        stride = -(-len(rows) // HISTORY_ROWS)
+        frame = {"time": kept.time[::stride]}
+        frame |= {key: outputs[::stride, i] * size[i] for i, key in enumerate(problem.design.keys)}
+        held = sorted(set(problem.design.fixed) - {drive.inertia_key})
+        return Fit(
+            model=drive.model.name,
+            estimator=self.name,
+            dataset=kept.name,
+            parameters=problem.named(memory),
+            covariance=errors * np.outer(size, size),
+            estimated=problem.design.keys,
+            message=f"held at the best of their scan: {', '.join(held)}" if held else "",
+            not_identified={
+                key: "no window of the recording excites it"
+                for i, key in enumerate(problem.design.keys)
+                if covariance[i, i] > 1e-3 * _VAGUE
+            },
+            history=pd.DataFrame(frame),
+            seconds=time.perf_counter() - began,
+            provenance=provenance(self, kept),
+        )
+
+    def start(self, drive: Drive, recording: Recording) -> OnlineFilter:
+        """Return the estimator before its first sample."""
+        return _Online(self._problem(drive, usable(drive, recording)))
+
+    def _problem(self, drive: Drive, recording: Recording) -> _Problem:
+        if drive.model.states:
+            raise EstimationError(
+                f"'{drive.model.name}' has internal states, which rls cannot estimate; use ekf or detchmendy-sridhar"
+            )
+        linear = dict(zip((p.key for p in drive.model.parameters), drive.model.linear, strict=True))
+        fixed: dict[str, float] = {}
+        if not all(linear.values()):
+            guess = scanned_guess(drive, recording).values
+            fixed = {key: guess[key] for key, is_linear in linear.items() if not is_linear}
+        if drive.inertia is not None:
+            fixed[drive.inertia_key] = drive.inertia
+        per_cycle = 2 * np.pi / dominant_frequency(recording) / recording.interval
+        peak = peak_speed(recording)
+        design = Design(
+            drive=drive,
+            keys=tuple(key for key in drive.keys if key not in fixed),
+            fixed=fixed,
+            window=self.settings.window or int(max(8, round(per_cycle / 10))),
+            smoothing=self.settings.smoothing or _smoothing(recording, peak * 2 * np.pi / per_cycle),
+            peak=peak,
+            torque=float(np.sqrt(np.mean(recording.torque**2))),
+            inertia=inertia_guess(drive, recording),
+            omega=dominant_frequency(recording),
+        )
+        forgetting = float(np.exp(-1 / (self.settings.memory * per_cycle)))
+        return _Problem(drive, design, Scan(recursive_step(len(design.keys))), forgetting)
+
+
+def _smoothing(recording: Recording, change: float) -> int:
+    """Return the samples over which a reversal's instant is known to a quarter of a sample, at most 15.
+
+    ``change`` is the change of the velocity from sample to sample at a reversal; more smoothing rounds the kink there.
+    """
+    return min(15, int(np.ceil((4 * velocity_noise(recording) / change) ** 2)))
+
+
+class _Online(OnlineFilter):
+    def __init__(self, problem: _Problem) -> None:
+        self._problem = problem
+        self._memory = problem.initial_memory()
+        self._samples: deque[dict[str, float]] = deque(maxlen=problem.design.length)
+        needs = [SIGNAL_CHANNEL[name] for name in problem.drive.model.needs - {"acceleration"}]
+        self._channels = tuple(dict.fromkeys(["time", "torque", "velocity", "load_torque", *needs]))
+
+    def update(self, sample: Mapping[str, float]) -> dict[str, float]:
+        given = {"load_torque": 0.0, **sample}
+        missing = [name for name in self._channels if name not in given]
+        if missing:
+            raise InputError(f"the sample has no '{missing[0]}', which this estimator needs")
+        present = {name: float(given[name]) for name in self._channels} | {"run": float(sample.get("run", 0))}
+        if self._samples and self._samples[-1]["run"] != present["run"]:
+            self._samples.clear()
+        elif self._samples and not present["time"] > self._samples[-1]["time"]:
+            raise InputError(f"time must increase: {present['time']} follows {self._samples[-1]['time']}")
+        self._samples.append(present)
+        if len(self._samples) == self._problem.design.length:
+            channels = {name: np.array([s[name] for s in self._samples]) for name in self._channels}
+            run = np.zeros(len(self._samples), dtype=np.int64)
+            rows = self._problem.design.windows(Recording("online", self._problem.drive.motion, channels, run))
+            self._memory, _, _ = self._problem.scan(self._memory, rows[-1:], [self._problem.forgetting])
+        return self.parameters
+
+    @property
+    def parameters(self) -> dict[str, float]:
+        return self._problem.named(self._memory)
+
+    @property
+    def covariance(self) -> Array:
+        n, size = self._problem.order, self._problem.design.size
+        return np.asarray(unpack(self._memory[n:], n) * np.outer(size, size))
