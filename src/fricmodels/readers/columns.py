@@ -115,10 +115,10 @@ def detect_motion(mapped: Mapping[str, Column], present: Sequence[str]) -> Motio
     """
     said = {column.name: True for column in mapped.values() if column.name in _ALIASES}
     for column in mapped.values():
-        if column.unit and column.channel not in ("time", "run", "temperature", "current"):
-            linear = units.is_linear(column.unit)
-            if linear is not None:
-                said[column.name] = linear
+        if column.unit and column.channel != "run":
+            kinds = units.fits(column.unit, column.channel)
+            if len(kinds) == 1:
+                said[column.name] = kinds == {Motion.LINEAR}
     if len(set(said.values())) > 1:
         sliding = [name for name, linear in said.items() if linear]
         turning = [name for name, linear in said.items() if not linear]
@@ -164,7 +164,8 @@ def assign(
             found[channel] = Column(channel, name)
     for column in found.values():
         if list(present).count(column.column) > 1:
-            raise InputError(f"the column '{column.column}' is there {list(present).count(column.column)} times")
+            count = list(present).count(column.column)
+            raise InputError(f"the column '{column.column}' is there {count} times; rename all but one")
     _require(found, kind, present)
     return found, kind
 

@@ -162,6 +162,10 @@ def _numbers(source: Path, reader: Reader, table: pd.DataFrame, column: Column) 
     if pd.api.types.is_numeric_dtype(values):
         return values.to_numpy(dtype=float, na_value=np.nan)
     numbers = pd.to_numeric(values, errors="coerce")
+    if column.channel == "time" and numbers.isna().all():
+        stamps = pd.to_datetime(values.astype(str), errors="coerce", format="ISO8601")
+        if stamps.notna().all():
+            return np.asarray((stamps - stamps.iloc[0]).dt.total_seconds(), dtype=float)
     wrong = np.flatnonzero((numbers.isna() & values.notna()).to_numpy())
     if len(wrong):
         value = str(values.iloc[int(wrong[0])])

@@ -77,10 +77,10 @@ def _quantity(unit: str) -> Any:
         raise InputError(f"unknown unit '{unit}'") from None
 
 
-def _measures(unit: str, targets: set[str]) -> bool:
+def _measures(unit: str, target: str) -> bool:
     registry = _registry()
-    root = registry.get_root_units(_quantity(unit).units)[1]
-    return any(root == registry.get_root_units(registry.parse_units(target))[1] for target in targets)
+    here, there = (registry.get_root_units(units)[1] for units in (_quantity(unit).units, registry.parse_units(target)))
+    return bool(here == there)
 
 
 def known(unit: str) -> bool:
@@ -94,14 +94,12 @@ def known(unit: str) -> bool:
 
 def is_current(unit: str) -> bool:
     """Whether a unit measures an electric current."""
-    return _measures(unit, {"A"})
+    return _measures(unit, "A")
 
 
-def is_linear(unit: str) -> bool | None:
-    """Tell from a unit whether it belongs to a linear axis, a rotary one, or to either."""
-    if _measures(unit, set(_LINEAR.values()) - set(_ROTARY.values())):
-        return True
-    return False if _measures(unit, set(_ROTARY.values()) - set(_LINEAR.values())) else None
+def fits(unit: str, channel: str) -> set[Motion]:
+    """Return the kinds of motion in which the channel may have this unit."""
+    return {motion for motion, targets in SI_UNITS.items() if _measures(unit, targets[channel])}
 
 
 def conversion(unit: str, channel: str, motion: Motion) -> Conversion:
@@ -112,7 +110,7 @@ def conversion(unit: str, channel: str, motion: Motion) -> Conversion:
     """
     target = SI_UNITS[motion][channel]
     quantity = _quantity(unit)
-    if not _measures(unit, {target}):
+    if not _measures(unit, target):
         hint = "; state the counts a turn, such as count/2000" if _COUNT.search(unit) else ""
         hint = hint or ("; use turn/s or rad/s" if "hz" in unit.lower() else "")
         raise InputError(
