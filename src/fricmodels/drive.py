@@ -162,7 +162,9 @@ class Drive:
         above = self.friction(recording, values, velocity=tiny)
         return np.minimum(below, above), np.maximum(below, above)
 
-    def regressors(self, recording: Recording, nonlinear: Sequence[float] = ()) -> tuple[Array, Array]:
+    def regressors(
+        self, recording: Recording, nonlinear: Sequence[float] = (), *, states: Sequence[Array] | None = None
+    ) -> tuple[Array, Array]:
         """Split the friction torque into its linear part: ``τ_F = A.T θ_linear + b``.
 
         Internal states depend on nonlinear parameters only; they are integrated along the recorded motion.
@@ -170,6 +172,7 @@ class Drive:
         Args:
             recording: gives the signals.
             nonlinear: values of the model parameters that are not linear, in order.
+            states: one array for each internal state, where they are known.
 
         Returns:
             A of shape (number of linear model parameters, N) and b of shape (N,).
@@ -177,7 +180,8 @@ class Drive:
         signals = self._signals(recording, None)
         given = iter(nonlinear)
         parameters = [0.0 if is_linear else next(given) for is_linear in self.model.linear]
-        states = self.states(recording, parameters)
+        if states is None:
+            states = self.states(recording, parameters)
         design, offset = self._linear_part(*signals, *nonlinear, *states, rest_width(recording))
         shape = (design.shape[0], len(recording))
         return np.broadcast_to(design, shape), np.broadcast_to(offset[0], shape[1:])

@@ -12,7 +12,7 @@ from fricmodels.term import Effect, Parameters, Signals
 class FrictionalLag(Effect):
     r"""The Stribeck friction of a film that takes time to form: it follows the speed with a delay (frictional memory).
 
-    .. math:: \tau = F_s\,e^{-|z|/\omega_s}\operatorname{sgn}\omega, \qquad \dot z = (\omega - z)/T
+    .. math:: \tau = F_s\,e^{-z/\omega_s}\operatorname{sgn}\omega, \qquad \dot z = (|\omega| - z)/T
 
     Without delay, T = 0, it is the Stribeck effect with exponent 1.
 
@@ -20,7 +20,7 @@ class FrictionalLag(Effect):
     """
 
     name = "frictional-lag"
-    formula = "τ = F_s·exp(−|z|/ω_s)·sgn ω;  dz/dt = (ω − z)/T"
+    formula = "τ = F_s·exp(−z/ω_s)·sgn ω;  dz/dt = (|ω| − z)/T"
     signature = "a loop in velocity near standstill: more friction when speeding up than when slowing down"
     needs_motion = "slow, accelerated motion"
     F_s = Parameter("F_s", unit="N m", lower=0.0, meaning="extra friction torque at vanishing speed")
@@ -28,12 +28,12 @@ class FrictionalLag(Effect):
         "omega_s", unit="rad/s", initial=1.0, lower=1e-9, meaning="Stribeck speed", scan=(0.03, 0.1, 0.2, 0.4)
     )
     T = Parameter("T", unit="s", initial=1e-3, lower=1e-9, meaning="delay", scan=(0.0003, 0.001, 0.003, 0.01))
-    z = State("z", unit="rad/s", meaning="velocity that the film has followed")
+    z = State("z", unit="rad/s", meaning="speed that the film has followed")
 
     def torque(self, s: Signals, p: Parameters) -> Expression:
-        """Return F_s exp(−|z|/ω_s) sgn ω."""
-        return p.F_s * exp(-absolute(s.z) / p.omega_s) * sign(s.velocity)
+        """Return F_s exp(−z/ω_s) sgn ω."""
+        return p.F_s * exp(-s.z / p.omega_s) * sign(s.velocity)
 
     def rates(self, s: Signals, p: Parameters) -> Mapping[str, Expression]:
-        """Return dz/dt = (ω − z)/T."""
-        return {"z": (s.velocity - s.z) / p.T}
+        """Return dz/dt = (|ω| − z)/T."""
+        return {"z": (absolute(s.velocity) - s.z) / p.T}

@@ -1,0 +1,231 @@
+r"""The residual of a model as the diagnosis sees it: weak form, base directions, nuisances.
+
+Each row is one bump φ on the recording. The target is :math:`\int\varphi(\tau_m-\tau_L)\,dt - J\int\varphi\,d\omega`,
+the columns are the integrals of what a model is linear in. Candidate effects give columns of the same kind, so that
+testing an effect is a question of linear regression, whatever the effect is.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fricmodels.drive import Drive
+from fricmodels.model import Model
+from fricmodels.recording import Recording
+from fricmodels.signals import best_half_width, lanczos_derivative, noise, resting, smoothed_velocity, stretches
+from fricmodels.signals.weak_form import HOPS, Bumps, Quadrature
+from fricmodels.term import Effect, Law, Parameters, Signals
+
+Array = NDArray[np.float64]
+
+MAX_SAMPLES = 400_000
+"""Longer recordings are diagnosed on this many samples, in blocks spread evenly over them."""
+
+_BLOCK = 16_384
+_NARROWEST, _WIDEST = 16, 128
+_CERTAIN = 3.0
+"""Standard errors from zero at which the direction of motion is certain."""
+_NOISE_SHARE = 0.01
+"""The bump is widened until the noise of the velocity adds less than this share of the RMS torque to a row."""
+
+
+class NoFriction(Law):
+    """No friction at all: the law on which the columns of an effect stand alone."""
+
+    name = "no-friction"
+    formula = "τ_F = 0"
+
+    def torque(self, s: Signals, p: Parameters) -> float:
+        """Return 0."""
+        return 0.0
+
+
+@dataclass(frozen=True)
+class Problem:
+    """A drive, a recording, and its rows.
+
+    Attributes:
+        drive: the model under test, with its inertia given or not.
+        recording: prepared; ``velocity`` as measured.
+        smooth: velocity freed of noise, at which friction is evaluated.
+        resting: samples at rest.
+        quadrature, bumps: see :mod:`fricmodels.signals.weak_form`.
+        velocity_noise: standard deviation of the noise of the velocity.
+    """
+
+    drive: Drive
+    recording: Recording
+    smooth: Array
+    resting: NDArray[np.bool_]
+    quadrature: Quadrature
+    bumps: Bumps
+    velocity_noise: float
+
+    @classmethod
+    def of(cls, drive: Drive, recording: Recording, inertia: float) -> Problem:
+        """Choose the bumps and evaluate what all candidates share.
+
+        Args:
+            drive: the model under test.
+            recording: with ``velocity``.
+            inertia: the inertia, or a first estimate of it, to know how noise enters.
+        """
+        part = spread(recording)
+        half_width = best_half_width(part.time, part.velocity, part.run)
+        smooth, acceleration = lanczos_derivative(part.time, part.velocity, half_width, part.run)
+        if "acceleration" not in part:
+            part = part.with_channels(acceleration=acceleration)
+        sigma = noise(part.time, part.velocity, part.run)
+        width = _bump_width(part, inertia * sigma)
+        at_rest = resting(part)
+        unclear = at_rest | _unclear_direction(part, width)
+        quadrature = Quadrature.of(part, smooth, unclear)
+        return cls(drive, part, smooth, at_rest, quadrature, Bumps(part, width, unclear, least_moving=1.0), sigma)
+
+    @property
+    def rows(self) -> int:
+        """Number of bumps."""
+        return self.bumps.count
+
+    @property
+    def independent(self) -> float:
+        """About how many of the rows are independent: two to a bump width."""
+        return 2.0 * self.rows / HOPS
+
+    @cached_property
+    def momentum(self) -> Array:
+        """∫φ dω, shape (rows,)."""
+        return self.bumps.momentum(self.recording.velocity)
+
+    @cached_property
+    def driving(self) -> Array:
+        """∫φ (τ_m − τ_L) dt, shape (rows,)."""
+        recording = self.quadrature.recording
+        return self.integrals((recording.torque - recording.load_torque)[None])[0]
+
+    @cached_property
+    def torque_rate(self) -> Array:
+        """∫φ dτ_m = −∫φ' τ_m dt, shape (rows,)."""
+        return self.bumps.momentum(self.recording.torque)
+
+    @cached_property
+    def sign_change(self) -> Array:
+        """What a shift by one sample of every reversal's instant would add, per unit of Coulomb torque, shape (rows,)."""
+        velocity = self.quadrature.recording.velocity
+        shift = np.zeros(len(self.recording))
+        cells = self.quadrature.cell
+        if len(cells):
+            jump = np.sign(velocity[cells + 1]) - np.sign(velocity[cells])
+            np.add.at(shift, cells, 0.5 * jump * self.recording.interval)
+            np.add.at(shift, cells + 1, 0.5 * jump * self.recording.interval)
+        return self.bumps.integrals(shift[None])[0]
+
+    @cached_property
+    def target(self) -> Array:
+        """Left side of the torque equation: driving torque less known inertia torque, shape (rows,)."""
+        return self.driving if self.drive.inertia is None else self.driving - self.drive.inertia * self.momentum
+
+    @cached_property
+    def centre(self) -> NDArray[np.int64]:
+        """Index of the sample at the middle of each bump."""
+        index = np.arange(len(self.recording), dtype=float)
+        ones = self.bumps.integrals(np.ones((1, len(index))))[0]
+        middle: NDArray[np.int64] = np.rint(self.bumps.integrals(index[None])[0] / ones).astype(np.int64)
+        return middle
+
+    def integrals(self, rows: Array) -> Array:
+        """Return ∫φ f dt of rows evaluated at the quadrature's samples, shape (k, rows)."""
+        return self.bumps.integrals(self.quadrature.integrand(rows))
+
+    def columns(self, drive: Drive, nonlinear: Sequence[float] = ()) -> tuple[Array, Array]:
+        """Return the integrals of a drive's linear columns, shape (k, rows), and of the rest of its torque, (rows,)."""
+        design, offset = self.evaluate(drive, nonlinear)
+        integrated = self.integrals(np.vstack([design, offset[None]]))
+        return integrated[:-1], integrated[-1]
+
+    def evaluate(self, drive: Drive, nonlinear: Sequence[float] = ()) -> tuple[Array, Array]:
+        """Evaluate a drive's linear columns at the quadrature's samples; internal states follow the smooth motion."""
+        points = self.quadrature.recording
+        if not drive.model.states:
+            return drive.regressors(points, nonlinear)
+        along = replace(self.recording, channels={**self.recording.channels, "velocity": self.smooth})
+        given = iter(nonlinear)
+        parameters = [0.0 if is_linear else next(given) for is_linear in drive.model.linear]
+        cell = self.quadrature.cell
+        states = [np.concatenate([z, z[cell], z[cell + 1]]) for z in drive.states(along, parameters)]
+        return drive.regressors(points, nonlinear, states=states)
+
+    def base(self, parameters: Mapping[str, float]) -> Array:
+        """Return the directions in which the model under test can move by itself, shape (k, rows).
+
+        Its linear columns, the tangents of its nonlinear parameters at their estimates, and its inertia if that is
+        estimated.
+        """
+        model = self.drive.model
+        nonlinear = [parameters[p.key] for p, linear in zip(model.parameters, model.linear, strict=True) if not linear]
+        columns, _ = self.columns(self.drive, nonlinear)
+        stacked = [columns]
+        theta = [parameters[p.key] for p, linear in zip(model.parameters, model.linear, strict=True) if linear]
+        for i, value in enumerate(nonlinear):
+            step = 1e-4 * abs(value) or 1e-6
+            ends = []
+            for moved in (value - step, value + step):
+                shifted = [*nonlinear[:i], moved, *nonlinear[i + 1 :]]
+                design, offset = self.columns(self.drive, shifted)
+                ends.append(np.asarray(theta) @ design + offset)
+            stacked.append(((ends[1] - ends[0]) / (2 * step))[None])
+        if self.drive.inertia is None:
+            stacked.append(self.momentum[None])
+        return np.vstack(stacked)
+
+    def alone(self, effect: Effect) -> Drive:
+        """Return a drive with nothing but the effect."""
+        return Drive(Model(NoFriction(), [effect]), 1.0, self.drive.motion)
+
+
+def _unclear_direction(recording: Recording, width: int) -> NDArray[np.bool_]:
+    """Mark where the drive creeps so slowly that noise hides which way, for longer than an eighth of a bump.
+
+    There the friction torque is not known, nor whether the drive moves at all. A reversal passes through faster.
+    """
+    velocity, error = smoothed_velocity(recording)
+    slow = np.abs(velocity) <= _CERTAIN * error
+    unclear = np.zeros(len(recording), dtype=bool)
+    for part in stretches(recording.time, recording.run):
+        borders = np.flatnonzero(np.diff(slow[part].astype(np.int8))) + 1
+        edges = np.concatenate([[0], borders, [part.stop - part.start]]) + part.start
+        long = slow[edges[:-1]] & (np.diff(edges) > max(2, width // HOPS))
+        unclear[part] = np.repeat(long, np.diff(edges))
+    return unclear
+
+
+def spread(recording: Recording) -> Recording:
+    """Return at most :data:`MAX_SAMPLES` samples, as blocks spread evenly over a longer recording."""
+    count = len(recording)
+    if count <= MAX_SAMPLES:
+        return recording
+    blocks = MAX_SAMPLES // _BLOCK
+    starts = np.linspace(0, count - _BLOCK, blocks).astype(int)
+    index = (starts[:, None] + np.arange(_BLOCK)).ravel()
+    chosen = recording.select(index)
+    # Blocks are runs of their own; a block that spans two runs stays two.
+    fresh = np.repeat(np.arange(blocks), _BLOCK)
+    _, run = np.unique(np.column_stack([fresh, chosen.run]), axis=0, return_inverse=True)
+    return replace(chosen, run=run.astype(np.int64).ravel())
+
+
+def _bump_width(recording: Recording, momentum_noise: float) -> int:
+    """Return the least width at which velocity noise adds less than the stated share of the RMS torque to a row.
+
+    The slope of a bump (1 − x²)² of w samples has the length √(512/105/w³)·h⁻¹ where its integral is 1.
+    """
+    torque = float(np.sqrt(np.mean(recording.torque**2)))
+    wanted = _NOISE_SHARE * torque * recording.interval
+    width = (512 / 105 * 4 * (momentum_noise / wanted) ** 2 / (16 / 15) ** 2) ** (1 / 3) if wanted > 0 else 0.0
+    shortest = min(np.unique(recording.run, return_counts=True)[1])
+    return int(np.clip(8 * round(width / 8), _NARROWEST, max(_NARROWEST, min(_WIDEST, shortest // 40))))

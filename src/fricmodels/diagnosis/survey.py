@@ -1,0 +1,145 @@
+"""Tests every candidate effect on the residual of a model."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fricmodels import plugins
+from fricmodels.diagnosis.evidence import Evidence, Regression, benjamini_yekutieli
+from fricmodels.diagnosis.problem import Problem
+from fricmodels.diagnosis.search import Found, search
+from fricmodels.recording import SIGNAL_CHANNEL
+from fricmodels.term import Effect
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Tested:
+    """One candidate effect and what speaks for it.
+
+    Attributes:
+        effect: the candidate.
+        found: its nonlinear parameters and columns.
+        evidence: see :class:`fricmodels.diagnosis.evidence.Evidence`.
+        p_value: corrected for the values tried within the effect; ``adjusted`` also for the number of effects.
+    """
+
+    effect: Effect
+    found: Found
+    evidence: Evidence
+    p_value: float
+    adjusted: float = 1.0
+
+    @property
+    def name(self) -> str:
+        """The effect's name."""
+        return self.effect.name
+
+    @property
+    def parameters(self) -> dict[str, float]:
+        """Estimated parameters by symbol, in SI units."""
+        symbols = [p.symbol for p in self.effect.parameters]
+        linear = dict(zip(self._linear_symbols, self.evidence.coefficients, strict=True))
+        nonlinear = [symbol for symbol in symbols if symbol not in linear]
+        values = {**linear, **dict(zip(nonlinear, self.found.nonlinear, strict=True))}
+        return {symbol: float(values[symbol]) for symbol in symbols}
+
+    @property
+    def _linear_symbols(self) -> list[str]:
+        from fricmodels.diagnosis.problem import NoFriction
+        from fricmodels.model import Model
+
+        flags = Model(NoFriction(), [self.effect]).linear
+        return [p.symbol for p, is_linear in zip(self.effect.parameters, flags, strict=True) if is_linear]
+
+
+@dataclass(frozen=True)
+class Survey:
+    """All candidates on one residual.
+
+    Attributes:
+        problem, regression: the rows.
+        tested: candidates that could be tested, most significant gain first.
+        unseen: candidates that could not, with what is missing.
+    """
+
+    problem: Problem
+    regression: Regression
+    tested: tuple[Tested, ...]
+    unseen: Mapping[str, str]
+
+
+def survey(
+    problem: Problem, parameters: Mapping[str, float], *, leave_out: Iterable[str] = (), only: Iterable[str] | None = None
+) -> Survey:
+    """Test every registered effect that the model does not have.
+
+    Args:
+        problem: drive and recording.
+        parameters: the model's estimated parameters.
+        leave_out: names of effects that are not considered.
+        only: names of the effects to consider; all by default.
+    """
+    model = problem.drive.model
+    present = {effect.name for effect in model.effects}
+    regression = _regression(problem, problem.base(parameters), delayed="sensor-delay" in present)
+    skipped = set(leave_out) | present
+    tested: list[Tested] = []
+    unseen: dict[str, str] = {}
+    registered = plugins.load().effects
+    for name in registered:
+        if name in skipped or (only is not None and name not in only):
+            continue
+        effect = registered[name]()
+        alone = problem.alone(effect)
+        missing = [s for s in sorted(alone.model.needs) if not _has(problem, s)]
+        if missing:
+            unseen[name] = f"the recording has no {SIGNAL_CHANNEL[missing[0]].replace('_', ' ')}"
+            continue
+        outcome = _test(regression, effect, search(problem, regression, effect, alone))
+        if outcome is None:
+            unseen[name] = "what it would add to the residual cannot be told from what the model already has"
+        else:
+            tested.append(outcome)
+    adjusted = benjamini_yekutieli(np.array([t.p_value for t in tested]))
+    ranked = [replace(t, adjusted=float(p)) for t, p in zip(tested, adjusted, strict=True)]
+    ranked.sort(key=lambda t: float(np.sum(t.evidence.loss)))
+    return Survey(problem, regression, tuple(ranked), unseen)
+
+
+def _has(problem: Problem, signal: str) -> bool:
+    if signal == "motor_torque_rate":
+        return True
+    return SIGNAL_CHANNEL[signal] in problem.recording
+
+
+def _test(regression: Regression, effect: Effect, found: Found | None) -> Tested | None:
+    if found is None:
+        return None
+    evidence = regression.test(found.columns)
+    if found.explained <= 0:  # it would need a coefficient beyond its physical bounds
+        return Tested(effect, found, replace(evidence, loss=regression.loss, gain=0.0, gain_p_value=1.0), 1.0)
+    return Tested(effect, found, evidence, min(1.0, evidence.p_value * found.trials))
+
+
+def _regression(problem: Problem, base: Array, *, delayed: bool) -> Regression:
+    """Return the base model's regression, with two freedoms of how recordings are made that are no effects.
+
+    The instant of every reversal may be off by part of a sample, and torque and motion may be shifted against each
+    other by up to one sample (a held torque by half of one). A larger shift is held at one sample; what is left over
+    is then for the candidate ``sensor-delay`` to explain.
+    """
+    base = np.vstack([base, problem.sign_change[None]])
+    if delayed:
+        return Regression(base, problem.target, problem.independent)
+    free = Regression(np.vstack([base, problem.torque_rate[None]]), problem.target, problem.independent)
+    shift = float(Regression(base, problem.target, problem.independent).test(problem.torque_rate[None]).coefficients[0])
+    allowed = problem.recording.interval
+    if abs(shift) <= allowed:
+        return free
+    return Regression(base, problem.target - np.copysign(allowed, shift) * problem.torque_rate, problem.independent)
