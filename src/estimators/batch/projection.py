@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,6 +24,7 @@ class Equations:
 
     Attributes:
         separable: the split model.
+        driving: the functionals of τ_m − τ_L, shape (M,).
         target: the functionals of τ_m − τ_L (less J dω/dt where the inertia is given), shape (M,).
         acceleration: the functionals of dω/dt where the inertia is estimated, shape (M,), else ``None``.
         fixed: the functionals of the model's fixed rows, shape (rows, M).
@@ -31,6 +32,7 @@ class Equations:
     """
 
     separable: Separable
+    driving: Array
     target: Array
     acceleration: Array | None
     fixed: Array
@@ -161,6 +163,4 @@ class Projection:
 
 
 def _finished(solution: Solution, iterations: int, *, converged: bool) -> Solution:
-    from dataclasses import replace
-
     return replace(solution, iterations=iterations, converged=converged)

@@ -11,10 +11,11 @@ from estimators.batch.inference import covariance
 from estimators.batch.problem import linear_constraints, nonlinear_search
 from estimators.batch.projection import Equations, Projection, Solution
 from estimators.batch.separable import Separable, separable
-from estimators.batch.weak_form import HOPS, Bumps, Quadrature, segments
 from fricmodels.drive import Drive
 from fricmodels.errors import EstimationError
 from fricmodels.recording import Recording
+from fricmodels.signals import Preparation
+from fricmodels.signals.weak_form import HOPS, Bumps, Quadrature, segments
 
 Array = NDArray[np.float64]
 
@@ -28,6 +29,7 @@ class TorqueFit:
     solution: Solution
     order: NDArray[np.int64]
     width: int
+    relative_error: float
 
 
 def weak_equations(drive: Drive, quadrature: Quadrature, bumps: Bumps, recording: Recording) -> Equations:
@@ -35,15 +37,14 @@ def weak_equations(drive: Drive, quadrature: Quadrature, bumps: Bumps, recording
     split = separable(drive.model)
     driving = (quadrature.recording.torque - quadrature.recording.load_torque)[None]
     momentum = bumps.momentum(recording.velocity)
-    target = bumps.integrals(quadrature.integrand(driving))[0]
-    if drive.inertia is not None:
-        target = target - drive.inertia * momentum
+    push = bumps.integrals(quadrature.integrand(driving))[0]
+    target = push if drive.inertia is None else push - drive.inertia * momentum
 
     def moving(alpha: Array) -> Array:
         return bumps.integrals(quadrature.integrand(split.moving_rows(quadrature.recording, alpha)))
 
     fixed = bumps.integrals(quadrature.integrand(split.fixed_rows(quadrature.recording)))
-    return Equations(split, target, momentum if drive.inertia is None else None, fixed, moving)
+    return Equations(split, push, target, momentum if drive.inertia is None else None, fixed, moving)
 
 
 def fit_equations(
@@ -60,8 +61,9 @@ def fit_equations(
     solution = Projection(equations, constraints, limits).solve(nonlinear_search(drive, recording))
     order = np.argsort(_places(drive, equations.separable), kind="stable")
     spread = covariance(solution.jacobian.T, solution.residual, solution.normal.inverse, independent)
+    error = float(np.linalg.norm(solution.residual) / np.linalg.norm(equations.driving))
     values = np.concatenate([solution.theta, solution.alpha])[order]
-    return TorqueFit(values, spread[np.ix_(order, order)], solution, order, width)
+    return TorqueFit(values, spread[np.ix_(order, order)], solution, order, width, error)
 
 
 def _places(drive: Drive, split: Separable) -> NDArray[np.int64]:
@@ -75,14 +77,13 @@ def weak_fit(
 ) -> TorqueFit:
     """Fit the weak form, the friction evaluated at ``velocity``.
 
-    Without a width, bumps of 16, 32, 64, … samples are tried, up to a quarter of the longest stretch without a gap,
-    and those are taken whose estimates have the smallest (generalised) variance.
+    Without a width, those of :func:`possible_widths` are tried. Wide bumps suppress noise, narrow ones keep more of the motion; taken is the narrowest whose standard errors are,
+    in the geometric mean, within a tenth of the smallest.
     """
     quadrature = Quadrature.of(recording, velocity, resting)
     if width is not None:
         return _fit_width(drive, recording, quadrature, width, resting)
-    longest = max(piece.stop - piece.start for piece in segments(recording))
-    widths = [8 * 2**i for i in range(1, 12) if 8 * 2**i <= max(longest // 4, 16)]
+    widths = possible_widths(recording)
     fits = []
     for candidate in widths:
         try:
@@ -90,14 +91,69 @@ def weak_fit(
         except EstimationError:
             if candidate == widths[-1] and not fits:
                 raise
-    return min(fits, key=lambda fit: _generalised_variance(fit.covariance, fit.solution))
+    spreads = [_mean_log_error(fit) for fit in fits]
+    enough = min(spreads) + np.log(1.1)
+    return next(fit for fit, spread in zip(fits, spreads, strict=True) if spread <= enough)
 
 
-def _generalised_variance(covariance: Array, solution: Solution) -> float:
-    """Return the logarithm of the determinant over the determined directions; infinite where there are fewer."""
-    size = np.sqrt(np.diag(covariance))
-    sign, value = np.linalg.slogdet(covariance)
-    return float(value) if sign > 0 and np.all(size > 0) and solution.converged else np.inf
+def possible_widths(recording: Recording) -> list[int]:
+    """Return 16, 32, 64, … samples, as long as 24 bumps fit side by side: fewer give no reliable standard errors."""
+    pieces = [piece.stop - piece.start for piece in segments(recording)]
+    return [16, *(16 * 2**i for i in range(1, 12) if sum(piece // (16 * 2**i) for piece in pieces) >= 24)]
+
+
+def _mean_log_error(fit: TorqueFit) -> float:
+    """Return the mean logarithm of the standard errors; infinite where something is undetermined."""
+    spread = np.diag(fit.covariance)
+    determined = np.all(spread > 0.0) and fit.solution.normal.rank == len(fit.values)
+    return float(np.mean(np.log(spread))) / 2.0 if determined else np.inf
+
+
+def derivative_equations(drive: Drive, recording: Recording, preparation: Preparation) -> tuple[Equations, Recording]:
+    """Return the equation of motion at samples of filtered signals and their derivatives, and the filtered recording.
+
+    Both sides are evaluated at every filtered sample and then low-pass filtered and decimated alike ("parallel
+    filtering"). Source: M. Gautier, "Dynamic identification of robots with power model", 1997; A. Janot, M. Gautier,
+    M. Brunot, "Data set and reference models of EMPS", 2019.
+    """
+    from fricmodels.signals import prepare, resting
+
+    marked = recording.with_channels(at_rest=resting(recording).astype(float))
+    filtered = prepare(marked, preparation.model_copy(update={"decimate": 1, "smooth_velocity": True}))
+    moving = 1.0 - filtered["at_rest"]
+    factor = preparation.decimate
+    parts = [part for part in segments(filtered) if part.stop - part.start > 30 * factor]
+    if not parts:
+        raise EstimationError(f"recording '{recording.name}' is too short to keep every {factor}th sample only")
+
+    def seen(rows: Array) -> Array:
+        return np.concatenate([_decimated(rows[:, part] * moving[part], factor) for part in parts], axis=1)
+
+    split = separable(drive.model)
+    driving = seen((filtered.torque - filtered.load_torque)[None])[0]
+    acceleration = seen(filtered["acceleration"][None])[0]
+    target = driving if drive.inertia is None else driving - drive.inertia * acceleration
+    equations = Equations(
+        split,
+        driving,
+        target,
+        acceleration if drive.inertia is None else None,
+        seen(split.fixed_rows(filtered)),
+        lambda alpha: seen(split.moving_rows(filtered, alpha)),
+    )
+    return equations, filtered
+
+
+def derivative_fit(drive: Drive, recording: Recording, preparation: Preparation) -> TorqueFit:
+    """Fit :func:`derivative_equations` (IDIM-LS)."""
+    equations, filtered = derivative_equations(drive, recording, preparation)
+    return fit_equations(drive, filtered, equations, float(len(equations.target)), preparation.decimate)
+
+
+def _decimated(rows: Array, factor: int) -> Array:
+    from scipy.signal import decimate
+
+    return rows if factor == 1 else np.asarray(decimate(rows, factor, axis=1))
 
 
 def _fit_width(

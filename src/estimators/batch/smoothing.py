@@ -1,0 +1,65 @@
+r"""A velocity with less noise: what the model says the drive does, corrected by what was measured.
+
+Noise in the velocity does harm twice: it gives the Coulomb torque the wrong sign near standstill, and it weakens every
+regressor (errors in variables). The simulated velocity has neither fault but drifts from the drive where the model is
+wrong. Their difference is taken as a level that wanders, observed in white noise; its fixed-interval smoother is a pair
+of exponential averages, one forth and one back. The better the model, the longer the average that predicts best.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fricmodels.drive import Drive
+from fricmodels.errors import InputError
+from fricmodels.recording import Recording
+
+Array = NDArray[np.float64]
+
+_GAINS = 0.5 ** np.arange(0, 12)
+
+
+def explained_velocity(
+    drive: Drive, values: Mapping[str, float], recording: Recording
+) -> tuple[Array, NDArray[np.bool_]] | None:
+    """Return the smoothed velocity and where the drive rests by it; ``None`` where the model cannot be simulated."""
+    from fricmodels.simulation import simulated_velocity
+
+    try:
+        simulated = simulated_velocity(drive, values, recording)
+    except InputError:
+        return None
+    if not np.all(np.isfinite(simulated)):
+        return None
+    velocity = np.empty(len(recording))
+    noise = np.empty(len(recording))
+    for number in np.unique(recording.run):
+        inside = recording.run == number
+        level, hidden_by = wandering_level(recording.velocity[inside] - simulated[inside])
+        velocity[inside] = simulated[inside] + level
+        noise[inside] = hidden_by
+    hidden = (np.abs(velocity) <= 3.0 * noise) & (np.abs(simulated) <= 3.0 * noise)
+    velocity = np.where(hidden, simulated, velocity)
+    return velocity, (simulated == 0.0) & (hidden | (velocity == 0.0))
+
+
+def wandering_level(series: Array) -> tuple[Array, float]:
+    """Return the smoothed level of a series and the noise that hid it; the gain is the one that predicts best."""
+    innovations = [series[1:] - _average(series, gain)[:-1] for gain in _GAINS if gain * len(series) >= 4.0]
+    squares = [float(np.mean(e**2)) for e in innovations]
+    best = int(np.argmin(squares))
+    gain = float(_GAINS[best])
+    level = _average(_average(series, gain)[::-1], gain)[::-1]
+    return level, float(np.sqrt(squares[best] * (1.0 - gain)))
+
+
+def _average(series: Array, gain: float) -> Array:
+    """Return the exponential average, started at the mean of about as many samples as it spans."""
+    from scipy.signal import lfilter
+
+    first = float(np.mean(series[: max(1, round(1.0 / gain))]))
+    averaged, _ = lfilter([gain], [1.0, gain - 1.0], series, zi=[(1.0 - gain) * first])
+    return np.asarray(averaged)
