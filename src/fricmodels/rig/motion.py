@@ -10,27 +10,24 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from numba import njit
-
 from fricmodels.rig.physics import (
     LUGRE,
     RIGID,
     applied_torques,
     bristles,
+    compiled,
     dry_torque,
     known_load,
     slow_factors,
     viscous_torque,
 )
 
-_compile: Any = njit(cache=True, error_model="numpy", nogil=True)
 _MOST_EVENTS = 12
 
 
-@_compile
+@compiled
 def friction_torque(
     p: Any,
-    waves: Any,
     direction: float,
     w: float,
     lagged: float,
@@ -43,32 +40,31 @@ def friction_torque(
     """Return the signed friction torque on the motor while it moves; ``carried`` is the bristles' share."""
     speed = lagged if p.lag > 0.0 else abs(w)
     if p.presliding == RIGID:
-        dry = dry_torque(p, waves, direction, speed, q, load, slow, peak)
-        return p.motor_share * direction * (dry + viscous_torque(p, direction, speed, slow))
+        dry = dry_torque(p, direction, speed, q, load, slow, peak)
+        return float(p.motor_share * direction * (dry + viscous_torque(p, direction, speed, slow)))
     side = 1.0 if w >= 0 else -1.0
     flow = side * viscous_torque(p, side, speed, slow)
     if p.presliding == LUGRE:
-        static = dry_torque(p, waves, side, 0.0, q, load, slow, peak)
-        weakening = dry_torque(p, waves, side, speed, q, load, slow, peak) / max(static, 1e-300)
+        static = dry_torque(p, side, 0.0, q, load, slow, peak)
+        weakening = dry_torque(p, side, speed, q, load, slow, peak) / max(static, 1e-300)
         damping = p.micro_damping * w * (1.0 - side * carried / max(weakening, 1e-3))
-        return p.motor_share * (static * carried + damping + flow)
-    return p.motor_share * (dry_torque(p, waves, side, speed, q, load, slow, peak) * carried + flow)
+        return float(p.motor_share * (static * carried + damping + flow))
+    return float(p.motor_share * (dry_torque(p, side, speed, q, load, slow, peak) * carried + flow))
 
 
-@_compile
-def weakening_ratio(p: Any, waves: Any, w: float, q: float, load: float, slow: Any, peak: float) -> float:
+@compiled
+def weakening_ratio(p: Any, w: float, q: float, load: float, slow: Any, peak: float) -> float:
     """Return sliding over static dry friction, which LuGre bristles relax to."""
     if p.presliding != LUGRE:
         return 1.0
     side = 1.0 if w >= 0 else -1.0
-    static = dry_torque(p, waves, side, 0.0, q, load, slow, peak)
-    return max(dry_torque(p, waves, side, abs(w), q, load, slow, peak) / max(static, 1e-300), 1e-3)
+    static = dry_torque(p, side, 0.0, q, load, slow, peak)
+    return max(dry_torque(p, side, abs(w), q, load, slow, peak) / max(static, 1e-300), 1e-3)
 
 
-@_compile
+@compiled
 def accelerations(
     p: Any,
-    waves: Any,
     x: Any,
     s1: float,
     s2: float,
@@ -81,37 +77,35 @@ def accelerations(
     """Return the accelerations of motor and load for the state x = (q1, w1, q2, w2, peak)."""
     q1, w1, q2, w2, peak = x
     load = known_load(p, q1 if p.load_inertia == 0.0 else q2, given)
-    t1, t2 = applied_torques(p, waves, q1, w1, q2, w2, motor, load)
+    t1, t2 = applied_torques(p, q1, w1, q2, w2, motor, load)
     a1, a2 = 0.0, 0.0
     if s1 != 0.0 or p.presliding != RIGID:
-        a1 = (t1 - friction_torque(p, waves, s1, w1, lagged, q1, load, slow, peak, carried)) / p.motor_inertia
+        a1 = (t1 - friction_torque(p, s1, w1, lagged, q1, load, slow, peak, carried)) / p.motor_inertia
     if p.load_inertia > 0.0 and s2 != 0.0:
         share = 1.0 - p.motor_share
-        resisting = dry_torque(p, waves, s2, abs(w2), q2, load, slow, 0.0) + viscous_torque(p, s2, abs(w2), slow)
+        resisting = dry_torque(p, s2, abs(w2), q2, load, slow, 0.0) + viscous_torque(p, s2, abs(w2), slow)
         a2 = (t2 - share * s2 * resisting) / p.load_inertia
     return a1, a2
 
 
-@_compile
-def excess(
-    p: Any, waves: Any, x: Any, body: int, motor: float, given: float, lagged: float, slow: Any, peak: float
-) -> float:
+@compiled
+def excess(p: Any, x: Any, body: int, motor: float, given: float, lagged: float, slow: Any, peak: float) -> float:
     """Return how far the torque on a sticking body is beyond what friction can hold, with the sign of the motion."""
     q1, w1, q2, w2, _ = x
     load = known_load(p, q1 if p.load_inertia == 0.0 else q2, given)
-    t1, t2 = applied_torques(p, waves, q1, w1, q2, w2, motor, load)
+    t1, t2 = applied_torques(p, q1, w1, q2, w2, motor, load)
     torque = t1 if body == 1 else t2
     share = p.motor_share if body == 1 else 1.0 - p.motor_share
     side = 1.0 if torque > 0 else -1.0
     speed = lagged if (p.lag > 0.0 and body == 1) else 0.0
     q = q1 if body == 1 else q2
-    hold = dry_torque(p, waves, side, speed, q, load, slow, peak if body == 1 else 0.0)
+    hold = dry_torque(p, side, speed, q, load, slow, peak if body == 1 else 0.0)
     if speed > 0.0:
         hold += viscous_torque(p, side, speed, slow)
-    return side * max(abs(torque) - share * hold, 0.0)
+    return float(side * max(abs(torque) - share * hold, 0.0))
 
 
-@_compile
+@compiled
 def crossing(w0: float, w1: float, a0: float, a1: float, h: float) -> float:
     """Return the fraction of a step at which the velocity of Heun's rule passes zero."""
     fraction = w0 / (w0 - w1)
@@ -124,16 +118,15 @@ def crossing(w0: float, w1: float, a0: float, a1: float, h: float) -> float:
     return fraction
 
 
-@_compile
+@compiled
 def aged(p: Any, dwell: float) -> float:
     """Return the rise of the breakaway torque after a rest of length ``dwell``."""
     return p.ageing_rise * dwell / (dwell + p.ageing_time) if p.ageing_rise != 0.0 else 0.0
 
 
-@_compile
+@compiled
 def advance(
     p: Any,
-    waves: Any,
     x: Any,
     s1: float,
     s2: float,
@@ -160,24 +153,24 @@ def advance(
         given = g0 + done * (g1 - g0)
         lagged = l0 + done * (l1 - l0)
         if s1 == 0.0 and not elastic:
-            beyond = excess(p, waves, x, 1, motor, given, lagged, slow, aged(p, dwell))
+            beyond = excess(p, x, 1, motor, given, lagged, slow, aged(p, dwell))
             if beyond != 0.0:
                 s1 = math.copysign(1.0, beyond)
                 x = (x[0], 0.0, x[2], x[3], aged(p, dwell))
         if two and s2 == 0.0:
-            beyond = excess(p, waves, x, 2, motor, given, lagged, slow, 0.0)
+            beyond = excess(p, x, 2, motor, given, lagged, slow, 0.0)
             if beyond != 0.0:
                 s2 = math.copysign(1.0, beyond)
-        ynew, zn, a0, a1, b0, b1 = _heun(p, waves, x, s1, s2, z, motor, m1, given, g1, lagged, l1, h, slow)
+        ynew, zn, a0, a1, b0, b1 = _heun(p, x, s1, s2, z, motor, m1, given, g1, lagged, l1, h, slow)
         fraction, body = 1.0, 0
         if not elastic:
             if s1 != 0.0:
                 if ynew[1] * s1 < 0.0:
                     fraction, body = crossing(x[1], ynew[1], a0, a1, h), 1
             elif event < _MOST_EVENTS - 1:
-                at_end = excess(p, waves, ynew, 1, m1, g1, l1, slow, aged(p, dwell + h))
+                at_end = excess(p, ynew, 1, m1, g1, l1, slow, aged(p, dwell + h))
                 if at_end != 0.0:
-                    fraction, body = _breakaway(p, waves, x, ynew, 1, motor, m1, given, g1, lagged, l1, slow, dwell, h)
+                    fraction, body = _breakaway(p, x, ynew, 1, motor, m1, given, g1, lagged, l1, slow, dwell, h)
         if two and s2 != 0.0 and ynew[3] * s2 < 0.0:
             early = crossing(x[3], ynew[3], b0, b1, h)
             if early < fraction:
@@ -188,7 +181,7 @@ def advance(
             end = done + fraction * (1.0 - done)
             me, ge, le = m0 + end * (m1 - m0), g0 + end * (g1 - g0), l0 + end * (l1 - l0)
             h *= fraction
-            ynew, zn, a0, a1, b0, b1 = _heun(p, waves, x, s1, s2, z, motor, me, given, ge, lagged, le, h, slow)
+            ynew, zn, a0, a1, b0, b1 = _heun(p, x, s1, s2, z, motor, me, given, ge, lagged, le, h, slow)
             done = end
         else:
             done = 1.0
@@ -204,10 +197,9 @@ def advance(
     return x, s1, s2, dwell, z
 
 
-@_compile
+@compiled
 def _breakaway(
     p: Any,
-    waves: Any,
     x: Any,
     y: Any,
     body: int,
@@ -226,7 +218,7 @@ def _breakaway(
         f = 0.5 * (low + high)
         at = (x[0], x[1], x[2] + f * (y[2] - x[2]), x[3] + f * (y[3] - x[3]), x[4])
         beyond = excess(
-            p, waves, at, body, m0 + f * (m1 - m0), g0 + f * (g1 - g0), l0 + f * (l1 - l0), slow, aged(p, dwell + f * h)
+            p, at, body, m0 + f * (m1 - m0), g0 + f * (g1 - g0), l0 + f * (l1 - l0), slow, aged(p, dwell + f * h)
         )
         if beyond != 0.0:
             high = f
@@ -235,10 +227,9 @@ def _breakaway(
     return high, body
 
 
-@_compile
+@compiled
 def _heun(
     p: Any,
-    waves: Any,
     x: Any,
     s1: float,
     s2: float,
@@ -257,16 +248,16 @@ def _heun(
     zn = z
     if p.presliding != RIGID:
         _, carried = bristles(p, z, 0.0, 1.0)
-    a0, b0 = accelerations(p, waves, x, s1, s2, m0, g0, l0, slow, carried)
+    a0, b0 = accelerations(p, x, s1, s2, m0, g0, l0, slow, carried)
     travel = h * w1 + 0.5 * h * h * a0
     worn = peak
     if peak != 0.0:
         worn = peak * math.exp(-abs(travel) / p.ageing_distance)
     if p.presliding != RIGID:
-        ratio = weakening_ratio(p, waves, w1 + 0.5 * h * a0, q1, known_load(p, q1, g0), slow, peak)
+        ratio = weakening_ratio(p, w1 + 0.5 * h * a0, q1, known_load(p, q1, g0), slow, peak)
         zn, carried = bristles(p, z, travel, ratio)
     y = (q1 + travel, w1 + h * a0, q2 + h * w2 + 0.5 * h * h * b0, w2 + h * b0, worn)
-    a1, b1 = accelerations(p, waves, y, s1, s2, m1, g1, l1, slow, carried)
+    a1, b1 = accelerations(p, y, s1, s2, m1, g1, l1, slow, carried)
     end = (
         q1 + h * w1 + h * h * (2.0 * a0 + a1) / 6.0,
         w1 + 0.5 * h * (a0 + a1),
@@ -277,10 +268,9 @@ def _heun(
     return end, zn, a0, a1, b0, b1
 
 
-@_compile
+@compiled
 def simulate(
     p: Any,
-    waves: Any,
     torque: Any,
     reference: Any,
     feedback_noise: Any,
@@ -298,7 +288,7 @@ def simulate(
     """Run one record of N samples.
 
     Args:
-        p, waves: the physics.
+        p: the physics, a record of :data:`fricmodels.rig.physics.PHYSICS`.
         torque: open-loop motor torque, or feed-forward of the closed loop, shape (N,); holds the torque applied.
         reference: position and velocity to follow, shape (N, 2); no loop is closed when both gains are 0.
         feedback_noise: noise on the velocity fed back, shape (N,).
@@ -339,7 +329,6 @@ def simulate(
                 l0, l1 = _past(fine_velocity, i - behind, i), _past(fine_velocity, i + 1 - behind, i)
             x, s1, s2, dwell, z = advance(
                 p,
-                waves,
                 x,
                 s1,
                 s2,
@@ -356,10 +345,10 @@ def simulate(
             )
 
 
-@_compile
+@compiled
 def _past(history: Any, index: float, newest: int) -> float:
     if index <= 0.0:
-        return abs(history[0])
+        return float(abs(history[0]))
     low = min(int(index), newest)
     high = min(low + 1, newest)
-    return abs(history[low] + (index - low) * (history[high] - history[low]))
+    return float(abs(history[low] + (index - low) * (history[high] - history[low])))

@@ -1,59 +1,67 @@
 """The equations of the simulated drive, as plain scalar functions compiled by Numba.
 
 Two bodies: the motor (index 1) and the load behind it (index 2), joined by a spring, damper and gap, or one rigid
-body when the load inertia is 0. Every function takes the record ``p`` of :data:`PHYSICS` and the table ``waves`` of
-periodic torques. Nothing here is shared with the laws and effects that are identified.
+body when the load inertia is 0. Every function takes the record ``p`` of :data:`PHYSICS`. Nothing here is shared with the laws and effects that are identified.
 """
 
 from __future__ import annotations
 
 import math
-from typing import Any
+from collections.abc import Callable
+from typing import Any, TypeVar, cast
 
 import numpy as np
 from numba import njit
 
+MOST_WAVES = 16
 PHYSICS = np.dtype(
     [
-        (name, np.float64)
-        for name in (
-            *("motor_inertia", "load_inertia", "coupling_stiffness", "coupling_damping", "gap", "motor_share"),
-            *("viscous_forward", "viscous_backward", "coulomb_forward", "coulomb_backward"),
-            *("rise_forward", "rise_backward", "fall_forward", "fall_backward"),
-            *("stribeck_rise", "stribeck_speed", "stribeck_exponent", "power_coefficient", "power_exponent"),
-            *("load_friction", "driving_loss", "driven_loss", "gain", "offset"),
-            *("gravity_sine", "gravity_cosine", "stiffness", "neutral_position"),
-            *("presliding", "elastic_width", "micro_damping", "lag"),
-            *("ageing_rise", "ageing_time", "ageing_distance"),
-            *("reference_temperature", "viscous_thinning", "coulomb_thinning"),
-            *("temperature_start", "temperature_end", "temperature_time"),
-            *("viscous_drift", "coulomb_drift", "drift_time", "step_time", "step_coulomb", "step_viscous"),
-            *("payload", "payload_angle", "proportional", "derivative", "torque_limit"),
-        )
+        ("waves", np.float64, (MOST_WAVES, 4)),
+        *(
+            (name, np.float64)
+            for name in (
+                "wave_count",
+                *("motor_inertia", "load_inertia", "coupling_stiffness", "coupling_damping", "gap", "motor_share"),
+                *("viscous_forward", "viscous_backward", "coulomb_forward", "coulomb_backward"),
+                *("rise_forward", "rise_backward", "fall_forward", "fall_backward"),
+                *("stribeck_rise", "stribeck_speed", "stribeck_exponent", "power_coefficient", "power_exponent"),
+                *("load_friction", "driving_loss", "driven_loss", "gain", "offset"),
+                *("gravity_sine", "gravity_cosine", "stiffness", "neutral_position"),
+                *("presliding", "elastic_width", "micro_damping", "lag"),
+                *("ageing_rise", "ageing_time", "ageing_distance"),
+                *("reference_temperature", "viscous_thinning", "coulomb_thinning"),
+                *("temperature_start", "temperature_end", "temperature_time"),
+                *("viscous_drift", "coulomb_drift", "drift_time", "step_time", "step_coulomb", "step_viscous"),
+                *("payload", "payload_angle", "proportional", "derivative", "torque_limit"),
+            )
+        ),
     ]
 )
-"""Everything that the equations of motion need, in SI units; zero switches a part off."""
+"""Everything that the equations of motion need, in SI units; zero switches a part off. ``waves`` has rows (kind, k, a, φ)."""
 
 RIGID, DAHL, LUGRE, MAXWELL_SLIP = 0.0, 1.0, 2.0, 3.0
 COGGING, FRICTION_WAVE, RIPPLE = 0.0, 1.0, 2.0
 
-_compile: Any = njit(cache=True, error_model="numpy", nogil=True)
+_Function = TypeVar("_Function", bound=Callable[..., Any])
 
 
-@_compile
-def wave(waves: Any, kind: float, position: float) -> float:
-    """Return Σ a·cos(k q + φ) over the rows (kind, k, a, φ) of one kind."""
+def compiled(function: _Function) -> _Function:
+    """Compile a scalar function, once for all processes."""
+    return cast(_Function, njit(cache=True, error_model="numpy", nogil=True)(function))
+
+
+@compiled
+def wave(p: Any, kind: float, position: float) -> float:
+    """Return Σ a·cos(k q + φ) over the waves of one kind."""
     total = 0.0
-    for i in range(waves.shape[0]):
-        if waves[i, 0] == kind:
-            total += waves[i, 2] * math.cos(waves[i, 1] * position + waves[i, 3])
+    for i in range(int(p.wave_count)):
+        if p.waves[i, 0] == kind:
+            total += p.waves[i, 2] * math.cos(p.waves[i, 1] * position + p.waves[i, 3])
     return total
 
 
-@_compile
-def dry_torque(
-    p: Any, waves: Any, direction: float, speed: float, position: float, load: float, slow: Any, peak: float
-) -> float:
+@compiled
+def dry_torque(p: Any, direction: float, speed: float, position: float, load: float, slow: Any, peak: float) -> float:
     """Return the magnitude of the speed-weakening dry friction torque that opposes ``direction``."""
     if direction > 0:
         level, rise, fall = p.coulomb_forward, p.rise_forward, p.fall_forward
@@ -73,21 +81,21 @@ def dry_torque(
     loss = p.load_friction + (p.driving_loss if load * direction > 0 else p.driven_loss)
     if loss != 0.0:
         level += loss * abs(load)
-    if waves.shape[0] > 0:
-        level += wave(waves, FRICTION_WAVE, position)
-    return max(level, 0.0)
+    if p.wave_count > 0:
+        level += wave(p, FRICTION_WAVE, position)
+    return float(max(level, 0.0))
 
 
-@_compile
+@compiled
 def viscous_torque(p: Any, direction: float, speed: float, slow: Any) -> float:
     """Return the magnitude of the friction torque that grows with speed."""
     torque = (p.viscous_forward if direction > 0 else p.viscous_backward) * speed * slow[1]
     if p.power_coefficient != 0.0:
         torque += p.power_coefficient * speed**p.power_exponent
-    return torque + slow[3] * speed
+    return float(torque + slow[3] * speed)
 
 
-@_compile
+@compiled
 def slow_factors(p: Any, time: float) -> Any:
     """Return (factor of dry, factor of viscous, added dry, added viscous coefficient, temperature) at one time."""
     temperature = p.temperature_start
@@ -105,15 +113,15 @@ def slow_factors(p: Any, time: float) -> Any:
     return dry, viscous, after * p.step_coulomb, after * p.step_viscous, temperature
 
 
-@_compile
+@compiled
 def known_load(p: Any, position: float, given: float) -> float:
     """Return the load torque that the recording knows: a payload's weight and a load put on from outside."""
     if p.payload == 0.0:
         return given
-    return given + p.payload * math.sin(position + p.payload_angle)
+    return float(given + p.payload * math.sin(position + p.payload_angle))
 
 
-@_compile
+@compiled
 def coupling_torque(p: Any, twist: float, rate: float) -> float:
     """Return the torque through the joint: a spring and damper behind a gap, which can only push."""
     half = 0.5 * p.gap
@@ -123,15 +131,15 @@ def coupling_torque(p: Any, twist: float, rate: float) -> float:
     torque = p.coupling_stiffness * (twist - side * half) + p.coupling_damping * rate
     if p.gap > 0.0 and torque * side < 0.0:
         return 0.0
-    return torque
+    return float(torque)
 
 
-@_compile
-def applied_torques(p: Any, waves: Any, q1: float, w1: float, q2: float, w2: float, motor: float, load: float) -> Any:
+@compiled
+def applied_torques(p: Any, q1: float, w1: float, q2: float, w2: float, motor: float, load: float) -> Any:
     """Return the torques on motor and load, without friction."""
     drive = motor * (1.0 + p.gain) - p.offset
-    if waves.shape[0] > 0:
-        drive += motor * (1.0 + p.gain) * wave(waves, RIPPLE, q1) - wave(waves, COGGING, q1)
+    if p.wave_count > 0:
+        drive += motor * (1.0 + p.gain) * wave(p, RIPPLE, q1) - wave(p, COGGING, q1)
     outer_position = q1 if p.load_inertia == 0.0 else q2
     outer = load + p.stiffness * (outer_position - p.neutral_position)
     if p.gravity_sine != 0.0 or p.gravity_cosine != 0.0:
@@ -142,7 +150,7 @@ def applied_torques(p: Any, waves: Any, q1: float, w1: float, q2: float, w2: flo
     return drive - joint, joint - outer
 
 
-@_compile
+@compiled
 def bristles(p: Any, z: Any, travel: float, weakening: float) -> Any:
     """Return the four elastic deflections after ``travel``, and the friction that they carry as a share of full."""
     if p.presliding == MAXWELL_SLIP:

@@ -238,7 +238,7 @@ class Rig(BaseModel):
         moved = sum(effect.delay for effect in delays if effect.channel == "motion")
         return moved, sum(effect.delay for effect in delays if effect.channel == "torque")
 
-    def _physics(self) -> tuple[Any, Array]:
+    def _physics(self) -> Any:
         from fricmodels.rig.physics import PHYSICS
 
         p = np.zeros(1, dtype=PHYSICS)[0]
@@ -262,7 +262,9 @@ class Rig(BaseModel):
         waves: list[tuple[float, float, float, float]] = []
         for effect in self.effects:
             effect.enter(p, waves, self)
-        return p, np.array(waves, dtype=float).reshape(-1, 4)
+        p["wave_count"] = len(waves)
+        p["waves"][: len(waves)] = np.reshape(waves, (-1, 4))
+        return p
 
     def _steps(self, p: Mapping[str, Any]) -> int:
         """Return the number of sub-steps: at least as stated, and 40 to a period of the joint's own oscillation."""
@@ -278,7 +280,7 @@ class Rig(BaseModel):
         rng = np.random.default_rng([self.seed, number])
         interval = 1 / self.rate
         time = np.arange(self.samples, dtype=np.float64) * interval
-        p, waves = self._physics()
+        p = self._physics()
         command = self.excitation.command(time, rng)
         load = np.zeros(self.samples)
         if self.load is not None:
@@ -298,7 +300,6 @@ class Rig(BaseModel):
         start = np.array([command.position[0], command.velocity[0]])
         simulate(
             p,
-            waves,
             torque,
             reference,
             noise,
