@@ -65,7 +65,6 @@ class CsvReader(Reader):
                     encoding=dialect.encoding,
                     skipinitialspace=True,
                     low_memory=False,
-                    float_precision="round_trip",
                 )
             except (pd.errors.ParserError, pd.errors.ParserWarning) as error:
                 raise InputError(f"{path}: {_ragged(path, dialect, error)}") from None

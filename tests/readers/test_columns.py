@@ -1,0 +1,106 @@
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from fricmodels.dimension import Motion
+from fricmodels.errors import InputError
+from fricmodels.readers.columns import NAMES, STANDARD, Column, assign, parse
+
+UNITS = [None, "deg/s", "rpm", "0.5 um", "count/2000", "N m"]
+column_names = st.text(min_size=1, max_size=20).map(str.strip).filter(bool)
+
+
+@settings(deadline=None)
+@given(st.sampled_from(NAMES), column_names, st.sampled_from(UNITS))
+def test_what_is_written_is_read_back(name, column, unit):
+    written = Column(name, column, unit)
+    assert parse(str(written), [column]) == written
+
+
+@given(column_names, column_names)
+def test_a_column_of_the_whole_name_comes_first(left, right):
+    whole = f"{left}:{right}"
+    assert parse(f"velocity={whole}", [whole, left]) == Column("velocity", whole)
+
+
+@pytest.mark.parametrize(
+    ("specification", "present", "column", "unit"),
+    [
+        ("velocity=qd:deg/s", ["qd"], "qd", "deg/s"),
+        ("velocity=joint 1: speed", ["joint 1: speed"], "joint 1: speed", None),
+        ("velocity=joint 1: speed:deg/s", ["joint 1: speed"], "joint 1: speed", "deg/s"),
+        ("velocity=a=b", ["a=b"], "a=b", None),
+        (" velocity = qd : rpm ", ["qd"], "qd", "rpm"),
+    ],
+)
+def test_spaces_equal_signs_and_colons(specification, present, column, unit):
+    assert parse(specification, present) == Column("velocity", column, unit)
+
+
+@pytest.mark.parametrize(
+    ("specification", "message"),
+    [
+        ("velocity=qd:dogs", "unknown unit 'dogs'"),
+        ("velocty=qd", "did you mean 'velocity'"),
+        ("velocity=QD1", "did you mean 'qd'"),
+        ("velocity=nothing:deg/s", "no column 'nothing' for the velocity"),
+        ("velocity", "CHANNEL=COLUMN"),
+        ("velocity=", "CHANNEL=COLUMN"),
+    ],
+)
+def test_errors_name_the_way_out(specification, message):
+    with pytest.raises(InputError, match=message) as error:
+        parse(specification, ["qd", "tau"])
+    assert "\n" not in str(error.value)
+
+
+@pytest.mark.parametrize("motion", list(Motion))
+def test_standard_names_need_no_mapping(motion):
+    found, kind = assign([], list(STANDARD[motion].values()), None)
+    assert kind is motion
+    assert {channel: column.column for channel, column in found.items()} == STANDARD[motion]
+
+
+@pytest.mark.parametrize(
+    ("columns", "present", "motion"),
+    [
+        (["force=f", "position=x"], ["time_s", "f", "x"], Motion.LINEAR),
+        (["torque=f", "position=x:mm"], ["time_s", "f", "x"], Motion.LINEAR),
+        (["torque=f", "position=x:deg"], ["time_s", "f", "x"], Motion.ROTARY),
+        (["time=t"], ["t", "force_N", "velocity_m_s"], Motion.LINEAR),
+        (["torque=f", "position=x"], ["time_s", "f", "x"], Motion.ROTARY),
+    ],
+)
+def test_motion_is_told_from_names_and_units(columns, present, motion):
+    assert assign(columns, present, None)[1] is motion
+
+
+def test_mixed_motion_is_refused():
+    with pytest.raises(InputError, match="mixes a linear axis"):
+        assign(["force=f", "velocity=v:rpm"], ["time_s", "f", "v"], None)
+
+
+@pytest.mark.parametrize(
+    ("present", "message"),
+    [
+        (["t", "tau", "qd"], "time: none is called time_s.*--column time=t.*columns: t, tau, qd"),
+        (["time_s", "tau", "qd"], "torque or current: .*--column torque=tau"),
+        (["time_s", "torque_Nm", "qd"], "velocity or position: .*--column velocity=qd"),
+        (["time_s", "torque_Nm", "x1"], "--column velocity=COLUMN"),
+    ],
+)
+def test_a_missing_channel_is_named_with_a_suggestion(present, message):
+    with pytest.raises(InputError, match=message):
+        assign([], present, None)
+
+
+def test_a_duplicated_column_is_refused_only_where_it_is_used():
+    present = ["time_s", "torque_Nm", "velocity_rad_s", "note", "note"]
+    assign([], present, None)
+    with pytest.raises(InputError, match="'torque_Nm' is there 2 times"):
+        assign([], [*present, "torque_Nm"], None)
+
+
+def test_a_channel_is_mapped_once():
+    with pytest.raises(InputError, match="mapped twice"):
+        assign(["torque=a", "force=b"], ["a", "b"], None)

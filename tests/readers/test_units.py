@@ -1,0 +1,74 @@
+import math
+
+import pytest
+
+from fricmodels.dimension import Motion
+from fricmodels.errors import InputError
+from fricmodels.readers.units import conversion, fits, known
+
+R, L = Motion.ROTARY, Motion.LINEAR
+
+
+@pytest.mark.parametrize(
+    ("unit", "channel", "motion", "value", "expected"),
+    [
+        ("deg/s", "velocity", R, 180.0, math.pi),
+        ("°/s", "velocity", R, 180.0, math.pi),
+        ("rpm", "velocity", R, 60.0, 2 * math.pi),
+        ("turn/s", "velocity", R, 1.0, 2 * math.pi),
+        ("count/2000", "position", R, 500.0, math.pi / 2),
+        ("counts/4096/s", "velocity", R, 4096.0, 2 * math.pi),
+        ("360/4096 deg", "position", R, 1024.0, math.pi / 2),
+        ("ms", "time", R, 5.0, 5e-3),
+        ("µs", "time", R, 5.0, 5e-6),
+        ("us", "time", L, 5.0, 5e-6),
+        ("mm", "position", L, 12.0, 0.012),
+        ("0.05 um", "position", L, 20.0, 1e-6),
+        ("kN", "torque", L, 0.5, 500.0),
+        ("mNm", "torque", R, 3.0, 3e-3),
+        ("N m", "torque", R, 3.0, 3.0),
+        ("0.05 N m", "torque", R, 2.0, 0.1),
+        ("mA", "current", R, 250.0, 0.25),
+        ("degC", "temperature", R, 31.5, 31.5),
+        ("K", "temperature", R, 300.0, 26.85),
+        ("degF", "temperature", R, 212.0, 100.0),
+        ("deg/s^2", "acceleration", R, 90.0, math.pi / 2),
+    ],
+)
+def test_units_become_si(unit, channel, motion, value, expected):
+    factor = conversion(unit, channel, motion)
+    assert factor.factor * value + factor.offset == pytest.approx(expected, rel=1e-12, abs=1e-10)
+
+
+@pytest.mark.parametrize(
+    ("unit", "channel", "motion", "hint"),
+    [
+        ("mm", "position", R, "rad"),
+        ("deg", "velocity", R, "rad/s"),
+        ("N", "torque", R, "N m"),
+        ("N m", "torque", L, "in N"),
+        ("s", "temperature", R, "degC"),
+        ("count", "position", R, "count/2000"),
+        ("count/2000", "position", L, "count/2000"),
+        ("Hz", "velocity", R, "turn/s"),
+        ("1", "position", R, "rad"),
+        ("0 m", "position", L, "size"),
+    ],
+)
+def test_another_dimension_is_refused(unit, channel, motion, hint):
+    with pytest.raises(InputError, match=hint):
+        conversion(unit, channel, motion)
+
+
+@pytest.mark.parametrize("unit", ["furlongg", "rad/", "(", "__import__('os')", "x"])
+def test_what_is_no_unit(unit):
+    assert not known(unit)
+    with pytest.raises(InputError, match="unknown unit"):
+        conversion(unit, "velocity", R)
+
+
+def test_the_kind_of_motion_that_a_unit_belongs_to():
+    assert fits("mm/s", "velocity") == {L}
+    assert fits("rpm", "velocity") == {R}
+    assert fits("s", "time") == {R, L}
+    assert fits("mm", "velocity") == set()
