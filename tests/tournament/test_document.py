@@ -71,7 +71,7 @@ def test_anchors_that_explode_are_refused(tmp_path: Path) -> None:
 
 
 def test_anchor_that_contains_itself_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(InputError):
+    with pytest.raises(InputError, match="nested more than"):
         read_yaml(written(tmp_path, "a: &a [*a]\n"))
 
 
@@ -79,7 +79,9 @@ def test_anchor_that_contains_itself_is_refused(tmp_path: Path) -> None:
 def test_any_text_gives_content_or_one_line(tmp_path_factory: pytest.TempPathFactory, text: str) -> None:
     file = tmp_path_factory.getbasetemp() / "any.yaml"
     file.write_bytes(text.encode("utf-8", errors="surrogatepass"))
+    message = ""
     try:
         read_yaml(file)
     except InputError as error:
-        assert len(str(error).splitlines()) == 1
+        message = str(error)
+    assert len(message.splitlines()) <= 1

@@ -28,7 +28,7 @@ def concise(board: Leaderboard) -> list[Column]:
     """Return the columns that are worth reading, as text."""
     rows = board.rows
     columns = [Column("rank", tuple(str(row["rank"]) for row in rows), number=True)]
-    columns += [Column(key, tuple(str(row[key]) for row in rows)) for key in ("model", "estimator", "dataset")]
+    columns += [Column(key, _texts(rows, key)) for key in ("model", "estimator", "dataset")]
     columns += [
         Column(
             tag.replace("_percent", " %").replace("_", " "), tuple(_plain(row["tags"].get(tag)) for row in rows), True
@@ -47,14 +47,14 @@ def concise(board: Leaderboard) -> list[Column]:
     ]
     columns.append(Column("status", tuple(str(row["status"]) for row in rows)))
     if any(row["message"] for row in rows):
-        columns.append(Column("message", tuple(str(row["message"]) for row in rows)))
+        columns.append(Column("message", _texts(rows, "message")))
     return columns
 
 
 def summary(rows: Sequence[Row]) -> list[Column]:
     """Return the table of medians over seeds."""
     columns = [Column("rank", tuple(str(row["rank"]) for row in rows), number=True)]
-    columns += [Column(key, tuple(str(row[key]) for row in rows)) for key in ("model", "estimator", "dataset")]
+    columns += [Column(key, _texts(rows, key)) for key in ("model", "estimator", "dataset")]
     for tag in dict.fromkeys(tag for row in rows for tag in row["tags"]):
         title = tag.replace("_percent", " %").replace("_", " ")
         columns.append(Column(title, tuple(_plain(row["tags"].get(tag)) for row in rows), number=True))
@@ -76,6 +76,11 @@ def frame(board: Leaderboard) -> pd.DataFrame:
             values.update({f"{single}.{name}": value for name, value in (row.get(key) or {}).items()})
         flat.append(values)
     return pd.DataFrame(flat)
+
+
+def _texts(rows: Sequence[Row], key: str) -> tuple[str, ...]:
+    """Return cells of one line each."""
+    return tuple(" ".join(str(row[key]).split()) for row in rows)
 
 
 def _plain(value: Any) -> str:

@@ -101,7 +101,7 @@ def _json(board: Leaderboard) -> bytes:
 def _parquet(board: Leaderboard) -> bytes:
     stream = io.BytesIO()
     table = frame(board)
-    for name in table.select_dtypes(object).columns:
+    for name in table.columns:
         kinds = {type(value) for value in table[name].dropna()}
         if len(kinds) > 1 or kinds & {list, dict}:
             table[name] = table[name].map(lambda value: None if value is None else str(value))

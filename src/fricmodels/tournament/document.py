@@ -13,9 +13,10 @@ from pydantic import BaseModel, ValidationError
 
 from fricmodels.errors import InputError, suggestion
 
-Path_ = tuple[str | int, ...]
+Place = tuple[str | int, ...]
 M = TypeVar("M", bound=BaseModel)
 _MOST_NODES = 100_000
+_DEEPEST = 50
 
 
 @dataclass(frozen=True)
@@ -24,7 +25,7 @@ class Document:
 
     file: Path
     content: Any
-    lines: dict[Path_, int]
+    lines: dict[Place, int]
 
     def line(self, path: Sequence[str | int]) -> int:
         """Return the line of the innermost part of ``path`` that the file has."""
@@ -51,8 +52,9 @@ def read_yaml(file: str | Path) -> Document:
         raise InputError(f"{path}: there is no such file") from None
     except (OSError, UnicodeDecodeError) as error:
         raise InputError(f"{path}: cannot be read as text: {error}") from None
-    loader = yaml.SafeLoader(text)
+    loader = None
     try:
+        loader = yaml.SafeLoader(text)
         node = loader.get_single_node()
         if node is None:
             raise InputError(f"{path}: the file is empty")
@@ -65,7 +67,8 @@ def read_yaml(file: str | Path) -> Document:
     except (yaml.YAMLError, RecursionError, ValueError) as error:
         raise InputError(f"{path}: is not valid YAML: {' '.join(str(error).split())}") from None
     finally:
-        loader.dispose()
+        if loader is not None:
+            loader.dispose()
     return Document(path, content, lines)
 
 
@@ -77,13 +80,15 @@ def _one_line(error: yaml.MarkedYAMLError) -> str:
     return f"is not valid YAML: {problem}"
 
 
-def _lines(root: yaml.Node, file: Path) -> dict[Path_, int]:
-    lines: dict[Path_, int] = {(): root.start_mark.line + 1}
-    waiting: list[tuple[Path_, yaml.Node]] = [((), root)]
+def _lines(root: yaml.Node, file: Path) -> dict[Place, int]:
+    lines: dict[Place, int] = {(): root.start_mark.line + 1}
+    waiting: list[tuple[Place, yaml.Node]] = [((), root)]
     while waiting:
         if len(lines) > _MOST_NODES:
             raise InputError(f"{file}: has more than {_MOST_NODES} entries after its anchors are followed")
         path, node = waiting.pop()
+        if len(path) > _DEEPEST:
+            raise InputError(f"{file}:{node.start_mark.line + 1}: is nested more than {_DEEPEST} deep")
         if isinstance(node, yaml.MappingNode):
             waiting.extend(_keys(path, node, file, lines))
         elif isinstance(node, yaml.SequenceNode):
@@ -93,8 +98,8 @@ def _lines(root: yaml.Node, file: Path) -> dict[Path_, int]:
     return lines
 
 
-def _keys(path: Path_, node: yaml.MappingNode, file: Path, lines: dict[Path_, int]) -> list[tuple[Path_, yaml.Node]]:
-    inside: list[tuple[Path_, yaml.Node]] = []
+def _keys(path: Place, node: yaml.MappingNode, file: Path, lines: dict[Place, int]) -> list[tuple[Place, yaml.Node]]:
+    inside: list[tuple[Place, yaml.Node]] = []
     seen: dict[str, int] = {}
     for key, value in node.value:
         line = key.start_mark.line + 1
@@ -124,13 +129,19 @@ def validate(document: Document, model: type[M]) -> M:
     try:
         return model.model_validate(document.content)
     except ValidationError as error:
-        first = error.errors(include_url=False)[0]
+        first = _first(error)
         raise document.error(first["loc"], _message(first, model)) from None
 
 
 def first_problem(error: ValidationError, model: type[BaseModel]) -> str:
     """Return the first problem of a validation in one line, without a place."""
-    return _message(error.errors(include_url=False)[0], model)
+    return _message(_first(error), model)
+
+
+def _first(error: ValidationError) -> Any:
+    """Return the first problem; a misspelt key comes before the key that is missing because of it."""
+    problems = error.errors(include_url=False)
+    return next((problem for problem in problems if problem["type"] == "extra_forbidden"), problems[0])
 
 
 def _message(problem: Any, model: type[BaseModel]) -> str:

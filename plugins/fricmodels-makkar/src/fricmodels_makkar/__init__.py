@@ -12,7 +12,8 @@ __all__ = ["MakkarDixonSawyerHu", "fricmodels_laws"]
 class MakkarDixonSawyerHu(Law):
     r"""Continuously differentiable friction: smooth Coulomb and viscous friction with a Stribeck peak.
 
-    .. math:: \tau_F = \gamma_1(\tanh\gamma_2\omega - \tanh\gamma_3\omega) + \gamma_4\tanh\gamma_5\omega + \gamma_6\omega
+    .. math::
+        \tau_F = \gamma_1(\tanh\gamma_2\omega - \tanh\gamma_3\omega) + \gamma_4\tanh\gamma_5\omega + \gamma_6\omega
 
     With γ2 ≥ γ3 the first term is the peak at low speed. The friction torque is zero at rest and nothing sticks;
     a drive that is at rest under torque creeps.
