@@ -70,7 +70,7 @@ class Design:
         middle = run.select(inner).with_channels(velocity=velocity, acceleration=acceleration)
         columns, offset = self._columns(middle)
         slow = np.abs(velocity) < RESTING * self.peak
-        standing = np.concatenate([[False], slow[1:] & slow[:-1]])
+        standing = np.concatenate([slow[1:] & slow[:-1], [False]])
         values = np.concatenate([columns, [middle.torque - middle.load_torque - offset, velocity, standing]])
         for start in range(0, len(middle) - self.window + 1, _BLOCK):
             stop = min(start + _BLOCK, len(middle) - self.window + 1)
@@ -91,21 +91,21 @@ class Design:
 
     def _weak(self, time: Array, velocity: Array, values: Array) -> Array:
         times = sliding_window_view(time, self.window)
-        span = times[:, -1:] - times[:, :1]
-        s = 2 * (times - times[:, :1]) / span - 1
+        duration = times[:, -1:] - times[:, :1]
+        s = 2 * (times - times[:, :1]) / duration - 1
         steps = np.diff(times, axis=1)
         measure = np.zeros_like(s)
         measure[:, :-1] += 0.5 * steps
         measure[:, 1:] += 0.5 * steps
-        shape = (1 - s**2) ** 2
+        shape = (1 - s**2) ** 3
         bump = shape * measure
         total = bump.sum(axis=1)
-        slope = -4 * s * (1 - s**2) * 2 / span * measure
+        slope = -12 * s * (1 - s**2) ** 2 / duration * measure
         inertial = -np.einsum("ij,ij->i", slope, sliding_window_view(velocity, self.window)) / total
         sided = shape * sided_measure(sliding_window_view(values[-2], self.window), steps, measure)
         mean = [np.einsum("ij,ij->i", sided, sliding_window_view(row, self.window)) / total for row in values[:-3]]
         right = np.einsum("ij,ij->i", bump, sliding_window_view(values[-3], self.window)) / total
-        still = sliding_window_view(values[-1], self.window).any(axis=1)
+        still = sliding_window_view(values[-1], self.window)[:, :-1].any(axis=1)
         regressors = mean
         key = self.drive.inertia_key
         if key in self.keys:

@@ -196,11 +196,14 @@ class _Online(OnlineFilter):
         self._channels = tuple(dict.fromkeys(["time", "torque", "velocity", "load_torque", *needs]))
 
     def update(self, sample: Mapping[str, float]) -> dict[str, float]:
+        """Take one sample and return the parameters; refuses what is missing, not finite or out of order."""
         given = {"load_torque": 0.0, **sample}
         missing = [name for name in self._channels if name not in given]
         if missing:
             raise InputError(f"the sample has no '{missing[0]}', which this estimator needs")
         present = {name: float(given[name]) for name in self._channels} | {"run": float(sample.get("run", 0))}
+        if not all(np.isfinite(list(present.values()))):
+            raise InputError(f"the sample at time {present['time']} has a value that is not finite; leave it out")
         if self._samples and self._samples[-1]["run"] != present["run"]:
             self._samples.clear()
         elif self._samples and not present["time"] > self._samples[-1]["time"]:

@@ -1,0 +1,89 @@
+"""Recursive least squares: against the batch solution, recovery, forgetting, what it refuses."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from estimators.regression import sided_measure, smooth
+from estimators.rls import RecursiveLeastSquares, recursive_step
+from fricmodels.errors import EstimationError
+from fricmodels.kernels import Scan
+
+
+def test_the_recursion_equals_weighted_least_squares() -> None:
+    rng = np.random.default_rng(0)
+    design, forgetting = rng.standard_normal((200, 3)), 0.98
+    right = design @ [1.0, -2.0, 0.5] + 0.1 * rng.standard_normal(200)
+    rows = np.column_stack([design, right, np.ones(200)])
+    first = np.concatenate([np.zeros(3), 1e9 * np.eye(3)[np.tril_indices(3)]])
+    memory, _, _ = Scan(recursive_step(3))(first, rows, [forgetting])
+    weight = np.sqrt(forgetting ** np.arange(199, -1, -1))
+    expected = np.linalg.lstsq(design * weight[:, None], right * weight, rcond=None)[0]
+    np.testing.assert_allclose(memory[:3], expected, rtol=1e-6)
+
+
+@pytest.mark.parametrize("known", [True, False], ids=["inertia given", "inertia estimated"])
+def test_a_noiseless_drive_is_recovered(paper: SimpleNamespace, known: bool) -> None:
+    fit = RecursiveLeastSquares().fit(paper.drive(inertia=paper.inertia if known else None), paper.recording())
+    for key, value in {"J": paper.inertia, **paper.true}.items():
+        assert fit.parameters[key] == pytest.approx(value, rel=0.02)
+
+
+def test_standstill_is_left_out(paper: SimpleNamespace) -> None:
+    made = paper.recording(amplitude=0.014)
+    assert np.mean(made.velocity == 0) > 0.2
+    fit = RecursiveLeastSquares({"window": 8}).fit(paper.drive(), made)
+    assert fit.parameters["K_c1"] == pytest.approx(paper.true["K_c1"], rel=0.05)
+    assert fit.parameters["K_c2"] == pytest.approx(paper.true["K_c2"], rel=0.05)
+
+
+def test_forgetting_follows_a_change(paper: SimpleNamespace) -> None:
+    made = paper.recording(cycles=20)
+    half = made.time[len(made) // 2]
+    heavier = made.torque + np.where(made.time > half, 0.003 * np.sign(made.velocity), 0.0)
+    changed = made.with_channels(torque=heavier)
+    late = RecursiveLeastSquares({"memory": 1.5}).fit(paper.drive(), changed).parameters["K_c1"]
+    mixed = RecursiveLeastSquares({"memory": 1e6}).fit(paper.drive(), changed).parameters["K_c1"]
+    assert late == pytest.approx(0.013, rel=0.04)
+    assert 0.0105 < mixed < 0.0125
+
+
+def test_standard_errors_cover_the_scatter(paper: SimpleNamespace) -> None:
+    fits = [RecursiveLeastSquares().fit(paper.drive(), paper.recording(0.05, seed)) for seed in range(20)]
+    for key in paper.true:
+        scatter = np.std([fit.parameters[key] for fit in fits], ddof=1)
+        claimed = np.sqrt(np.mean([fit.standard_errors[key] ** 2 for fit in fits]))
+        assert 0.4 < claimed / scatter < 2.0
+
+
+def test_nonlinear_parameters_are_held_and_named(paper: SimpleNamespace) -> None:
+    fit = RecursiveLeastSquares().fit(paper.drive("exponential-stick-slip"), paper.recording())
+    assert "B" not in fit.estimated
+    assert fit.parameters["B"] > 0
+    assert "held" in fit.message
+    assert "B" in fit.message
+
+
+def test_memory_terms_are_refused(paper: SimpleNamespace) -> None:
+    with pytest.raises(EstimationError, match="internal states"):
+        RecursiveLeastSquares().fit(paper.drive("coulomb-viscous+presliding"), paper.recording())
+
+
+def test_the_local_cubic_is_exact_for_cubics() -> None:
+    time = 0.1 * np.arange(30)
+    value, slope = smooth(time, time**3 - time, 9)
+    np.testing.assert_allclose(value, (time**3 - time)[4:-4], atol=1e-12)
+    np.testing.assert_allclose(slope, (3 * time**2 - 1)[4:-4], atol=1e-11)
+
+
+def test_the_sign_is_integrated_exactly_through_a_reversal() -> None:
+    time = np.arange(11.0)
+    velocity = (time - 3.3)[None, :]
+    steps = np.ones((1, 10))
+    measure = np.r_[0.5, np.ones(9), 0.5][None, :]
+    weights = sided_measure(velocity, steps, measure)
+    assert float((weights * np.sign(velocity)).sum()) == pytest.approx(10 - 2 * 3.3)
+    assert weights.sum() == pytest.approx(10)
