@@ -59,3 +59,16 @@ def central_difference(time: Array, values: Array, runs: Runs | None = None) -> 
             order: Literal[1, 2] = 2 if part.stop - part.start >= 3 else 1
             result[part] = np.gradient(values[part], time[part], edge_order=order)
     return result
+
+
+def decimate(values: Array, factor: int) -> Array:
+    """Keep every factor-th sample, after a zero-phase low-pass at four fifths of the new band (8th-order Chebyshev).
+
+    Constants keep their value: the ripple of 0.05 dB that the filter has there is taken out.
+    """
+    from scipy.signal import cheby1, sosfiltfilt
+
+    ripple = 0.05
+    sections = cheby1(8, ripple, 0.8 / factor, output="sos")
+    gain = 10.0 ** (-2.0 * ripple / 20.0)
+    return np.asarray(sosfiltfilt(sections, values)[::factor] / gain)

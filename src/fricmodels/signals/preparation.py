@@ -10,7 +10,7 @@ from pydantic import BaseModel, ConfigDict, PositiveFloat, PositiveInt
 
 from fricmodels.errors import InputError
 from fricmodels.recording import Recording
-from fricmodels.signals.butterworth import butterworth, central_difference, settled
+from fricmodels.signals.butterworth import butterworth, central_difference, decimate, settled
 from fricmodels.signals.lanczos import lanczos_derivative
 from fricmodels.signals.noise_level import best_half_width
 from fricmodels.signals.segments import stretches
@@ -89,8 +89,6 @@ def _butterworth(recording: Recording, settings: Preparation) -> Recording:
 
 def _decimate(recording: Recording, factor: int) -> Recording:
     """Keep every factor-th sample of each stretch, after a zero-phase anti-aliasing filter."""
-    from scipy.signal import decimate
-
     parts = [part for part in stretches(recording.time, recording.run) if part.stop - part.start > 30 * factor]
     if not parts:
         raise InputError(f"recording '{recording.name}' is too short to keep every {factor}th sample only")

@@ -8,6 +8,8 @@ and the acceleration a with which this recording otherwise moves at low speed.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -35,14 +37,10 @@ def resting(recording: Recording) -> NDArray[np.bool_]:
     still = np.abs(velocity) <= band
     passage = _passage(recording, velocity, band)
     if "position" in recording and "position" not in recording.derived:
-        still &= _in_place(recording, passage)
+        still &= _in_place(recording, still, band, passage)
     mask = np.zeros(len(recording), dtype=bool)
-    for part in stretches(recording.time, recording.run):
-        change = np.flatnonzero(np.diff(still[part].astype(np.int8))) + 1
-        borders = np.r_[0, change, part.stop - part.start] + part.start
-        start, stop = borders[:-1], borders[1:]
-        kept = still[start] & (recording.time[stop - 1] - recording.time[start] > passage)
-        mask[part] = np.repeat(kept, stop - start)
+    for start, stop in _borders(recording, still):
+        mask[start:stop] = recording.time[stop - 1] - recording.time[start] > passage
     return mask
 
 
@@ -50,19 +48,29 @@ def _from_position(recording: Recording) -> bool:
     return "velocity" not in recording or ("velocity" in recording.derived and "position" in recording)
 
 
-def _in_place(recording: Recording, duration: float) -> NDArray[np.bool_]:
-    """Tell where the position, over ``duration`` [s] before or after, changes no more than its sensor does at rest."""
+def _in_place(recording: Recording, still: NDArray[np.bool_], band: float, passage: float) -> NDArray[np.bool_]:
+    """Tell where the position changes no more than its sensor does at rest, while the velocity may be zero.
+
+    Over as long as a drive that creeps at the limit of the band needs to show it; over the whole of shorter stretches.
+    """
     position = recording["position"]
     spread = _BAND * np.sqrt(2.0) * noise(recording.time, position, recording.run)
     allowed = max(spread, 1.01 * quantum(position))
-    count = max(1, round(duration / recording.interval))
+    count = max(1, round(max(passage, 2.0 * allowed / band) / recording.interval))
     result = np.zeros(len(position), dtype=bool)
-    for part in stretches(recording.time, recording.run):
-        values = position[part]
-        near = np.abs(values[min(count, len(values) - 1) :] - values[: max(len(values) - count, 1)]) <= allowed
-        result[part.start : part.start + len(near)] |= near
-        result[part.stop - len(near) : part.stop] |= near
+    for start, stop in _borders(recording, still):
+        at = np.arange(start, stop)
+        first = np.clip(at - count // 2, start, max(start, stop - 1 - count))
+        last = np.minimum(first + count, stop - 1)
+        result[start:stop] = np.abs(position[last] - position[first]) <= allowed
     return result
+
+
+def _borders(recording: Recording, mask: NDArray[np.bool_]) -> Iterator[tuple[int, int]]:
+    """Yield start and stop of each piece of an uninterrupted stretch where the mask holds."""
+    for part in stretches(recording.time, recording.run):
+        edges = np.flatnonzero(np.diff(np.r_[0, mask[part].astype(np.int8), 0])) + part.start
+        yield from zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True)
 
 
 def smoothed_velocity(recording: Recording) -> tuple[Array, float]:
