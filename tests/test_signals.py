@@ -127,17 +127,16 @@ def test_noise_is_found_under_a_signal(time):
     assert noise(time, 5 * np.sin(2 * time)) < 1e-3
 
 
-@pytest.mark.parametrize("level", [1e-4, 1e-2])
-@pytest.mark.parametrize("jitter", [0.0, 2e-4])
+@pytest.mark.parametrize(("level", "jitter"), [(1e-4, 0.0), (1e-2, 0.0), (1e-3, 2e-4)])
 def test_the_width_is_nearly_the_best(level, jitter):
     rng = np.random.default_rng(3)
-    time = np.arange(10_000) * 1e-3 + rng.uniform(-jitter, jitter, 10_000)
+    time = np.arange(5000) * 1e-3 + rng.uniform(-jitter, jitter, 5000)
     values = np.sin(6 * time) + level * rng.standard_normal(len(time))
 
     def error(half_width):
         return np.sqrt(np.mean((lanczos_derivative(time, values, half_width)[1] - 6 * np.cos(6 * time)) ** 2))
 
-    least = min(error(h) for h in range(1, 130, 3))
+    least = min(error(h) for h in range(1, 130, 7))
     assert error(best_half_width(time, values)) < 1.25 * least
 
 

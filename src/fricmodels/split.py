@@ -123,8 +123,9 @@ def _time(recording: Recording, how: Split) -> Mask:
     elapsed, duration = _elapsed(recording)
     if how.test_from is None and how.test_to is None:
         return np.asarray(elapsed > (1.0 - how.fraction) * duration)
-    start = -np.inf if how.test_from is None else how.test_from
-    stop = np.inf if how.test_to is None else how.test_to
+    rounding = 1e-6 * recording.interval
+    start = -np.inf if how.test_from is None else how.test_from - rounding
+    stop = np.inf if how.test_to is None else how.test_to + rounding
     return np.asarray((elapsed >= start) & (elapsed <= stop))
 
 
@@ -145,8 +146,8 @@ def _blocks(recording: Recording, how: Split) -> Mask:
 def period(recording: Recording) -> float:
     """Return the period [s] of the motion, from the autocorrelation of the torque and the velocity or position.
 
-    The period is the first peak that is nearly as high as any (nine tenths), refined by a parabola. The correlation
-    at each lag is that of the samples that overlap there.
+    The period is the first peak that is nearly as high as any (nine tenths), by a parabola over its top, a twelfth of
+    the period to either side. The correlation at each lag is that of the samples that overlap there.
 
     Raises:
         InputError: when the motion is not periodic, or not two periods long.
@@ -157,22 +158,20 @@ def period(recording: Recording) -> float:
     even = resample(longest)
     names = [name for name in ("torque", "velocity", "position") if name in even and name not in even.derived]
     correlation = np.mean([_autocorrelation(even[name]) for name in names], axis=0)
+    lag = np.arange(len(correlation))
     below = np.flatnonzero(correlation < 0.5)
-    lags = np.arange(len(correlation))
-    peak = (lags > 0) & (np.r_[False, np.diff(correlation) > 0]) & (np.r_[np.diff(correlation) <= 0, False])
-    if len(below):
-        peak &= lags > below[0]
-    heights = correlation[peak]
-    if not len(below) or not len(heights) or heights.max() < 0.7:
+    later = correlation[below[0] :] if len(below) else np.empty(0)
+    if not len(later) or later.max() < 0.7 or later.argmax() == len(later) - 1:
         raise InputError(
             f"the motion of recording '{recording.name}' does not repeat itself for two periods; "
             f"give the period, or split by time"
         )
-    lag = int(lags[peak][heights >= 0.9 * heights.max()][0])
-    left, middle, right = correlation[lag - 1 : lag + 2]
-    curvature = left - 2.0 * middle + right
-    shift = 0.5 * (left - right) / curvature if curvature < 0 else 0.0
-    return float((lag + shift) * even.interval)
+    first = int(below[0] + np.argmax(later >= 0.9 * later.max()))
+    peak = first + int(np.argmax(correlation[first : first + first // 4 + 2]))
+    near = np.abs(lag - peak) <= max(1, peak // 12)
+    curvature, slope, _ = np.polyfit(lag[near] - peak, correlation[near], 2)
+    shift = -0.5 * slope / curvature if curvature < 0 else 0.0
+    return float((peak + shift) * even.interval)
 
 
 def _autocorrelation(values: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -1,0 +1,123 @@
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from pydantic import ValidationError
+
+from fricmodels.dimension import Motion
+from fricmodels.errors import InputError
+from fricmodels.recording import Recording
+from fricmodels.split import Split, period, split
+
+
+def recording(time, run=None, **channels):
+    run = np.zeros(len(time), dtype=np.int64) if run is None else run
+    torque = channels.pop("torque", np.ones_like(time))
+    return Recording("r", Motion.ROTARY, {"time": time, "torque": torque, **channels}, run)
+
+
+def several_runs(count=5, samples=40):
+    time = np.tile(np.linspace(0, 3.9, samples), count) + np.repeat(100.0 * np.arange(count), samples)
+    return recording(time, np.repeat(np.arange(count), samples), velocity=np.sin(time))
+
+
+HOWS = st.one_of(
+    st.builds(Split, by=st.just("runs"), fraction=st.floats(0.01, 0.99)),
+    st.builds(Split, by=st.just("time"), fraction=st.floats(0.1, 0.9)),
+    st.builds(Split, by=st.just("blocks"), fraction=st.floats(0.01, 0.99), blocks=st.integers(2, 20)),
+    st.builds(Split, by=st.just("cycles"), period=st.floats(0.2, 1.5)),
+)
+
+
+@given(HOWS)
+def test_each_sample_is_in_one_part_and_the_same_one_again(how):
+    whole = several_runs()
+    train, test = split(whole, how)
+    assert len(train) > 0
+    assert len(test) > 0
+    np.testing.assert_array_equal(np.sort(np.r_[train.time, test.time]), whole.time)
+    again = split(whole, Split.model_validate_json(how.model_dump_json()))
+    assert [part.checksum for part in again] == [train.checksum, test.checksum]
+    for part in (train, test):
+        within = np.diff(part.run) == 0
+        assert np.diff(part.time)[within].max(initial=0.0) < 0.11
+
+
+@given(HOWS, st.floats(-1e3, 1e3))
+def test_the_origin_of_time_does_not_matter(how, shift):
+    whole = several_runs()
+    moved = whole.with_channels(time=np.round(whole.time + shift, 6) - 0.0)
+    assert abs(len(split(whole, how)[1]) - len(split(moved, how)[1])) <= 20
+
+
+def test_by_runs():
+    train, test = split(several_runs(), Split(by="runs", fraction=0.4))
+    assert (set(train.run.tolist()), set(test.run.tolist())) == ({0, 1, 2}, {3, 4})
+    train, test = split(several_runs(), Split(by="runs", test_runs=(1, "3")[:1]))
+    assert set(test.run.tolist()) == {1}
+    named = replace(several_runs(2), provenance={"runs": {0: "slow", 1: "fast"}})
+    train, test = split(named, Split(by="runs", test_runs=("slow",)))
+    assert (set(train.run.tolist()), set(test.run.tolist())) == ({1}, {0})
+    with pytest.raises(InputError, match="no run 'medium'; it has slow, fast"):
+        split(named, Split(by="runs", test_runs=("medium",)))
+    with pytest.raises(InputError, match="--column run=COLUMN"):
+        split(several_runs(1), Split(by="runs"))
+    with pytest.raises(InputError, match="nothing to fit"):
+        split(named, Split(by="runs", test_runs=("slow", "fast")))
+
+
+def test_by_time_keeps_the_end_of_each_run_or_a_piece():
+    train, test = split(several_runs(2), Split(fraction=0.25))
+    assert set(test.run.tolist()) == {0, 1}
+    for run in (0, 1):
+        assert test.time[test.run == run].min() > train.time[train.run == run].max()
+    train, test = split(several_runs(2), Split(test_from=1.0, test_to=2.0))
+    np.testing.assert_allclose([test.time.min(), test.time.max()], [1.0, 102.0], atol=1e-9)
+    assert len(set(train.run.tolist())) == 4
+    with pytest.raises(InputError, match="nothing to score"):
+        split(several_runs(2), Split(test_from=50.0))
+
+
+def test_blocks_are_spread():
+    _, test = split(recording(np.linspace(0, 10, 1000)), Split(by="blocks", fraction=0.3, blocks=10))
+    assert sorted({int(t) for t in test.time}) == [1, 5, 8]
+
+
+@pytest.mark.parametrize("cycle", [0.5, 0.333, 1.7])
+@pytest.mark.parametrize("level", [0.0, 0.2])
+def test_the_period_is_found(cycle, level):
+    time = np.arange(0, 8, 0.004)
+    rng = np.random.default_rng(0)
+    angle = 2 * np.pi * time / cycle
+    torque = np.sin(angle) + 0.5 * np.sin(2 * angle + 1) + level * rng.standard_normal(len(time))
+    velocity = np.cos(angle) + 0.3 * np.cos(3 * angle) + level * rng.standard_normal(len(time))
+    whole = recording(time, torque=torque, velocity=velocity)
+    assert period(whole) == pytest.approx(cycle, rel=5e-3)
+    train, test = split(whole, Split(by="cycles", test_cycles=2))
+    assert test.time.min() == pytest.approx(time[-1] - 2 * cycle, abs=0.02)
+    assert len(train) + len(test) == len(whole)
+
+
+def test_the_period_does_not_depend_on_units():
+    time = np.arange(0, 8, 0.004)
+    torque = np.sin(9 * time)
+    one = period(recording(time, torque=torque, velocity=np.cos(9 * time)))
+    other = period(recording(60 * time + 3, torque=1e3 * torque, velocity=-1e-3 * np.cos(9 * time)))
+    assert other == pytest.approx(60 * one)
+
+
+@pytest.mark.parametrize("signal", [np.random.default_rng(0).standard_normal(800).cumsum(), np.arange(800.0)])
+def test_motion_without_period(signal):
+    with pytest.raises(InputError, match="does not repeat itself"):
+        period(recording(np.arange(800) * 0.01, torque=signal, velocity=signal))
+
+
+@pytest.mark.parametrize(
+    "values",
+    [{"by": "run"}, {"by": "runs", "blocks": 4}, {"fraction": 1.0}, {"by": "time", "test_runs": [1]}, {"fracton": 0.2}],
+)
+def test_settings_that_mean_nothing_are_refused(values):
+    with pytest.raises(ValidationError):
+        Split.model_validate(values)
