@@ -178,6 +178,7 @@ def _draw(
         "sensors": {"velocity_noise_percent": noise, "temperature_noise": 0.1},
         "rate": d.rate,
         "samples": samples,
+        "rest_speed": 1e-4 * d.speed,
         "hold": bool(rng.random() < 0.7),
         "seed": int(rng.integers(2**31)),
     }
@@ -313,13 +314,14 @@ _DRAWN: Mapping[str, Callable[[np.random.Generator, _Drive, Rig], dict[str, Any]
     "rising-stiction": lambda r, d, _: {
         "rise": 0.5 * d.coulomb,
         "time": 0.3 / d.frequency,
-        "distance": d.travel * _log(r, 0.01, 0.08),
+        "distance": d.travel * _log(r, 0.05, 0.3),
     },
     "backlash": lambda r, d, _: {
         "gap": d.travel * _log(r, 0.02, 0.1),
         "load_inertia_share": r.uniform(0.3, 0.7),
         "load_friction_share": r.uniform(0.3, 0.7),
-        "contact_frequency": d.rate * r.uniform(0.05, 0.15),
+        "contact_frequency": d.rate * r.uniform(0.2, 0.5),
+        "damping_ratio": r.uniform(0.4, 1.0),
     },
     "joint-compliance": lambda r, d, _: {
         "frequency": d.bandwidth * r.uniform(3, 6),

@@ -189,6 +189,8 @@ def advance(
             dwell += h
         q1, w1, q2, w2, peak = ynew
         z = zn
+        if not elastic and s1 != 0.0 and body != 1 and s1 * w1 < min(p.rest_speed, s1 * x[1]):
+            body = 1
         if body == 1 and s1 != 0.0:
             w1, s1, dwell, peak = 0.0, 0.0, 0.0, 0.0
         elif body == 2:

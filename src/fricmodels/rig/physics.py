@@ -1,7 +1,8 @@
 """The equations of the simulated drive, as plain scalar functions compiled by Numba.
 
 Two bodies: the motor (index 1) and the load behind it (index 2), joined by a spring, damper and gap, or one rigid
-body when the load inertia is 0. Every function takes the record ``p`` of :data:`PHYSICS`. Nothing here is shared with the laws and effects that are identified.
+body when the load inertia is 0. Every function takes the record ``p`` of :data:`PHYSICS`. Nothing here is shared with
+the laws and effects that are identified.
 """
 
 from __future__ import annotations
@@ -20,7 +21,7 @@ PHYSICS = np.dtype(
         *(
             (name, np.float64)
             for name in (
-                "wave_count",
+                *("wave_count", "rest_speed"),
                 *("motor_inertia", "load_inertia", "coupling_stiffness", "coupling_damping", "gap", "motor_share"),
                 *("viscous_forward", "viscous_backward", "coulomb_forward", "coulomb_backward"),
                 *("rise_forward", "rise_backward", "fall_forward", "fall_backward"),
@@ -37,7 +38,7 @@ PHYSICS = np.dtype(
         ),
     ]
 )
-"""Everything that the equations of motion need, in SI units; zero switches a part off. ``waves`` has rows (kind, k, a, φ)."""
+"""Everything that the equations of motion need, in SI units; ``waves`` has rows (kind, k, a, φ). Zero is off."""
 
 RIGID, DAHL, LUGRE, MAXWELL_SLIP = 0.0, 1.0, 2.0, 3.0
 COGGING, FRICTION_WAVE, RIPPLE = 0.0, 1.0, 2.0

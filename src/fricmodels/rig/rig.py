@@ -98,7 +98,8 @@ class Rig(BaseModel):
     """A simulated drive and one experiment with it, as a YAML file states it.
 
     ``inertia`` is the stated one [kg m² or kg]; an ``inertia-error`` makes the true one differ. Each of ``runs`` runs
-    has ``samples`` samples at ``rate`` [Hz]. ``hold`` keeps the torque constant between samples.
+    has ``samples`` samples at ``rate`` [Hz]. ``hold`` keeps the torque constant between samples. A motor that slows
+    below ``rest_speed`` stops: without it, a well damped controller lets it creep up to its goal for ever.
     """
 
     model_config = ConfigDict(extra="forbid", frozen=True)
@@ -115,6 +116,7 @@ class Rig(BaseModel):
     runs: Annotated[int, Field(ge=1, le=1000)] = 1
     hold: bool = True
     torque_limit: Positive | None = None
+    rest_speed: NotNegative = 0.0
     substeps: Annotated[int, Field(ge=1, le=1000)] = 20
     seed: Annotated[int, Field(ge=0)] = 0
 
@@ -189,8 +191,8 @@ class Rig(BaseModel):
             part["torque"] = history.driving(time - driven)
             part["velocity"] = history.moving(history.velocity, time - moved)
             part["position"] = history.moving(history.position, time - moved)
-            part["load_torque"] = history.moving(history.load, time)
-            part["temperature"] = history.moving(history.temperature, time)
+            part["load_torque"] = history.sampled(history.load, time)
+            part["temperature"] = history.sampled(history.temperature, time)
             parts.append(part)
         run = np.repeat(np.arange(self.runs), [len(part["time"]) for part in parts])
         whole = {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
@@ -217,19 +219,20 @@ class Rig(BaseModel):
     def effect_torque(self) -> Array:
         """Return what the hidden effects leave in the residual torque of the true law, shape (runs·samples,).
 
-        It is τ_m − τ_L − J dω/dt − τ_F(ω) of the recorded signals, without noise and without hidden effects in τ_F;
-        at rest, the distance to what dry friction can hold. The derivative is the forward one of the fine motion.
+        It is τ_m − τ_L − J dω/dt − τ_F(ω) of the recorded signals, without noise and without hidden effects in τ_F
+        (at rest, the distance to what dry friction can hold), averaged over the interval after each sample.
         """
-        time = np.arange(self.samples) / self.rate
         moved, driven = self._delays
         parts = []
         for history in self.histories:
-            step = history.interval * self.samples / len(history.velocity)
-            at = time - moved
-            velocity, soon, later = (history.moving(history.velocity, at + ahead * step) for ahead in (0, 1, 2))
-            acceleration = (4 * soon - 3 * velocity - later) / (2 * step)
-            net = history.driving(time - driven) - history.load - self.inertia * acceleration
-            parts.append(self.friction.residual(velocity, net))
+            n = len(history.velocity)
+            step = history.interval * self.samples / n
+            time = np.arange(n, dtype=np.float64) * step
+            velocity, later = (history.moving(history.velocity, time - moved + ahead) for ahead in (0.0, step))
+            applied = history.driving(time + 0.5 * step - driven) - history.sampled(history.load, time + 0.5 * step)
+            net = applied - self.inertia * (later - velocity) / step
+            between = np.where((velocity == 0) & (later == 0), 0.0, 0.5 * (velocity + later))
+            parts.append(self.friction.residual(between, net).reshape(self.samples, -1).mean(axis=1))
         return np.concatenate(parts)
 
     @property
@@ -251,7 +254,7 @@ class Rig(BaseModel):
             p[f"fall_{side}"] = _pair(friction.fall)[i]
         p["motor_inertia"], p["motor_share"] = self.inertia, 1.0
         p["stribeck_speed"] = p["stribeck_exponent"] = p["ageing_distance"] = p["ageing_time"] = 1.0
-        p["step_time"] = np.inf
+        p["rest_speed"], p["step_time"] = self.rest_speed, np.inf
         p["torque_limit"] = np.inf if self.torque_limit is None else self.torque_limit
         if self.load is not None:
             p["payload"], p["payload_angle"] = self.load.payload, self.load.payload_angle

@@ -56,6 +56,10 @@ class History:
         step = self.interval * len(self.torque) / len(quantity)
         return _interpolate(quantity, time / step)
 
+    def sampled(self, quantity: Array, time: Array) -> Array:
+        """Return a quantity known at the samples at any times of the run, by linear interpolation."""
+        return _interpolate(quantity, time / self.interval)
+
     def driving(self, time: Array) -> Array:
         """Return the torque in effect at any times of the run."""
         index = time / self.interval
