@@ -24,9 +24,10 @@ lint: $(VENV)/.installed
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
+	$(BIN)/mypy $(addsuffix /src,$(PLUGINS))
 
 test: lint
-	$(BIN)/pytest -m "not long"
+	$(BIN)/pytest -m "not long" tests plugins
 
 test-long: $(VENV)/.installed
 	$(BIN)/pytest -m long

@@ -29,7 +29,7 @@ LAYERS = (
     {"tournament", "diagnosis"},
     {"export", "report"},
     {"testing"},
-    {"cli"},
+    {"cli", "__main__"},
 )
 LEVEL = {room: level for level, rooms in enumerate(LAYERS) for room in rooms}
 BUILT_IN = {"laws", "effects", "readers"}

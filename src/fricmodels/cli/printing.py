@@ -55,7 +55,8 @@ def progress_of_fits() -> Iterator[Report]:
         TextColumn("{task.fields[rate]}"),
         TimeRemainingColumn(),
     )
-    with Progress(*columns, console=console(errors=True), transient=True) as progress:
+    where = console(errors=True)
+    with Progress(*columns, console=where, transient=True, disable=not where.is_terminal) as progress:
         task = progress.add_task("fits", total=None, rate="")
 
         def report(done: int, total: int, job: Any, row: Any) -> None:

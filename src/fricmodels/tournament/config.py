@@ -33,6 +33,10 @@ def _listed(value: Any) -> Any:
     return list(value) if isinstance(value, list | tuple) else [value]
 
 
+def _run_names(value: Any) -> Any:
+    return [str(item) if isinstance(item, int) else item for item in _listed(value)]
+
+
 def _estimator(value: Any) -> Any:
     return {"name": value} if isinstance(value, str) else value
 
@@ -98,7 +102,9 @@ class Dataset(Closed):
     )
     estimate_inertia: bool = Field(default=False, description="estimate the inertia of a simulated drive too")
     torque_constant: float | None = Field(default=None, gt=0, allow_inf_nan=False, description="N m/A or N/A")
-    runs: list[int] | None = Field(default=None, description="use these runs only")
+    runs: Annotated[list[str], BeforeValidator(_run_names), Field(min_length=1)] | None = Field(
+        default=None, description="numbers or names of the runs to use; all by default"
+    )
     preparation: Preparation | None = None
     split: Split | None = None
 

@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterator
 from concurrent.futures import FIRST_COMPLETED, Future, wait
 from typing import Any
 
+from fricmodels import plugins
 from fricmodels.errors import InputError
 from fricmodels.fit import Status
 from fricmodels.tournament.jobs import Job, Row, execute
@@ -71,7 +72,7 @@ def _local(jobs: list[Job], processes: int, timeout: float) -> Results:
 
     context = multiprocessing.get_context("spawn")
     queue = _Queue(jobs)
-    pools: list[Any] = [ProcessPool(max_workers=1, context=context, initializer=_one_thread) for _ in range(processes)]
+    pools: list[Any] = [ProcessPool(max_workers=1, context=context, initializer=_ready) for _ in range(processes)]
     running: dict[Future[Any], tuple[int, Job]] = {}
 
     def start(worker: int) -> None:
@@ -95,13 +96,17 @@ def _local(jobs: list[Job], processes: int, timeout: float) -> Results:
             pool.join()
 
 
-def _one_thread() -> None:
-    """Keep a worker to one core and leave Ctrl-C to the process that started it."""
+def _ready() -> None:
+    """Keep a worker to one core, leave Ctrl-C to its parent, and import what fits need before any clock runs."""
+    import importlib
     import signal
 
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
         os.environ.setdefault(name, "1")
+    for module in ("casadi", "numba", "scipy.optimize", "fricmodels.score"):
+        importlib.import_module(module)
+    plugins.load()
 
 
 def _outcome(job: Job, result: Callable[[], Row], timeout: float) -> Row:

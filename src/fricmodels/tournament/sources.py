@@ -220,11 +220,12 @@ def _read(path: Path, values: Mapping[str, Any], name: str) -> Recording:
     wanted = values["runs"]
     if wanted is None:
         return recording
-    known = np.unique(recording.run)
-    missing = sorted(set(wanted) - set(known.tolist()))
-    if missing:
-        raise InputError(f"{path}: there is no run {missing[0]}; it has {', '.join(map(str, known[:20]))}")
-    return recording.select(np.isin(recording.run, wanted))
+    names = {str(number): int(number) for number in np.unique(recording.run)}
+    names.update({str(name): int(number) for number, name in recording.provenance.get("runs", {}).items()})
+    for name_of_run in wanted:
+        if name_of_run not in names:
+            raise InputError(f"{path}: there is no run '{name_of_run}'; it has {', '.join(list(names)[:20])}")
+    return recording.select(np.isin(recording.run, [names[name_of_run] for name_of_run in wanted]))
 
 
 def _record_rig(values: Mapping[str, Any], name: str) -> Recording:

@@ -1,0 +1,148 @@
+"""The commands: quick to start, thin, and with the exit codes that they promise."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+import fricmodels
+from fricmodels import cli, plugins
+from fricmodels.cli import COMMANDS, main
+from fricmodels.tournament.leaderboard import Leaderboard
+
+HEAVY = ("casadi", "pandas", "scipy", "numba", "numpy", "pint", "pyarrow", "filterpy")
+
+
+def call(capsys: pytest.CaptureFixture[str], *arguments: str) -> tuple[int, str, str]:
+    with pytest.raises(SystemExit) as stopped:
+        main(list(arguments))
+    captured = capsys.readouterr()
+    return int(stopped.value.code or 0), captured.out, captured.err
+
+
+@pytest.mark.parametrize("arguments", [["--help"], ["--version"], *[[name, "--help"] for name in COMMANDS]])
+def test_help_imports_nothing_heavy(arguments: list[str]) -> None:
+    program = (
+        "import sys\n"
+        "from fricmodels.cli import main\n"
+        "try:\n    main(sys.argv[1:])\n"
+        f"finally:\n    print([n for n in {HEAVY!r} if n in sys.modules], file=sys.stderr)\n"
+    )
+    done = subprocess.run([sys.executable, "-c", program, *arguments], capture_output=True, text=True, check=True)
+    assert done.stderr.strip() == "[]"
+    assert done.stdout
+
+
+def test_help_is_quick() -> None:
+    """The processor time of the best of some tries: other work on the machine does not count."""
+    best = min(seconds_of([sys.executable, "-m", "fricmodels", "--help"]) for _ in range(3))
+    assert best < 0.4
+
+
+def seconds_of(command: list[str]) -> float:
+    if not hasattr(os, "wait4"):
+        begin = time.perf_counter()
+        subprocess.run(command, check=True, capture_output=True)
+        return time.perf_counter() - begin
+    process = subprocess.Popen(command, stdout=subprocess.DEVNULL)
+    _, status, usage = os.wait4(process.pid, 0)
+    process.returncode = os.waitstatus_to_exitcode(status)
+    assert process.returncode == 0
+    return usage.ru_utime + usage.ru_stime
+
+
+def test_version(capsys: pytest.CaptureFixture[str]) -> None:
+    assert call(capsys, "--version") == (0, f"fricmodels {fricmodels.__version__}\n", "")
+
+
+def test_no_command_shows_help(capsys: pytest.CaptureFixture[str]) -> None:
+    code, out, err = call(capsys)
+    assert code == 2
+    assert "leaderboard" in out + err
+    assert "Traceback" not in err
+
+
+def test_list_shows_equations_units_and_origin(capsys: pytest.CaptureFixture[str]) -> None:
+    code, out, _ = call(capsys, "list", "laws")
+    assert code == 0
+    text = " ".join(out.split())
+    for name in plugins.load().laws:
+        assert name in text
+    assert "K_v·ω + K_c·sgn ω" in text
+    assert "K_v [N m s/rad]" in text
+    assert "fricmodels" in text
+    assert "K_v [N s/m]" in " ".join(call(capsys, "list", "laws", "--linear")[1].split())
+
+
+@pytest.mark.parametrize("kind", ["effects", "estimators", "readers"])
+def test_list_shows_all_that_is_registered(kind: str, capsys: pytest.CaptureFixture[str]) -> None:
+    code, out, err = call(capsys, "list", kind)
+    assert (code, err) == (0, "")
+    for name in getattr(plugins.load(), kind):
+        assert name in out
+
+
+def test_schema_is_json_schema_of_the_configuration(capsys: pytest.CaptureFixture[str]) -> None:
+    code, out, _ = call(capsys, "schema")
+    schema = json.loads(out)
+    assert code == 0
+    assert schema["additionalProperties"] is False
+    assert {"datasets", "models", "estimators", "rank_by"} <= set(schema["properties"])
+
+
+def test_an_unexpected_error_is_one_line(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    def fails() -> None:
+        raise RuntimeError("what\nnow")
+
+    monkeypatch.setattr(plugins, "load", fails)
+    code, _, err = call(capsys, "list", "laws")
+    assert code == 1
+    assert err.splitlines() == [
+        "error: RuntimeError: what now (unexpected; 'fricmodels --debug …' shows the traceback)"
+    ]
+    assert "Traceback" in call(capsys, "--debug", "list", "laws")[2]
+
+
+def test_an_interruption_is_no_traceback(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    def stops() -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(plugins, "load", stops)
+    assert call(capsys, "list", "laws")[0] == 130
+
+
+@pytest.mark.parametrize("form", ["table", "md", "csv", "json", "html", "latex", "parquet"])
+def test_leaderboard_in_every_format(form: str, tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    row = {
+        "model": "coulomb-viscous", "estimator": "batch", "dataset": "[bold]motor[/bold]", "tags": {"seed": 1},
+        "rms_torque_error_percent": 1.5, "held_out_rms_torque_error_percent": 1.75, "parameters": {"K_v": 1e-4},
+        "standard_errors": {"K_v": 1e-6}, "true_parameters": None, "seconds": 0.1, "status": "ok", "message": "",
+    }  # fmt: skip
+    Leaderboard.ranked([row]).write(tmp_path)
+    target = tmp_path / f"board.{form}"
+    with pytest.raises(SystemExit) as stopped:
+        main(["leaderboard", str(tmp_path), "--format", form, "--out", str(target)])
+    assert stopped.value.code == 0
+    assert target.stat().st_size > 0
+    if form == "parquet":
+        return
+    assert "coulomb" in target.read_text()
+    with pytest.raises(SystemExit):
+        main(["leaderboard", str(tmp_path), "--format", form])
+    out, err = capfd.readouterr()
+    assert "1.75" in out
+    assert err == ""
+    if form == "table":
+        assert "[bold]motor[/bold]" in out
+
+
+def test_a_command_is_one_line_and_one_module() -> None:
+    folder = Path(cli.__file__).parent
+    modules = {file.stem for file in folder.glob("*.py")} - {"__init__", "printing"}
+    assert modules == set(COMMANDS)
