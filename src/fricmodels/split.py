@@ -146,7 +146,7 @@ def _blocks(recording: Recording, how: Split) -> Mask:
 def period(recording: Recording) -> float:
     """Return the period [s] of the motion, from the autocorrelation of the torque and the velocity or position.
 
-    The period is the first peak that is nearly as high as any (nine tenths), by a parabola over its top, a twelfth of
+    The period is the first peak that is nearly as high as any (nine tenths), by a parabola over its top, a fortieth of
     the period to either side. The correlation at each lag is that of the samples that overlap there.
 
     Raises:
@@ -168,7 +168,7 @@ def period(recording: Recording) -> float:
         )
     first = int(below[0] + np.argmax(later >= 0.9 * later.max()))
     peak = first + int(np.argmax(correlation[first : first + first // 4 + 2]))
-    near = np.abs(lag - peak) <= max(1, peak // 12)
+    near = np.abs(lag - peak) <= max(1, peak // 40)
     curvature, slope, _ = np.polyfit(lag[near] - peak, correlation[near], 2)
     shift = -0.5 * slope / curvature if curvature < 0 else 0.0
     return float((peak + shift) * even.interval)

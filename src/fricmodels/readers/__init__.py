@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from fricmodels.hookspecs import hookimpl
+from fricmodels.readers.bag import BagReader
 from fricmodels.readers.base import Reader
 from fricmodels.readers.checks import check
 from fricmodels.readers.csv import CsvReader
@@ -16,4 +17,4 @@ __all__ = ["Reader", "check", "read"]
 @hookimpl
 def fricmodels_readers() -> list[type[Reader]]:
     """Return the built-in readers."""
-    return [CsvReader, ParquetReader, MatlabReader]
+    return [CsvReader, ParquetReader, MatlabReader, BagReader]

@@ -65,10 +65,14 @@ def best_half_width(
     r"""Return the half width whose derivative has the least mean squared error, as estimated from the data.
 
     Against a short differentiator :math:`D_0`, which has hardly any bias, the error of :math:`D_h` is, but for a
-    constant, :math:`\overline{(D_h y)^2 - 2\,(D_h y)(D_0 y)} + 2\sigma^2\,\overline{d_h\cdot d_0}` with the weights d and the
-    noise σ (Stein's unbiased estimate of risk). First the shortest one serves as :math:`D_0`, then a third of the
-    width that it led to, which is far less noisy. On uneven samples the weights are met by differentiating white
-    noise. Widths are tried in steps of a quarter, on some thirty thousand samples spread over the record.
+    constant,
+
+    .. math:: \overline{(D_h y)^2 - 2\,(D_h y)(D_0 y)} + 2\sigma^2\,\overline{d_h\cdot d_0}
+
+    with the weights d and the noise σ (Stein's unbiased estimate of risk). First the shortest one serves as
+    :math:`D_0`, then a third of the width that it led to, which is far less noisy. On uneven samples the weights are
+    met by differentiating white noise. Widths are tried in steps of a quarter, on some thirty thousand samples spread
+    over the record.
     """
     shortest = max(1, (degree + 1) // 2)
     parts = _excerpts([part for part in stretches(time, runs) if part.stop - part.start >= 8])
