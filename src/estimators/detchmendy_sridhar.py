@@ -9,21 +9,21 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
-from estimators.preparation import Hold, paper_scales, scanned_guess, usable
+from estimators.normalisation import NormalisedSpace, normalised_space
+from estimators.preparation import Hold, paper_scales, peak_speed, scanned_guess, usable
 from estimators.result import averaged_fit
 from estimators.sequential import (
     FilterProblem,
     ProblemOnline,
     bounded,
     normalised_bounds,
-    normalised_space,
     symbolic_covariance,
     symbolic_pack,
 )
 from estimators.substeps import stable_substeps
 from estimators.transition import transition
 from fricmodels.dimension import INERTIA, Scales
-from fricmodels.drive import Drive, StateSpace
+from fricmodels.drive import Drive
 from fricmodels.estimator import EstimatorSettings, OnlineFilter, SequentialEstimator
 from fricmodels.fit import Fit
 from fricmodels.kernels import Scan
@@ -35,7 +35,7 @@ REST_WIDTH = 1e-3
 """Width of rest, as a fraction of the peak speed: limits the slope of |ω|^p to what a step can follow."""
 
 
-def detchmendy_sridhar_step(space: StateSpace, drive: Drive) -> Any:
+def detchmendy_sridhar_step(space: NormalisedSpace, drive: Drive) -> Any:
     r"""Build one step of eqs. 12–14 as a CasADi function for :class:`fricmodels.kernels.Scan`.
 
     .. math::
@@ -50,13 +50,13 @@ def detchmendy_sridhar_step(space: StateSpace, drive: Drive) -> Any:
     stored, so that it stays symmetric.
 
     State: ``[x; lower triangle of P]``. Input: ``[Δr, weight, y, u…]``, the weight being the time since the last
-    observation, or zero for none. Constants: ``[width, Q, W, lower bounds…, upper bounds…]``.
+    observation, or zero for none. Constants: ``[known…, Q, W, lower bounds…, upper bounds…]``.
     Output: ``[x; diagonal of P; innovation; 2/(Q Δr) + Hᵀ P H]``.
     """
     import casadi
 
     step = transition(space)
-    x, n, moving = space.x, space.x.numel(), len(space.states)
+    x, n, moving = space.x, space.x.numel(), space.moving
     triangle, covariance = symbolic_covariance(n)
     weight, y, q, w = (casadi.SX.sym(name) for name in ("weight", "y", "Q", "W"))
     lower, upper = casadi.SX.sym("lower", n - moving), casadi.SX.sym("upper", n - moving)
@@ -85,7 +85,7 @@ def detchmendy_sridhar_step(space: StateSpace, drive: Drive) -> Any:
         [
             casadi.vertcat(x, triangle),
             casadi.vertcat(step.duration, weight, y, space.u),
-            casadi.vertcat(space.width, q, w, lower, upper),
+            casadi.vertcat(space.known, q, w, lower, upper),
         ],
         [
             casadi.vertcat(estimate, symbolic_pack(posterior)),
@@ -117,8 +117,8 @@ class DetchmendySridhar(SequentialEstimator):
 
     The recording is normalised as in eq. 6 and the estimate converted back. Eq. 14 adds the unit matrix to dP/dr, so
     the gain never dies and the filter keeps following; the estimate that it is asked for at the end is the mean of
-    its history over the last whole cycles (``average``), and the standard error comes from the spread of the cycles'
-    means: P itself is no covariance of the estimate, since Q = W = 1 are not noise intensities.
+    its history over the last whole cycles (``average``), and the standard error comes from its slow
+    variation: P itself is no covariance of the estimate, since Q = W = 1 are not noise intensities.
     """
 
     name = "detchmendy-sridhar"
@@ -132,7 +132,8 @@ class DetchmendySridhar(SequentialEstimator):
         kept = usable(drive, recording)
         problem = self._problem(drive, kept)
         trajectory = problem.run(kept)
-        return averaged_fit(self, problem, kept, trajectory, self.settings.average, began)
+        settings = self.settings
+        return averaged_fit(self, problem, kept, trajectory, settings.average, settings.weight_of_model, began)
 
     def start(self, drive: Drive, recording: Recording) -> OnlineFilter:
         """Return the filter before its first sample."""
@@ -144,7 +145,7 @@ class DetchmendySridhar(SequentialEstimator):
         space = normalised_space(drive)
         covariance = np.full((space.x.numel(),) * 2, settings.initial_covariance)
         np.fill_diagonal(covariance, settings.initial_variance)
-        moving = len(space.states)
+        moving = space.moving
         parameters = start_values(drive, recording, scales, settings.scan)
         if drive.inertia is None:
             covariance[moving, :] = covariance[:, moving] = 0.0
@@ -152,13 +153,14 @@ class DetchmendySridhar(SequentialEstimator):
         lower, upper = normalised_bounds(drive, scales)
         if not settings.bounds:
             lower, upper = np.full_like(lower, -1e300), np.full_like(upper, 1e300)
-        head = [2 * REST_WIDTH, settings.weight_of_observations, settings.weight_of_model]
+        known = space.values(drive, scales, REST_WIDTH * peak_speed(recording))
+        weights = [settings.weight_of_observations, settings.weight_of_model]
         return FilterProblem(
             drive=drive,
             scales=scales,
             space=space,
             scan=Scan(detchmendy_sridhar_step(space, drive)),
-            constants=np.concatenate([head, lower, upper]),
+            constants=np.concatenate([known, weights, lower, upper]),
             initial_states=initial_states(drive, scales),
             initial_parameters=parameters,
             initial_covariance=covariance,

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from pydantic import Field
 
 from estimators.detchmendy_sridhar import REST_WIDTH, initial_states
+from estimators.normalisation import NormalisedSpace, normalised_space
 from estimators.preparation import (
     Hold,
     dominant_frequency,
@@ -28,7 +29,6 @@ from estimators.sequential import (
     Trajectory,
     bounded,
     normalised_bounds,
-    normalised_space,
     pack,
     projected,
     symbolic_covariance,
@@ -38,7 +38,7 @@ from estimators.sequential import (
 from estimators.substeps import stable_substeps
 from estimators.transition import transition
 from fricmodels.dimension import VELOCITY, Scales
-from fricmodels.drive import Drive, StateSpace
+from fricmodels.drive import Drive
 from fricmodels.estimator import EstimatorSettings, OnlineFilter, SequentialEstimator
 from fricmodels.fit import Fit
 from fricmodels.kernels import Scan
@@ -55,7 +55,7 @@ _INDISTINCT = 1.92
 """Half the 95 % quantile of chi-square, one degree of freedom: model noise is assumed where it explains more."""
 
 
-def kalman_step(space: StateSpace, drive: Drive) -> Any:
+def kalman_step(space: NormalisedSpace, drive: Drive) -> Any:
     r"""Build one predict-and-update step as a CasADi function for :class:`fricmodels.kernels.Scan`.
 
     .. math::
@@ -65,13 +65,13 @@ def kalman_step(space: StateSpace, drive: Drive) -> Any:
     with H = [1, 0, …, 0]ᵀ, the measured velocity; the update is left out where the weight of the row is zero.
 
     State: ``[x; lower triangle of P]``. Input: ``[Δt, weight, y, u…]``.
-    Constants: ``[width, R, diagonal of W…, lower bounds…, upper bounds…]``.
+    Constants: ``[known…, R, diagonal of W…, lower bounds…, upper bounds…]``.
     Output: ``[x; diagonal of P; innovation; HᵀPH + R]``.
     """
     import casadi
 
     step = transition(space)
-    n, moving = space.x.numel(), len(space.states)
+    n, moving = space.x.numel(), space.moving
     triangle, covariance = symbolic_covariance(n)
     weight, y, r = (casadi.SX.sym(name) for name in ("weight", "y", "R"))
     w = casadi.SX.sym("W", n)
@@ -91,7 +91,7 @@ def kalman_step(space: StateSpace, drive: Drive) -> Any:
         [
             casadi.vertcat(space.x, triangle),
             casadi.vertcat(step.duration, weight, y, space.u),
-            casadi.vertcat(space.width, r, w, lower, upper),
+            casadi.vertcat(space.known, r, w, lower, upper),
         ],
         [
             casadi.vertcat(estimate, symbolic_pack(posterior)),
@@ -101,14 +101,14 @@ def kalman_step(space: StateSpace, drive: Drive) -> Any:
     )
 
 
-def prediction_step(space: StateSpace) -> Any:
+def prediction_step(space: NormalisedSpace) -> Any:
     """Build the step ``x → f(x, u)`` with the elements of F, column by column, as its output."""
     import casadi
 
     step = transition(space)
     return casadi.Function(
         "prediction",
-        [space.x, casadi.vertcat(step.duration, space.u), space.width],
+        [space.x, casadi.vertcat(step.duration, space.u), space.known],
         [step.following, casadi.vec(casadi.densify(step.jacobian))],
         {"cse": True},
     )
@@ -173,10 +173,10 @@ class ExtendedKalman(SequentialEstimator):
 
     def _noise(self, problem: FilterProblem) -> dict[str, float]:
         """Return the noise that the filter was given, in SI."""
-        velocity = problem.scales.of(VELOCITY)
+        velocity, first = problem.scales.of(VELOCITY), problem.space.known.numel()
         return {
-            "velocity": float(np.sqrt(problem.constants[1]) * velocity),
-            "model": float(np.sqrt(problem.constants[2] / problem.scales.time) * velocity),
+            "velocity": float(np.sqrt(problem.constants[first]) * velocity),
+            "model": float(np.sqrt(problem.constants[first + 1] / problem.scales.time) * velocity),
         }
 
     def _problem(self, drive: Drive, recording: Recording) -> FilterProblem:
@@ -194,7 +194,6 @@ class ExtendedKalman(SequentialEstimator):
         start = np.where(linear, np.clip(start, -2 * np.maximum(deviation, 0.5), 2 * np.maximum(deviation, 0.5)), start)
         lower = np.maximum(lower, start - _FARTHEST * deviation)
         upper = np.minimum(upper, start + _FARTHEST * deviation)
-        moving = len(space.states)
         noise = (settings.velocity_noise or velocity_noise(recording)) / scales.of(VELOCITY)
         memory = [state.initial / scales.of(state.dimension) for state in drive.model.states]
         problem = FilterProblem(
@@ -202,7 +201,7 @@ class ExtendedKalman(SequentialEstimator):
             scales=scales,
             space=space,
             scan=Scan(kalman_step(space, drive)),
-            constants=np.zeros(2 + moving + 3 * len(start)),
+            constants=space.values(drive, scales, REST_WIDTH * peak_speed(recording)),
             initial_states=initial_states(drive, scales),
             initial_parameters=start,
             initial_covariance=np.diag([noise**2, *(1e-6 + np.square(memory)), *deviation**2]),
@@ -228,7 +227,7 @@ class ExtendedKalman(SequentialEstimator):
         for factor in factors:
             for level in levels:
                 w = [(level * torque) ** 2 * step, *[0.0] * (problem.moving - 1), *walk]
-                constants = np.array([2 * REST_WIDTH, (factor * noise) ** 2, *w, *lower, *upper])
+                constants = np.array([*problem.constants, (factor * noise) ** 2, *w, *lower, *upper])
                 candidate = replace(problem, constants=constants)
                 trajectory = candidate.run(part)
                 tried.append((log_likelihood(trajectory), level, candidate, trajectory.memory))
@@ -293,15 +292,14 @@ def run_filterpy(problem: FilterProblem, recording: Recording) -> Trajectory:
     n, moving = problem.order, problem.moving
     prediction = Scan(prediction_step(problem.space))
     count = n - moving
-    width, noise = problem.constants[:2]
-    w = problem.constants[2 : 2 + n]
-    lower, upper = problem.constants[2 + n : 2 + n + count], problem.constants[2 + n + count :]
+    ends = np.cumsum([problem.space.known.numel(), 1, n, count])
+    known, (noise,), w, lower, upper = np.split(problem.constants, ends)
     observed = np.zeros((1, n))
     observed[0, 0] = 1.0
 
     class Filter(ExtendedKalmanFilter):  # type: ignore[misc]
         def predict_x(self, u: Any = 0) -> None:
-            following, jacobian, _ = prediction(self.x, u[None, :], [width])
+            following, jacobian, _ = prediction(self.x, u[None, :], known)
             self.x: Array = following[:, None]
             self.F = jacobian.reshape(n, n).T
             self.Q = u[0] * np.diag(w)

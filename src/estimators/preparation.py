@@ -21,6 +21,7 @@ Hold = Literal["linear", "held"]
 
 _LEAST = 20
 _MOST_COMBINATIONS = 400
+_TRACED = 20_000
 
 
 def usable(drive: Drive, recording: Recording) -> Recording:
@@ -168,8 +169,8 @@ class Guess:
 def scanned_guess(drive: Drive, recording: Recording) -> Guess:
     """Return a first guess: nonlinear parameters from their scan values, the linear ones regressed.
 
-    Parameters without scan values keep their declared initial values. Models with internal states, which have no
-    regression, are given their declared values and the middle of each scan.
+    Parameters without scan values keep their declared initial values. Internal states are integrated along the measured
+    motion of the first 20 000 samples.
     """
     parameters = drive.model.parameters
     free = [i for i, linear in enumerate(drive.model.linear) if not linear]
@@ -180,25 +181,26 @@ def scanned_guess(drive: Drive, recording: Recording) -> Guess:
         unit = scan_unit(declared.dimension, recording) if declared.scan else 1.0
         values = [unit * value for value in declared.scan] or [declared.initial]
         choices.append([min(max(value, declared.lower), declared.upper) for value in values])
+    part = recording.with_channels(acceleration=smoothed_acceleration(recording))
+    moving = np.abs(recording.velocity) > 0.02 * peak_speed(recording)
     if drive.model.states:
-        middle = {parameters[i].key: choice[len(choice) // 2] for i, choice in zip(free, choices, strict=True)}
-        initial = {p.key: p.declared.initial for p in parameters}
-        return Guess({drive.inertia_key: inertia, **initial, **middle}, math.inf)
-    acceleration = smoothed_acceleration(recording)
-    moving = np.flatnonzero(np.abs(recording.velocity) > 0.02 * peak_speed(recording))
-    moving = moving[:: max(1, len(moving) // 4000)]
-    used = recording.select(moving).with_channels(acceleration=acceleration[moving])
-    torque = used.torque - used.load_torque - inertia * used["acceleration"]
+        part, moving = part.select(np.arange(len(part)) < _TRACED), moving[:_TRACED]
+    else:
+        rows = np.flatnonzero(moving)
+        part = part.select(rows[:: max(1, len(rows) // 4000)])
+        moving = np.ones(len(part), dtype=bool)
+    torque = part.torque - part.load_torque - inertia * part["acceleration"]
     lower = np.array([p.declared.lower for p, linear in zip(parameters, drive.model.linear, strict=True) if linear])
     upper = np.array([p.declared.upper for p, linear in zip(parameters, drive.model.linear, strict=True) if linear])
     best: tuple[float, tuple[float, ...], Array] | None = None
     for nonlinear in itertools.islice(itertools.product(*choices), _MOST_COMBINATIONS):
-        design, offset = drive.regressors(used, nonlinear)
+        design, offset = drive.regressors(part, nonlinear)
+        design, right = design[:, moving], (torque - offset)[moving]
         size = np.sqrt(np.mean(design**2, axis=1, keepdims=True))
         size[size == 0] = 1.0
-        linear = np.linalg.lstsq((design / size).T, torque - offset, rcond=1e-9)[0] / size[:, 0]
+        linear = np.linalg.lstsq((design / size).T, right, rcond=1e-9)[0] / size[:, 0]
         linear = np.clip(linear, lower, upper)
-        residual = float(np.sqrt(np.mean((torque - offset - linear @ design) ** 2)))
+        residual = float(np.sqrt(np.mean((right - linear @ design) ** 2)))
         if best is None or residual < best[0]:
             best = (residual, nonlinear, linear)
     if best is None:

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from estimators.regression import long_run_covariance
 from estimators.sequential import FilterProblem, Trajectory
 from fricmodels.drive import Drive
 from fricmodels.estimator import Estimator
@@ -74,13 +75,15 @@ def averaged_fit(
     recording: Recording,
     trajectory: Trajectory,
     share: float,
+    model_weight: float,
     began: float,
 ) -> Fit:
-    """Return the mean over the last whole cycles, with standard errors from the spread of the cycles' means.
+    """Return the mean over the last whole cycles, with standard errors from its slow variation.
 
-    One cycle is the period of the normalisation, 2π of normalised time. The means of whole cycles are taken as
-    independent: a cycle is several times the memory of the filter (about 1/(2PHQ) ≈ 1 rad). With fewer than three
-    cycles the final value is reported with the filter's own P, scaled to the measured innovations.
+    One cycle is the period of the normalisation, 2π of normalised time. The filter remembers for a few cycles, so the
+    variance of the mean is taken from the variation at periods of four cycles and more (equal-weighted cosines, half
+    as many as cycles). With fewer than three cycles the mean over what there is, or the final value, is reported with
+    the filter's own P, scaled to the measured innovations.
     """
     if trajectory.diverged_at is not None:
         return diverged_fit(estimator, problem, recording, trajectory, began)
@@ -89,17 +92,17 @@ def averaged_fit(
     cycles = int(np.floor(elapsed[-1] * share + 1e-6))
     message = ""
     if cycles >= 3:
-        number = np.ceil((elapsed[-1] - elapsed) - 1e-9).astype(int)
-        blocks = [normalised[number == k] for k in range(1, cycles + 1)]
-        means = np.array([block.mean(axis=0) for block in blocks if len(block)])
-        estimate = means.mean(axis=0)
-        covariance = np.atleast_2d(np.cov(means.T)) / len(means)
+        last = normalised[elapsed > elapsed[-1] - cycles + 1e-6]
+        estimate = last.mean(axis=0)
+        waves = max(2, cycles // 2)
+        covariance = long_run_covariance(last - estimate, waves) / len(last) ** 2
     else:
-        estimate = normalised[-1] if cycles < 1 else normalised[elapsed > elapsed[-1] - cycles].mean(axis=0)
+        estimate = normalised[-1] if cycles < 1 else normalised[elapsed > elapsed[-1] - cycles + 1e-6].mean(axis=0)
         ratio = np.nanmean(trajectory.innovation**2 / trajectory.innovation_variance)
         covariance = np.diag(trajectory.variances[-1, problem.moving :]) * float(ratio)
         message = "fewer than three cycles to average: standard errors from the filter's own covariance"
     size = problem.drive.parameter_scales(problem.scales)
+    walked = model_weight * float(elapsed[-1]) * 2 * np.pi
     return Fit(
         model=problem.drive.model.name,
         estimator=estimator.name,
@@ -108,6 +111,7 @@ def averaged_fit(
         covariance=covariance * np.outer(size, size),
         estimated=problem.drive.keys,
         message=message,
+        not_identified=unidentified(problem, trajectory.variances[-1, problem.moving :], walked),
         history=problem.history(trajectory),
         seconds=time.perf_counter() - began,
         provenance=provenance(estimator, recording),
@@ -120,11 +124,14 @@ def _elapsed(recording: Recording) -> Array:
     return np.concatenate([[0.0], np.cumsum(steps)])
 
 
-def unidentified(problem: FilterProblem, variances: Array) -> dict[str, str]:
-    """Name the parameters whose variance the recording left above a quarter of what it was at the start."""
-    before = np.diag(problem.initial_covariance)[problem.moving :]
+def unidentified(problem: FilterProblem, variances: Array, walked: float = 0.0) -> dict[str, str]:
+    """Name the parameters whose variance the recording left above a quarter of what it would be without it.
+
+    That is the initial one, plus what a random walk (eq. 14 adds the unit matrix) has ``walked``.
+    """
+    before = np.diag(problem.initial_covariance)[problem.moving :] + walked
     return {
-        key: "the recording narrows it by less than half of its initial uncertainty"
+        key: "the recording narrows its uncertainty by less than half"
         for key, after, first in zip(problem.drive.keys, variances, before, strict=True)
         if after > 0.25 * first
     }

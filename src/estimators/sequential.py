@@ -17,9 +17,10 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from estimators.normalisation import NormalisedSpace
 from estimators.preparation import Hold, mid_step
 from fricmodels.dimension import Scales
-from fricmodels.drive import Drive, StateSpace
+from fricmodels.drive import Drive
 from fricmodels.errors import InputError
 from fricmodels.estimator import OnlineFilter
 from fricmodels.kernels import Scan
@@ -61,7 +62,7 @@ class FilterProblem:
 
     drive: Drive
     scales: Scales
-    space: StateSpace
+    space: NormalisedSpace
     scan: Scan
     constants: Array
     initial_states: Array
@@ -73,7 +74,7 @@ class FilterProblem:
     @property
     def moving(self) -> int:
         """How many of x are velocity and internal states."""
-        return len(self.space.states)
+        return self.space.moving
 
     @property
     def order(self) -> int:
@@ -284,8 +285,3 @@ def projected(parameters: Array, lower: Array, upper: Array, drive: Drive) -> Ar
         if parameter.at_least is not None:
             inside[i] = max(inside[i], inside[drive.keys.index(parameter.at_least)])
     return np.asarray(inside)
-
-
-def normalised_space(drive: Drive) -> StateSpace:
-    """Return the state space of the drive scaled to an inertia of 1; the numbers of one drive are not built in."""
-    return Drive(drive.model, None if drive.inertia is None else 1.0, drive.motion).state_space(smooth=False)

@@ -13,8 +13,9 @@ from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
 from estimators.detchmendy_sridhar import DetchmendySridhar, detchmendy_sridhar_step
-from estimators.sequential import normalised_space, pack, unpack
-from fricmodels.dimension import Motion
+from estimators.normalisation import normalised_space
+from estimators.sequential import pack, unpack
+from fricmodels.dimension import Motion, Scales
 from fricmodels.drive import Drive
 from fricmodels.errors import EstimationError
 from fricmodels.fit import Status
@@ -37,13 +38,14 @@ def test_small_steps_tend_to_equations_12_and_14(paper: SimpleNamespace, curvatu
     n, q, w = space.x.numel(), 0.8, 0.6
     x0 = np.array([1.5, 0.4, 1.3, 0.9, 0.7])
     p0 = 2.0 * np.eye(n) + 0.5
-    observed, torque, width, end = 1.9, 2.5, 1e-3, 0.25
+    observed, torque, end = 1.9, 2.5, 0.25
+    known = space.values(Drive(drive.model, 1.0), Scales(), 1e-3)
 
-    g = casadi.Function("g", [space.x, space.u, space.width], [space.rate, casadi.jacobian(space.rate, space.x)])
+    g = casadi.Function("g", [space.x, space.u, space.known], [space.rate, casadi.jacobian(space.rate, space.x)])
 
     def right(_: float, memory: np.ndarray) -> np.ndarray:
         x, p = memory[:n], unpack(memory[n:], n)
-        rate, a = (np.array(part) for part in g(x, [torque, 0.0], width))
+        rate, a = (np.array(part) for part in g(x, [torque, 0.0], known))
         v, h = x[0], np.zeros(n)
         h[0] = 1 + 3 * curvature * v**2
         residual = observed - v - curvature * v**3
@@ -61,7 +63,7 @@ def test_small_steps_tend_to_equations_12_and_14(paper: SimpleNamespace, curvatu
         memory = np.concatenate([x0, pack(p0)])
         for _ in range(count):
             dr = end / count
-            memory = np.array(step(memory, [dr, dr, observed, torque, 0.0], [width, q, w, *bounds])[0])[:, 0]
+            memory = np.array(step(memory, [dr, dr, observed, torque, 0.0], [*known, q, w, *bounds])[0])[:, 0]
         distance.append(np.max(np.abs(memory - exact)))
     assert distance[1] < 0.01
     assert distance[1] / distance[0] == pytest.approx(0.5, abs=0.1), "first order in the step"
@@ -103,13 +105,22 @@ def test_large_initial_covariances_do_not_overflow(paper: SimpleNamespace) -> No
 
 
 def test_standstill_does_not_bias_coulomb_friction(paper: SimpleNamespace) -> None:
-    made = paper.recording(amplitude=0.012)
-    assert np.mean(made.velocity == 0) > 0.4
-    fit = DetchmendySridhar().fit(paper.drive("coulomb-viscous"), made)
-    assert fit.parameters["K_c"] < 0.012
+    made = paper.recording(amplitude=0.014)
+    assert np.mean(made.velocity == 0) > 0.15
     fit = DetchmendySridhar().fit(paper.drive(), made)
-    assert fit.parameters["K_c1"] == pytest.approx(paper.true["K_c1"], rel=0.05)
-    assert fit.parameters["K_c2"] == pytest.approx(paper.true["K_c2"], rel=0.05)
+    assert not fit.not_identified
+    assert fit.parameters["K_c1"] == pytest.approx(paper.true["K_c1"], rel=0.03)
+    assert fit.parameters["K_c2"] == pytest.approx(paper.true["K_c2"], rel=0.03)
+
+
+def test_at_low_amplitude_viscous_friction_is_said_not_to_be_identified(paper: SimpleNamespace) -> None:
+    """Fig. 10 of the paper: at little more than the stick torque only K_c is identifiable."""
+    made = paper.recording(amplitude=0.0112)
+    assert np.mean(made.velocity == 0) > 0.25
+    fit = DetchmendySridhar().fit(paper.drive(), made)
+    assert set(fit.not_identified) == {"K_v1"}
+    assert not fit.identified
+    assert fit.parameters["K_c1"] == pytest.approx(paper.true["K_c1"], rel=0.1)
 
 
 @pytest.mark.parametrize("model", ["square-root", "two-thirds-power", "exponential-stick-slip"])
@@ -122,7 +133,7 @@ def test_every_law_stays_finite_on_a_drive_that_sticks(paper: SimpleNamespace, m
 def test_a_diverging_run_says_at_which_sample(paper: SimpleNamespace) -> None:
     made = paper.recording()
     velocity = made.velocity.copy()
-    velocity[500] = 1e250
+    velocity[500] = 1e150
     fit = DetchmendySridhar({"bounds": False}).fit(paper.drive(), made.with_channels(velocity=velocity))
     assert fit.status is Status.DIVERGED
     assert "at sample 50" in fit.message

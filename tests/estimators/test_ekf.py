@@ -27,7 +27,7 @@ LAWS = [
 @pytest.mark.parametrize("model", LAWS)
 @pytest.mark.parametrize("noise", [0.0, 0.05])
 def test_the_twin_equals_filterpy(paper: SimpleNamespace, model: str, noise: float) -> None:
-    made = paper.recording(noise, 3, cycles=3)
+    made = paper.recording(noise, 3, cycles=2)
     drive = paper.drive(model)
     one, two = (ExtendedKalman({"engine": engine}).fit(drive, made) for engine in ("filterpy", "compiled"))
     for column in one.history:
@@ -50,9 +50,9 @@ def test_the_twin_equals_filterpy_with_sub_steps_inertia_and_runs(paper: SimpleN
 
 def test_a_noiseless_drive_is_recovered(paper: SimpleNamespace) -> None:
     fit = ExtendedKalman().fit(paper.drive(inertia=None), paper.recording())
-    assert fit.parameters["J"] == pytest.approx(paper.inertia, rel=1e-3)
+    assert fit.parameters["J"] == pytest.approx(paper.inertia, rel=5e-3)
     for key, value in paper.true.items():
-        assert fit.parameters[key] == pytest.approx(value, rel=1e-3)
+        assert fit.parameters[key] == pytest.approx(value, rel=5e-3)
 
 
 def test_standard_errors_cover_the_errors(paper: SimpleNamespace) -> None:

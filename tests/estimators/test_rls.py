@@ -34,7 +34,7 @@ def test_a_noiseless_drive_is_recovered(paper: SimpleNamespace, known: bool) -> 
 
 def test_standstill_is_left_out(paper: SimpleNamespace) -> None:
     made = paper.recording(amplitude=0.014)
-    assert np.mean(made.velocity == 0) > 0.2
+    assert np.mean(made.velocity == 0) > 0.15
     fit = RecursiveLeastSquares({"window": 8}).fit(paper.drive(), made)
     assert fit.parameters["K_c1"] == pytest.approx(paper.true["K_c1"], rel=0.05)
     assert fit.parameters["K_c2"] == pytest.approx(paper.true["K_c2"], rel=0.05)

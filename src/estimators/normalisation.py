@@ -1,0 +1,82 @@
+"""The drive's state space in normalised units (eq. 6), as symbols, whatever the numbers of one drive are.
+
+The equations are kept in SI and the normalised quantities multiplied by their sizes where they enter: a term such as
+gravity, ``b sin q``, has the radian built in and is no longer true when angles are counted in another unit. The sizes
+are symbols, so that one compiled step serves every drive with the same model.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fricmodels.dimension import VELOCITY, Scales
+from fricmodels.drive import Drive
+from fricmodels.term import SIGNALS
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class NormalisedSpace:
+    """``dx/dr = g(x, u)``, ``y = h(x)`` in normalised units, as CasADi ``SX``.
+
+    Attributes:
+        x: velocity, internal states, parameters. u: inputs. rate: g. output: h.
+        known: column of numbers that do not change while filtering; :meth:`values` gives them.
+        creeping: normalised speed that stands for the limit of rest, in each direction.
+        inputs: names of the inputs. states: names of velocity and internal states.
+    """
+
+    x: Any
+    u: Any
+    known: Any
+    creeping: Any
+    rate: Any
+    output: Any
+    inputs: tuple[str, ...]
+    states: tuple[str, ...]
+
+    @property
+    def moving(self) -> int:
+        """How many of x are velocity and internal states."""
+        return len(self.states)
+
+    def values(self, drive: Drive, scales: Scales, width: float) -> Array:
+        """Return the numbers of :attr:`known` for one drive: its width of rest [velocity] and scales."""
+        states = [scales.of(state.dimension) for state in drive.model.states]
+        inputs = [scales.of(SIGNALS[name]) for name in self.inputs]
+        inertia = drive.inertia if drive.inertia is not None else 1.0
+        sizes = [scales.of(VELOCITY), *states, *drive.parameter_scales(scales), *inputs]
+        return np.array([width, inertia, scales.time, *sizes])
+
+
+def normalised_space(drive: Drive) -> NormalisedSpace:
+    """Build the state space of a drive in normalised units."""
+    import casadi
+
+    space = Drive(drive.model, None, drive.motion).state_space(smooth=False)
+    moving = len(space.states)
+    kept = [i for i in range(space.x.numel()) if i != moving or drive.inertia is None]
+    x, u = casadi.SX.sym("x", len(kept)), casadi.SX.sym("u", space.u.numel())
+    given, time = casadi.SX.sym("given_inertia"), casadi.SX.sym("time_scale")
+    sizes = casadi.SX.sym("sizes", len(kept) + space.u.numel())
+    size = sizes[: len(kept)]
+    present = x * size
+    complete = present if drive.inertia is None else casadi.vertcat(present[:moving], given, present[moving:])
+    old = casadi.vertcat(space.x, space.u)
+    new = casadi.vertcat(complete, u * sizes[len(kept) :])
+    rate, output = casadi.substitute([space.rate, space.output], [old], [new])
+    return NormalisedSpace(
+        x=x,
+        u=u,
+        known=casadi.vertcat(space.width, given, time, sizes),
+        creeping=1e-3 * space.width / size[0],
+        rate=rate[kept] * time / size,
+        output=output / size[0],
+        inputs=space.inputs,
+        states=space.states,
+    )
