@@ -12,6 +12,8 @@ Source: C. Lanczos, *Applied Analysis* (1956), ch. 5; A. Savitzky and M. Golay, 
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -65,12 +67,15 @@ def fit_stretch(time: Array, values: Array, half_width: int, degree: int) -> tup
     return smooth, slope
 
 
+@lru_cache(maxsize=1024)
 def even_weights(half_width: int, degree: int = DEGREE) -> tuple[Array, Array]:
-    """Return the weights of value and slope at the centre of 2h + 1 evenly spaced samples, a unit apart."""
+    """Return the weights of value and slope at the centre of 2h + 1 evenly spaced samples a unit apart, read-only."""
     offset = np.arange(-half_width, half_width + 1) / max(half_width, 1)
     degree = min(degree, 2 * half_width)
     weights = np.linalg.pinv(np.vander(offset, degree + 1, increasing=True))
-    return weights[0], weights[1] / max(half_width, 1)
+    value, slope = weights[0], weights[1] / max(half_width, 1)
+    value.flags.writeable = slope.flags.writeable = False
+    return value, slope
 
 
 def _fit_windows(time: Array, values: Array, size: int, degree: int, at: NDArray[np.int64]) -> tuple[Array, Array]:
