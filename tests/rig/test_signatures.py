@@ -38,10 +38,15 @@ def explained(rig, columns):
     torque, quiet = rig.effect_torque(), rig.noiseless().simulate()
     w = quiet.velocity
     keep = np.abs(w) > 0.02 * np.abs(w).max()
+    keep[:5] = False
     x = np.column_stack([column[keep] for column in columns(quiet)])
     coefficients, *_ = np.linalg.lstsq(x, torque[keep], rcond=None)
     rest = torque[keep] - x @ coefficients
     return 1 - np.sum(rest**2) / np.sum(torque[keep] ** 2), coefficients
+
+
+def net(r):
+    return r.torque - r.load_torque
 
 
 def sign(r):
@@ -87,10 +92,7 @@ SIGNATURES = [
     ),
     (
         {"name": "sensor-delay", "delay": 0.004, "channel": "motion"},
-        lambda r: (
-            np.diff(r.torque - r.load_torque, n=1, prepend=[0.0])
-            + np.diff(np.roll(r.torque - r.load_torque, 1), prepend=[0.0]),
-        ),
+        lambda r: (net(r) - np.roll(net(r), 2),),
         [1.0],
     ),
     (

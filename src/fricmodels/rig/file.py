@@ -33,6 +33,7 @@ def load_rig(path: str | Path) -> Rig:
         raise InputError(f"{file}:{line}: not valid YAML: {error.problem}") from None
     except (yaml.YAMLError, ValueError) as error:
         raise InputError(f"{file}: not valid YAML: {str(error).splitlines()[0]}") from None
+    _refuse_duplicates(file, root)
     if not isinstance(content, dict):
         raise InputError(f"{file}:1: a rig file is a mapping with inertia, friction, excitation, rate, …")
     content.setdefault("name", file.stem)
@@ -42,10 +43,30 @@ def load_rig(path: str | Path) -> Rig:
         raise InputError(_message(file, root, error)) from None
 
 
+def _refuse_duplicates(file: Path, root: Any) -> None:
+    waiting = [root]
+    while waiting:
+        node = waiting.pop()
+        children = node.value if node is not None and isinstance(node.value, list) else []
+        seen: dict[str, int] = {}
+        for child in children:
+            if not isinstance(child, tuple):
+                waiting.append(child)
+                continue
+            key, value = child
+            waiting.append(value)
+            line = key.start_mark.line + 1
+            if key.value in seen:
+                raise InputError(f"{file}:{line}: key '{key.value}' stands twice, first on line {seen[key.value]}")
+            seen[key.value] = line
+
+
 def _message(file: Path, root: Any, error: ValidationError) -> str:
-    first = error.errors()[0]
+    first = min(error.errors(), key=lambda e: e["type"] != "extra_forbidden")
     path = [part for part in first["loc"] if part not in _TAGS]
     key = ".".join(str(part) for part in path) or "rig"
+    if first["type"] == "union_tag_invalid":
+        path.append(str(first["ctx"]["discriminator"]).strip("'"))
     place = f"{file}:{_line(root, path)}"
     if first["type"] == "extra_forbidden":
         return f"{place}: unknown key '{key}'{suggestion(str(path[-1]), _known(root, path))}"
@@ -54,8 +75,7 @@ def _message(file: Path, root: Any, error: ValidationError) -> str:
     if first["type"] == "union_tag_invalid":
         context = first["ctx"]
         tags = [tag.strip().strip("'") for tag in context["expected_tags"].split(",")]
-        kind, tag = str(context["discriminator"]).strip("'"), context["tag"]
-        return f"{place}: unknown {kind} '{tag}' in '{key}'{suggestion(tag, tags)}"
+        return f"{place}: unknown {path[-1]} '{context['tag']}' in '{key}'{suggestion(context['tag'], tags)}"
     return f"{place}: '{key}': {first['msg'].removeprefix('Value error, ')}"
 
 

@@ -20,6 +20,7 @@ Array = NDArray[np.float64]
 Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 NotNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
 Pair = tuple[NotNegative, NotNegative]
+_MOST_HARMONICS = 16
 _EXCLUSIVE = (("backlash", "joint-compliance"), ("presliding", "rising-stiction"), ("frictional-lag", "presliding"))
 
 
@@ -125,19 +126,23 @@ class Rig(BaseModel):
         names = [effect.name for effect in self.effects]
         if len(set(names)) != len(names):
             raise ValueError("an effect is listed twice; give cogging and the like several 'harmonics' instead")
-        for pair in (
-            {"backlash", "joint-compliance"},
-            {"presliding", "rising-stiction"},
-            {"presliding", "frictional-lag"},
-        ):
-            if pair <= set(names):
-                raise ValueError(f"'{min(pair)}' and '{max(pair)}' cannot be simulated together")
+        if sum(len(getattr(effect, "harmonics", ())) for effect in self.effects) > _MOST_HARMONICS:
+            raise ValueError(f"there are more than {_MOST_HARMONICS} 'harmonics' in all")
+        for one, other in _EXCLUSIVE:
+            if one in names and other in names:
+                raise ValueError(f"'{one}' and '{other}' cannot be simulated together")
         return self
 
     def __copy__(self) -> Self:
         copied = super().__copy__()
-        copied.__dict__.pop("histories", None)
+        copied.__dict__.pop("histories", None)  # what is kept belongs to one rig alone
         return copied
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Rig) and self.model_dump() == other.model_dump()
+
+    def __hash__(self) -> int:
+        return hash(self.model_dump_json())
 
     # ---- variations -----------------------------------------------------------------------------------------------
 
