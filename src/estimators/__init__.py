@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from estimators.batch import Batch
 from estimators.constant_velocity import ConstantVelocity
 from estimators.detchmendy_sridhar import DetchmendySridhar
 from estimators.ekf import ExtendedKalman
@@ -13,4 +14,4 @@ from fricmodels.hookspecs import hookimpl
 @hookimpl
 def fricmodels_estimators() -> list[type[Estimator]]:
     """Return the built-in estimators."""
-    return [DetchmendySridhar, ExtendedKalman, RecursiveLeastSquares, ConstantVelocity]
+    return [DetchmendySridhar, ExtendedKalman, Batch, RecursiveLeastSquares, ConstantVelocity]
