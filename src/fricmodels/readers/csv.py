@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import mmap
 import re
 import warnings
 from collections.abc import Iterator
@@ -57,7 +58,7 @@ class CsvReader(Reader):
                     path,
                     sep=r"\s+" if dialect.delimiter == " " else dialect.delimiter,
                     decimal=dialect.decimal,
-                    comment=_comment_within(path, dialect),
+                    comment=_comment_within(path),
                     header=None,
                     names=list(range(len(dialect.header))),
                     index_col=False,
@@ -154,14 +155,11 @@ def _delimiter(header: str, body: list[str]) -> str:
     return " " if body and len(header.split()) == len(body[0].split()) > 1 else ","
 
 
-def _comment_within(path: Path, dialect: Dialect) -> str | None:
-    """Return the mark of comment lines among the data, if there are any."""
-    with path.open("rb") as stream:
-        while block := stream.read(1 << 22):
-            for mark in _COMMENTS:
-                if b"\n" + mark.encode() in block:
-                    return mark
-    return None
+def _comment_within(path: Path) -> str | None:
+    """Return the mark of comment lines below the first line, if there are any."""
+    with path.open("rb") as stream, mmap.mmap(stream.fileno(), 0, access=mmap.ACCESS_READ) as content:
+        found = re.search(rb"\n[ \t]*([#%])", content)
+        return found[1].decode() if found else None
 
 
 def _ragged(path: Path, dialect: Dialect, error: Exception) -> str:

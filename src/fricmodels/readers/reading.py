@@ -60,7 +60,7 @@ def read(
         raise InputError(f"{source}: {error}") from None
     if not len(table):
         raise InputError(f"{source}: there are no samples")
-    run, run_names = _runs(found, table)
+    run, run_names = _runs(source, chosen, found, table)
     order = np.argsort(run, kind="stable")
     channels = {
         channel: conversion(_numbers(source, chosen, table, found[column]))[order]
@@ -177,14 +177,22 @@ def _numbers(source: Path, reader: Reader, table: pd.DataFrame, column: Column) 
     return numbers.to_numpy(dtype=float, na_value=np.nan)
 
 
-def _runs(found: Mapping[str, Column], table: pd.DataFrame) -> tuple[NDArray[np.int64], dict[int, str]]:
+def _runs(
+    source: Path, reader: Reader, found: Mapping[str, Column], table: pd.DataFrame
+) -> tuple[NDArray[np.int64], dict[int, str]]:
     """Return the run number of each row, and the names of runs that are not whole numbers."""
     import pandas as pd
 
     if "run" not in found:
         return np.zeros(len(table), dtype=np.int64), {}
     values = table[found["run"].column]
-    if pd.api.types.is_numeric_dtype(values) and not values.isna().any() and (values == values.round()).all():
+    empty = np.flatnonzero(values.isna().to_numpy())
+    if len(empty):
+        raise InputError(
+            f"{source}: {reader.place(source, int(empty[0]))}, column '{found['run'].column}': the run is not named; "
+            f"name it, or remove that row"
+        )
+    if pd.api.types.is_numeric_dtype(values) and (values == values.round()).all():
         return values.to_numpy(dtype=np.int64), {}
     codes, names = pd.factorize(values.astype(str))
     return codes.astype(np.int64), {i: str(label) for i, label in enumerate(names)}
