@@ -19,7 +19,7 @@ def console(*, errors: bool = False) -> Console:
     from rich.console import Console
 
     stream = sys.stderr if errors else sys.stdout
-    return Console(file=stream, width=None if stream.isatty() else 160, highlight=False, soft_wrap=False)
+    return Console(file=stream, width=None if stream.isatty() else 180, highlight=False, soft_wrap=False)
 
 
 def print_table(columns: Sequence[Column], title: str = "") -> None:
@@ -30,7 +30,8 @@ def print_table(columns: Sequence[Column], title: str = "") -> None:
 
     table = Table(title=title or None, title_justify="left", box=box.SIMPLE_HEAD, pad_edge=False)
     for column in columns:
-        table.add_column(column.title, justify="right" if column.number else "left", overflow="fold")
+        fixed = column.number or column.title in ("status", "estimator")
+        table.add_column(column.title, justify="right" if column.number else "left", overflow="fold", no_wrap=fixed)
     for cells in zip(*(column.cells for column in columns), strict=True):
         failed = any(c.title == "status" and cell != "ok" for c, cell in zip(columns, cells, strict=True))
         table.add_row(*(Text(cell) for cell in cells), style="dim" if failed else None)

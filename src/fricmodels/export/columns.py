@@ -46,8 +46,9 @@ def concise(board: Leaderboard) -> list[Column]:
         if any(cells := tuple(_figure(row.get(key)) for row in rows))
     ]
     columns.append(Column("status", tuple(str(row["status"]) for row in rows)))
-    if any(row["message"] for row in rows):
-        columns.append(Column("message", _texts(rows, "message")))
+    reasons = tuple("" if row["status"] == "ok" else " ".join(str(row["message"]).split()) for row in rows)
+    if any(reasons):
+        columns.append(Column("reason", reasons))
     return columns
 
 

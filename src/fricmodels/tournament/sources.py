@@ -61,7 +61,10 @@ class Source:
 
 @dataclass(frozen=True)
 class Loaded:
-    """A recording, split into what is fitted and what is scored; raw and prepared."""
+    """A recording, split into what is fitted and what is scored.
+
+    ``train`` is as measured, with the velocity derived where it was not; the others are prepared for the score.
+    """
 
     train: Recording
     prepared_train: Recording
@@ -187,10 +190,13 @@ def load(source: Source) -> Loaded:
         train, test = recording, None
     else:
         train, test = split(recording, Split.model_validate(values["split"]))
+    measured = train
+    if "velocity" not in measured:
+        train = prepare(train, preparation.model_copy(update={"decimate": 1}))
     checksums = train.checksum + (test.checksum if test is not None else "")
     return Loaded(
         train,
-        prepare(train, preparation),
+        prepare(measured, preparation),
         prepare(test, preparation) if test is not None else None,
         recording.provenance.get("true_parameters"),
         hashlib.sha256(checksums.encode()).hexdigest(),
