@@ -67,10 +67,11 @@ def filtered_torque_error(
               {t_{j+1} - t_j} - \overline{\tau_F}_j\Bigr]
 
     The bracket is the balance of momentum over one sampling interval, exact for any window. The mean friction torque
-    of an interval is the trapezium rule, in two parts where the velocity passes zero, each on its side. Where the
-    drive comes to rest, or leaves it, within the interval, the instant is not known: the error is the distance to the
-    nearest possible mean. What is left is the law's error and the noise of the differentiator,
-    :math:`J\sigma\sqrt{3/[h(h+1)(2h+1)]}/\Delta t`.
+    of an interval is the trapezium rule, in two parts where the velocity passes zero, each on its side. At rest it
+    is the torque applied, as far as the sticking interval goes. Where the velocity is within three standard errors of
+    zero and the torque applied within the sticking interval, the drive may slide or rest, and any mean between the
+    two is possible; the error is the distance to the nearest. What is left is the law's error and the noise of the
+    differentiator, :math:`J\sigma\sqrt{3/[h(h+1)(2h+1)]}/\Delta t`.
 
     The friction torque is taken at the velocity smoothed over the same window. At the borders of a run the window
     stays within it.
@@ -82,11 +83,13 @@ def filtered_torque_error(
         half_width: h; :func:`sliding_half_width` if not given.
     """
     from fricmodels.signals import lanczos_derivative, resting, stretches
+    from fricmodels.signals.lanczos import even_weights
 
     width = sliding_half_width(recording) if half_width is None else half_width
     smooth, _ = lanczos_derivative(recording.time, recording.velocity, width, recording.run)
     rest = resting(recording) | (recording.velocity == 0)
     smooth[rest] = 0.0
+    doubtful = np.abs(smooth) <= 3 * _noise(recording) * np.linalg.norm(even_weights(width)[0])
     moving = recording.with_channels(velocity=smooth)
     error = np.zeros(len(recording))
     inertia, _ = drive.split(values)
@@ -94,10 +97,10 @@ def filtered_torque_error(
         one = moving.select(np.arange(part.start, part.stop))
         if len(one) < 2:
             continue
-        applied = _mean(one.torque - one.load_torque)
-        needed = applied - inertia * np.diff(recording.velocity[part]) / np.diff(one.time)
-        least, greatest = _mean_friction(drive, values, one, rest[part])
-        error[part] = _window_mean(needed - np.clip(needed, least, greatest), one.time, width)
+        needed = _mean(one.torque - one.load_torque) - inertia * np.diff(recording.velocity[part]) / np.diff(one.time)
+        least, greatest = _mean_friction(drive, values, one, rest[part], doubtful[part])
+        balance, lower, upper = (_window_mean(each, one.time, width) for each in (needed, least, greatest))
+        error[part] = balance - np.clip(balance, lower, upper)
     return error
 
 
@@ -105,27 +108,32 @@ def _mean(values: Array) -> Array:
     return (values[:-1] + values[1:]) / 2
 
 
-def _mean_friction(drive: Drive, values: Mapping[str, float], one: Recording, rest: Mask) -> tuple[Array, Array]:
+def _mean_friction(
+    drive: Drive, values: Mapping[str, float], one: Recording, rest: Mask, doubtful: Mask
+) -> tuple[Array, Array]:
     """Return the least and the greatest mean friction torque of each sampling interval; equal while sliding."""
     velocity = one.velocity
     at = drive.friction(one, values)
-    mean = _mean(at)
+    sliding = _mean(at)
     if drive.model.states:
-        return mean, mean
+        return sliding, sliding
     below, above = drive.sticking_interval(one, values)
+    applied = one.torque - one.load_torque
+    holding = np.clip(applied, below, above)
     first, last = velocity[:-1], velocity[1:]
     passes = (first * last < 0) & ~rest[:-1] & ~rest[1:]
     share = np.where(passes, _share_before_zero(velocity), 0.0)
     leaving, entering = np.where(first > 0, above[:-1], below[:-1]), np.where(first > 0, below[1:], above[1:])
     in_two = share * (at[:-1] + leaving) / 2 + (1 - share) * (entering + at[1:]) / 2
-    mean = np.where(passes, in_two, mean)
+    sliding = np.where(passes, in_two, sliding)
+    held = _mean(holding)
+    at_rest = rest[:-1] & rest[1:]
+    may_rest = rest | (doubtful & (holding == applied))
+    either = (may_rest[:-1] | may_rest[1:]) & ~at_rest
     one_rests = rest[:-1] ^ rest[1:]
-    sliding = np.where(rest[:-1], at[1:], at[:-1])
-    held_least, held_greatest = _mean(below), _mean(above)
-    least = np.where(rest[:-1] & rest[1:], held_least, mean)
-    greatest = np.where(rest[:-1] & rest[1:], held_greatest, mean)
-    least = np.where(one_rests, np.minimum(sliding, held_least), least)
-    greatest = np.where(one_rests, np.maximum(sliding, held_greatest), greatest)
+    sliding = np.where(one_rests, np.where(rest[:-1], at[1:], at[:-1]), sliding)
+    least = np.where(at_rest, held, np.where(either, np.minimum(sliding, held), sliding))
+    greatest = np.where(at_rest, held, np.where(either, np.maximum(sliding, held), sliding))
     return least, greatest
 
 
@@ -160,50 +168,37 @@ def _window_mean(error: Array, time: Array, half_width: int) -> Array:
 def sliding_half_width(recording: Recording, largest: int = 256) -> int:
     r"""Return the half width of Lanczos's differentiator that estimates the acceleration best while sliding.
 
-    Stein's unbiased estimate of the mean squared error of :math:`D_h\omega`, but for a constant,
+    Per sample, white noise of standard deviation σ and a third derivative of the velocity give a mean squared error of
 
-    .. math:: \overline{(D_h\omega)^2 - 2\,(D_h\omega)(D_1\omega)} + 2\sigma^2\,d_h\cdot d_1,
+    .. math:: \frac{3\sigma^2}{h(h+1)(2h+1)} + \Bigl(\frac{3h^2+3h-1}{30}\Bigr)^2 \overline{(\Delta^3\omega)^2},
 
-    is least for it, over the samples around which the drive slides in one direction for the widest window that is
-    tried, a quarter of the median time between two reversals. Reversals are left out because the acceleration jumps
-    there, which :func:`filtered_torque_error` allows for: they would keep the window short and the rest noisy. The
-    mean is weighted by the distance from the next reversal, so that the noise of :math:`D_1\omega` cancels between
-    neighbours. d are the weights of the differentiators; σ is the noise of the velocity, from the median of its
-    third differences, :math:`|\Delta^3\omega| / (0.6745\sqrt{20})`.
+    and h is where it is least. σ is taken from the median of the third differences,
+    :math:`|\Delta^3\omega| / (0.6745\sqrt{20})`; the mean square of the third derivative from cubics through the widest
+    window that is tried, less their noise, over the samples around which the drive slides in one direction for this
+    window; it is such that a quarter of all sliding samples are. Reversals are left out because the acceleration jumps
+    there, which :func:`filtered_torque_error` allows for: they would keep the window short and the rest noisy.
 
-    Source: C. Stein, "Estimation of the mean of a multivariate normal distribution", Ann. Statist. 9 (1981).
+    Source: the plug-in rule of D. Ruppert, S. J. Sheather, M. P. Wand, J. Amer. Statist. Assoc. 90 (1995), for the
+    derivative.
     """
-    from fricmodels.signals.lanczos import even_weights
-
-    velocity = recording.velocity
-    third = np.diff(velocity, 3)[recording.run[3:] == recording.run[:-3]]
-    if len(third) == 0:
-        return 1
-    noise = float(np.median(np.abs(third))) / (0.6745 * np.sqrt(20.0))
+    noise = _noise(recording)
     free = _free_of_reversals(recording)
-    if not np.any(free):
+    if not np.any(free > 1):
         return 1
-    longest = int(min(largest, max(1, np.median(free[free > 0]))))
-    weight = np.clip(free - longest, 0, None) / np.sum(np.clip(free - longest, 0, None))
-    rough = np.convolve(velocity, even_weights(1)[1][::-1], mode="same")
-    best, least = 1, np.inf
-    for half_width in _geometric(longest):
-        weights = even_weights(half_width)[1]
-        slope = np.convolve(velocity, weights[::-1], mode="same")
-        overlap = float(weights[half_width - 1 : half_width + 2] @ even_weights(1)[1])
-        risk = float(weight @ (slope * (slope - 2 * rough))) + 2 * noise**2 * overlap
-        if risk < least:
-            best, least = half_width, risk
-    return best
+    widest = int(min(largest, max(2, np.quantile(free[free > 1], 0.75))))
+    offset = np.arange(-widest, widest + 1) / widest
+    cubic = 6 * np.linalg.pinv(np.vander(offset, 4, increasing=True))[3] / widest**3
+    third = np.convolve(recording.velocity, cubic[::-1], mode="same")[free >= widest]
+    bend = max(float(np.mean(third**2)) - noise**2 * float(cubic @ cubic), 0.0)
+    h = np.arange(1, widest + 1, dtype=float)
+    error = 3 * noise**2 / (h * (h + 1) * (2 * h + 1)) + ((3 * h**2 + 3 * h - 1) / 30) ** 2 * bend
+    return int(h[np.argmin(error)])
 
 
-def _geometric(largest: int) -> list[int]:
-    """Return 1, 2, 3 … in steps of at most a tenth, up to ``largest``."""
-    widths, width = [], 1
-    while width <= largest:
-        widths.append(width)
-        width = max(width + 1, width * 11 // 10)
-    return widths
+def _noise(recording: Recording) -> float:
+    """Return the standard deviation of white noise on the velocity, from the median of its third differences."""
+    third = np.diff(recording.velocity, 3)[recording.run[3:] == recording.run[:-3]]
+    return float(np.median(np.abs(third))) / (0.6745 * np.sqrt(20.0)) if len(third) else 0.0
 
 
 def _free_of_reversals(recording: Recording) -> NDArray[np.int64]:
