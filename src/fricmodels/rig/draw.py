@@ -10,7 +10,7 @@ import numpy as np
 
 from fricmodels.dimension import Motion
 from fricmodels.errors import InputError, suggestion
-from fricmodels.rig.effects import HiddenEffect
+from fricmodels.rig.hidden import HiddenEffect
 from fricmodels.rig.rig import Rig
 
 

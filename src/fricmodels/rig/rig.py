@@ -12,8 +12,10 @@ from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from fricmodels.dimension import Motion
 from fricmodels.recording import Recording
-from fricmodels.rig.effects import AnyEffect, SensorDelay
+from fricmodels.rig.effects import AnyEffect
 from fricmodels.rig.excitation import AnyExcitation, ClosedLoop
+from fricmodels.rig.hidden import Waves
+from fricmodels.rig.memory import SensorDelay
 from fricmodels.rig.sensors import History, Sensors, instants, noisy, quantised
 
 Array = NDArray[np.float64]
@@ -267,9 +269,9 @@ class Rig(BaseModel):
             natural = 2 * np.pi * self.excitation.bandwidth
             p["proportional"] = self.inertia * natural**2
             p["derivative"] = 2 * self.excitation.damping_ratio * self.inertia * natural
-        waves: list[tuple[float, float, float, float]] = []
+        waves: Waves = []
         for effect in self.effects:
-            effect.enter(p, waves, self)
+            effect.enter(p, waves)
         p["wave_count"] = len(waves)
         p["waves"][: len(waves)] = np.reshape(waves, (-1, 4))
         return p

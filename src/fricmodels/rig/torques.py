@@ -1,0 +1,203 @@
+"""Hidden effects whose torque depends on the present state alone: speed, position, load, torque."""
+
+from __future__ import annotations
+
+import math
+from typing import Any, ClassVar, Literal, Self
+
+from pydantic import BaseModel, ConfigDict, Field, model_validator
+
+from fricmodels.rig.hidden import Finite, Fraction, HiddenEffect, Positive, Share, Waves
+
+
+class Asymmetry(Share):
+    """Friction stronger forward by these shares, weaker backward."""
+
+    name: Literal["asymmetry"] = "asymmetry"
+    coulomb: Fraction = 0.0
+    viscous: Fraction = 0.0
+    sizes: ClassVar[tuple[str, ...]] = ("coulomb", "viscous")
+
+    def enter(self, p: Any, waves: Waves) -> None:
+        """Multiply forward by 1 + share, backward by 1 − share."""
+        for name, share in (("coulomb", self.coulomb), ("rise", self.coulomb), ("viscous", self.viscous)):
+            p[f"{name}_forward"] *= 1 + share
+            p[f"{name}_backward"] *= 1 - share
+
+
+class TorqueOffset(HiddenEffect):
+    """A constant torque against the positive direction: a sensor's bias or an unknown constant load."""
+
+    name: Literal["torque-offset"] = "torque-offset"
+    torque: Finite
+    sizes: ClassVar[tuple[str, ...]] = ("torque",)
+
+    def enter(self, p: Any, waves: Waves) -> None:
+        """Add the constant."""
+        p["offset"] += self.torque
+
+
+class Stribeck(HiddenEffect):
+    """Dry friction higher by ``rise`` at rest, falling as exp(−(|ω|/speed)^exponent)."""
+
+    name: Literal["stribeck"] = "stribeck"
+    rise: Finite
+    speed: Positive
+    exponent: Positive = 2.0
+    sizes: ClassVar[tuple[str, ...]] = ("rise",)
+
+    def enter(self, p: Any, waves: Waves) -> None:
+        """Add the speed-weakening part."""
+        p["stribeck_rise"], p["stribeck_speed"] = self.rise, self.speed
+        p["stribeck_exponent"] = self.exponent
+
+
+class NonlinearViscous(HiddenEffect):
+    """A torque ``coefficient``·|ω|^exponent against the motion."""
+
+    name: Literal["nonlinear-viscous"] = "nonlinear-viscous"
+    coefficient: Finite
+    exponent: Positive
+    sizes: ClassVar[tuple[str, ...]] = ("coefficient",)
+
+    def enter(self, p: Any, waves: Waves) -> None:
+        """Add the power of speed."""
+        p["power_coefficient"], p["power_exponent"] = self.coefficient, self.exponent
+
+
+class LoadFriction(HiddenEffect):
+    """Dry friction that grows by ``coefficient`` times the load torque."""
+
+    name: Literal["load-friction"] = "load-friction"
+    coefficient: Finite
+    sizes: ClassVar[tuple[str, ...]] = ("coefficient",)
+
+    def enter(self, p: Any, waves: Waves) -> None:
+        """Add the share of the load."""
+        p["load_friction"] += self.coefficient
+
+
+class DirectionalEfficiency(HiddenEffect):
+    """Gear losses: a share of the load torque lost when driving it, another when driven back by it."""
+
+    name: Literal["directional-efficiency"] = "directional-efficiency"
+    driving: Finite
+    driven: Finite
+    sizes: ClassVar[tuple[str, ...]] = ("driving", "driven")
+
+    def enter(self, p: Any, waves: Waves) -> None:
+        """Add the losses."""
+        p["driving_loss"] += self.driving
+        p["driven_loss"] += self.driven
+
+
+class TorqueGain(Share):
+    """The shaft gets (1 + ``error``) times the recorded torque."""
+
+    name: Literal["torque-gain"] = "torque-gain"
+    error: Fraction
+    sizes: ClassVar[tuple[str, ...]] = ("error",)
+
+    def enter(self, p: Any, waves: Waves) -> None:
+        """Set the gain error."""
+        p["gain"] += self.error
+
+
+class InertiaError(Share):
+    """The drive has (1 + ``error``) times the inertia that is stated."""
+
+    name: Literal["inertia-error"] = "inertia-error"
+    error: Fraction
+    sizes: ClassVar[tuple[str, ...]] = ("error",)
+
+    def enter(self, p: Any, waves: Waves) -> None:
+        """Multiply the inertia."""
+        p["motor_inertia"] *= 1 + self.error
+        p["load_inertia"] *= 1 + self.error
+
+
+class Gravity(HiddenEffect):
+    """An unbalanced weight, not in the recorded load: sine·sin q + cosine·cos q."""
+
+    name: Literal["gravity"] = "gravity"
+    sine: Finite = 0.0
+    cosine: Finite = 0.0
+    sizes: ClassVar[tuple[str, ...]] = ("sine", "cosine")
+
+    def enter(self, p: Any, waves: Waves) -> None:
+        """Add the weight."""
+        p["gravity_sine"] += self.sine
+        p["gravity_cosine"] += self.cosine
+
+
+class Stiffness(HiddenEffect):
+    """A spring, such as a cable: ``stiffness``·(q − neutral)."""
+
+    name: Literal["stiffness"] = "stiffness"
+    stiffness: Finite
+    neutral: Finite = 0.0
+    sizes: ClassVar[tuple[str, ...]] = ("stiffness",)
+
+    def enter(self, p: Any, waves: Waves) -> None:
+        """Add the spring."""
+        p["stiffness"], p["neutral_position"] = self.stiffness, self.neutral
+
+
+class Wave(BaseModel):
+    """One harmonic ``amplitude``·cos(k q + phase): k = ``order`` [1/rad or 1/m] or 2π/``period`` [rad or m]."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+    amplitude: Finite
+    order: Positive | None = None
+    period: Positive | None = None
+    phase: Finite = 0.0
+
+    @model_validator(mode="after")
+    def _one_of(self) -> Self:
+        if (self.order is None) == (self.period is None):
+            raise ValueError("give either 'order' or 'period'")
+        return self
+
+    @property
+    def k(self) -> float:
+        """Angular wave number."""
+        return self.order if self.order is not None else 2 * math.pi / (self.period or 1.0)
+
+
+class _Periodic(HiddenEffect):
+    harmonics: tuple[Wave, ...] = Field(min_length=1)
+    kind: ClassVar[float]
+
+    def scaled(self, factor: float) -> Self:
+        """Return the same waves with their amplitudes multiplied."""
+        larger = tuple(w.model_copy(update={"amplitude": factor * w.amplitude}) for w in self.harmonics)
+        return self.model_copy(update={"harmonics": larger})
+
+    def parameters(self) -> dict[str, Any]:
+        """Return each harmonic, with its wave number."""
+        return {"harmonics": [{"k": w.k, "amplitude": w.amplitude, "phase": w.phase} for w in self.harmonics]}
+
+    def enter(self, p: Any, waves: Waves) -> None:
+        """Add rows to the table of periodic torques."""
+        waves.extend((self.kind, w.k, w.amplitude, w.phase) for w in self.harmonics)
+
+
+class Cogging(_Periodic):
+    """A torque periodic in position, the same in both directions (amplitudes in N m)."""
+
+    name: Literal["cogging"] = "cogging"
+    kind: ClassVar[float] = 0.0
+
+
+class PositionFriction(_Periodic):
+    """Dry friction periodic in position (amplitudes in N m)."""
+
+    name: Literal["position-friction"] = "position-friction"
+    kind: ClassVar[float] = 1.0
+
+
+class TorqueRipple(_Periodic):
+    """Commutation ripple: delivered is recorded torque times 1 + Σ amplitude·cos (amplitudes are shares)."""
+
+    name: Literal["torque-ripple"] = "torque-ripple"
+    kind: ClassVar[float] = 2.0
