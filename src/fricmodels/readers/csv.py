@@ -58,7 +58,7 @@ class CsvReader(Reader):
                     path,
                     sep=r"\s+" if dialect.delimiter == " " else dialect.delimiter,
                     decimal=dialect.decimal,
-                    comment=_comment_within(path),
+                    comment=_comment_within(path, dialect),
                     header=None,
                     names=list(range(len(dialect.header))),
                     index_col=False,
@@ -155,10 +155,12 @@ def _delimiter(header: str, body: list[str]) -> str:
     return " " if body and len(header.split()) == len(body[0].split()) > 1 else ","
 
 
-def _comment_within(path: Path) -> str | None:
-    """Return the mark of comment lines below the first line, if there are any."""
+def _comment_within(path: Path, dialect: Dialect) -> str | None:
+    """Return the mark of comment lines among the data, if there are any."""
     with path.open("rb") as stream, mmap.mmap(stream.fileno(), 0, access=mmap.ACCESS_READ) as content:
-        found = re.search(rb"\n[ \t]*([#%])", content)
+        for _ in range(dialect.first):
+            content.readline()
+        found = re.compile(rb"\n[ \t]*([#%])").search(content, max(content.tell() - 1, 0))
         return found[1].decode() if found else None
 
 
