@@ -39,7 +39,8 @@ class CsvReader(Reader):
     """Delimited text with a header row.
 
     Delimiter and decimal mark are found from the file. Lines that begin with ``#`` or ``%`` are comments, also before
-    the header; a row of units below the header (no number in it) gives the units of columns mapped without one.
+    the header; where there is no other header, a comment right above the data is it. A row of units below the header
+    (no number in it) gives the units of columns mapped without one.
     """
 
     name = "csv"
@@ -125,6 +126,7 @@ def sniff(path: Path) -> Dialect:
         raise InputError(f"{path}: cannot be read as text: {error.reason}") from None
     if not lines:
         raise InputError(f"{path}: the file is empty")
+    lines = _commented_header(path, encoding, lines[0][0], lines[0][1]) + lines
     number, header_line = lines[0]
     body = [line for _, line in lines[1:]]
     delimiter = _delimiter(header_line, body)
@@ -146,6 +148,17 @@ def sniff(path: Path) -> Dialect:
     if body and len(_split(body[0], delimiter)) == len(header) + 1 and not _split(body[0], delimiter)[-1]:
         header = [*header, ""]
     return Dialect(encoding, delimiter, "," if commas > points else ".", header, units, first)
+
+
+def _commented_header(path: Path, encoding: str, number: int, line: str) -> list[tuple[int, str]]:
+    """Return the comment right above the data if it names the columns, where the first line is numbers already."""
+    if number == 1 or not all(_NUMBER.match(field) for field in re.split(r"[\s,;]+", line.strip()) if field):
+        return []
+    with path.open(encoding=encoding) as stream:
+        comment = [text for _, text in zip(range(number - 1), stream, strict=False)][-1].strip().lstrip("#% ")
+    delimiter = _delimiter(comment, [line])
+    names = len(_split(comment, delimiter))
+    return [(number - 1, comment)] if names > 1 and names == len(_split(line, delimiter)) else []
 
 
 def _delimiter(header: str, body: list[str]) -> str:
