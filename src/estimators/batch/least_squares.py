@@ -79,4 +79,4 @@ def _least_distance(matrix: Array, bound: Array) -> Array:
     target[-1] = 1.0
     dual, _ = nnls(stacked, target)
     residual = stacked @ dual - target
-    return -residual[:-1] / residual[-1] * unit
+    return np.asarray(-residual[:-1] / residual[-1] * unit)

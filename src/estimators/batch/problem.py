@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +14,23 @@ from fricmodels.drive import Drive, DriveParameter
 from fricmodels.recording import Recording
 
 Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What a fit found, in the order of the drive's parameters, in SI units.
+
+    Attributes:
+        values, covariance: the estimates.
+        undetermined: directions, in columns of unit length, that change nothing; shape (n, any number).
+        succeeded, message: how it ended.
+    """
+
+    values: Array
+    covariance: Array
+    undetermined: Array
+    succeeded: bool
+    message: str
 
 
 def natural_size(recording: Recording, dimension: Dimension) -> float:

@@ -31,6 +31,11 @@ class TorqueFit:
     width: int
     relative_error: float
 
+    @property
+    def message(self) -> str:
+        """Why it did not end well; empty where it did."""
+        return "" if self.solution.converged else f"no minimum after {self.solution.iterations} iterations"
+
 
 def weak_equations(drive: Drive, quadrature: Quadrature, bumps: Bumps, recording: Recording) -> Equations:
     """Return the equation of motion seen through bumps."""
@@ -77,8 +82,8 @@ def weak_fit(
 ) -> TorqueFit:
     """Fit the weak form, the friction evaluated at ``velocity``.
 
-    Without a width, those of :func:`possible_widths` are tried. Wide bumps suppress noise, narrow ones keep more of the motion; taken is the narrowest whose standard errors are,
-    in the geometric mean, within a tenth of the smallest.
+    Without a width, those of :func:`possible_widths` are tried. Wide bumps suppress noise, narrow ones keep more of
+    the motion; taken is the narrowest whose standard errors are, in the geometric mean, within a tenth of the smallest.
     """
     quadrature = Quadrature.of(recording, velocity, resting)
     if width is not None:
