@@ -88,6 +88,11 @@ class Drive:
         return tuple(listed)
 
     @property
+    def model_parameters(self) -> tuple[DriveParameter, ...]:
+        """The model's parameters, without the inertia."""
+        return self.parameters if self.inertia is not None else self.parameters[1:]
+
+    @property
     def keys(self) -> tuple[str, ...]:
         """Keys of the estimated parameters, in order."""
         return tuple(p.key for p in self.parameters)

@@ -23,6 +23,7 @@ class Parameter:
         meaning: the quantity in words.
         scan: for a coefficient that enters nonlinearly, the dimensionless values to try first, in units of the
             recording's own scales (peak velocity, position range, duration); empty for linear ones.
+        part_of_law: whether it is a share of the law's own friction, and cannot be more than the law has.
         periodic: whether it is a wave number in position, to be searched for in the spectrum over position.
     """
 
@@ -34,6 +35,7 @@ class Parameter:
     at_least: str | None = None
     meaning: str = ""
     scan: tuple[float, ...] = ()
+    part_of_law: bool = False
     periodic: bool = False
 
     def __post_init__(self) -> None:

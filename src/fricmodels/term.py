@@ -101,7 +101,7 @@ class Term(ABC):
         cls.parameters = (*inherited, *own)
         own_states = [value for value in vars(cls).values() if isinstance(value, State)]
         cls.states = (*cls.states, *own_states)
-        symbols = [item.symbol for item in (*cls.parameters, *cls.states)]
+        symbols = [*(p.symbol for p in cls.parameters), *(z.symbol for z in cls.states)]
         if len(set(symbols)) != len(symbols):
             raise TypeError(f"{cls.__name__}: a symbol is declared twice among {', '.join(symbols)}")
         for parameter in cls.parameters:

@@ -17,6 +17,9 @@ COMMANDS = {
     "run": "Run a tournament and rank models and estimators.",
     "leaderboard": "Show or export the leaderboard of a run.",
     "list": "List laws, effects, estimators, readers or the data sets of a run.",
+    "compare": "Compare a model with a recording: where does it fail?",
+    "diagnose": "Name the effect that a model is missing.",
+    "improve": "Add what is missing, refit, repeat: watch the error fall.",
     "simulate": "Make a recording with hidden effects from a rig file.",
     "demo": "See all of it on simulated data.",
     "schema": "Print the JSON Schema of a configuration, for editors.",
@@ -47,7 +50,7 @@ def _help(name: str, function: Any) -> str:
     return f"{COMMANDS[name]}\n\n{rest}".strip()
 
 
-app = typer.Typer(cls=_Lazy, no_args_is_help=True, add_completion=False)
+app = typer.Typer(cls=_Lazy, add_completion=False)
 
 
 def _version(wanted: bool) -> None:
@@ -74,7 +77,7 @@ def main(arguments: list[str] | None = None) -> None:
 
 def _run(arguments: list[str]) -> int:
     try:
-        result = app(arguments, prog_name="fricmodels", standalone_mode=False)
+        result = app(arguments or ["--help"], prog_name="fricmodels", standalone_mode=False)
     except Exception as error:
         if "--debug" in arguments:
             traceback.print_exc()

@@ -14,7 +14,7 @@ def command(
 ) -> None:
     """See all of it on simulated data.
 
-    Simulates the motor of Elhami and Brookfield (1997) with 5 % noise, fits every law with every estimator and ranks
+    Simulates the motor of Elhami and Brookfield (1997) with 2 % noise, fits every law with every estimator and ranks
     them by the torque error on cycles that were not fitted.
     """
     from fricmodels import plugins
@@ -25,7 +25,7 @@ def command(
 
     warn(plugins.load().failures)
     config = demonstration()
-    print("A motor with Coulomb and viscous friction that differ between its directions, 5 % noise on the velocity.")
+    print("A motor with Coulomb and viscous friction that differ between its directions, 2 % noise on the velocity.")
     print("Every law × every estimator, ranked by the torque error on the cycles that were not fitted:")
     with progress_of_fits() as report:
         board = run(config, out, processes=jobs, report=report)

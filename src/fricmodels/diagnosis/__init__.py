@@ -1,0 +1,18 @@
+"""Which effect a model is missing: compare, diagnose, improve."""
+
+from __future__ import annotations
+
+from fricmodels.diagnosis.diagnose import Comparison, Diagnosis, compare_model, diagnose, examine, kept_back, ready
+from fricmodels.diagnosis.ladder import Ladder, improve
+
+__all__ = [
+    "Comparison",
+    "Diagnosis",
+    "Ladder",
+    "compare_model",
+    "diagnose",
+    "examine",
+    "improve",
+    "kept_back",
+    "ready",
+]

@@ -72,26 +72,42 @@ class Regression:
         once = columns - (columns @ self._basis) @ self._basis.T
         return np.asarray(once - (once @ self._basis) @ self._basis.T)
 
-    def visible(self, columns: Array) -> bool:
-        """Whether every combination of the columns differs from what the base model can do."""
+    def visible(self, columns: Array) -> NDArray[np.bool_]:
+        """Mark the columns that differ from what the base model, and the columns before them, can do, shape (q,)."""
         size = np.linalg.norm(columns, axis=1)
-        if np.any(size == 0) or not np.all(np.isfinite(size)):
-            return False
-        free = self.free(columns / size[:, None])
-        return bool(np.linalg.svd(free, compute_uv=False)[-1] ** 2 > _SEEN)
+        mask = np.isfinite(size) & (size > 0)
+        kept: list[Array] = []
+        for i in np.flatnonzero(mask):
+            rest = self.free((columns[i] / size[i])[None])[0]
+            for other in kept:
+                rest = rest - other * (other @ rest)
+            length = float(np.linalg.norm(rest))
+            if length**2 > _SEEN:
+                kept.append(rest / length)
+            else:
+                mask[i] = False
+        return np.asarray(mask, dtype=bool)
 
-    def explained(self, columns: Array, lower: Array) -> tuple[float, Array]:
-        """Return the explained sum of squares and the coefficients; none where a coefficient falls below ``lower``."""
-        free = self.free(columns)
-        gram = free @ free.T
-        right = free @ self.residual
-        if np.any(np.diag(gram) <= _SEEN * np.sum(columns**2, axis=1)) or not np.all(np.isfinite(gram)):
-            return 0.0, np.zeros(len(columns))
-        scale = np.sqrt(np.diag(gram))
-        theta = np.linalg.lstsq(gram / np.outer(scale, scale), right / scale, rcond=1e-10)[0] / scale
-        if np.any(theta < lower):
-            return 0.0, theta
-        return float(theta @ right), theta
+    def explained(self, columns: Array, lower: Array, upper: Array) -> tuple[float, Array]:
+        """Return the explained sum of squares and the coefficients, as far as these may go.
+
+        A coefficient that would pass its bounds is left out, as is a column that cannot be told from the others.
+        """
+        theta = np.zeros(len(columns))
+        mask = self.visible(columns)
+        while np.any(mask):
+            free = self.free(columns[mask])
+            scale = np.linalg.norm(free, axis=1)
+            unit = free / scale[:, None]
+            right = unit @ self.residual
+            found = np.linalg.lstsq(unit @ unit.T, right, rcond=1e-10)[0]
+            value = found / scale
+            beyond = (value < lower[mask]) | (value > upper[mask])
+            if not np.any(beyond):
+                theta[mask] = value
+                return float(found @ right), theta
+            mask[np.flatnonzero(mask)[beyond]] = False
+        return 0.0, theta
 
     def held_out(self, columns: Array) -> Array:
         """Return, for every row, the residual of a fit that did not use the row's block, shape (M,)."""
@@ -108,7 +124,7 @@ class Regression:
         return residual
 
     def test(self, columns: Array) -> Evidence:
-        """Test whether columns belong to the model."""
+        """Test whether columns, all of them visible, belong to the model."""
         free = self.free(columns)
         scale = np.linalg.norm(free, axis=1)
         unit = free / scale[:, None]

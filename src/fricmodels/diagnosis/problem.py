@@ -56,6 +56,8 @@ class Problem:
         resting: samples at rest.
         quadrature, bumps: see :mod:`fricmodels.signals.weak_form`.
         velocity_noise: standard deviation of the noise of the velocity.
+        half_width: of the filter that smooths it.
+        law_slope: how fast the model's friction grows with speed at its upper end.
     """
 
     drive: Drive
@@ -65,16 +67,19 @@ class Problem:
     quadrature: Quadrature
     bumps: Bumps
     velocity_noise: float
+    half_width: int
+    law_slope: float
 
     @classmethod
-    def of(cls, drive: Drive, recording: Recording, inertia: float) -> Problem:
+    def of(cls, drive: Drive, recording: Recording, parameters: Mapping[str, float]) -> Problem:
         """Choose the bumps and evaluate what all candidates share.
 
         Args:
             drive: the model under test.
             recording: with ``velocity``.
-            inertia: the inertia, or a first estimate of it, to know how noise enters.
+            parameters: the model's estimated parameters by key, and the inertia.
         """
+        inertia, _ = drive.split(parameters)
         part = spread(recording)
         half_width = best_half_width(part.time, part.velocity, part.run)
         smooth, acceleration = lanczos_derivative(part.time, part.velocity, half_width, part.run)
@@ -85,7 +90,38 @@ class Problem:
         at_rest = resting(part)
         unclear = at_rest | _unclear_direction(part, width)
         quadrature = Quadrature.of(part, smooth, unclear)
-        return cls(drive, part, smooth, at_rest, quadrature, Bumps(part, width, unclear, least_moving=1.0), sigma)
+        bumps = Bumps(part, width, unclear, least_moving=1.0)
+        problem = cls(drive, part, smooth, at_rest, quadrature, bumps, sigma, half_width, 0.0)
+        return replace(problem, law_slope=problem.slope_of(parameters))
+
+    def slope_of(self, parameters: Mapping[str, float]) -> float:
+        """Return 1.5 times the slope of friction between half and full peak speed, in the steeper direction."""
+        peak = float(np.max(np.abs(self.recording.velocity)))
+        few = self.recording.select(np.arange(2))
+        half_forward, forward, half_backward, backward = (
+            abs(float(self.drive.friction(few, parameters, velocity=share * peak)[0])) for share in (0.5, 1, -0.5, -1)
+        )
+        return 1.5 * max(forward - half_forward, backward - half_backward, 0.0) / (0.5 * peak) if peak > 0 else 0.0
+
+    def perturbed(self, seed: int = 0) -> Problem:
+        """Return the same problem with as much noise again on the velocity, and nothing else changed.
+
+        What a column differs by between the two is what noise makes of it.
+        """
+        rng = np.random.default_rng(seed)
+        part = self.recording
+        noisy = part.velocity + self.velocity_noise * rng.standard_normal(len(part))
+        smooth, acceleration = lanczos_derivative(part.time, noisy, self.half_width, part.run)
+        changed = part.with_channels(acceleration=acceleration)
+        # The same cells are cut at the same instants, so that only the signals differ.
+        count, cells = len(part), len(self.quadrature.cell)
+        points = self.quadrature.recording
+        velocity = np.concatenate([np.where(smooth * self.smooth > 0, smooth, self.smooth), points.velocity[count:]])
+        at_cells = np.concatenate([acceleration[self.quadrature.cell], acceleration[self.quadrature.cell + 1]])
+        at = points.with_channels(velocity=velocity, acceleration=np.concatenate([acceleration, at_cells[: 2 * cells]]))
+        return replace(
+            self, recording=changed, smooth=velocity[:count], quadrature=replace(self.quadrature, recording=at)
+        )
 
     @property
     def rows(self) -> int:
@@ -100,22 +136,22 @@ class Problem:
     @cached_property
     def momentum(self) -> Array:
         """∫φ dω, shape (rows,)."""
-        return self.bumps.momentum(self.recording.velocity)
+        return np.asarray(self.bumps.momentum(self.recording.velocity))
 
     @cached_property
     def driving(self) -> Array:
         """∫φ (τ_m − τ_L) dt, shape (rows,)."""
         recording = self.quadrature.recording
-        return self.integrals((recording.torque - recording.load_torque)[None])[0]
+        return np.asarray(self.integrals((recording.torque - recording.load_torque)[None])[0])
 
     @cached_property
     def torque_rate(self) -> Array:
         """∫φ dτ_m = −∫φ' τ_m dt, shape (rows,)."""
-        return self.bumps.momentum(self.recording.torque)
+        return np.asarray(self.bumps.momentum(self.recording.torque))
 
     @cached_property
     def sign_change(self) -> Array:
-        """What a shift by one sample of every reversal's instant would add, per unit of Coulomb torque, shape (rows,)."""
+        """What a shift by a sample of every reversal would add, per unit of Coulomb torque, shape (rows,)."""
         velocity = self.quadrature.recording.velocity
         shift = np.zeros(len(self.recording))
         cells = self.quadrature.cell
@@ -123,7 +159,7 @@ class Problem:
             jump = np.sign(velocity[cells + 1]) - np.sign(velocity[cells])
             np.add.at(shift, cells, 0.5 * jump * self.recording.interval)
             np.add.at(shift, cells + 1, 0.5 * jump * self.recording.interval)
-        return self.bumps.integrals(shift[None])[0]
+        return np.asarray(self.bumps.integrals(shift[None])[0])
 
     @cached_property
     def target(self) -> Array:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -30,13 +31,15 @@ class Found:
 
     Attributes:
         nonlinear: their values, in order.
-        columns: the effect's linear columns there, shape (q, rows).
+        columns: the effect's linear columns there that count, shape (q, rows).
+        kept: which of the linear parameters these are; the others are zero.
         explained: sum of squares that they explain beyond the base model.
         trials: about how many independent values were tried; it multiplies the p-value.
     """
 
     nonlinear: tuple[float, ...]
     columns: Array
+    kept: NDArray[np.bool_]
     explained: float
     trials: float
 
@@ -58,25 +61,24 @@ def search(problem: Problem, regression: Regression, effect: Effect, alone: Driv
     linear = [p for p, is_linear in zip(effect.parameters, alone.model.linear, strict=True) if is_linear]
     nonlinear = [p for p, is_linear in zip(effect.parameters, alone.model.linear, strict=True) if not is_linear]
     lower = np.array([p.lower for p in linear])
+    upper = np.array([problem.law_slope if p.part_of_law else p.upper for p in linear])
 
-    def value(point: tuple[float, ...]) -> tuple[float, Array]:
+    def at(point: tuple[float, ...], trials: float = 1.0) -> Found:
         columns, _ = problem.columns(alone, point)
-        gained, _ = regression.explained(columns, lower)
-        return gained, columns
+        gained, theta = regression.explained(columns, lower, upper)
+        kept = theta != 0
+        return Found(point, columns[kept], kept, gained, trials)
 
     if not nonlinear:
-        columns, _ = problem.columns(alone)
-        return Found((), columns, regression.explained(columns, lower)[0], 1.0) if regression.visible(columns) else None
+        found = at(())
+        return found if np.any(found.kept) or np.any(regression.visible(problem.columns(alone)[0])) else None
     points, spacing, trials = _starts(problem, regression, alone, nonlinear)
-    best: Found | None = None
-    for point in points:
-        gained, columns = value(point)
-        if best is None or gained > best.explained:
-            best = Found(point, columns, gained, trials)
-    if best is None or best.explained <= 0:
-        return best if best is not None and regression.visible(best.columns) else None
-    refined = _refine(value, best, nonlinear, spacing)
-    return refined if regression.visible(refined.columns) else None
+    if not points:
+        return None
+    best = max((at(point, trials) for point in points), key=lambda found: found.explained)
+    if best.explained <= 0:
+        return best if np.any(regression.visible(problem.columns(alone, best.nonlinear)[0])) else None
+    return _refine(at, best, nonlinear, spacing)
 
 
 def _starts(
@@ -88,7 +90,7 @@ def _starts(
     trials = 1.0
     for parameter in nonlinear:
         if parameter.periodic:
-            values, step, tried = wave_numbers(problem, regression, alone)
+            values, step, tried = wave_numbers(problem, regression, alone, parameter.lower)
             choices.append(values)
             spacing.append(-step)
             trials *= tried
@@ -103,27 +105,49 @@ def _starts(
     return [tuple(point) for point in itertools.product(*choices)], spacing, trials
 
 
-def _refine(value: object, best: Found, nonlinear: list[Parameter], spacing: list[float]) -> Found:
+def _refine(
+    at: Callable[[tuple[float, ...], float], Found], best: Found, nonlinear: list[Parameter], spacing: list[float]
+) -> Found:
+    point = walk(lambda values: at(values, best.trials).explained, best.nonlinear, nonlinear, spacing)
+    return at(point, best.trials)
+
+
+def walk(
+    value: Callable[[tuple[float, ...]], float],
+    point: tuple[float, ...],
+    parameters: Sequence[Parameter],
+    spacing: Sequence[float],
+) -> tuple[float, ...]:
+    """Climb from a point, each parameter in turn, by steps that halve each round.
+
+    Args:
+        value: what is to be made large.
+        point: where to begin.
+        parameters: with their bounds.
+        spacing: first step of each parameter: a ratio if positive, a difference if negative.
+    """
     steps = list(spacing)
+    best = value(point)
     for _ in range(_ROUNDS):
-        for i, parameter in enumerate(nonlinear):
+        for i, parameter in enumerate(parameters):
             for direction in (-1, 1):
-                at = best.nonlinear[i]
-                step = steps[i]
-                moved = at - direction * step / 2 if step < 0 else at * step ** (direction / 2)
+                here, step = point[i], steps[i]
+                moved = here - direction * step / 2 if step < 0 else here * step ** (direction / 2)
                 moved = float(np.clip(moved, parameter.lower, parameter.upper))
-                if moved == at:
+                if moved == here:
                     continue
-                point = (*best.nonlinear[:i], moved, *best.nonlinear[i + 1 :])
-                gained, columns = value(point)  # type: ignore[operator]
-                if gained > best.explained:
-                    best = Found(point, columns, gained, best.trials)
+                trial = (*point[:i], moved, *point[i + 1 :])
+                reached = value(trial)
+                if reached > best:
+                    point, best = trial, reached
                     break
         steps = [step / 2 if step < 0 else step**0.5 for step in steps]
-    return best
+    return point
 
 
-def wave_numbers(problem: Problem, regression: Regression, alone: Drive) -> tuple[list[float], float, float]:
+def wave_numbers(
+    problem: Problem, regression: Regression, alone: Drive, least: float = 0.0
+) -> tuple[list[float], float, float]:
     """Return the wave numbers at which the residual is most periodic in position, strongest first.
 
     The residual, multiplied by what the effect's torque is in proportion to (its column at wave number 0), is summed
@@ -142,7 +166,7 @@ def wave_numbers(problem: Problem, regression: Regression, alone: Drive) -> tupl
         return [], 1.0, 1.0
     # Half of the time a bump must pass less than a quarter period, or it averages the effect away.
     fastest = 2 * np.pi / (4 * float(np.percentile(travel[moving], 20)) * problem.bumps.width / 4)
-    slowest = _LEAST_PERIODS * 2 * np.pi / span
+    slowest = max(_LEAST_PERIODS * 2 * np.pi / span, least)
     if fastest <= slowest:
         return [], 1.0, 1.0
     design, _ = problem.evaluate(alone, [0.0] * sum(not flag for flag in alone.model.linear))
@@ -160,4 +184,5 @@ def wave_numbers(problem: Problem, regression: Regression, alone: Drive) -> tupl
     edges = np.flatnonzero(inside)[[0, -1]] if np.any(inside) else np.array([], dtype=int)
     peaks = np.unique(np.concatenate([peaks, edges]))
     strongest = peaks[np.argsort(power[peaks])[::-1][:_PEAKS]]
-    return [float(k[i]) for i in strongest], np.pi / span, max(1.0, float((min(fastest, k[-1]) - slowest) * span / np.pi))
+    trials = max(1.0, float((min(fastest, k[-1]) - slowest) * span / np.pi))
+    return [float(k[i]) for i in strongest], float(np.pi / span), trials

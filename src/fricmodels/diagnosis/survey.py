@@ -18,6 +18,10 @@ from fricmodels.term import Effect
 Array = NDArray[np.float64]
 
 
+NOISE_ALLOWED = 0.05
+"""A column may consist of noise to this share (squared), or to half of what it explains; see :func:`noise_share`."""
+
+
 @dataclass(frozen=True)
 class Tested:
     """One candidate effect and what speaks for it.
@@ -44,7 +48,9 @@ class Tested:
     def parameters(self) -> dict[str, float]:
         """Estimated parameters by symbol, in SI units."""
         symbols = [p.symbol for p in self.effect.parameters]
-        linear = dict(zip(self._linear_symbols, self.evidence.coefficients, strict=True))
+        coefficients = np.zeros(len(self.found.kept))
+        coefficients[self.found.kept] = self.evidence.coefficients
+        linear = dict(zip(self._linear_symbols, coefficients, strict=True))
         nonlinear = [symbol for symbol in symbols if symbol not in linear]
         values = {**linear, **dict(zip(nonlinear, self.found.nonlinear, strict=True))}
         return {symbol: float(values[symbol]) for symbol in symbols}
@@ -75,7 +81,11 @@ class Survey:
 
 
 def survey(
-    problem: Problem, parameters: Mapping[str, float], *, leave_out: Iterable[str] = (), only: Iterable[str] | None = None
+    problem: Problem,
+    parameters: Mapping[str, float],
+    *,
+    leave_out: Iterable[str] = (),
+    only: Iterable[str] | None = None,
 ) -> Survey:
     """Test every registered effect that the model does not have.
 
@@ -92,6 +102,7 @@ def survey(
     tested: list[Tested] = []
     unseen: dict[str, str] = {}
     registered = plugins.load().effects
+    perturbed = problem.perturbed()
     for name in registered:
         if name in skipped or (only is not None and name not in only):
             continue
@@ -101,11 +112,15 @@ def survey(
         if missing:
             unseen[name] = f"the recording has no {SIGNAL_CHANNEL[missing[0]].replace('_', ' ')}"
             continue
-        outcome = _test(regression, effect, search(problem, regression, effect, alone))
-        if outcome is None:
+        found = search(problem, regression, effect, alone)
+        if found is None:
             unseen[name] = "what it would add to the residual cannot be told from what the model already has"
+        elif np.any(found.kept) and _is_noise(
+            noise_share(problem, perturbed, regression, effect, found), regression, found
+        ):
+            unseen[name] = "noise of the velocity hides what it would add beyond what the model already has"
         else:
-            tested.append(outcome)
+            tested.append(_test(regression, effect, found))
     adjusted = benjamini_yekutieli(np.array([t.p_value for t in tested]))
     ranked = [replace(t, adjusted=float(p)) for t, p in zip(tested, adjusted, strict=True)]
     ranked.sort(key=lambda t: float(np.sum(t.evidence.loss)))
@@ -118,12 +133,29 @@ def _has(problem: Problem, signal: str) -> bool:
     return SIGNAL_CHANNEL[signal] in problem.recording
 
 
-def _test(regression: Regression, effect: Effect, found: Found | None) -> Tested | None:
-    if found is None:
-        return None
+def noise_share(problem: Problem, perturbed: Problem, regression: Regression, effect: Effect, found: Found) -> float:
+    """Return the largest share of noise in a candidate's columns, of what is left of them beside the base model.
+
+    The same noise is in the inertia torque on the other side of the equation, so that a column which is mostly noise
+    explains part of the residual, at most its share, without any effect.
+    """
+    columns, _ = perturbed.columns(problem.alone(effect), found.nonlinear)
+    noise = regression.free(columns[found.kept] - found.columns)
+    signal = regression.free(found.columns)
+    return float(np.max(np.sum(noise**2, axis=1) / np.sum(signal**2, axis=1)))
+
+
+def _is_noise(share: float, regression: Regression, found: Found) -> bool:
+    explained = found.explained / float(regression.residual @ regression.residual)
+    return share > max(NOISE_ALLOWED, 0.5 * explained)
+
+
+def _test(regression: Regression, effect: Effect, found: Found) -> Tested:
+    if not np.any(found.kept):  # it would need a coefficient beyond its physical bounds
+        nothing = np.zeros(0)
+        empty = Evidence(nothing, np.zeros((0, 0)), 1.0, 0.0, 0.0, 1.0, regression.loss, regression.residual)
+        return Tested(effect, found, empty, 1.0)
     evidence = regression.test(found.columns)
-    if found.explained <= 0:  # it would need a coefficient beyond its physical bounds
-        return Tested(effect, found, replace(evidence, loss=regression.loss, gain=0.0, gain_p_value=1.0), 1.0)
     return Tested(effect, found, evidence, min(1.0, evidence.p_value * found.trials))
 
 

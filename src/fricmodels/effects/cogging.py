@@ -23,7 +23,7 @@ class Cogging(Effect):
     needs_motion = "several periods in position"
     a = Parameter("a", unit="N m", meaning="cosine amplitude")
     b = Parameter("b", unit="N m", meaning="sine amplitude")
-    k = Parameter("k", unit="1/rad", initial=1.0, lower=0.0, meaning="wave number over position", periodic=True)
+    k = Parameter("k", unit="1/rad", initial=2.0, lower=1.5, meaning="wave number over position", periodic=True)
 
     def torque(self, s: Signals, p: Parameters) -> Expression:
         """Return the periodic torque."""

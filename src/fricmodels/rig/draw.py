@@ -51,6 +51,7 @@ _SHOWN_BY: Mapping[str, tuple[str, ...]] = {
     "sensor-delay": ("multisine", "tracking"),
     "joint-compliance": ("multisine", "tracking", "trapezoid"),
 }
+_WEAKEST = 0.02
 _NEEDS_LOAD = {"load-friction", "directional-efficiency", "torque-gain", "inertia-error"}
 _NEEDS_SYMMETRY = {"asymmetry", "torque-offset"}
 
@@ -138,6 +139,7 @@ def with_size(rig: Rig, size: float) -> Rig:
         factor *= step
         if not low < factor < high:
             factor = float(np.sqrt(low * high)) if low > 0 and np.isfinite(high) else 0.5 * (low + min(high, 4 * low))
+        factor = min(max(factor, _WEAKEST), 1 / _WEAKEST)
     return best
 
 
@@ -308,7 +310,7 @@ _DRAWN: Mapping[str, Callable[[np.random.Generator, _Drive, Rig], dict[str, Any]
     "presliding": lambda r, d, _: {
         "kind": str(r.choice(["dahl", "lugre", "maxwell-slip"])),
         "width": d.travel * _log(r, 0.005, 0.05),
-        "micro_damping": 0.3 * float(np.sqrt(d.inertia * d.coulomb / (0.02 * d.travel))),
+        "damping_ratio": r.uniform(0.1, 0.6),
     },
     "frictional-lag": lambda r, d, _: {"delay": _log(r, 0.002, 0.02) / d.frequency},
     "rising-stiction": lambda r, d, _: {
@@ -335,11 +337,7 @@ _DRAWN: Mapping[str, Callable[[np.random.Generator, _Drive, Rig], dict[str, Any]
         "viscous": 0.01,
         "coulomb": 0.004 * r.uniform(0, 1),
     },
-    "drift": lambda r, d, _: {
-        "viscous": 0.3 * _sign(r) * r.uniform(0.3, 1),
-        "coulomb": 0.3 * _sign(r),
-        "time": d.duration * r.uniform(0.5, 2),
-    },
+    "drift": lambda r, d, _: _slow_change(r, d, 0.3 * _sign(r)),
     "step-change": lambda r, d, _: {"time": d.duration * r.uniform(0.3, 0.7), "coulomb": 0.2 * d.coulomb * _sign(r)},
 }
 
@@ -350,3 +348,7 @@ def _power(d: _Drive, exponent: float) -> dict[str, Any]:
 
 def _weight(d: _Drive, angle: float) -> dict[str, Any]:
     return {"sine": 0.15 * d.friction * float(np.sin(angle)), "cosine": 0.15 * d.friction * float(np.cos(angle))}
+
+
+def _slow_change(rng: np.random.Generator, d: _Drive, share: float) -> dict[str, Any]:
+    return {"viscous": share * rng.uniform(0, 1), "coulomb": share, "time": d.duration * rng.uniform(0.5, 2)}

@@ -11,18 +11,23 @@ from fricmodels.rig.hidden import Finite, HiddenEffect, Positive, Share, Waves
 
 
 class Presliding(HiddenEffect):
-    """Elastic contacts of ``width`` [rad] carry the dry friction: Dahl, LuGre or four Maxwell-slip blocks."""
+    """Elastic contacts of ``width`` [rad] carry the dry friction: Dahl, LuGre or four Maxwell-slip blocks.
+
+    ``damping_ratio`` is that of the drive swinging on its contacts.
+    """
 
     name: Literal["presliding"] = "presliding"
     kind: Literal["dahl", "lugre", "maxwell-slip"] = "maxwell-slip"
     width: Positive
-    micro_damping: Annotated[float, Field(ge=0)] = 0.0
+    damping_ratio: Annotated[float, Field(ge=0)] = 0.3
     sizes: ClassVar[tuple[str, ...]] = ("width",)
 
     def enter(self, p: Any, waves: Waves) -> None:
         """Choose the contact and its width."""
         p["presliding"] = {"dahl": 1.0, "lugre": 2.0, "maxwell-slip": 3.0}[self.kind]
-        p["elastic_width"], p["micro_damping"] = self.width, self.micro_damping
+        p["elastic_width"] = self.width
+        dry = max(p["coulomb_forward"], p["coulomb_backward"])
+        p["micro_damping"] = 2 * self.damping_ratio * math.sqrt(p["motor_inertia"] * dry / self.width)
 
 
 class FrictionalLag(HiddenEffect):

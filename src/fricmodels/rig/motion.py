@@ -43,13 +43,14 @@ def friction_torque(
         dry = dry_torque(p, direction, speed, q, load, slow, peak)
         return float(p.motor_share * direction * (dry + viscous_torque(p, direction, speed, slow)))
     side = 1.0 if w >= 0 else -1.0
-    flow = side * viscous_torque(p, side, speed, slow)
+    sliding = dry_torque(p, side, speed, q, load, slow, peak)
+    static, weakening = sliding, 1.0
     if p.presliding == LUGRE:
         static = dry_torque(p, side, 0.0, q, load, slow, peak)
-        weakening = dry_torque(p, side, speed, q, load, slow, peak) / max(static, 1e-300)
-        damping = p.micro_damping * w * (1.0 - side * carried / max(weakening, 1e-3))
-        return float(p.motor_share * (static * carried + damping + flow))
-    return float(p.motor_share * (dry_torque(p, side, speed, q, load, slow, peak) * carried + flow))
+        weakening = max(sliding / max(static, 1e-300), 1e-3)
+    damping = p.micro_damping * w * (1.0 - side * carried / weakening)
+    flow = side * viscous_torque(p, side, speed, slow)
+    return float(p.motor_share * (static * carried + damping + flow))
 
 
 @compiled

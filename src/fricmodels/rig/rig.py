@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from functools import cached_property
 from typing import Annotated, Any, Self
 
@@ -11,6 +10,7 @@ from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from fricmodels.dimension import Motion
+from fricmodels.errors import InputError
 from fricmodels.recording import Recording
 from fricmodels.rig.effects import AnyEffect
 from fricmodels.rig.excitation import AnyExcitation, ClosedLoop
@@ -23,6 +23,7 @@ Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 NotNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
 Pair = tuple[NotNegative, NotNegative]
 _MOST_HARMONICS = 16
+_MOST_STEPS = 1000
 _EXCLUSIVE = (("backlash", "joint-compliance"), ("presliding", "rising-stiction"), ("frictional-lag", "presliding"))
 
 
@@ -76,11 +77,11 @@ class Friction(BaseModel):
         rise = 0.0 if self.stick is None else _pair(self.stick)[side] - coulomb
         return np.asarray(coulomb + viscous * speed + rise * np.exp(-_pair(self.fall)[side] * speed))
 
-    def residual(self, velocity: Array, net: Array) -> Array:
+    def residual(self, velocity: Array, net: Array, rest_speed: float) -> Array:
         """Return net torque less friction torque; at rest, how far the net torque is beyond what friction holds."""
         forward, backward = self.level(np.abs(velocity), 0), self.level(np.abs(velocity), 1)
         resting = net - np.clip(net, -backward, forward)
-        return np.where(velocity > 0, net - forward, np.where(velocity < 0, net + backward, resting))
+        return np.where(velocity > rest_speed, net - forward, np.where(velocity < -rest_speed, net + backward, resting))
 
 
 class Load(BaseModel):
@@ -239,7 +240,7 @@ class Rig(BaseModel):
             applied = history.driving(time + 0.5 * step - driven) - history.sampled(history.load, time + 0.5 * step)
             net = applied - self.inertia * (later - velocity) / step
             between = np.where((velocity == 0) & (later == 0), 0.0, 0.5 * (velocity + later))
-            parts.append(self.friction.residual(between, net).reshape(self.samples, -1).mean(axis=1))
+            parts.append(self.friction.residual(between, net, self.rest_speed).reshape(self.samples, -1).mean(axis=1))
         return np.concatenate(parts)
 
     @property
@@ -276,13 +277,23 @@ class Rig(BaseModel):
         p["waves"][: len(waves)] = np.reshape(waves, (-1, 4))
         return p
 
-    def _steps(self, p: Mapping[str, Any]) -> int:
-        """Return the number of sub-steps: at least as stated, and 40 to a period of the joint's own oscillation."""
-        if p["load_inertia"] == 0:
-            return self.substeps
-        reduced = p["motor_inertia"] * p["load_inertia"] / (p["motor_inertia"] + p["load_inertia"])
-        natural = np.sqrt(p["coupling_stiffness"] / reduced)
-        return max(self.substeps, int(np.ceil(natural / self.rate / 0.15)))
+    def _steps(self, p: Any) -> int:
+        """Return the number of sub-steps: as stated, and at least 40 to a period of any oscillation of its own."""
+        natural = 0.0
+        if p["load_inertia"] > 0:
+            reduced = p["motor_inertia"] * p["load_inertia"] / (p["motor_inertia"] + p["load_inertia"])
+            natural = float(np.sqrt(p["coupling_stiffness"] / reduced))
+        if p["presliding"] > 0:
+            dry = max(p["coulomb_forward"] + p["rise_forward"], p["coulomb_backward"] + p["rise_backward"])
+            steepest = 2.1 * p["motor_share"] * (dry + p["stribeck_rise"]) / p["elastic_width"]
+            natural = max(natural, float(np.sqrt(steepest / p["motor_inertia"])))
+        needed = int(np.ceil(natural / self.rate / 0.15))
+        if needed > _MOST_STEPS:
+            raise InputError(
+                f"rig '{self.name}' swings by itself at {natural / 2 / np.pi:.3g} Hz, too fast for a rate of "
+                f"{self.rate:g} Hz; widen the elastic contact, soften the joint or raise the rate"
+            )
+        return max(self.substeps, needed)
 
     def _run(self, number: int) -> History:
         from fricmodels.rig.motion import simulate

@@ -53,7 +53,7 @@ def prepare(recording: Recording, preparation: Preparation | None = None) -> Rec
     if "velocity" not in recording and "position" not in recording:
         raise InputError(f"recording '{recording.name}' has neither velocity nor position")
     result = _lanczos(recording, settings) if settings.method == "lanczos" else _butterworth(recording, settings)
-    return _decimate(result, settings.decimate) if settings.decimate > 1 else result
+    return decimated(result, settings.decimate) if settings.decimate > 1 else result
 
 
 def _lanczos(recording: Recording, settings: Preparation) -> Recording:
@@ -87,8 +87,12 @@ def _butterworth(recording: Recording, settings: Preparation) -> Recording:
     return result.select(settled(time, settings.cutoff, settings.order, run))
 
 
-def _decimate(recording: Recording, factor: int) -> Recording:
-    """Keep every factor-th sample of each stretch, after a zero-phase anti-aliasing filter."""
+def decimated(recording: Recording, factor: int) -> Recording:
+    """Keep every factor-th sample of each stretch, after a zero-phase anti-aliasing filter on every channel.
+
+    Raises:
+        InputError: for a recording without a stretch that is long enough.
+    """
     parts = [part for part in stretches(recording.time, recording.run) if part.stop - part.start > 30 * factor]
     if not parts:
         raise InputError(f"recording '{recording.name}' is too short to keep every {factor}th sample only")

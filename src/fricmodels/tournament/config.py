@@ -145,6 +145,7 @@ class Config(Closed):
         list[Annotated[Entrant, BeforeValidator(_estimator)]], BeforeValidator(_listed), Field(min_length=1)
     ] = [Entrant(name=ALL)]
     score: Literal["held-out", "paper"] = "held-out"
+    decimate: int = Field(default=1, ge=1, description="score every so many-th sample, low-pass filtered")
     simulate: bool = Field(default=True, description="score the simulated velocity too")
     rank_by: Ranking | None = None
     preparation: Preparation = Preparation()

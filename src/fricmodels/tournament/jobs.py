@@ -41,6 +41,7 @@ class Job:
         settings: of the estimator, as JSON.
         measure: what the score's percentages are of.
         simulate: whether the simulated velocity is scored.
+        decimate: score every so many-th sample.
     """
 
     key: str
@@ -51,6 +52,7 @@ class Job:
     settings: str
     measure: str
     simulate: bool
+    decimate: int
     seed: int = field(default=0)
 
     @property
@@ -94,10 +96,30 @@ def jobs(config: Config, sources: list[Source], digests: Mapping[Source, str]) -
             settings = json.dumps(entrant.settings, sort_keys=True)
             what = (model, _code(model), entrant.name, estimator_version(entrant.name), settings, measure)
             for source in sources:
-                decides = (SCHEMA, __version__, *what, config.simulate, source.description, source.inertia)
+                decides = (
+                    SCHEMA,
+                    __version__,
+                    *what,
+                    config.simulate,
+                    config.decimate,
+                    source.description,
+                    source.inertia,
+                )
                 content = json.dumps([*decides, digests.get(source, "")], sort_keys=True)
                 key = hashlib.sha256(content.encode()).hexdigest()
-                listed.append(Job(key, source, model, entrant.name, entrant.title, settings, measure, config.simulate))
+                listed.append(
+                    Job(
+                        key,
+                        source,
+                        model,
+                        entrant.name,
+                        entrant.title,
+                        settings,
+                        measure,
+                        config.simulate,
+                        config.decimate,
+                    )
+                )
     return listed
 
 
@@ -176,6 +198,7 @@ def _fit_and_score(job: Job) -> Row:
         loaded.prepared_test,
         measure="paper" if job.measure == "paper" else "torque",
         simulate=job.simulate,
+        decimate=job.decimate,
     )
     row.update({key: _number(value) for key, value in figures.as_dict().items()})
     decisive = "rms_torque_error" if loaded.prepared_test is None else "held_out_rms_torque_error"

@@ -1,0 +1,32 @@
+"""``fricmodels compare``: model against measurement, and where it fails."""
+
+from __future__ import annotations
+
+from fricmodels.cli.measurement import Column, Data, Format, Inertia, Linear, ModelName, Out, TorqueConstant, load
+
+
+def command(
+    data: Data,
+    model: ModelName,
+    inertia: Inertia = None,
+    column: Column = None,
+    torque_constant: TorqueConstant = None,
+    reader: Format = None,
+    linear: Linear = False,
+    out: Out = None,
+) -> None:
+    """Fit a model to a recording and show where it fails."""
+    recording, chosen = load(data, model, column, torque_constant, reader, linear)
+    from rich.console import Console
+
+    from fricmodels.diagnosis import compare_model, kept_back, ready
+    from fricmodels.diagnosis.overlay import write_overlay
+    from fricmodels.diagnosis.present import show_comparison
+    from fricmodels.drive import Drive
+
+    train, test = kept_back(ready(recording))
+    comparison = compare_model(train, test, Drive(chosen, inertia, recording.motion))
+    console = Console()
+    show_comparison(console, comparison)
+    if out is not None:
+        console.print(f"wrote {write_overlay(comparison, out)}")

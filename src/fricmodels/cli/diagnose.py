@@ -1,0 +1,44 @@
+"""``fricmodels diagnose``: which effect is missing."""
+
+from __future__ import annotations
+
+from fricmodels.cli.measurement import (
+    Column,
+    Data,
+    Format,
+    Inertia,
+    LeaveOut,
+    Linear,
+    ModelName,
+    Out,
+    TorqueConstant,
+    load,
+)
+
+
+def command(
+    data: Data,
+    model: ModelName,
+    inertia: Inertia = None,
+    column: Column = None,
+    torque_constant: TorqueConstant = None,
+    reader: Format = None,
+    linear: Linear = False,
+    leave_out: LeaveOut = None,
+    out: Out = None,
+) -> None:
+    """Name the effect that a model is missing, with its evidence, or say that the data cannot tell."""
+    recording, chosen = load(data, model, column, torque_constant, reader, linear, leave_out)
+    from rich.console import Console
+
+    from fricmodels.diagnosis import diagnose
+    from fricmodels.diagnosis.document import document, write
+    from fricmodels.diagnosis.present import show_comparison, show_diagnosis
+
+    console = Console()
+    with console.status("testing effects"):
+        diagnosis = diagnose(recording, chosen, inertia, leave_out=leave_out or ())
+    show_comparison(console, diagnosis.comparison)
+    show_diagnosis(console, diagnosis)
+    if out is not None:
+        console.print(f"wrote {write(document(diagnosis), out)}")

@@ -1,0 +1,212 @@
+"""Compares a model with a recording and names the effect that is missing."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fricmodels.diagnosis.estimate import Estimate, estimate
+from fricmodels.diagnosis.evidence import Regression
+from fricmodels.diagnosis.look_alikes import separated_by
+from fricmodels.diagnosis.power import Visibility, visibility
+from fricmodels.diagnosis.problem import Problem
+from fricmodels.diagnosis.survey import Survey, Tested, survey
+from fricmodels.diagnosis.unexplained import View, views
+from fricmodels.diagnosis.verdict import LEAST_GAIN, SIGNIFICANCE, Answer, accepted, answer
+from fricmodels.diagnosis.where import Regime, where
+from fricmodels.drive import Drive
+from fricmodels.errors import InputError
+from fricmodels.model import Model
+from fricmodels.recording import Recording
+from fricmodels.score.torque import filtered_torque_error, sliding_half_width
+from fricmodels.signals import noise, prepare
+from fricmodels.signals.lanczos import even_weights
+from fricmodels.split import Split, split
+
+Array = NDArray[np.float64]
+Verdict = Literal["adequate", "missing-effect", "undecided", "unknown-effect"]
+
+
+@dataclass(frozen=True)
+class Errors:
+    """RMS torque error of a fitted model.
+
+    Attributes:
+        SI: on what was fitted [N m or N].
+        percent, held_out_percent: of the RMS motor torque, on what was fitted and on what was kept back.
+    """
+
+    SI: float
+    percent: float
+    held_out_percent: float
+
+
+@dataclass(frozen=True)
+class Finding:
+    """An effect that the data show, with its look-alikes."""
+
+    tested: Tested
+    names: tuple[str, ...]
+    separated_by: str
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """A model fitted to a recording, and where it fails.
+
+    Attributes:
+        drive, estimate: the model and its parameters.
+        train, test: what was fitted and what was kept back, prepared.
+        errors: RMS torque errors.
+        noise_floor_percent: RMS torque error that sensor noise alone would leave, of the RMS motor torque.
+        where: shares of the squared error by regime of motion.
+    """
+
+    drive: Drive
+    estimate: Estimate
+    train: Recording
+    test: Recording
+    errors: Errors
+    noise_floor_percent: float
+    where: tuple[Regime, ...]
+    problem: Problem
+
+
+@dataclass(frozen=True)
+class Diagnosis:
+    """What is missing in a model, as far as a recording can tell.
+
+    Attributes:
+        comparison: the model against the recording.
+        verdict: see the documentation of diagnosis.
+        findings: effects that the data show, best first; the first is the answer.
+        view: what predicts the residual best, whatever the physics; ``None`` if nothing does.
+        visibility: for every effect that was not found, the smallest that would have been, or what is missing.
+    """
+
+    comparison: Comparison
+    verdict: Verdict
+    findings: tuple[Finding, ...]
+    view: View | None
+    visibility: Mapping[str, Visibility]
+
+
+def ready(recording: Recording) -> Recording:
+    """Return a recording with velocity and acceleration, and with time from its start.
+
+    Raises:
+        InputError: when the recording does not move.
+    """
+    prepared = prepare(recording)
+    if float(np.ptp(prepared.velocity)) == 0:
+        raise InputError(f"recording '{recording.name}' does not move; record some motion")
+    return prepared.with_channels(derived="time" in recording.derived, time=prepared.time - prepared.time[0])
+
+
+def kept_back(prepared: Recording) -> tuple[Recording, Recording]:
+    """Return what is fitted and what is kept back: the last third of four or more runs, else three blocks of ten."""
+    runs = len(np.unique(prepared.run))
+    return split(prepared, Split(by="runs", fraction=0.3) if runs >= 4 else Split(by="blocks", fraction=0.3))
+
+
+def compare_model(
+    train: Recording, test: Recording, drive: Drive, start: Mapping[str, float] | None = None
+) -> Comparison:
+    """Fit a model and say where it fails.
+
+    Args:
+        train, test: prepared; see :func:`ready` and :func:`kept_back`.
+        drive: the model, and its inertia or ``None``.
+        start: nonlinear parameters to begin from.
+    """
+    problem, found = estimate(drive, train, start)
+    half_width = sliding_half_width(train)
+    error = filtered_torque_error(drive, found.parameters, train, half_width)
+    held_out = filtered_torque_error(drive, found.parameters, test, half_width)
+    reference = float(np.sqrt(np.mean(train.torque**2)))
+    test_reference = float(np.sqrt(np.mean(test.torque**2)))
+    rms = float(np.sqrt(np.mean(error**2)))
+    errors = Errors(rms, 100 * rms / reference, 100 * float(np.sqrt(np.mean(held_out**2))) / test_reference)
+    smooth, slope = (float(np.linalg.norm(weights)) for weights in even_weights(half_width))
+    velocity_noise = noise(train.time, train.velocity, train.run) * slope / train.interval
+    torque_noise = noise(train.time, train.torque, train.run) * smooth
+    floor = float(np.hypot(found.parameters[drive.inertia_key] * velocity_noise, torque_noise))
+    rows = tuple(where(error, train))
+    return Comparison(drive, found, train, test, errors, 100 * floor / reference, rows, problem)
+
+
+def diagnose(
+    recording: Recording,
+    model: Model,
+    inertia: float | None = None,
+    *,
+    leave_out: Iterable[str] = (),
+) -> Diagnosis:
+    """Say which effect a model is missing.
+
+    Args:
+        recording: as read.
+        model: law plus effects.
+        inertia: J [kg m²] or M [kg]; estimated if not given.
+        leave_out: effects that are not considered.
+
+    Raises:
+        InputError: when the recording lacks what the model needs, or does not move enough.
+    """
+    train, test = kept_back(ready(recording))
+    comparison = compare_model(train, test, Drive(model, inertia, recording.motion))
+    return examine(comparison, leave_out=leave_out)
+
+
+def examine(comparison: Comparison, *, leave_out: Iterable[str] = ()) -> Diagnosis:
+    """Test every effect on what a fitted model leaves over."""
+    result = survey(comparison.problem, comparison.estimate.parameters, leave_out=leave_out)
+    best = answer(result)
+    seen = [view for view in views(result.problem, result.regression) if _predicts(view)]
+    view = seen[0] if seen else None
+    findings = [] if best is None else [_finding(best), *_further(result, best)]
+    found = {name for finding in findings for name in finding.names}
+    verdict: Verdict = "adequate"
+    if findings:
+        verdict = "missing-effect" if len(findings[0].names) == 1 else "undecided"
+    elif view is not None:
+        verdict = "unknown-effect"
+    return Diagnosis(comparison, verdict, tuple(findings), view, visibility(result, found))
+
+
+def _predicts(view: View) -> bool:
+    e = view.evidence
+    return view.p_value < SIGNIFICANCE and e.gain > LEAST_GAIN and e.gain_p_value < SIGNIFICANCE
+
+
+def _finding(best: Answer) -> Finding:
+    return Finding(best.first, tuple(best.names), separated_by(best.names))
+
+
+def _further(result: Survey, best: Answer) -> list[Finding]:
+    """Return further effects that still pass once the first is in the model, each tested given those before it."""
+    others = [t for t in accepted(result) if t.name not in best.names]
+    base = np.vstack([result.regression.base, best.first.found.columns])
+    findings: list[Finding] = []
+    while others:
+        regression = Regression(base, result.regression.target, result.problem.independent)
+        passing = []
+        for candidate in others:
+            columns = candidate.found.columns
+            if not np.all(regression.visible(columns)):
+                continue
+            evidence = regression.test(columns)
+            adjusted = min(1.0, evidence.p_value * candidate.found.trials * len(result.tested))
+            if adjusted < SIGNIFICANCE and evidence.gain > LEAST_GAIN and evidence.gain_p_value < SIGNIFICANCE:
+                passing.append(replace(candidate, evidence=evidence, adjusted=adjusted))
+        if not passing:
+            return findings
+        first = min(passing, key=lambda t: float(np.sum(t.evidence.loss)))
+        findings.append(Finding(first, (first.name,), ""))
+        base = np.vstack([base, first.found.columns])
+        others = [t for t in others if t.name != first.name]
+    return findings

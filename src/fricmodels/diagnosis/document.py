@@ -1,0 +1,144 @@
+"""``diagnosis.json``: what other programs read. The schema is versioned; fields are only ever added."""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from fricmodels.diagnosis.diagnose import Diagnosis, Finding
+from fricmodels.diagnosis.explain import explain, sentence
+from fricmodels.diagnosis.ladder import Ladder
+from fricmodels.dimension import Motion
+
+SCHEMA = "fricmodels/diagnosis/1"
+
+
+def document(diagnosis: Diagnosis, ladder: Ladder | None = None) -> dict[str, Any]:
+    """Return the diagnosis of a model, and the ladder that improved it, as plain data.
+
+    With a ladder, ``effects`` lists what it added, in order; the verdict is that of the model that was given, or
+    ``unknown-effect`` where something remains that no known effect explains.
+    """
+    comparison = diagnosis.comparison
+    drive = comparison.drive
+    findings = diagnosis.findings if ladder is None else added(ladder)
+    verdict = diagnosis.verdict
+    if ladder is not None and ladder.last.verdict == "unknown-effect":
+        verdict = "unknown-effect"
+    view = diagnosis.view if ladder is None else ladder.last.view
+    data: dict[str, Any] = {
+        "schema": SCHEMA,
+        "dataset": comparison.train.name,
+        "model": drive.model.name,
+        "motion": drive.motion.value,
+        "inertia": {
+            "value": comparison.estimate.parameters[drive.inertia_key],
+            "unit": "kg m^2" if drive.motion is Motion.ROTARY else "kg",
+            "estimated": drive.inertia is None,
+        },
+        "parameters": dict(comparison.estimate.parameters),
+        "standard_errors": dict(comparison.estimate.standard_errors),
+        "rms_torque_error": {
+            "SI": comparison.errors.SI,
+            "percent": comparison.errors.percent,
+            "held_out_percent": comparison.errors.held_out_percent,
+        },
+        "noise_floor_percent": comparison.noise_floor_percent,
+        "where": [
+            {
+                "regime": row.regime,
+                "share_of_squared_error": row.share_of_squared_error,
+                "samples": row.samples,
+                "share_of_samples": row.share_of_samples,
+                "rms_torque_error": row.rms_torque_error,
+            }
+            for row in comparison.where
+        ],
+        "verdict": verdict,
+        "effects": [_effect(finding, drive.motion) for finding in findings],
+        "unknown": None
+        if view is None
+        else {"channels": view.channels, "p_value": view.p_value, "held_out_gain": view.evidence.gain},
+        "could_have_been_seen": {
+            name: {
+                "smallest_percent": row.smallest_percent,
+                "smallest_torque": row.smallest_torque,
+                "missing": row.missing,
+            }
+            for name, row in diagnosis.visibility.items()
+        },
+        "explanation": explain(diagnosis, ladder),
+        "ladder": _ladder(diagnosis, ladder),
+    }
+    finite: dict[str, Any] = _finite(data)
+    return finite
+
+
+def added(ladder: Ladder) -> list[Finding]:
+    """Return the findings that the ladder added and kept, in order, then what the given model's diagnosis still saw."""
+    kept = {effect.name for effect in ladder.rungs[-1].comparison.drive.model.effects}
+    chosen = [step.findings[0] for step in ladder.steps if step.findings and step.findings[0].tested.name in kept]
+    return chosen or list(ladder.first.findings)
+
+
+def _effect(finding: Finding, motion: Motion) -> dict[str, Any]:
+    tested = finding.tested
+    units = {p.symbol: p.unit_for(motion) for p in tested.effect.parameters}
+    return {
+        "name": tested.name,
+        "class": list(finding.names),
+        "p_value": tested.adjusted,
+        "share_of_residual": tested.evidence.explained,
+        "held_out_gain": tested.evidence.gain,
+        "parameters": dict(tested.parameters),
+        "units": units,
+        "separated_by": finding.separated_by,
+        "equation": tested.effect.formula,
+        "explanation": sentence(finding),
+    }
+
+
+def _ladder(diagnosis: Diagnosis, ladder: Ladder | None) -> list[dict[str, Any]]:
+    if ladder is None:
+        errors = diagnosis.comparison.errors
+        name = diagnosis.comparison.drive.model.name
+        return [
+            {"model": name, "rms_percent": errors.percent, "held_out_rms_percent": errors.held_out_percent, "added": ""}
+        ]
+    return [
+        {
+            "model": rung.model,
+            "rms_percent": rung.comparison.errors.percent,
+            "held_out_rms_percent": rung.comparison.errors.held_out_percent,
+            "added": rung.added,
+            "removed": rung.removed,
+            "parameters": dict(rung.comparison.estimate.parameters),
+            "standard_errors": dict(rung.comparison.estimate.standard_errors),
+        }
+        for rung in ladder.rungs
+    ]
+
+
+def _finite(value: Any) -> Any:
+    """Replace numbers that JSON does not have by null."""
+    if isinstance(value, Mapping):
+        return {key: _finite(item) for key, item in value.items()}
+    if isinstance(value, list):
+        return [_finite(item) for item in value]
+    if isinstance(value, float):
+        return float(value) if math.isfinite(value) else None
+    return value
+
+
+def write(data: Mapping[str, Any], directory: Path) -> Path:
+    """Write ``diagnosis.json`` into a directory, beside first, then in place."""
+    directory.mkdir(parents=True, exist_ok=True)
+    path = directory / "diagnosis.json"
+    temporary = path.with_suffix(".json.tmp")
+    temporary.write_text(json.dumps(data, indent=2, ensure_ascii=False, allow_nan=False) + "\n", encoding="utf-8")
+    os.replace(temporary, path)
+    return path

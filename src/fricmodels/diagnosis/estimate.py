@@ -1,0 +1,149 @@
+"""Fits a whole model to the rows of a problem: linear parameters by bounded least squares, the others by search."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fricmodels.diagnosis.evidence import cosine_terms, long_run_sum
+from fricmodels.diagnosis.problem import Problem
+from fricmodels.diagnosis.search import natural_size, walk
+from fricmodels.drive import Drive
+from fricmodels.errors import InputError
+from fricmodels.recording import Recording
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """Parameters of a model by key, the inertia among them, with standard errors."""
+
+    parameters: Mapping[str, float]
+    standard_errors: Mapping[str, float]
+
+
+def estimate(drive: Drive, recording: Recording, start: Mapping[str, float] | None = None) -> tuple[Problem, Estimate]:
+    """Fit a drive to a recording in weak form.
+
+    Args:
+        drive: model and inertia, ``None`` to estimate it.
+        recording: with ``velocity``.
+        start: values of nonlinear parameters to begin from; those not given are scanned.
+
+    Returns:
+        The rows, and the estimate.
+
+    Raises:
+        InputError: when the recording moves too little to fit the model.
+    """
+    first = Problem.of(drive, recording, _guess(drive, recording, start))
+    found = _fit(first, start or {})
+    if drive.inertia is None:
+        first = Problem.of(drive, recording, found.parameters)
+        found = _fit(first, {**(start or {}), **found.parameters})
+    return replace(first, law_slope=first.slope_of(found.parameters)), found
+
+
+def _guess(drive: Drive, recording: Recording, start: Mapping[str, float] | None) -> dict[str, float]:
+    """Return parameters good enough to choose the width of the bumps: only the inertia matters."""
+    values = {p.key: (start or {}).get(p.key, p.declared.initial) for p in drive.model.parameters}
+    if drive.inertia is None:
+        acceleration = np.gradient(recording.velocity, recording.time)
+        coarse = np.convolve(acceleration, np.ones(9) / 9, "same")
+        force = np.convolve(recording.torque - recording.load_torque, np.ones(9) / 9, "same")
+        base = np.column_stack([coarse, np.sign(recording.velocity), recording.velocity])
+        values[drive.inertia_key] = max(float(np.linalg.lstsq(base, force, rcond=None)[0][0]), 1e-12)
+    return values
+
+
+def _fit(problem: Problem, start: Mapping[str, float]) -> Estimate:
+    drive, model = problem.drive, problem.drive.model
+    if problem.rows <= 4 * len(drive.parameters):
+        raise InputError(
+            f"recording '{problem.recording.name}' moves too little: {problem.rows} stretches of clear motion for "
+            f"{len(drive.parameters)} parameters; record longer, faster, or with less noise"
+        )
+    nonlinear = [p for p, is_linear in zip(model.parameters, model.linear, strict=True) if not is_linear]
+    declared = [p.declared for p in nonlinear]
+
+    def at(point: tuple[float, ...]) -> tuple[float, Array]:
+        return _linear(problem, point)
+
+    point: list[float] = []
+    ratios = []
+    for p in nonlinear:
+        size = natural_size(problem.recording, p.declared.dimension)
+        scan = [value * size for value in p.declared.scan] or [p.declared.initial]
+        point.append(start.get(p.key, scan[len(scan) // 2]))
+        ratios.append(1.02 if p.declared.periodic else (1.3 if p.key in start else 2.0))
+    for i, p in enumerate(nonlinear):
+        if p.key not in start and p.declared.scan:
+            size = natural_size(problem.recording, p.declared.dimension)
+            choices: list[tuple[float, ...]] = [
+                (*point[:i], value * size, *point[i + 1 :]) for value in p.declared.scan
+            ]
+            point = list(min(choices, key=lambda choice: at(choice)[0]))
+    best = walk(lambda values: -at(values)[0], tuple(point), declared, ratios) if point else ()
+    _, theta = at(best)
+    values = _named(problem, theta, best)
+    return Estimate(values, _errors(problem, values))
+
+
+def _stack(problem: Problem, nonlinear: tuple[float, ...]) -> tuple[Array, Array]:
+    """Return the columns (inertia first where it is free, model, nuisances) and the target."""
+    columns, offset = problem.columns(problem.drive, nonlinear)
+    stacked = [problem.momentum[None]] if problem.drive.inertia is None else []
+    stacked += [columns, problem.sign_change[None]]
+    if "motor_torque_rate" not in problem.drive.model.needs:
+        stacked.append(problem.torque_rate[None])
+    return np.vstack(stacked), problem.target - offset
+
+
+def _linear(problem: Problem, nonlinear: tuple[float, ...]) -> tuple[float, Array]:
+    from scipy.optimize import lsq_linear
+
+    columns, target = _stack(problem, nonlinear)
+    linear = [p.declared for p in problem.drive.parameters if p.linear]
+    spare = len(columns) - len(linear)
+    delay = problem.recording.interval
+    limits = [(p.lower, p.upper) for p in linear]
+    limits += [(-np.inf, np.inf), (-delay, delay)][:spare]
+    size = np.linalg.norm(columns, axis=1)
+    size = np.where(size > 0, size, 1.0)
+    lower, upper = (np.array(side) * size for side in zip(*limits, strict=True))
+    q, r = np.linalg.qr((columns / size[:, None]).T)
+    solved = lsq_linear(r + 1e-12 * np.eye(len(r)), q.T @ target, bounds=(lower, upper), method="bvls")
+    residual = target - (solved.x / size) @ columns
+    return float(residual @ residual), solved.x / size
+
+
+def _named(problem: Problem, theta: Array, nonlinear: tuple[float, ...]) -> dict[str, float]:
+    drive = problem.drive
+    values: dict[str, float] = {}
+    linear, other = iter(theta), iter(nonlinear)
+    for p in drive.parameters:
+        values[p.key] = float(next(linear) if p.linear else next(other))
+    values.setdefault(drive.inertia_key, drive.inertia or float("nan"))
+    return values
+
+
+def _errors(problem: Problem, values: Mapping[str, float]) -> dict[str, float]:
+    """Return standard errors from the long-run variance of the scores; 0 for what is not determined."""
+    drive = problem.drive
+    base = problem.base(values)
+    linear = [p.key for p in drive.model_parameters if p.linear]
+    other = [p.key for p in drive.model_parameters if not p.linear]
+    keys = [*linear, *other, *([drive.inertia_key] if drive.inertia is None else [])]
+    nuisances = np.vstack([problem.sign_change, problem.torque_rate])
+    columns = np.vstack([base, nuisances])
+    size = np.linalg.norm(columns, axis=1)
+    unit = columns / np.where(size > 0, size, 1.0)[:, None]
+    inverse = np.linalg.pinv(unit @ unit.T, rcond=1e-10, hermitian=True)
+    residual = problem.target - (inverse @ (unit @ problem.target)) @ unit
+    meat = long_run_sum(unit * residual, cosine_terms(problem.independent, problem.rows))
+    spread = np.sqrt(np.clip(np.diag(inverse @ meat @ inverse), 0, None)) / np.where(size > 0, size, 1.0)
+    return dict(zip(keys, (float(s) for s in spread[: len(keys)]), strict=True))

@@ -1,0 +1,67 @@
+"""A diagnosis in plain words."""
+
+from __future__ import annotations
+
+from fricmodels.diagnosis.diagnose import Diagnosis, Finding
+from fricmodels.diagnosis.ladder import Ladder
+
+
+def explain(diagnosis: Diagnosis, ladder: Ladder | None = None) -> str:
+    """Return what was found and what it means, in a few sentences."""
+    comparison = diagnosis.comparison
+    name = comparison.drive.model.name
+    opening = (
+        f"The model '{name}' leaves an RMS torque error of {comparison.errors.held_out_percent:.3g} % of the RMS motor "
+        f"torque on data that it was not fitted to; sensor noise alone would leave about "
+        f"{comparison.noise_floor_percent:.2g} %."
+    )
+    parts = [opening]
+    if diagnosis.verdict == "adequate":
+        parts.append(
+            "Nothing that could be predicted is left in the residual: the model is adequate for this recording. "
+            "This does not exclude effects that the recording could not have shown."
+        )
+    elif diagnosis.verdict == "unknown-effect" and diagnosis.view is not None:
+        parts.append(unknown(diagnosis))
+    else:
+        parts.append(sentence(diagnosis.findings[0]))
+    if ladder is not None and len(ladder.rungs) > 1:
+        last = ladder.rungs[-1]
+        parts.append(
+            f"With '{last.model}' the error on data kept back falls to {last.comparison.errors.held_out_percent:.3g} %."
+        )
+        if ladder.last.verdict == "unknown-effect":
+            parts.append(unknown(ladder.last))
+    if ladder is not None and ladder.note:
+        parts.append(ladder.note + ".")
+    return " ".join(parts)
+
+
+def sentence(finding: Finding) -> str:
+    """Return one finding in words: the physics, the equation, the evidence, and what would tell look-alikes apart."""
+    tested = finding.tested
+    effect = tested.effect
+    share = 100 * tested.evidence.explained
+    physics = (type(effect).__doc__ or "").strip().partition("\n")[0].rstrip(".")
+    text = (
+        f"'{tested.name}' is missing: {physics[:1].lower()}{physics[1:]} ({effect.formula}). It leaves "
+        f"{effect.signature} in the residual, explains {share:.0f} % of it, and lowers it by "
+        f"{100 * tested.evidence.gain:.0f} % on blocks that were not used for fitting (p = {tested.adjusted:.1g} after "
+        "correction for all effects tested)."
+    )
+    if len(finding.names) > 1:
+        others = ", ".join(f"'{name}'" for name in finding.names[1:])
+        text += f" This recording cannot tell it from {others}; what would: {finding.separated_by}."
+    return text
+
+
+def unknown(diagnosis: Diagnosis) -> str:
+    """Return in words that something predictable remains which no known effect explains."""
+    view = diagnosis.view
+    if view is None:
+        return ""
+    return (
+        f"Something else is missing that no known effect explains: the residual can be predicted from "
+        f"{view.channels} (it falls by {100 * view.evidence.gain:.0f} % on blocks that were not used for fitting). "
+        "Plot it against these, and write an effect of your own."
+    )

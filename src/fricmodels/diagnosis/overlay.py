@@ -1,0 +1,35 @@
+"""The overlay of model and measurement, sample by sample, for plotting."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import numpy as np
+
+from fricmodels.diagnosis.diagnose import Comparison
+from fricmodels.score.torque import filtered_torque_error
+
+
+def write_overlay(comparison: Comparison, directory: Path) -> Path:
+    """Write ``overlay.csv``: time, torque as measured and as modelled, error, and which samples were kept back."""
+    import pandas as pd
+
+    parts = []
+    unit = "Nm" if comparison.drive.motion == "rotary" else "N"
+    for part, kept in ((comparison.train, False), (comparison.test, True)):
+        error = filtered_torque_error(comparison.drive, comparison.estimate.parameters, part)
+        columns = {
+            "time_s": part.time,
+            f"measured_{unit}": part.torque,
+            f"modelled_{unit}": part.torque - error,
+            f"error_{unit}": error,
+            "kept_back": np.full(len(part), kept),
+        }
+        parts.append(pd.DataFrame(columns))
+    directory.mkdir(parents=True, exist_ok=True)
+    path = directory / "overlay.csv"
+    temporary = path.with_suffix(".csv.tmp")
+    pd.concat(parts).sort_values("time_s", kind="stable").to_csv(temporary, index=False)
+    os.replace(temporary, path)
+    return path

@@ -1,0 +1,85 @@
+"""From evidence to an answer: an effect with its look-alikes, or none."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from fricmodels.diagnosis.evidence import compare
+from fricmodels.diagnosis.look_alikes import same_in_part
+from fricmodels.diagnosis.survey import Survey, Tested
+
+SIGNIFICANCE = 0.01
+"""Chance, over all candidates of one survey, to accept an effect where there is none."""
+LEAST_GAIN = 0.05
+"""An effect must lower the held-out residual by a twentieth to be worth its place in a model."""
+_HELD_OUT = 0.05
+"""Significance of the second gate, the gain on held-out blocks."""
+_ALIKE = 0.05
+"""Two effects whose held-out residuals differ by less than a twentieth are not told apart by that difference."""
+_WORSE = 0.05
+"""Significance at which one effect explains the data worse than another."""
+_PRICE = 0.025
+"""Relative reduction of the residual that each further parameter must bring (Occam)."""
+
+
+@dataclass(frozen=True)
+class Answer:
+    """The effect that explains a residual best, and those that explain it as well."""
+
+    first: Tested
+    members: tuple[Tested, ...]
+
+    @property
+    def names(self) -> list[str]:
+        """Names of the class, best first."""
+        return [t.name for t in self.members]
+
+
+def accepted(survey: Survey) -> list[Tested]:
+    """Return the candidates that pass both gates: significant after correction, and better on held-out blocks."""
+    return [
+        t
+        for t in survey.tested
+        if t.adjusted < SIGNIFICANCE and t.evidence.gain > LEAST_GAIN and t.evidence.gain_p_value < _HELD_OUT
+    ]
+
+
+def answer(survey: Survey) -> Answer | None:
+    """Return the best effect with its look-alike class, or ``None`` where no candidate passes."""
+    passing = accepted(survey)
+    if not passing:
+        return None
+    passing.sort(key=_cost)
+    first = passing[0]
+    members = [first]
+    best = _rms(first)
+    for other in passing[1:]:
+        _, p_worse = compare(other.evidence.loss, first.evidence.loss, survey.regression.terms)
+        alike = _rms(other) < (1 + _ALIKE) * best or p_worse > _WORSE
+        if not alike:
+            continue
+        if _contains(survey, other, first) and not same_in_part(first.name, other.name):
+            continue
+        members.append(other)
+    return Answer(first, tuple(members))
+
+
+def _rms(tested: Tested) -> float:
+    return float(np.sqrt(np.mean(tested.evidence.loss)))
+
+
+def _cost(tested: Tested) -> float:
+    return float(np.log(_rms(tested))) + _PRICE * len(tested.effect.parameters)
+
+
+def _contains(survey: Survey, larger: Tested, smaller: Tested) -> bool:
+    """Whether everything that the smaller effect adds lies within what the larger one can add."""
+    if len(larger.effect.parameters) <= len(smaller.effect.parameters):
+        return False
+    free = survey.regression.free(smaller.found.columns)
+    span = survey.regression.free(larger.found.columns)
+    basis = np.linalg.svd(span, full_matrices=False)[2]
+    left = free - (free @ basis.T) @ basis
+    return bool(np.sum(left**2) < 0.01 * np.sum(free**2))
