@@ -44,12 +44,12 @@ _SHOWN_BY: Mapping[str, tuple[str, ...]] = {
     "inertia-error": _BROAD,
     "gravity": ("tracking", "trapezoid", "ramp"),
     "stiffness": ("tracking", "trapezoid", "ramp"),
-    "presliding": ("multisine", "tracking", "trapezoid", "ramp"),
+    "presliding": _CLOSED,
     "frictional-lag": ("sine", "multisine", "tracking"),
     "rising-stiction": ("trapezoid",),
-    "backlash": ("tracking", "trapezoid", "ramp"),
+    "backlash": _CLOSED,
     "sensor-delay": ("multisine", "tracking"),
-    "joint-compliance": ("multisine", "tracking", "trapezoid"),
+    "joint-compliance": ("trapezoid", "stair"),
 }
 _WEAKEST = 0.02
 _NEEDS_LOAD = {"load-friction", "directional-efficiency", "torque-gain", "inertia-error"}
