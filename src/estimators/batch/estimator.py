@@ -21,7 +21,7 @@ from fricmodels.signals import Preparation, noise, prepare, resting
 
 Array = NDArray[np.float64]
 
-MAX_ROUNDS = 8
+MAX_ROUNDS = 6
 """Rounds of explaining the velocity by the fit and fitting again."""
 
 
@@ -37,6 +37,8 @@ class BatchSettings(EstimatorSettings):
         velocity: what a weak form evaluates friction at: the velocity as ``measured``; one that the fitted model
             ``explained``, in rounds; ``auto`` explains where the drive rests or noise could hide the sign of its
             velocity.
+        rest: which samples count as rest: those ``detected`` by statistics, or those whose velocity is exactly ``zero``
+            (simulated or gated by the sensor).
         preparation: filters of the derivative form.
         samples: most samples of a simulation fit; a longer record is represented by pieces.
         max_seconds: of each of its four stages.
@@ -46,6 +48,7 @@ class BatchSettings(EstimatorSettings):
     form: Literal["weak", "derivative"] = "weak"
     width: int | None = Field(default=None, ge=8)
     velocity: Literal["auto", "measured", "explained"] = "auto"
+    rest: Literal["detected", "zero"] = "detected"
     preparation: Preparation = Preparation(method="butterworth", decimate=10)
     samples: int = Field(default=5000, ge=80)
     max_seconds: float = Field(default=20.0, gt=0.0)
@@ -94,7 +97,7 @@ class Batch(Estimator):
         hidden = _sign_is_hidden(recording)
         if width is None and hidden:
             width = possible_widths(recording)[-1]
-        still = resting(recording)
+        still = resting(recording) if self.settings.rest == "detected" else recording.velocity == 0.0
         result = weak_fit(drive, recording, width, still, recording.velocity)
         if choice == "measured" or (choice == "auto" and not (hidden or still.any())):
             return result
@@ -103,7 +106,7 @@ class Batch(Estimator):
             if explained is None:
                 return result
             velocity, still = explained
-            before, result = result, weak_fit(drive, recording, width, still, velocity)
+            before, result = result, weak_fit(drive, recording, result.width, still, velocity)
             spread = np.sqrt(np.clip(np.diag(result.covariance), 0.0, None))
             if np.all(np.abs(result.values - before.values) <= 0.1 * spread):
                 break

@@ -15,7 +15,10 @@ from estimators.batch.separable import Separable
 Array = NDArray[np.float64]
 
 MAX_STARTS = 64
-TOLERANCE = 1e-7
+"""Most combinations of starting values that are tried."""
+TOLERANCE = 1e-6
+"""A fall of the squared error by less than this share is the end: parameters move by less than a thousandth of the
+standard error, √(TOLERANCE)."""
 
 
 @dataclass(frozen=True)
@@ -102,12 +105,12 @@ class Projection:
             else:
                 self._columns[self._first + row] = values
 
-    def solve(self, nonlinear: Nonlinear, max_iterations: int = 50) -> Solution:
-        """Search from every starting point roughly, from the best one to the end."""
+    def solve(self, nonlinear: Nonlinear, start: Array | None = None, max_iterations: int = 50) -> Solution:
+        """Search from ``start``, or from every starting point roughly and from the best one to the end."""
         if not self._equations.separable.nonlinear:
             return self._at(np.zeros(0))
-        starts = [nonlinear.clip(point) for point in nonlinear.combinations()]
-        best = min((self._at(point) for point in starts), key=lambda solution: solution.cost)
+        points = nonlinear.combinations() if start is None else [start]
+        best = min((self._at(nonlinear.clip(point)) for point in points), key=lambda solution: solution.cost)
         return self._descend(best, nonlinear, max_iterations)
 
     def _descend(self, at: Solution, nonlinear: Nonlinear, max_iterations: int) -> Solution:
@@ -124,12 +127,12 @@ class Projection:
                 damping = max(damping / 10.0, 1e-12)
                 better, at = at, trial
                 if small < 1e-4 or gain <= TOLERANCE * better.cost:
-                    return _finished(at, iteration, converged=True)
+                    return replace(at, iterations=iteration)
             else:
                 damping *= 10.0
                 if small < 1e-6 or damping > 1e8:
-                    return _finished(at, iteration, converged=True)
-        return _finished(at, max_iterations, converged=False)
+                    return replace(at, iterations=iteration)
+        return replace(at, iterations=max_iterations, converged=False)
 
     def _step(self, at: Solution, scale: Array, damping: float) -> Array:
         """Return the Levenberg step of α, the linear parameters following (their columns are projected out)."""
@@ -160,7 +163,3 @@ class Projection:
         residual = target - theta @ columns[:n]
         normal = NormalEquations.of(columns @ columns.T, columns @ residual)
         return Solution(theta, alpha, columns, residual, normal, 0, True)
-
-
-def _finished(solution: Solution, iterations: int, *, converged: bool) -> Solution:
-    return replace(solution, iterations=iterations, converged=converged)

@@ -43,7 +43,7 @@ def explained_velocity(
         noise[inside] = hidden_by
     hidden = (np.abs(velocity) <= 3.0 * noise) & (np.abs(simulated) <= 3.0 * noise)
     velocity = np.where(hidden, simulated, velocity)
-    return velocity, (simulated == 0.0) & (hidden | (velocity == 0.0))
+    return velocity, velocity == 0.0
 
 
 def wandering_level(series: Array) -> tuple[Array, float]:

@@ -53,9 +53,14 @@ def weak_equations(drive: Drive, quadrature: Quadrature, bumps: Bumps, recording
 
 
 def fit_equations(
-    drive: Drive, recording: Recording, equations: Equations, independent: float, width: int
+    drive: Drive,
+    recording: Recording,
+    equations: Equations,
+    independent: float,
+    width: int,
+    start: Array | None = None,
 ) -> TorqueFit:
-    """Solve, and order parameters and covariance as the drive has them."""
+    """Solve, and order parameters and covariance as the drive has them; ``start`` is for the nonlinear parameters."""
     linear = [p for p in drive.parameters if p.linear]
     constraints, limits = linear_constraints(linear)
     if len(equations.target) <= len(drive.parameters):
@@ -63,7 +68,7 @@ def fit_equations(
             f"recording '{recording.name}' gives {len(equations.target)} equations for {len(drive.parameters)} "
             "parameters of the drive; it moves too little or is too short"
         )
-    solution = Projection(equations, constraints, limits).solve(nonlinear_search(drive, recording))
+    solution = Projection(equations, constraints, limits).solve(nonlinear_search(drive, recording), start)
     order = np.argsort(_places(drive, equations.separable), kind="stable")
     spread = covariance(solution.jacobian.T, solution.residual, solution.normal.inverse, independent)
     error = float(np.linalg.norm(solution.residual) / np.linalg.norm(equations.driving))
@@ -89,10 +94,11 @@ def weak_fit(
     if width is not None:
         return _fit_width(drive, recording, quadrature, width, resting)
     widths = possible_widths(recording)
-    fits = []
+    fits: list[TorqueFit] = []
     for candidate in widths:
         try:
-            fits.append(_fit_width(drive, recording, quadrature, candidate, resting))
+            start = fits[-1].solution.alpha if fits else None
+            fits.append(_fit_width(drive, recording, quadrature, candidate, resting, start))
         except EstimationError:
             if candidate == widths[-1] and not fits:
                 raise
@@ -162,8 +168,13 @@ def _decimated(rows: Array, factor: int) -> Array:
 
 
 def _fit_width(
-    drive: Drive, recording: Recording, quadrature: Quadrature, width: int, resting: NDArray[np.bool_]
+    drive: Drive,
+    recording: Recording,
+    quadrature: Quadrature,
+    width: int,
+    resting: NDArray[np.bool_],
+    start: Array | None = None,
 ) -> TorqueFit:
     bumps = Bumps(recording, width, resting)
     equations = weak_equations(drive, quadrature, bumps, recording)
-    return fit_equations(drive, recording, equations, 2.0 * bumps.count / HOPS, bumps.width)
+    return fit_equations(drive, recording, equations, 2.0 * bumps.count / HOPS, bumps.width, start)

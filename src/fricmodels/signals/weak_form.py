@@ -151,10 +151,10 @@ class Bumps:
         results = []
         for piece in self._pieces:
             blocks = rows[:, piece].reshape(len(rows), -1, self.hop)
-            product = blocks @ parts
-            count = product.shape[1] - HOPS + 1
-            total = product[:, :count, 0].copy()
+            product = parts.T @ blocks.transpose(0, 2, 1)
+            count = product.shape[2] - HOPS + 1
+            total = product[:, 0, :count].copy()
             for part in range(1, HOPS):
-                total += product[:, part : part + count, part]
+                total += product[:, part, part : part + count]
             results.append(total)
         return np.concatenate(results, axis=1) if len(results) != 1 else results[0]
