@@ -196,9 +196,10 @@ def coefficients_against(
                 _medians(axis, rows, values, tag, scale, key, colour)
                 axis.axhline(_MILLI * true[key], color=colour, linewidth=0.9, linestyle=":")
             axis.set(xlabel=label, ylabel=name)
-            low = min(0.0, axis.get_ylim()[0])
-            axis.set_ylim(low, None)
-            axis.legend(loc="best")
+            low, high = axis.get_ylim()
+            axis.set_ylim(min(0.0, low), 1.06 * high)
+            ends_high = true[keys[0]] * _MILLI > high / 2
+            axis.legend(loc="lower right" if ends_high else "upper right")
         if error:
             medians = [np.median([r["rms_torque_error_percent"] for r in rows if r["tags"][tag] == v]) for v in values]
             axes[-1].plot(np.array(values) / scale, medians, "o-", color=GREEN, markersize=4)

@@ -20,6 +20,9 @@ from fricmodels.recording import Recording
 Array: TypeAlias = NDArray[np.float64]
 Mask: TypeAlias = NDArray[np.bool_]
 
+_BLOCK = 16384
+"""Windows averaged together, so that memory stays bounded."""
+
 
 def torque_error(drive: Drive, values: Mapping[str, float], prepared: Recording) -> Array:
     """Return the torque error T_e of eq. 21 at every sample, shape (N,), in SI units.
@@ -155,12 +158,15 @@ def _window_mean(error: Array, time: Array, half_width: int) -> Array:
     if width < 1:
         return np.append(error, error[-1])
     windows = np.lib.stride_tricks.sliding_window_view
-    steps = np.diff(time)
-    centre = time[width : samples - width]
-    offset = windows(_mean(time), 2 * width) - centre[:, None]
-    reach = (width + 0.5) * windows(steps, 2 * width).mean(axis=1)
-    weight = windows(steps, 2 * width) * np.clip(reach[:, None] ** 2 - offset**2, 0.0, None)
-    inner = np.sum(weight * windows(error, 2 * width), axis=1) / np.sum(weight, axis=1)
+    steps, middle = windows(np.diff(time), 2 * width), windows(_mean(time), 2 * width)
+    errors, centre = windows(error, 2 * width), time[width : samples - width]
+    inner = np.empty(len(centre))
+    for start in range(0, len(centre), _BLOCK):
+        block = slice(start, start + _BLOCK)
+        reach = (width + 0.5) * steps[block].mean(axis=1, keepdims=True)
+        offset = middle[block] - centre[block, None]
+        weight = steps[block] * np.clip(reach**2 - offset**2, 0.0, None)
+        inner[block] = np.sum(weight * errors[block], axis=1) / np.sum(weight, axis=1)
     result: Array = inner[np.clip(np.arange(samples) - width, 0, len(inner) - 1)]
     return result
 
