@@ -75,7 +75,7 @@ def detchmendy_sridhar_step(space: NormalisedSpace, drive: Drive) -> Any:
     shrink = casadi.inv(casadi.SX.eye(len(seen)) - 2 * weight * casadi.mtimes(small, predicted[seen, seen]))
     posterior = predicted + 2 * weight * casadi.mtimes([gain, shrink, small, gain.T])
     estimate = prior + 2 * weight * casadi.mtimes(posterior, correction(prior, space.u, y, q))
-    estimate = casadi.vertcat(estimate[:moving], bounded(estimate[moving:], lower, upper, drive))
+    estimate = bounded(estimate, posterior, lower, upper, drive)
 
     innovation = y - observation(prior, space.u)
     seen_slope = casadi.substitute(slope, x, prior)

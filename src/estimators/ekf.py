@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 import time
 from dataclasses import replace
@@ -51,6 +52,8 @@ _FARTHEST = 3.0
 _CALIBRATION_SAMPLES = 20_000
 _MODEL_NOISE = (0.0, 1e-3, 3e-3, 1e-2, 3e-2, 0.1, 0.3)
 _NOISE_FACTORS = (0.5, 0.7, 1.0, 1.4, 2.0)
+_PRIOR_FACTORS = (1.0, 0.3, 0.1)
+"""For laws with nonlinear parameters: how wide to start, as a share of the widest, lest linearisation fails."""
 _INDISTINCT = 1.92
 """Half the 95 % quantile of chi-square, one degree of freedom: model noise is assumed where it explains more."""
 
@@ -82,10 +85,10 @@ def kalman_step(space: NormalisedSpace, drive: Drive) -> Any:
     taken = casadi.if_else(weight > 0, 1 / spread, 0)
     innovation = y - step.following[0]
     estimate = step.following + predicted[:, 0] * (taken * innovation)
-    estimate = casadi.vertcat(estimate[:moving], bounded(estimate[moving:], lower, upper, drive))
     posterior = predicted - taken * casadi.mtimes(predicted[:, 0], predicted[0, :])
     kept = casadi.if_else(weight > 0, r / spread, 1) * predicted[0, :]
     posterior[0, :], posterior[:, 0] = kept, kept.T
+    estimate = bounded(estimate, posterior, lower, upper, drive)
     return casadi.Function(
         "kalman",
         [
@@ -135,8 +138,9 @@ class ExtendedKalman(SequentialEstimator):
 
     Starts from a regression (nonlinear parameters from their scan), with standard deviations as wide as the torque
     itself. The noise of the measurement and of the model are those, on a grid, under which the innovations of the
-    first 20 000 samples are likeliest. Standard errors are the filter's own, widened where the innovations are
-    larger or more alike from sample to sample than the filter believes.
+    first 20 000 samples are likeliest; so is, for laws with nonlinear parameters, how wide it starts. Standard errors
+    are the filter's own, widened where the innovations are larger or more alike from sample to sample than the filter
+    believes.
     """
 
     name = "ekf"
@@ -191,7 +195,9 @@ class ExtendedKalman(SequentialEstimator):
         if drive.inertia is None:
             deviation[0] = settings.initial_inertia_deviation
         linear = np.array([p.linear for p in drive.parameters])
-        start = np.where(linear, np.clip(start, -2 * np.maximum(deviation, 0.5), 2 * np.maximum(deviation, 0.5)), start)
+        crest = float(np.max(np.abs(recording.torque)) / np.sqrt(np.mean(recording.torque**2)))
+        largest = np.maximum(crest * deviation, 2.0 * (np.array(drive.keys) == drive.inertia_key))
+        start = np.where(linear, np.clip(start, -largest, largest), start)
         lower = np.maximum(lower, start - _FARTHEST * deviation)
         upper = np.minimum(upper, start + _FARTHEST * deviation)
         noise = (settings.velocity_noise or velocity_noise(recording)) / scales.of(VELOCITY)
@@ -223,21 +229,33 @@ class ExtendedKalman(SequentialEstimator):
         step = recording.interval / scales.time
         factors = _NOISE_FACTORS if settings.velocity_noise is None else (1.0,)
         levels = _MODEL_NOISE if settings.model_noise is None else (settings.model_noise,)
+        nonlinear = not all(p.linear for p in problem.drive.parameters)
+        priors = _PRIOR_FACTORS if nonlinear else (1.0,)
         tried = []
-        for factor in factors:
-            for level in levels:
-                w = [(level * torque) ** 2 * step, *[0.0] * (problem.moving - 1), *walk]
-                constants = np.array([*problem.constants, (factor * noise) ** 2, *w, *lower, *upper])
-                candidate = replace(problem, constants=constants)
-                trajectory = candidate.run(part)
-                tried.append((log_likelihood(trajectory), level, candidate, trajectory.memory))
+        for prior, factor, level in itertools.product(priors, factors, levels):
+            w = [(level * torque) ** 2 * step, *[0.0] * (problem.moving - 1), *walk]
+            candidate = replace(
+                problem,
+                constants=np.array([*problem.constants, (factor * noise) ** 2, *w, *lower, *upper]),
+                initial_covariance=_narrowed(problem, prior),
+            )
+            trajectory = candidate.run(part)
+            tried.append((log_likelihood(trajectory), level, candidate, trajectory.memory))
         likeliest = max(score for score, *_ in tried)
         if likeliest == -math.inf:
             return tried[0][2]
         likely = [entry for entry in tried if entry[0] >= likeliest - _INDISTINCT]
         smallest = min(level for _, level, *_ in likely)
-        _, _, chosen, memory = max((e for e in likely if e[1] == smallest), key=lambda entry: entry[0])
-        return replace(chosen, initial_parameters=memory[problem.moving : problem.order])
+        score, _, chosen, memory = max((e for e in likely if e[1] == smallest), key=lambda entry: entry[0])
+        again = replace(chosen, initial_parameters=memory[problem.moving : problem.order])
+        return again if log_likelihood(again.run(part)) >= score else chosen
+
+
+def _narrowed(problem: FilterProblem, factor: float) -> Array:
+    """Return the initial covariance with the parameters' standard deviations multiplied by a factor."""
+    deviations = np.ones(problem.order)
+    deviations[problem.moving :] = factor
+    return np.asarray(problem.initial_covariance * np.outer(deviations, deviations))
 
 
 def initial_deviation(drive: Drive, recording: Recording, start: Array) -> Array:
@@ -326,7 +344,7 @@ def run_filterpy(problem: FilterProblem, recording: Recording) -> Trajectory:
                 diverged = int(where[sample])
                 break
             kalman.update(row[2], lambda _: observed, lambda x: x[:1])
-            kalman.x[moving:, 0] = projected(kalman.x[moving:, 0], lower, upper, problem.drive)
+            kalman.x[:, 0] = projected(kalman.x[:, 0], kalman.P, lower, upper, problem.drive)
             outputs[where[sample]] = [
                 *kalman.x[:, 0], *np.diag(kalman.P), kalman.y.item(), kalman.S.item()
             ]  # fmt: skip

@@ -87,23 +87,17 @@ def velocity_noise(recording: Recording) -> float:
 
 
 def smoothed_acceleration(recording: Recording) -> Array:
-    """Return dω/dt by a local cubic over about a twentieth of the dominant cycle."""
-    from scipy.signal import savgol_filter
+    """Return dω/dt, measured or by the Lanczos differentiator whose width suits the noise."""
+    from fricmodels.signals import Preparation, prepare
 
-    acceleration = np.zeros(len(recording))
-    period = 2 * np.pi / dominant_frequency(recording)
-    for number in np.unique(recording.run):
-        rows = np.flatnonzero(recording.run == number)
-        if len(rows) < 9:
-            continue
-        step = float(np.median(np.diff(recording.time[rows])))
-        window = min(max(7, 2 * round(period / 40 / step) + 1), len(rows) - 1 + len(rows) % 2)
-        grid = np.arange(recording.time[rows[0]], recording.time[rows[-1]] + step / 2, step)
-        window = min(window, len(grid) - 1 + len(grid) % 2)
-        even = np.interp(grid, recording.time[rows], recording.velocity[rows])
-        slope = savgol_filter(even, window, 3, deriv=1, delta=step)
-        acceleration[rows] = np.interp(recording.time[rows], grid, slope)
-    return acceleration
+    return prepare(recording, Preparation())["acceleration"]
+
+
+def ordinary(recording: Recording, acceleration: Array) -> NDArray[np.bool_]:
+    """Return the samples that no spike has spoilt: neither speed nor acceleration ten times over their usual peaks."""
+    magnitude = np.abs(acceleration)
+    usual = magnitude <= 10 * max(float(np.quantile(magnitude, 0.95)), np.finfo(float).tiny)
+    return np.asarray(usual & (np.abs(recording.velocity) <= 10 * peak_speed(recording)))
 
 
 def inertia_guess(drive: Drive, recording: Recording) -> float:
@@ -116,7 +110,7 @@ def inertia_guess(drive: Drive, recording: Recording) -> float:
         return drive.inertia
     acceleration = smoothed_acceleration(recording)
     speed = recording.velocity
-    moving = np.abs(speed) > 0.05 * peak_speed(recording)
+    moving = (np.abs(speed) > 0.05 * peak_speed(recording)) & ordinary(recording, acceleration)
     design = np.stack([acceleration, speed, np.sign(speed), np.ones_like(speed)])[:, moving]
     torque = (recording.torque - recording.load_torque)[moving]
     size = np.sqrt(np.mean(design**2, axis=1, keepdims=True))
@@ -183,6 +177,7 @@ def scanned_guess(drive: Drive, recording: Recording) -> Guess:
         choices.append([min(max(value, declared.lower), declared.upper) for value in values])
     part = recording.with_channels(acceleration=smoothed_acceleration(recording))
     moving = np.abs(recording.velocity) > 0.02 * peak_speed(recording)
+    moving &= ordinary(recording, part["acceleration"])
     if drive.model.states:
         part, moving = part.select(np.arange(len(part)) < _TRACED), moving[:_TRACED]
     else:
@@ -190,16 +185,16 @@ def scanned_guess(drive: Drive, recording: Recording) -> Guess:
         part = part.select(rows[:: max(1, len(rows) // 4000)])
         moving = np.ones(len(part), dtype=bool)
     torque = part.torque - part.load_torque - inertia * part["acceleration"]
-    lower = np.array([p.declared.lower for p, linear in zip(parameters, drive.model.linear, strict=True) if linear])
-    upper = np.array([p.declared.upper for p, linear in zip(parameters, drive.model.linear, strict=True) if linear])
+    names = [p.key for p, linear in zip(parameters, drive.model.linear, strict=True) if linear]
+    declared_linear = [p for p, linear in zip(parameters, drive.model.linear, strict=True) if linear]
+    lower = np.array([p.declared.lower for p in declared_linear])
+    upper = np.array([p.declared.upper for p in declared_linear])
+    above = [(i, names.index(p.at_least)) for i, p in enumerate(declared_linear) if p.at_least in names]
     best: tuple[float, tuple[float, ...], Array] | None = None
     for nonlinear in itertools.islice(itertools.product(*choices), _MOST_COMBINATIONS):
         design, offset = drive.regressors(part, nonlinear)
         design, right = design[:, moving], (torque - offset)[moving]
-        size = np.sqrt(np.mean(design**2, axis=1, keepdims=True))
-        size[size == 0] = 1.0
-        linear = np.linalg.lstsq((design / size).T, right, rcond=1e-9)[0] / size[:, 0]
-        linear = np.clip(linear, lower, upper)
+        linear = bounded_least_squares(design, right, lower, upper, above)
         residual = float(np.sqrt(np.mean((right - linear @ design) ** 2)))
         if best is None or residual < best[0]:
             best = (residual, nonlinear, linear)
@@ -210,6 +205,31 @@ def scanned_guess(drive: Drive, recording: Recording) -> Guess:
     for p, is_linear in zip(parameters, drive.model.linear, strict=True):
         found[p.key] = float(next(linear_values) if is_linear else next(nonlinear_values))
     return Guess(found, best[0])
+
+
+def bounded_least_squares(
+    design: Array, right: Array, lower: Array, upper: Array, above: Sequence[tuple[int, int]]
+) -> Array:
+    """Return θ that minimises ‖right − θ·design‖ within bounds, with θ_i ≥ θ_j for each pair (i, j) in ``above``.
+
+    θ_i is written as θ_j + d with d ≥ 0, whose column is that of θ_i, while the column of θ_j becomes the sum.
+    """
+    from scipy.optimize import lsq_linear
+
+    columns, low, high = design.copy(), lower.copy(), upper.copy()
+    for i, j in above:
+        columns[j] = columns[j] + design[i]
+        low[i], high[i] = 0.0, np.inf
+    size = np.sqrt(np.mean(columns**2, axis=1))
+    size[size == 0] = 1.0
+    scaled = (columns / size[:, None]).T
+    found = np.linalg.lstsq(scaled, right, rcond=1e-9)[0]
+    if np.any(found < low * size) or np.any(found > high * size):
+        found = lsq_linear(scaled, right, (low * size, high * size)).x
+    found = found / size
+    for i, j in above:
+        found[i] += found[j]
+    return np.asarray(np.clip(found, lower, upper))
 
 
 def mid_step(drive_inputs: Sequence[str], run: Recording, substeps: int, hold: Hold) -> tuple[Array, Array]:

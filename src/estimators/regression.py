@@ -30,7 +30,7 @@ class Design:
         keys: parameters that are estimated.
         fixed: values in SI of those that are not.
         window, smoothing: samples of the bump, and of the local cubic that smooths the velocity.
-        peak, torque, inertia, omega: sizes of speed, torque, inertia and frequency, for scaling.
+        peak, torque, omega: sizes of speed, torque and frequency, for scaling.
     """
 
     drive: Drive
@@ -40,7 +40,6 @@ class Design:
     smoothing: int
     peak: float
     torque: float
-    inertia: float
     omega: float
 
     @property

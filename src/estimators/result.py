@@ -125,13 +125,13 @@ def _elapsed(recording: Recording) -> Array:
 
 
 def unidentified(problem: FilterProblem, variances: Array, walked: float = 0.0) -> dict[str, str]:
-    """Name the parameters whose variance the recording left above a quarter of what it would be without it.
+    """Name the parameters whose variance the recording left above half of what it would be without it.
 
     That is the initial one, plus what a random walk (eq. 14 adds the unit matrix) has ``walked``.
     """
     before = np.diag(problem.initial_covariance)[problem.moving :] + walked
     return {
-        key: "the recording narrows its uncertainty by less than half"
+        key: "the recording reduces its variance by less than half"
         for key, after, first in zip(problem.drive.keys, variances, before, strict=True)
-        if after > 0.25 * first
+        if after > 0.5 * first
     }

@@ -63,7 +63,9 @@ class RecursiveLeastSquaresSettings(EstimatorSettings):
     """Settings."""
 
     memory: float = Field(20.0, gt=0, description="cycles after which a sample's weight has fallen to 1/e")
-    window: int | None = Field(None, ge=5, description="samples in the weak form's window; a tenth of a cycle")
+    window: int | None = Field(
+        None, ge=5, description="samples in the weak form's window; by the noise where not given"
+    )
     smoothing: int | None = Field(
         None, ge=1, description="samples of the local cubic that smooths the velocity; by its noise where not given"
     )
@@ -164,19 +166,29 @@ class RecursiveLeastSquares(SequentialEstimator):
             fixed[drive.inertia_key] = drive.inertia
         per_cycle = 2 * np.pi / dominant_frequency(recording) / recording.interval
         peak = peak_speed(recording)
+        inertia = inertia_guess(drive, recording)
         design = Design(
             drive=drive,
             keys=tuple(key for key in drive.keys if key not in fixed),
             fixed=fixed,
-            window=self.settings.window or int(max(8, round(per_cycle / 10))),
+            window=self.settings.window or _window(recording, inertia, per_cycle),
             smoothing=self.settings.smoothing or _smoothing(recording, peak * 2 * np.pi / per_cycle),
             peak=peak,
             torque=float(np.sqrt(np.mean(recording.torque**2))),
-            inertia=inertia_guess(drive, recording),
             omega=dominant_frequency(recording),
         )
         forgetting = float(np.exp(-1 / (self.settings.memory * per_cycle)))
         return _Problem(drive, design, Scan(recursive_step(len(design.keys))), forgetting)
+
+
+def _window(recording: Recording, inertia: float, per_cycle: float) -> int:
+    """Return the samples of a bump through which velocity noise makes 5 % of the RMS torque; 12 to a tenth of a cycle.
+
+    The bump (1 − s²)³ over L samples turns white noise σ of the velocity into 5.04 J σ / (Δt L^(3/2)) of torque.
+    """
+    torque = float(np.sqrt(np.mean(recording.torque**2)))
+    noise = 5.04 * inertia * velocity_noise(recording) / recording.interval
+    return int(np.clip(np.ceil((noise / (0.05 * torque)) ** (2 / 3)), 12, max(12, per_cycle / 10)))
 
 
 def _smoothing(recording: Recording, change: float) -> int:

@@ -29,6 +29,7 @@ from fricmodels.recording import CHANNELS, SIGNAL_CHANNEL, Recording
 Array = NDArray[np.float64]
 
 HISTORY_ROWS = 50_000
+_TINY = 1e-300
 
 
 @dataclass(frozen=True)
@@ -257,15 +258,58 @@ def symbolic_pack(matrix: Any) -> Any:
     return casadi.vertcat(*(matrix[int(i), int(j)] for i, j in zip(rows, columns, strict=True)))
 
 
-def bounded(parameters: Any, lower: Any, upper: Any, drive: Drive) -> Any:
-    """Return parameters projected onto their physical bounds; a stick torque is raised to its slip torque."""
+def bounded(x: Any, covariance: Any, lower: Any, upper: Any, drive: Drive) -> Any:
+    """Return the state with its parameters moved to where their physical bounds allow.
+
+    A stick torque below its slip torque, and a nonlinear parameter outside its bounds, are moved along the covariance,
+    so that the other estimates follow as if the bound had been observed (Simon and Chia 2002); merely cutting them
+    off would drive correlated parameters away together. What is then still outside is cut off.
+    """
     import casadi
 
-    inside = casadi.fmin(casadi.fmax(parameters, lower), upper)
-    for i, parameter in enumerate(drive.parameters):
-        if parameter.at_least is not None:
-            inside[i] = casadi.fmax(inside[i], inside[drive.keys.index(parameter.at_least)])
-    return inside
+    moving = x.numel() - len(drive.keys)
+    for i, j in _ordered(drive):
+        along = covariance[:, moving + i] - covariance[:, moving + j]
+        gap = casadi.fmax(x[moving + j] - x[moving + i], 0)
+        x = x + along * (gap / casadi.fmax(along[moving + i] - along[moving + j], _TINY))
+    for i in _nonlinear(drive):
+        along, value = covariance[:, moving + i], x[moving + i]
+        gap = casadi.fmin(casadi.fmax(value, lower[i]), upper[i]) - value
+        x = x + along * (gap / casadi.fmax(along[moving + i], _TINY))
+    parameters = casadi.fmin(casadi.fmax(x[moving:], lower), upper)
+    for i, j in _ordered(drive):
+        parameters[i] = casadi.fmax(parameters[i], parameters[j])
+    return casadi.vertcat(x[:moving], parameters)
+
+
+def projected(x: Array, covariance: Array, lower: Array, upper: Array, drive: Drive) -> Array:
+    """Return what :func:`bounded` builds, for numbers."""
+    moving = len(x) - len(drive.keys)
+    for i, j in _ordered(drive):
+        along = covariance[:, moving + i] - covariance[:, moving + j]
+        gap = max(x[moving + j] - x[moving + i], 0.0)
+        x = x + along * (gap / max(along[moving + i] - along[moving + j], _TINY))
+    for i in _nonlinear(drive):
+        along, value = covariance[:, moving + i], x[moving + i]
+        x = x + along * ((np.clip(value, lower[i], upper[i]) - value) / max(along[moving + i], _TINY))
+    parameters = np.clip(x[moving:], lower, upper)
+    for i, j in _ordered(drive):
+        parameters[i] = max(parameters[i], parameters[j])
+    return np.concatenate([x[:moving], parameters])
+
+
+def _ordered(drive: Drive) -> list[tuple[int, int]]:
+    """Return pairs of parameters of which the first must not fall below the second."""
+    return [
+        (i, drive.keys.index(parameter.at_least))
+        for i, parameter in enumerate(drive.parameters)
+        if parameter.at_least is not None
+    ]
+
+
+def _nonlinear(drive: Drive) -> list[int]:
+    """Return the parameters that do not enter the torque linearly."""
+    return [i for i, parameter in enumerate(drive.parameters) if not parameter.linear]
 
 
 def normalised_bounds(drive: Drive, scales: Scales) -> tuple[Array, Array]:
@@ -276,12 +320,3 @@ def normalised_bounds(drive: Drive, scales: Scales) -> tuple[Array, Array]:
     if drive.inertia is None:
         lower[0] = 0.1
     return np.maximum(lower, -1e300), np.minimum(upper, 1e300)
-
-
-def projected(parameters: Array, lower: Array, upper: Array, drive: Drive) -> Array:
-    """Return what :func:`bounded` builds, for numbers."""
-    inside = np.clip(parameters, lower, upper)
-    for i, parameter in enumerate(drive.parameters):
-        if parameter.at_least is not None:
-            inside[i] = max(inside[i], inside[drive.keys.index(parameter.at_least)])
-    return np.asarray(inside)
