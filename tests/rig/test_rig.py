@@ -154,3 +154,11 @@ def test_scaling_to_a_size_is_exact_for_what_is_linear():
 def test_a_copy_is_simulated_anew():
     first = rig()
     assert first.simulate().checksum != first.model_copy(update={"seed": 5}).simulate().checksum
+
+
+def test_a_rig_travels_to_another_process_without_its_motion():
+    first = rig()
+    first.simulate()
+    assert "histories" in first.__dict__
+    assert "histories" not in first.__getstate__()["__dict__"]
+    assert "histories" in first.__dict__

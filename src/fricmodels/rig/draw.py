@@ -208,7 +208,7 @@ def _drive(
     if "gravity" in effects:
         frequency = speed / (2 * np.pi * rng.uniform(1.6, 3.5))
     travel = speed / (2 * np.pi * frequency)
-    rate = frequency * _log(rng, 500, 1500)
+    rate = frequency * _log(rng, 400, 1000)
     viscous = flow * coulomb / speed
     drive = _Drive(inertia, coulomb, speed, total, frequency, rate, samples, travel, frequency * rng.uniform(12, 25))
     skew = rng.uniform(0.05, 0.25) if rng.random() < 0.4 and not _NEEDS_SYMMETRY & set(effects) else 0.0

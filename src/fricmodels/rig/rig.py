@@ -141,6 +141,9 @@ class Rig(BaseModel):
         copied.__dict__.pop("histories", None)  # what is kept belongs to one rig alone
         return copied
 
+    def __getstate__(self) -> dict[Any, Any]:
+        return super(Rig, self.__copy__()).__getstate__()
+
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Rig) and self.model_dump() == other.model_dump()
 
