@@ -63,9 +63,8 @@ def test_version(capsys: pytest.CaptureFixture[str]) -> None:
 
 def test_no_command_shows_help(capsys: pytest.CaptureFixture[str]) -> None:
     code, out, err = call(capsys)
-    assert code == 2
-    assert "leaderboard" in out + err
-    assert "Traceback" not in err
+    assert (code, err) == (0, "")
+    assert "leaderboard" in out
 
 
 def test_list_shows_equations_units_and_origin(capsys: pytest.CaptureFixture[str]) -> None:
@@ -144,5 +143,5 @@ def test_leaderboard_in_every_format(form: str, tmp_path: Path, capfd: pytest.Ca
 
 def test_a_command_is_one_line_and_one_module() -> None:
     folder = Path(cli.__file__).parent
-    modules = {file.stem for file in folder.glob("*.py")} - {"__init__", "printing"}
-    assert modules == set(COMMANDS)
+    modules = {file.stem for file in folder.glob("*.py")}
+    assert set(COMMANDS) <= modules

@@ -36,8 +36,10 @@ def test_readme(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.C
         assert run(command) == 0, f"{command}\n{capfd.readouterr().err}"
     rows = json.loads((tmp_path / "runs" / "motor" / "leaderboard.json").read_text())["rows"]
     error = "held_out_rms_torque_error_percent"
-    assert rows[0]["model"] == "coulomb-viscous+cogging"
-    assert rows[0][error] < 0.7 * rows[1][error]
+    assert rows[0]["model"] == "coulomb-viscous+gravity"
+    assert rows[0][error] < 0.5 * rows[1][error]
+    diagnosis = json.loads((tmp_path / "runs" / "ladder" / "diagnosis.json").read_text())
+    assert [step["added"] for step in diagnosis["ladder"] if step.get("added")] == ["gravity"]
 
 
 def test_commands_that_the_readme_names_exist() -> None:
