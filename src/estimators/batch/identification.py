@@ -43,16 +43,12 @@ def not_identified(
         half = NORMAL_95 * spread[i]
         if not (searched[0][i] <= values[i] <= searched[1][i]):
             found[key] = f"its best value {values[i]:.3g} {unit} lies beyond what this motion can tell apart"
-        elif abs(values[i]) <= half and _zero_matters(parameter.declared.lower, parameter.declared.upper):
+        elif abs(values[i]) <= half:
             partner, correlation = _partner(covariance, spread, i)
             found[key] = f"its 95 % interval, {values[i] - half:.3g} to {values[i] + half:.3g} {unit}, contains zero"
             if correlation > 0.9:
                 found[key] += f"; it trades with {keys[partner]} (correlation {correlation:.3f})"
     return found
-
-
-def _zero_matters(lower: float, upper: float) -> bool:
-    return lower <= 0.0 <= upper
 
 
 def _partner(covariance: Array, spread: Array, i: int) -> tuple[int, float]:

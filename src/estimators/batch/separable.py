@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +17,7 @@ from fricmodels.recording import Recording
 from fricmodels.term import SIGNALS
 
 Array = NDArray[np.float64]
+Memory: TypeAlias = Callable[[Array], Sequence[Array]]
 
 
 @dataclass(frozen=True)
@@ -44,21 +46,45 @@ class Separable:
 
     def fixed_rows(self, recording: Recording) -> Array:
         """Return the fixed rows at every sample, shape (len(fixed), N)."""
-        return self._evaluate(self._fixed, len(self.fixed), recording, ())
+        none = [0.0] * len(self.model.states)
+        return self._evaluate(self._fixed, len(self.fixed), recording, (), none)
 
-    def moving_rows(self, recording: Recording, alpha: Array) -> Array:
-        """Return the moving rows, then the slopes, at every sample, shape (len(moving) + len(slopes), N)."""
-        return self._evaluate(self._moving, len(self.moving) + len(self.slopes), recording, tuple(alpha))
+    def moving_rows(self, recording: Recording, alpha: Array, memory: Memory) -> Array:
+        """Return the moving rows, then the slopes, at every sample, shape (len(moving) + len(slopes), N).
 
-    def _evaluate(self, function: ArrayFunction, rows: int, recording: Recording, alpha: tuple[float, ...]) -> Array:
+        Args:
+            recording: gives the signals.
+            alpha: the nonlinear parameters.
+            memory: all parameters → internal states at every sample. The slopes of a model with internal states are
+                by differences, because the states change with the parameters too.
+        """
+        rows = len(self.moving) + len(self.slopes)
+        if not self.model.states:
+            return self._evaluate(self._moving, rows, recording, tuple(alpha), ())
+        here = self._remembered(recording, alpha, memory)
+        slopes = []
+        for j in range(len(alpha)):
+            moved = alpha.copy()
+            moved[j] += 1e-4 * (abs(alpha[j]) or 1.0)
+            slopes.append((self._remembered(recording, moved, memory) - here) / (moved[j] - alpha[j]))
+        return np.concatenate([here, *([slopes[j][row]] for row, j in self.slopes)])
+
+    def _remembered(self, recording: Recording, alpha: Array, memory: Memory) -> Array:
+        parameters = np.zeros(len(self.model.parameters))
+        parameters[list(self.nonlinear)] = alpha
+        return self._evaluate(self._moving, len(self.moving), recording, tuple(alpha), memory(parameters))
+
+    def _evaluate(
+        self, function: ArrayFunction, rows: int, recording: Recording, alpha: tuple[float, ...], states: Sequence[Any]
+    ) -> Array:
         signals: list[Any] = [recording.signal(name) if name in self.model.needs else 0.0 for name in SIGNALS]
-        (values,) = function(*signals, *alpha, rest_width(recording))
+        (values,) = function(*signals, *alpha, *states, rest_width(recording))
         return np.broadcast_to(values, (rows, len(recording)))
 
 
 @lru_cache(maxsize=128)
 def separable(model: Model) -> Separable:
-    """Split a model without internal states; built once per model."""
+    """Split a model; built once per model."""
     import casadi
 
     e = model.expression()
@@ -70,13 +96,17 @@ def separable(model: Model) -> Separable:
     design = casadi.substitute(casadi.jacobian(e.torque, theta).T, theta, zero)
     rows = casadi.vertcat(design, casadi.substitute(e.torque, theta, zero))
     derivative = casadi.jacobian(rows, alpha)
-    pattern = derivative.sparsity().get_triplet()
-    slopes = tuple(sorted(zip(*pattern, strict=True)))
-    moving = tuple(sorted({row for row, _ in slopes}))
     present = set(rows.sparsity().row())
+    if model.states:
+        slopes = tuple((row, j) for row in sorted(present) for j in range(len(nonlinear)))
+        moving = tuple(sorted(present))
+        chosen = casadi.vertcat(*(rows[i] for i in moving))
+    else:
+        slopes = tuple(sorted(zip(*derivative.sparsity().get_triplet(), strict=True)))
+        moving = tuple(sorted({row for row, _ in slopes}))
+        chosen = casadi.vertcat(*(rows[i] for i in moving), *(derivative[i, j] for i, j in slopes))
     fixed = tuple(i for i in range(rows.numel()) if i in present and i not in moving)
     signals = list(e.signals.values())
-    chosen = casadi.vertcat(*(rows[i] for i in moving), *(derivative[i, j] for i, j in slopes))
     return Separable(
         model,
         linear,
@@ -84,6 +114,8 @@ def separable(model: Model) -> Separable:
         fixed,
         moving,
         slopes,
-        ArrayFunction(casadi.Function("fixed", [*signals, e.width], [casadi.vertcat(*(rows[i] for i in fixed))])),
-        ArrayFunction(casadi.Function("moving", [*signals, alpha, e.width], [chosen])),
+        ArrayFunction(
+            casadi.Function("fixed", [*signals, e.states, e.width], [casadi.vertcat(*(rows[i] for i in fixed))])
+        ),
+        ArrayFunction(casadi.Function("moving", [*signals, alpha, e.states, e.width], [chosen])),
     )

@@ -45,8 +45,15 @@ def weak_equations(drive: Drive, quadrature: Quadrature, bumps: Bumps, recording
     push = bumps.integrals(quadrature.integrand(driving))[0]
     target = push if drive.inertia is None else push - drive.inertia * momentum
 
+    def memory(parameters: Array) -> list[Array]:
+        velocity = quadrature.recording.velocity[: len(recording)]
+        states = drive.states(recording.with_channels(velocity=velocity), parameters)
+        cell = quadrature.cell
+        return [np.concatenate([z, z[cell], z[cell + 1]]) for z in states]
+
     def moving(alpha: Array) -> Array:
-        return bumps.integrals(quadrature.integrand(split.moving_rows(quadrature.recording, alpha)))
+        rows = split.moving_rows(quadrature.recording, alpha, memory)
+        return bumps.integrals(quadrature.integrand(rows))
 
     fixed = bumps.integrals(quadrature.integrand(split.fixed_rows(quadrature.recording)))
     return Equations(split, push, target, momentum if drive.inertia is None else None, fixed, moving)
@@ -150,7 +157,7 @@ def derivative_equations(drive: Drive, recording: Recording, preparation: Prepar
         target,
         acceleration if drive.inertia is None else None,
         seen(split.fixed_rows(filtered)),
-        lambda alpha: seen(split.moving_rows(filtered, alpha)),
+        lambda alpha: seen(split.moving_rows(filtered, alpha, lambda all_: drive.states(filtered, all_))),
     )
     return equations, filtered
 

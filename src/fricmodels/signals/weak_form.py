@@ -150,7 +150,7 @@ class Bumps:
         parts = kernel.reshape(HOPS, self.hop).T
         results = []
         for piece in self._pieces:
-            blocks = rows[:, piece].reshape(len(rows), -1, self.hop)
+            blocks = rows[:, piece].reshape(len(rows), (piece.stop - piece.start) // self.hop, self.hop)
             product = parts.T @ blocks.transpose(0, 2, 1)
             count = product.shape[2] - HOPS + 1
             total = product[:, 0, :count].copy()
