@@ -144,11 +144,18 @@ def test_random_rigs_are_reproducible_and_refuse_what_they_do_not_know():
         random_rig(np.random.default_rng(5), ("coging",))
     with pytest.raises(InputError, match="does not show rising-stiction"):
         random_rig(np.random.default_rng(5), ("rising-stiction",), excitation="sine")
+    with pytest.raises(InputError, match="together"):
+        random_rig(np.random.default_rng(5), ("backlash", "joint-compliance"))
 
 
 def test_scaling_to_a_size_is_exact_for_what_is_linear():
     drawn = with_size(rig(effects=[{"name": "torque-offset", "torque": 1.0}]), 0.1)
     assert strength(drawn) == pytest.approx(0.1, rel=0.05)
+
+
+def test_a_rig_that_never_moves_has_no_strength():
+    stuck = rig(excitation={"kind": "sine", "amplitude": 5.0, "frequency": 1.0})
+    assert np.isnan(strength(stuck))
 
 
 def test_a_copy_is_simulated_anew():

@@ -11,7 +11,7 @@ import numpy as np
 from fricmodels.dimension import Motion
 from fricmodels.errors import InputError, suggestion
 from fricmodels.rig.hidden import HiddenEffect
-from fricmodels.rig.rig import Rig
+from fricmodels.rig.rig import EXCLUSIVE, Rig
 
 
 @dataclass(frozen=True)
@@ -97,11 +97,15 @@ def random_rig(
         samples: length of the record.
 
     Raises:
-        InputError: for an unknown effect, scale or excitation, or an excitation that cannot show an effect.
+        InputError: for an unknown effect, scale or excitation, two effects that exclude each other, or an
+            excitation that cannot show one of them.
     """
     for name, known in (*((e, _DRAWN) for e in effects), (scale, SCALES), (excitation, EXCITATIONS)):
         if name is not None and name not in known:
             raise InputError(f"there is no '{name}'{suggestion(name, known)}")
+    for pair in EXCLUSIVE:
+        if set(pair) <= set(effects):
+            raise InputError(f"'{pair[0]}' and '{pair[1]}' cannot be simulated together")
     for _ in range(30):
         rig = _draw(rng, tuple(effects), size, scale, excitation, noise_percent, samples)
         if rig is not None:
@@ -110,10 +114,16 @@ def random_rig(
 
 
 def strength(rig: Rig) -> float:
-    """Return the RMS torque that a rig's hidden effects leave in the residual over its RMS friction torque."""
+    """Return the RMS torque that the hidden effects leave in the residual over the RMS friction torque while sliding.
+
+    A rig that never moves has no strength: NaN.
+    """
     speeds = np.concatenate([h.velocity[:: len(h.velocity) // rig.samples] for h in rig.histories])
-    level = np.where(speeds >= 0, rig.friction.level(abs(speeds), 0), rig.friction.level(abs(speeds), 1))
-    return float(np.sqrt(np.mean(rig.effect_torque() ** 2) / np.mean(level[speeds != 0] ** 2)))
+    speeds = speeds[speeds != 0]
+    if not len(speeds):
+        return float("nan")
+    level = np.where(speeds > 0, rig.friction.level(abs(speeds), 0), rig.friction.level(abs(speeds), 1))
+    return float(np.sqrt(np.mean(rig.effect_torque() ** 2) / np.mean(level**2)))
 
 
 def with_size(rig: Rig, size: float) -> Rig:
@@ -158,10 +168,11 @@ def _draw(
 ) -> Rig | None:
     possible = [s for s in SCALES if "gravity" not in effects or SCALES[s].motion is Motion.ROTARY]
     ranges = SCALES[scale or str(rng.choice(possible))]
-    shown = [kind for kind in EXCITATIONS if all(kind in _SHOWN_BY.get(e, EXCITATIONS) for e in effects)]
-    if excitation is not None and excitation not in shown:
-        raise InputError(f"'{excitation}' does not show {', '.join(effects)}; these do: {', '.join(shown) or 'none'}")
-    kind = excitation or str(rng.choice(shown or ["tracking"]))
+    votes = {kind: sum(kind in _SHOWN_BY.get(e, EXCITATIONS) for e in effects) for kind in EXCITATIONS}
+    shown = [kind for kind in EXCITATIONS if votes[kind] == max(votes.values())]
+    if excitation is not None and votes[excitation] < len(effects):
+        raise InputError(f"'{excitation}' does not show {', '.join(effects)}; better: {', '.join(shown)}")
+    kind = excitation or str(rng.choice(shown))
     d, friction = _drive(rng, ranges, effects, samples)
     loaded = bool(_NEEDS_LOAD & set(effects)) or (kind in _CLOSED and rng.random() < 0.2)
     amplitude = d.friction * rng.uniform(0.5, 1.5)

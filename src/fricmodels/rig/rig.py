@@ -24,7 +24,8 @@ NotNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
 Pair = tuple[NotNegative, NotNegative]
 _MOST_HARMONICS = 16
 _MOST_STEPS = 1000
-_EXCLUSIVE = (("backlash", "joint-compliance"), ("presliding", "rising-stiction"), ("frictional-lag", "presliding"))
+EXCLUSIVE = (("backlash", "joint-compliance"), ("presliding", "rising-stiction"), ("frictional-lag", "presliding"))
+"""Effects that cannot be simulated together."""
 
 
 class Friction(BaseModel):
@@ -131,7 +132,7 @@ class Rig(BaseModel):
             raise ValueError("an effect is listed twice; give cogging and the like several 'harmonics' instead")
         if sum(len(getattr(effect, "harmonics", ())) for effect in self.effects) > _MOST_HARMONICS:
             raise ValueError(f"there are more than {_MOST_HARMONICS} 'harmonics' in all")
-        for one, other in _EXCLUSIVE:
+        for one, other in EXCLUSIVE:
             if one in names and other in names:
                 raise ValueError(f"'{one}' and '{other}' cannot be simulated together")
         return self
