@@ -1,10 +1,10 @@
 """Speed of a torque-error fit with standard errors: 20 000 samples, exponential law and inertia, 5 parameters.
 
 Peers in one run: lmfit, SciPy's ``least_squares`` with an analytic Jacobian, CasADi with IPOPT. They are given the
-measured velocity, the true acceleration and a start at twice the truth; ours finds its start and its derivative itself
-and gives standard errors that hold for autocorrelated residuals. *Automatic* also detects rest, chooses the bumps and
-explains the velocity by the fit; *fit alone* is the part that the peers do. *Cold* is a fresh process with imports, *warm* the
-median of repeated fits. Run: ``python benchmarks/fit_speed.py``.
+true acceleration and a start at twice the truth; ours finds its start and its derivative itself and gives standard
+errors that hold for autocorrelated residuals. *Fit alone* is the part that the peers do; *automatic* also detects
+rest, chooses the bumps and explains the velocity by the fit. *Cold* is the first fit of a fresh process with its
+imports, *warm* the median of repeated ones. Run: ``python benchmarks/fit_speed.py``.
 """
 
 from __future__ import annotations
@@ -27,7 +27,8 @@ def data() -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     rng = np.random.default_rng(1)
     time_s = 5e-4 * np.arange(SAMPLES)
     frequencies = np.array([1.1, 2.7, 4.3, 7.9])
-    torque = sum(0.012 * np.sin(2 * np.pi * f * time_s + phase) for f, phase in zip(frequencies, rng.uniform(0, 6, 4), strict=True))
+    phases = 2 * np.pi * np.outer(frequencies, time_s) + rng.uniform(0, 6, (4, 1))
+    torque = 0.012 * np.sin(phases).sum(axis=0)
     from fricmodels.drive import Drive
     from fricmodels.model import Model
     from fricmodels.simulation import simulate
@@ -35,7 +36,8 @@ def data() -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     drive = Drive(Model.parse("exponential-stick-slip"), TRUE["J"])
     velocity = simulate(drive, TRUE, time_s, torque, substeps=4).velocity
     speed = np.abs(velocity)
-    friction = (TRUE["K_v"] * speed + TRUE["C"] + (TRUE["K_c"] - TRUE["C"]) * np.exp(-TRUE["B"] * speed)) * np.sign(velocity)
+    coulomb = TRUE["C"] + (TRUE["K_c"] - TRUE["C"]) * np.exp(-TRUE["B"] * speed)
+    friction = (TRUE["K_v"] * speed + coulomb) * np.sign(velocity)
     acceleration = np.where(velocity == 0.0, 0.0, (torque - friction) / TRUE["J"])
     return time_s, torque + 1e-4 * rng.standard_normal(SAMPLES), velocity, acceleration
 

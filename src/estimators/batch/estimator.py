@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
-from estimators.batch.identification import not_identified
+from estimators.batch.identification import lost_in_noise, not_identified
 from estimators.batch.problem import Outcome, nonlinear_search
 from estimators.batch.smoothing import explained_velocity
 from estimators.batch.torque_fit import TorqueFit, derivative_fit, possible_widths, weak_fit
@@ -23,6 +23,8 @@ Array = NDArray[np.float64]
 
 MAX_ROUNDS = 6
 """Rounds of explaining the velocity by the fit and fitting again."""
+WORSE = 1.1
+"""A round whose squared error of prediction is larger than the best by this factor has gone astray."""
 
 
 class BatchSettings(EstimatorSettings):
@@ -101,11 +103,20 @@ class Batch(Estimator):
         result = weak_fit(drive, recording, width, still, recording.velocity)
         if choice == "measured" or (choice == "auto" and not (hidden or still.any())):
             return result
+        return self._explained(drive, recording, result)
+
+    def _explained(self, drive: Drive, recording: Recording, result: TorqueFit) -> TorqueFit:
+        """Explain the velocity by the fit and fit again, in rounds, while that does not predict the velocity worse."""
+        best, least = result, np.inf
         for _ in range(MAX_ROUNDS):
             explained = explained_velocity(drive, dict(zip(drive.keys, result.values, strict=True)), recording)
             if explained is None:
-                return result
-            velocity, still = explained
+                break
+            velocity, still, error = explained
+            if error > WORSE * least:
+                return best
+            if error < least:
+                best, least = result, error
             before, result = result, weak_fit(drive, recording, result.width, still, velocity)
             spread = np.sqrt(np.clip(np.diag(result.covariance), 0.0, None))
             if np.all(np.abs(result.values - before.values) <= 0.1 * spread):
@@ -118,6 +129,11 @@ class Batch(Estimator):
         parameters = dict(zip(drive.keys, (float(value) for value in found.values), strict=True))
         parameters.setdefault(drive.inertia_key, drive.inertia or float("nan"))
         complete = _complete(drive, recording)
+        reasons = not_identified(
+            drive, found.values, found.covariance, found.undetermined, _told_apart(drive, complete)
+        )
+        if self.settings.form == "weak" and not drive.model.states and _sign_is_hidden(complete):
+            reasons = {**lost_in_noise(drive, complete, parameters), **reasons}
         return Fit(
             model=drive.model.name,
             estimator=self.name,
@@ -127,9 +143,7 @@ class Batch(Estimator):
             estimated=drive.keys,
             status=Status.OK if found.succeeded else Status.FAILED,
             message=found.message,
-            not_identified=not_identified(
-                drive, found.values, found.covariance, found.undetermined, _told_apart(drive, complete)
-            ),
+            not_identified=reasons,
             seconds=seconds,
             provenance={"settings": self.settings.model_dump(), "recording": recording.checksum, **notes},
         )

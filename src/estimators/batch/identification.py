@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 from numpy.typing import NDArray
 
 from fricmodels.drive import Drive
+from fricmodels.recording import Recording
+from fricmodels.signals import noise, smoothed_velocity
 
 Array = NDArray[np.float64]
 
@@ -49,6 +53,29 @@ def not_identified(
             if correlation > 0.9:
                 found[key] += f"; it trades with {keys[partner]} (correlation {correlation:.3f})"
     return found
+
+
+def lost_in_noise(drive: Drive, recording: Recording, values: Mapping[str, float]) -> dict[str, str]:
+    """Return key → reason for each parameter whose regressor is no larger than what velocity noise makes of it.
+
+    The regressor is compared at a smoothed velocity and at one larger by the standard deviation of the noise, where
+    the drive surely moves. Standard errors take regressors as known and do not see this.
+    """
+    smooth, error = smoothed_velocity(recording)
+    deviation = noise(recording.time, recording.velocity, recording.run)
+    moving = np.abs(smooth) > 3.0 * error
+    if not moving.any():
+        return {}
+    there = recording.select(moving)
+    here = drive.jacobian(there.with_channels(velocity=smooth[moving]), values)
+    moved = smooth[moving] + deviation * np.sign(smooth[moving])
+    change = drive.jacobian(there.with_channels(velocity=moved), values) - here
+    lost = np.linalg.norm(change, axis=1) > 0.5 * np.linalg.norm(here, axis=1)
+    return {
+        p.key: "what it multiplies is hidden in the noise of the velocity: the drive moves too slowly for it"
+        for p, is_lost in zip(drive.model.parameters, lost, strict=True)
+        if is_lost
+    }
 
 
 def _partner(covariance: Array, spread: Array, i: int) -> tuple[int, float]:

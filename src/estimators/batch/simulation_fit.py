@@ -275,7 +275,7 @@ def simulation_fit(
     sizes = np.array([natural_size(chosen, p.dimension) for p in drive.parameters])
     sizes = np.where(values != 0.0, np.abs(values), sizes)
     explained = explained_velocity(drive, dict(zip(drive.keys, values, strict=True)), chosen)
-    velocity, still = explained if explained is not None else (chosen.velocity, resting(chosen))
+    velocity, still = explained[:2] if explained is not None else (chosen.velocity, resting(chosen))
     mesh = Mesh.of(chosen, velocity, still)
     memory = drive.states(chosen, values[len(values) - len(drive.model.parameters) :])
     start = np.array([mesh.at_nodes(row) for row in (velocity, *memory)])

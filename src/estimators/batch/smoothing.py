@@ -24,8 +24,10 @@ _GAINS = 0.5 ** np.arange(0, 12)
 
 def explained_velocity(
     drive: Drive, values: Mapping[str, float], recording: Recording
-) -> tuple[Array, NDArray[np.bool_]] | None:
-    """Return the smoothed velocity and where the drive rests by it; ``None`` where the model cannot be simulated."""
+) -> tuple[Array, NDArray[np.bool_], float] | None:
+    """Return the smoothed velocity, where the drive rests by it, and the mean square error of predicting the measured
+    velocity by it one sample ahead; ``None`` where the model cannot be simulated.
+    """
     from fricmodels.simulation import simulated_velocity
 
     try:
@@ -36,24 +38,29 @@ def explained_velocity(
         return None
     velocity = np.empty(len(recording))
     noise = np.empty(len(recording))
+    squares = 0.0
     for number in np.unique(recording.run):
         inside = recording.run == number
-        level, hidden_by = wandering_level(recording.velocity[inside] - simulated[inside])
+        level, hidden_by, error = wandering_level(recording.velocity[inside] - simulated[inside])
         velocity[inside] = simulated[inside] + level
         noise[inside] = hidden_by
+        squares += error * float(inside.sum())
     hidden = (np.abs(velocity) <= 3.0 * noise) & (np.abs(simulated) <= 3.0 * noise)
     velocity = np.where(hidden, simulated, velocity)
-    return velocity, velocity == 0.0
+    return velocity, velocity == 0.0, squares / len(recording)
 
 
-def wandering_level(series: Array) -> tuple[Array, float]:
-    """Return the smoothed level of a series and the noise that hid it; the gain is the one that predicts best."""
+def wandering_level(series: Array) -> tuple[Array, float, float]:
+    """Return the smoothed level of a series, the noise that hid it, and the mean square error of prediction.
+
+    The gain is the one that predicts best.
+    """
     innovations = [series[1:] - _average(series, gain)[:-1] for gain in _GAINS if gain * len(series) >= 4.0]
     squares = [float(np.mean(e**2)) for e in innovations]
     best = int(np.argmin(squares))
     gain = float(_GAINS[best])
     level = _average(_average(series, gain)[::-1], gain)[::-1]
-    return level, float(np.sqrt(squares[best] * (1.0 - gain)))
+    return level, float(np.sqrt(squares[best] * (1.0 - gain))), squares[best]
 
 
 def _average(series: Array, gain: float) -> Array:

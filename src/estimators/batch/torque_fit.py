@@ -71,16 +71,31 @@ def fit_equations(
     linear = [p for p in drive.parameters if p.linear]
     constraints, limits = linear_constraints(linear)
     if len(equations.target) <= len(drive.parameters):
-        raise EstimationError(
-            f"recording '{recording.name}' gives {len(equations.target)} equations for {len(drive.parameters)} "
-            "parameters of the drive; it moves too little or is too short"
-        )
+        raise _too_few(drive, recording, len(equations.target))
     solution = Projection(equations, constraints, limits).solve(nonlinear_search(drive, recording), start)
     order = np.argsort(_places(drive, equations.separable), kind="stable")
     spread = covariance(solution.jacobian.T, solution.residual, solution.normal.inverse, independent)
     error = float(np.linalg.norm(solution.residual) / np.linalg.norm(equations.driving))
-    values = np.concatenate([solution.theta, solution.alpha])[order]
+    values = _within_bounds(drive, np.concatenate([solution.theta, solution.alpha])[order])
     return TorqueFit(values, spread[np.ix_(order, order)], solution, order, width, error)
+
+
+def _within_bounds(drive: Drive, values: Array) -> Array:
+    """Remove what rounding leaves beyond a bound that the solver has met."""
+    exact = np.array(
+        [np.clip(v, p.declared.lower, p.declared.upper) for v, p in zip(values, drive.parameters, strict=True)]
+    )
+    for i, p in enumerate(drive.parameters):
+        if p.at_least in drive.keys:
+            exact[i] = max(exact[i], exact[drive.keys.index(p.at_least)])
+    return exact
+
+
+def _too_few(drive: Drive, recording: Recording, equations: int) -> EstimationError:
+    return EstimationError(
+        f"recording '{recording.name}' gives {equations} equations for {len(drive.parameters)} "
+        "parameters of the drive; it moves too little or is too short"
+    )
 
 
 def _places(drive: Drive, split: Separable) -> NDArray[np.int64]:
@@ -183,5 +198,7 @@ def _fit_width(
     start: Array | None = None,
 ) -> TorqueFit:
     bumps = Bumps(recording, width, resting)
+    if bumps.count <= len(drive.parameters):
+        raise _too_few(drive, recording, bumps.count)
     equations = weak_equations(drive, quadrature, bumps, recording)
     return fit_equations(drive, recording, equations, 2.0 * bumps.count / HOPS, bumps.width, start)
