@@ -32,7 +32,7 @@ class _Lazy(TyperGroup):
 
     def list_commands(self, ctx: Any) -> list[str]:
         """Return the commands in the order in which they are declared."""
-        return list(COMMANDS)
+        return [*COMMANDS]  # the module of the command `list` hides the builtin here
 
     def get_command(self, ctx: Any, name: str) -> Any:
         """Return the command of that name."""

@@ -36,11 +36,12 @@ def command(
         sys.stdout.buffer.write(content)
 
 
-def show(board: Leaderboard, rank_by: str = "held_out_rms_torque_error_percent") -> None:
+def show(board: Leaderboard, rank_by: str | None = None) -> None:
     """Print a leaderboard, and the medians over seeds where there are several."""
     from fricmodels.cli.printing import print_table
     from fricmodels.export.columns import concise, summary
 
     print_table(concise(board), title="Leaderboard")
     if len({row["tags"].get("seed") for row in board.rows}) > 1:
-        print_table(summary(board.summary(rank_by)), title=f"Medians over seeds of {rank_by.replace('_', ' ')}")
+        figure = (rank_by or board.figure).replace("_", " ")
+        print_table(summary(board.summary(rank_by)), title=f"Over seeds: {figure}")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from fricmodels.export.columns import Column, concise, frame
+from fricmodels.export.columns import Column, concise, frame, tables
 from fricmodels.export.formats import FORMATS, export
 
-__all__ = ["FORMATS", "Column", "concise", "export", "frame"]
+__all__ = ["FORMATS", "Column", "concise", "export", "frame", "tables"]

@@ -65,6 +65,12 @@ def summary(rows: Sequence[Row]) -> list[Column]:
     return columns
 
 
+def tables(board: Leaderboard) -> list[list[Column]]:
+    """Return the leaderboard, and the medians over seeds where there are several."""
+    several = len({row["tags"].get("seed") for row in board.rows}) > 1
+    return [concise(board), summary(board.summary())] if several else [concise(board)]
+
+
 def frame(board: Leaderboard) -> pd.DataFrame:
     """Return everything, one column a value: ``tag.seed``, ``parameter.K_v``, ``standard_error.K_v``, …"""
     import pandas as pd

@@ -14,7 +14,7 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from fricmodels.errors import InputError, suggestion
-from fricmodels.export.columns import Column, concise, frame
+from fricmodels.export.columns import Column, frame, tables
 
 if TYPE_CHECKING:
     from fricmodels.tournament.leaderboard import Leaderboard
@@ -46,7 +46,10 @@ def export(board: Leaderboard, form: str) -> bytes:
 
 
 def _table(board: Leaderboard) -> bytes:
-    columns = concise(board)
+    return "\n".join(map(_aligned, tables(board))).encode()
+
+
+def _aligned(columns: Sequence[Column]) -> str:
     widths = [max(len(column.title), *map(len, column.cells), 0) for column in columns]
     lines = ["  ".join(column.title.ljust(width) for column, width in zip(columns, widths, strict=True)).rstrip()]
     lines.append("  ".join("─" * width for width in widths))
@@ -56,11 +59,11 @@ def _table(board: Leaderboard) -> bytes:
             for cell, column, width in zip(cells, columns, widths, strict=True)
         ]
         lines.append("  ".join(aligned).rstrip())
-    return _bytes(lines)
+    return _text(lines)
 
 
 def _markdown(board: Leaderboard) -> bytes:
-    return markdown(concise(board)).encode()
+    return "\n".join(map(markdown, tables(board))).encode()
 
 
 def markdown(columns: Sequence[Column]) -> str:
@@ -68,7 +71,7 @@ def markdown(columns: Sequence[Column]) -> str:
     lines = ["| " + " | ".join(_in_markdown(column.title) for column in columns) + " |"]
     lines.append("|" + "|".join("---:" if column.number else "---" for column in columns) + "|")
     lines.extend("| " + " | ".join(map(_in_markdown, cells)) + " |" for cells in _rows(columns))
-    return "\n".join(lines) + "\n"
+    return _text(lines)
 
 
 def _in_markdown(text: str) -> str:
@@ -110,35 +113,42 @@ def _parquet(board: Leaderboard) -> bytes:
 
 
 def _html(board: Leaderboard) -> bytes:
-    columns = concise(board)
-    titles = "".join(f"<th>{html.escape(column.title)}</th>" for column in columns)
     lines = [
         "<!DOCTYPE html>",
         '<html lang="en"><head><meta charset="utf-8"><title>Leaderboard</title><style>',
-        "body{font:15px/1.5 system-ui,sans-serif;margin:2rem}table{border-collapse:collapse}",
+        "body{font:15px/1.5 system-ui,sans-serif;margin:2rem}table{border-collapse:collapse;margin-bottom:2rem}",
         "th,td{padding:.25rem .75rem;border-bottom:1px solid #ccc;text-align:left}",
         "td.number{text-align:right;font-variant-numeric:tabular-nums}",
-        "</style></head><body><h1>Leaderboard</h1><table>",
-        f"<thead><tr>{titles}</tr></thead><tbody>",
+        "</style></head><body><h1>Leaderboard</h1>",
+        *(line for columns in tables(board) for line in _html_table(columns)),
+        "</body></html>",
     ]
+    return _text(lines).encode()
+
+
+def _html_table(columns: Sequence[Column]) -> list[str]:
+    titles = "".join(f"<th>{html.escape(column.title)}</th>" for column in columns)
+    lines = [f"<table><thead><tr>{titles}</tr></thead><tbody>"]
     for cells in _rows(columns):
         inside = "".join(
             f"{'<td class=number>' if column.number else '<td>'}{html.escape(cell)}</td>"
             for cell, column in zip(cells, columns, strict=True)
         )
         lines.append(f"<tr>{inside}</tr>")
-    lines.append("</tbody></table></body></html>")
-    return _bytes(lines)
+    return [*lines, "</tbody></table>"]
 
 
 def _latex(board: Leaderboard) -> bytes:
-    columns = concise(board)
+    return "\n".join(map(latex, tables(board))).encode()
+
+
+def latex(columns: Sequence[Column]) -> str:
+    """Return a table in LaTeX."""
     layout = "".join("r" if column.number else "l" for column in columns)
     lines = [rf"\begin{{tabular}}{{{layout}}}", r"\hline"]
     lines.append(" & ".join(_in_latex(column.title) for column in columns) + r" \\ \hline")
     lines.extend(" & ".join(map(_in_latex, cells)) + r" \\" for cells in _rows(columns))
-    lines += [r"\hline", r"\end{tabular}"]
-    return _bytes(lines)
+    return _text([*lines, r"\hline", r"\end{tabular}"])
 
 
 def _in_latex(text: str) -> str:
@@ -149,8 +159,8 @@ def _rows(columns: Sequence[Column]) -> list[tuple[str, ...]]:
     return list(zip(*(column.cells for column in columns), strict=True))
 
 
-def _bytes(lines: Sequence[str]) -> bytes:
-    return ("\n".join(lines) + "\n").encode()
+def _text(lines: Sequence[str]) -> str:
+    return "\n".join(lines) + "\n"
 
 
 FORMATS: Mapping[str, Callable[[Leaderboard], bytes]] = {

@@ -41,8 +41,14 @@ class Leaderboard:
         """Names of all tags, in order of appearance."""
         return tuple(dict.fromkeys(tag for row in self.rows for tag in row["tags"]))
 
-    def summary(self, rank_by: str = HELD_OUT) -> list[Row]:
-        """Summarise over seeds: median, quartiles, and how many ended well.
+    @property
+    def figure(self) -> str:
+        """The torque error that there is: held out, or of what was fitted."""
+        held_out = any(row[HELD_OUT] is not None for row in self.rows)
+        return HELD_OUT if held_out or not self.rows else "rms_torque_error_percent"
+
+    def summary(self, rank_by: str | None = None) -> list[Row]:
+        """Summarise a column (the torque error) over seeds: median, quartiles, and how many ended well.
 
         A fit without a result counts as infinitely bad, so that failing on hard seeds is no advantage.
         """
@@ -53,7 +59,7 @@ class Leaderboard:
         listed = []
         for identity, rows in groups.items():
             model, estimator, dataset, tags = json.loads(identity)
-            values = sorted(_place(row, rank_by)[1] for row in rows)
+            values = sorted(_place(row, rank_by or self.figure)[1] for row in rows)
             seconds = [row["seconds"] for row in rows if row["seconds"] is not None]
             listed.append(
                 {
