@@ -88,7 +88,7 @@ def parse_unit(unit: str) -> Dimension:
     Everything after the first ``/`` up to the next one is below the line. Units must be coherent SI.
 
     Raises:
-        InputError: for a symbol that is not N, m, kg, s, rad, K, W or J, or a unit of mixed motion.
+        InputError: for a symbol that is not N, m, kg, s, rad or K, or a unit of mixed motion.
     """
     exponents: dict[str, Fraction] = {}
     sign, position = 1, 0

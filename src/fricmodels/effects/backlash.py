@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from fricmodels.expressions import Expression, absolute, maximum, sign, where
+from fricmodels.expressions import Expression, absolute, maximum, minimum, sign, where
 from fricmodels.parameter import Parameter, State
 from fricmodels.term import Effect, Parameters, Signals
 
@@ -69,7 +69,6 @@ class Backlash(Effect):
 
 def _contact(s: Signals, p: Parameters) -> Expression:
     """Return the torque of the contact per inertia of the load."""
-    side = sign(s.x)
-    beyond = maximum(absolute(s.x) - p.w / 2, 0)
+    beyond = maximum(s.x - p.w / 2, 0) + minimum(s.x + p.w / 2, 0)
     touching = where(absolute(s.x) >= p.w / 2, 1, 0)
-    return touching * (p.omega_c**2 * beyond * side + p.omega_c * s.v)
+    return touching * (p.omega_c**2 * beyond + p.omega_c * s.v)
