@@ -56,7 +56,7 @@ def not_identified(
 
 
 def lost_in_noise(drive: Drive, recording: Recording, values: Mapping[str, float]) -> dict[str, str]:
-    """Return key → reason for each parameter whose regressor is no larger than what velocity noise makes of it.
+    """Return key → reason for each parameter whose regressor is less than three times what velocity noise makes of it.
 
     The regressor is compared at a smoothed velocity and at one larger by the standard deviation of the noise, where
     the drive surely moves. Standard errors take regressors as known and do not see this.
@@ -70,7 +70,7 @@ def lost_in_noise(drive: Drive, recording: Recording, values: Mapping[str, float
     here = drive.jacobian(there.with_channels(velocity=smooth[moving]), values)
     moved = smooth[moving] + deviation * np.sign(smooth[moving])
     change = drive.jacobian(there.with_channels(velocity=moved), values) - here
-    lost = np.linalg.norm(change, axis=1) > 0.5 * np.linalg.norm(here, axis=1)
+    lost = np.linalg.norm(change, axis=1) > np.linalg.norm(here, axis=1) / 3.0
     return {
         p.key: "what it multiplies is hidden in the noise of the velocity: the drive moves too slowly for it"
         for p, is_lost in zip(drive.model.parameters, lost, strict=True)
