@@ -19,6 +19,7 @@ from estimators.sequential import (
     normalised_bounds,
     symbolic_covariance,
     symbolic_pack,
+    symbolic_prediction,
 )
 from estimators.substeps import stable_substeps
 from estimators.transition import transition
@@ -61,7 +62,7 @@ def detchmendy_sridhar_step(space: NormalisedSpace, drive: Drive) -> Any:
     weight, y, q, w = (casadi.SX.sym(name) for name in ("weight", "y", "Q", "W"))
     lower, upper = casadi.SX.sym("lower", n - moving), casadi.SX.sym("upper", n - moving)
 
-    predicted = casadi.mtimes([step.jacobian, covariance, step.jacobian.T]) + w * step.duration * casadi.SX.eye(n)
+    predicted = symbolic_prediction(step.jacobian, covariance, w * step.duration * casadi.SX.ones(n))
     observation = casadi.Function("observation", [x, space.u], [space.output])
     slope = casadi.gradient(space.output, x)
     correction = casadi.Function("correction", [x, space.u, y, q], [slope * q * (y - space.output)])
@@ -73,8 +74,8 @@ def detchmendy_sridhar_step(space: NormalisedSpace, drive: Drive) -> Any:
     small = curvature[seen, seen]
     gain = predicted[:, seen]
     shrink = casadi.inv(casadi.SX.eye(len(seen)) - 2 * weight * casadi.mtimes(small, predicted[seen, seen]))
-    posterior = predicted + 2 * weight * casadi.mtimes([gain, shrink, small, gain.T])
-    estimate = prior + 2 * weight * casadi.mtimes(posterior, correction(prior, space.u, y, q))
+    posterior = predicted + casadi.mtimes(casadi.mtimes(gain, 2 * weight * casadi.mtimes(shrink, small)), gain.T)
+    estimate = prior + casadi.mtimes(posterior, 2 * weight * correction(prior, space.u, y, q))
     estimate = bounded(estimate, posterior, lower, upper, drive)
 
     innovation = y - observation(prior, space.u)
@@ -117,8 +118,9 @@ class DetchmendySridhar(SequentialEstimator):
 
     The recording is normalised as in eq. 6 and the estimate converted back. Eq. 14 adds the unit matrix to dP/dr, so
     the gain never dies and the filter keeps following; the estimate that it is asked for at the end is the mean of
-    its history over the last whole cycles (``average``), and the standard error comes from its slow
-    variation: P itself is no covariance of the estimate, since Q = W = 1 are not noise intensities.
+    its history over the last whole cycles (``average``), and its standard error from filtering
+    the recording again with noise added to it: P itself is no covariance of the estimate, since Q = W = 1 are not
+    noise intensities.
     """
 
     name = "detchmendy-sridhar"
@@ -133,7 +135,7 @@ class DetchmendySridhar(SequentialEstimator):
         problem = self._problem(drive, kept)
         trajectory = problem.run(kept)
         settings = self.settings
-        return averaged_fit(self, problem, kept, trajectory, settings.average, settings.weight_of_model, began)
+        return averaged_fit(self, problem, kept, trajectory, settings.average, settings.weight_of_model, began, seed)
 
     def start(self, drive: Drive, recording: Recording) -> OnlineFilter:
         """Return the filter before its first sample."""

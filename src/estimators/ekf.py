@@ -23,6 +23,7 @@ from estimators.preparation import (
     usable,
     velocity_noise,
 )
+from estimators.regression import long_run_variance
 from estimators.result import diverged_fit, provenance, unidentified
 from estimators.sequential import (
     FilterProblem,
@@ -34,6 +35,7 @@ from estimators.sequential import (
     projected,
     symbolic_covariance,
     symbolic_pack,
+    symbolic_prediction,
     unpack,
 )
 from estimators.substeps import stable_substeps
@@ -80,13 +82,14 @@ def kalman_step(space: NormalisedSpace, drive: Drive) -> Any:
     w = casadi.SX.sym("W", n)
     lower, upper = casadi.SX.sym("lower", n - moving), casadi.SX.sym("upper", n - moving)
 
-    predicted = casadi.mtimes([step.jacobian, covariance, step.jacobian.T]) + step.duration * casadi.diag(w)
+    predicted = symbolic_prediction(step.jacobian, covariance, step.duration * w)
     spread = predicted[0, 0] + r
-    taken = casadi.if_else(weight > 0, 1 / spread, 0)
+    measured = casadi.sign(weight)
+    gain = predicted[:, 0] * (measured / spread)
     innovation = y - step.following[0]
-    estimate = step.following + predicted[:, 0] * (taken * innovation)
-    posterior = predicted - taken * casadi.mtimes(predicted[:, 0], predicted[0, :])
-    kept = casadi.if_else(weight > 0, r / spread, 1) * predicted[0, :]
+    estimate = step.following + gain * innovation
+    posterior = predicted - casadi.mtimes(gain, predicted[0, :])
+    kept = predicted[0, :] * ((r + (1 - measured) * predicted[0, 0]) / spread)
     posterior[0, :], posterior[:, 0] = kept, kept.T
     estimate = bounded(estimate, posterior, lower, upper, drive)
     return casadi.Function(
@@ -290,14 +293,6 @@ def inflation(trajectory: Trajectory) -> float:
     late = normalised[len(normalised) // 2 :]
     late = late[np.isfinite(late)]
     return max(1.0, float(np.mean(late**2)), long_run_variance(late))
-
-
-def long_run_variance(values: Array, cosines: int = 16) -> float:
-    """Return the variance that the mean of correlated values has, times their number (equal-weighted cosines)."""
-    count = len(values)
-    phase = np.pi * (np.arange(count) + 0.5) / count
-    waves = np.sqrt(2 / count) * np.array([values @ np.cos(k * phase) for k in range(1, cosines + 1)])
-    return float(np.mean(waves**2))
 
 
 def run_filterpy(problem: FilterProblem, recording: Recording) -> Trajectory:

@@ -10,14 +10,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from estimators.regression import long_run_covariance
+from estimators.regression import long_run_variance
 from estimators.sequential import FilterProblem, Trajectory
+from fricmodels.dimension import VELOCITY
 from fricmodels.drive import Drive
 from fricmodels.estimator import Estimator
 from fricmodels.fit import Fit, Status
 from fricmodels.recording import Recording
 
 Array = NDArray[np.float64]
+
+_PERTURBED = 24
 
 
 def provenance(estimator: Estimator, recording: Recording) -> dict[str, Any]:
@@ -77,30 +80,31 @@ def averaged_fit(
     share: float,
     model_weight: float,
     began: float,
+    seed: int,
 ) -> Fit:
-    """Return the mean over the last whole cycles, with standard errors from its slow variation.
+    """Return the mean over the last whole cycles, with standard errors from filtering perturbed recordings.
 
-    One cycle is the period of the normalisation, 2π of normalised time. The filter remembers for a few cycles, so the
-    variance of the mean is taken from the variation at periods of four cycles and more (equal-weighted cosines, half
-    as many as cycles). With fewer than three cycles the mean over what there is, or the final value, is reported with
-    the filter's own P, scaled to the measured innovations.
+    One cycle is the period of the normalisation, 2π of normalised time; with less than one in the share that is to be
+    averaged, the final value is taken. White noise as strong as the innovations of the second half, or stronger where
+    they are alike from sample to sample, is added to the velocity and the recording filtered again, 24 times: the
+    covariance of these estimates is that of the one reported.
     """
     if trajectory.diverged_at is not None:
         return diverged_fit(estimator, problem, recording, trajectory, began)
-    normalised = trajectory.states[:, problem.moving :]
     elapsed = _elapsed(recording) / problem.scales.time / (2 * np.pi)
     cycles = int(np.floor(elapsed[-1] * share + 1e-6))
-    message = ""
-    if cycles >= 3:
-        last = normalised[elapsed > elapsed[-1] - cycles + 1e-6]
-        estimate = last.mean(axis=0)
-        waves = max(2, cycles // 2)
-        covariance = long_run_covariance(last - estimate, waves) / len(last) ** 2
-    else:
-        estimate = normalised[-1] if cycles < 1 else normalised[elapsed > elapsed[-1] - cycles + 1e-6].mean(axis=0)
-        ratio = np.nanmean(trajectory.innovation**2 / trajectory.innovation_variance)
-        covariance = np.diag(trajectory.variances[-1, problem.moving :]) * float(ratio)
-        message = "fewer than three cycles to average: standard errors from the filter's own covariance"
+    last = elapsed > elapsed[-1] - cycles + 1e-6 if cycles else elapsed >= elapsed[-1]
+    estimate = trajectory.states[last, problem.moving :].mean(axis=0)
+    innovation = trajectory.innovation[len(last) // 2 :]
+    innovation = innovation[np.isfinite(innovation)]
+    strength = np.sqrt(max(float(np.mean(innovation**2)), long_run_variance(innovation)))
+    noise = np.random.default_rng(seed)
+    others = []
+    for _ in range(_PERTURBED):
+        added = strength * problem.scales.of(VELOCITY) * noise.standard_normal(len(recording))
+        again = problem.run(recording.with_channels(velocity=recording.velocity + added))
+        others.append(again.states[last, problem.moving :].mean(axis=0))
+    covariance = np.atleast_2d(np.cov(np.array(others).T))
     size = problem.drive.parameter_scales(problem.scales)
     walked = model_weight * float(elapsed[-1]) * 2 * np.pi
     return Fit(
@@ -110,7 +114,6 @@ def averaged_fit(
         parameters=problem.named(estimate * size),
         covariance=covariance * np.outer(size, size),
         estimated=problem.drive.keys,
-        message=message,
         not_identified=unidentified(problem, trajectory.variances[-1, problem.moving :], walked),
         history=problem.history(trajectory),
         seconds=time.perf_counter() - began,

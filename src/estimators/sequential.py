@@ -258,6 +258,14 @@ def symbolic_pack(matrix: Any) -> Any:
     return casadi.vertcat(*(matrix[int(i), int(j)] for i, j in zip(rows, columns, strict=True)))
 
 
+def symbolic_prediction(jacobian: Any, covariance: Any, added: Any) -> Any:
+    """Return F P Fᵀ plus a diagonal; elements mirrored across the diagonal are the same expressions."""
+    import casadi
+
+    predicted = casadi.mtimes([jacobian, covariance, jacobian.T]) + casadi.diag(added)
+    return casadi.tril2symm(casadi.tril(predicted))
+
+
 def bounded(x: Any, covariance: Any, lower: Any, upper: Any, drive: Drive) -> Any:
     """Return the state with its parameters moved to where their physical bounds allow.
 

@@ -7,7 +7,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from estimators.ekf import ExtendedKalman, long_run_variance
+from estimators.ekf import ExtendedKalman
+from estimators.regression import long_run_variance
 from fricmodels.dimension import Motion
 from fricmodels.drive import Drive
 from fricmodels.fit import Status
