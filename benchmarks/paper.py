@@ -232,7 +232,9 @@ def decomposition_section() -> str:
         widths = [sliding_half_width(sinusoid(TRUE, noise=noise, seed=s)) for s in range(9)]
         literal = [seeds_median(lambda r, n=n: literal_error(r, n), noise) for n in (2, 6, 12)]
         ours = seeds_median(filtered, noise)
-        listed.append([p, *(f"{v:.2f}" for v in literal), f"{np.median(widths):.0f}", f"{ours:.2f}", TABLE_1[p][4]])
+        listed.append(
+            [p, *(f"{v:.2f}" for v in literal), f"{np.median(widths):.0f}", f"{ours:.2f}", f"{TABLE_1[p][4]:.2f}"]
+        )
     head = ["noise %", "h = 2", "h = 6", "h = 12", "h chosen", "filtered alike", "paper, with its estimates"]
     return table(head, listed)
 
@@ -327,7 +329,7 @@ def main() -> None:
     top = sinusoid(MEASURED).velocity[-400:]
     page = (ROOT / "benchmarks" / "paper_page.md").read_text(encoding="utf-8")
     sections = {
-        "speeds": f"{top.max():+.0f} and {top.min():.0f} rad/s",
+        "speeds": f"+{top.max():.0f} and −{-top.min():.0f} rad/s",
         "noise": noise_section(),
         "table_1": table_1_section(table1),
         "standard_deviation": standard_deviation_section(table1),
