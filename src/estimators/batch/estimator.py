@@ -96,7 +96,7 @@ class Batch(Estimator):
 
     def _weak(self, drive: Drive, recording: Recording) -> TorqueFit:
         width, choice = self.settings.width, self.settings.velocity
-        hidden = _sign_is_hidden(recording)
+        hidden = choice != "measured" and _sign_is_hidden(recording)
         if width is None and hidden:
             width = possible_widths(recording)[-1]
         still = resting(recording) if self.settings.rest == "detected" else recording.velocity == 0.0
@@ -132,7 +132,8 @@ class Batch(Estimator):
         reasons = not_identified(
             drive, found.values, found.covariance, found.undetermined, _told_apart(drive, complete)
         )
-        if self.settings.form == "weak" and not drive.model.states and _sign_is_hidden(complete):
+        asked = self.settings.form == "weak" and self.settings.velocity != "measured"
+        if asked and not drive.model.states and _sign_is_hidden(complete):
             reasons = {**lost_in_noise(drive, complete, parameters), **reasons}
         return Fit(
             model=drive.model.name,

@@ -21,11 +21,11 @@ def long_run_covariance(scores: Array, independent: float) -> tuple[Array, int]:
     Returns:
         N × the long-run variance (the covariance of the sum of the scores), and ν.
     """
+    from scipy.fft import dct
+
     count = len(scores)
     terms = int(np.clip(round(0.4 * independent ** (2 / 3)), min(8, max(count - 1, 1)), max(count - 1, 1)))
-    phase = np.pi * (np.arange(count) + 0.5) / count
-    cosines = np.sqrt(2.0 / count) * np.cos(np.outer(np.arange(1, terms + 1), phase))
-    projected = cosines @ scores
+    projected = dct(scores, type=2, norm="ortho", axis=0)[1 : terms + 1]
     return count * (projected.T @ projected) / terms, terms
 
 
