@@ -1,0 +1,1 @@
+"""Parts of the hidden-effect challenge; see ``benchmarks/hidden_effects.py``."""

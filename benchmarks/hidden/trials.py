@@ -1,0 +1,242 @@
+"""One trial of each kind: a recording drawn, diagnosed by this program and by its peers, and what came out."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from fricmodels.diagnosis import Comparison, Diagnosis, compare_model, examine, improve
+from fricmodels.diagnosis.survey import survey
+from fricmodels.drive import Drive
+from fricmodels.errors import FricmodelsError
+from fricmodels.model import Model
+from fricmodels.rig import Rig, random_rig, strength
+from hidden import look_alikes, peers
+from hidden.draw import EFFECTS, MATTERS, Case, case, fitted, generator, grown, held_out, mattering
+
+Row = dict[str, Any]
+SMALLER = (0.125, 0.25, 0.5, 1.0)
+
+
+def trial(kind: str, effect: str, index: int, seed: int) -> Row:
+    """Run one trial; deterministic by kind, effect, index and seed."""
+    rng = generator(seed, kind, effect, index)
+    began = time.perf_counter()
+    row = KINDS[kind](rng, effect, index)
+    return {"status": "ok", **row, "seconds": time.perf_counter() - began}
+
+
+def described(rig: Rig) -> Row:
+    return {
+        "law": rig.friction.law,
+        "motion": rig.motion.value,
+        "inertia": rig.inertia,
+        "excitation": rig.excitation.kind,
+        "noise": rig.sensors.velocity_noise_percent,
+        "hold": rig.hold,
+        "loaded": rig.load is not None,
+        "hidden": [{"name": e.name, **e.parameters()} for e in rig.effects],
+        "strength": strength(rig) if rig.effects else 0.0,
+    }
+
+
+def sized(drawn: Case) -> Row:
+    return {
+        "ratio": drawn.ratio,
+        "size_percent": drawn.size_percent,
+        "base_percent": drawn.comparison.errors.held_out_percent,
+        "floor_percent": drawn.comparison.noise_floor_percent,
+        "unmet": list(drawn.unmet),
+    }
+
+
+def said(diagnosis: Diagnosis) -> Row:
+    first = diagnosis.findings[0] if diagnosis.findings else None
+    return {
+        "verdict": diagnosis.verdict,
+        "names": list(first.names) if first else [],
+        "further": [list(f.names) for f in diagnosis.findings[1:]],
+        "p_value": first.tested.adjusted if first else None,
+        "gain": first.tested.evidence.gain if first else None,
+        "parameters": dict(first.tested.parameters) if first else {},
+        "view": diagnosis.view.channels if diagnosis.view else "",
+    }
+
+
+def single(rng: np.random.Generator, effect: str, index: int) -> Row:
+    """One hidden effect that matters."""
+    drawn = mattering(rng, [effect])
+    if drawn is None:
+        return {"status": "no size matters"}
+    began = time.perf_counter()
+    diagnosis = examine(drawn.comparison)
+    seconds = time.perf_counter() - began
+    out = {effect, *(n for f in diagnosis.findings[:1] if effect in f.names for n in f.names)}
+    without = examine(drawn.comparison, leave_out=out)
+    return {
+        **described(drawn.rig),
+        **sized(drawn),
+        **said(diagnosis),
+        "examine_seconds": seconds,
+        "competitor": _rank(drawn.comparison, effect),
+        "after": _after(drawn, diagnosis, effect),
+        "removed": {**said(without), "left_out": sorted(out)},
+        "peers": peers.first_named(drawn.rig, drawn.recording),
+    }
+
+
+def _rank(comparison: Comparison, effect: str) -> Row:
+    """Return what the evidence for the true effect was, for looking into failures."""
+    result = survey(comparison.problem, comparison.estimate.parameters)
+    if effect in result.unseen:
+        return {"unseen": result.unseen[effect]}
+    names = [t.name for t in result.tested]
+    tested = result.tested[names.index(effect)]
+    return {
+        "rank": names.index(effect) + 1,
+        "before": names[: names.index(effect)][:3],
+        "adjusted": tested.adjusted,
+        "gain": tested.evidence.gain,
+        "gain_p_value": tested.evidence.gain_p_value,
+        "parameters": tested.parameters,
+    }
+
+
+def _after(drawn: Case, diagnosis: Diagnosis, effect: str) -> Row:
+    """Return held-out errors with what was named and with the true effect, both refitted."""
+    true = with_effect(drawn.comparison, effect, None)
+    named = drawn.comparison
+    if diagnosis.findings:
+        first = diagnosis.findings[0].tested
+        named = true if first.name == effect and true else with_effect(drawn.comparison, first.name, first.parameters)
+    if true is None or named is None:
+        return {"ratio": None, "message": "the model with the effect could not be fitted"}
+    return {
+        "named": held_out(named),
+        "true": held_out(true),
+        "base": drawn.error,
+        "ratio": held_out(named) / held_out(true),
+    }
+
+
+def with_effect(comparison: Comparison, effect: str, parameters: Mapping[str, float] | None) -> Comparison | None:
+    """Fit the model with one effect more, from the survey's estimate of it."""
+    drive = comparison.drive
+    model = Model.parse(f"{drive.model.name}+{effect}")
+    if parameters is None:
+        result = survey(comparison.problem, comparison.estimate.parameters, only=[effect])
+        parameters = result.tested[0].parameters if result.tested else {}
+    start = {**comparison.estimate.parameters, **{f"{effect}.{k}": v for k, v in parameters.items()}}
+    try:
+        return compare_model(comparison.train, comparison.test, Drive(model, drive.inertia, drive.motion), start)
+    except FricmodelsError:
+        return None
+
+
+def null(rng: np.random.Generator, effect: str, index: int) -> Row:
+    """Nothing hidden; every other recording is of a drive whose motion and sensors would have shown some effect."""
+    if index % 2:
+        rig = random_rig(rng, [str(rng.choice(EFFECTS))]).without_effects()
+        rig = rig.model_copy(update={"sensors": rig.sensors.model_copy(update={"temperature": True})})
+    else:
+        rig = random_rig(rng, ())
+    recording = rig.simulate()
+    comparison = fitted(rig, recording)
+    row: Row = {**described(rig), **said(examine(comparison))}
+    if index < 100:
+        row["peers"] = peers.first_named(rig, recording)
+    return row
+
+
+def pair(rng: np.random.Generator, effect: str, index: int) -> Row:
+    """Two hidden effects; each alone lowers the held-out error by a tenth when it is taken away."""
+    drawn = _pair(rng)
+    if drawn is None:
+        return {"status": "no size matters"}
+    names = [e.name for e in drawn.rig.effects]
+    ladder = improve(drawn.recording, Model.parse(drawn.rig.friction.law), drawn.rig.inertia)
+    final = [e.name for e in ladder.rungs[-1].comparison.drive.model.effects]
+    classes = [list(step.findings[0].names) for step in ladder.steps if step.findings]
+    kept = [c for c in classes if c[0] in final]
+    return {
+        **described(drawn.rig),
+        **sized(drawn),
+        "truth": names,
+        "final": final,
+        "classes": kept,
+        "verdict": ladder.last.verdict,
+        "errors": [r.comparison.errors.held_out_percent for r in ladder.rungs],
+        "note": ladder.note,
+    }
+
+
+def _pair(rng: np.random.Generator) -> Case | None:
+    for _ in range(12):
+        names = [str(n) for n in rng.choice(EFFECTS, 2, replace=False)]
+        try:
+            rig = random_rig(rng, names)
+        except (FricmodelsError, ValueError):  # they cannot be simulated or shown together
+            continue
+        alone = [grown(rig.model_copy(update={"effects": (e,)})) for e in rig.effects]
+        if any(a is None for a in alone):
+            continue
+        both = rig.model_copy(update={"effects": tuple(a.rig.effects[0] for a in alone if a is not None)})
+        try:
+            drawn = case(both)
+        except (FricmodelsError, ValueError):
+            continue
+        if drawn.ratio <= MATTERS:
+            return drawn
+    return None
+
+
+def power(rng: np.random.Generator, effect: str, index: int) -> Row:
+    """The same recording with smaller and smaller effects, and what its null could have shown."""
+    drawn = mattering(rng, [effect])
+    if drawn is None:
+        return {"status": "no size matters"}
+    clean = drawn.rig.without_effects()
+    blank = examine(fitted(clean, clean.simulate()))
+    visible = blank.visibility.get(effect)
+    points = []
+    for factor in SMALLER:
+        part = drawn if factor == 1.0 else case(drawn.rig.with_strength(factor), drawn.clean_error)
+        names = said(examine(part.comparison))["names"]
+        points.append({"factor": factor, "ratio": part.ratio, "size_percent": part.size_percent, "names": names})
+    return {
+        **described(drawn.rig),
+        **sized(drawn),
+        "smallest_percent": visible.smallest_percent if visible and not visible.missing else None,
+        "missing": visible.missing if visible else "",
+        "points": points,
+    }
+
+
+def alike(rng: np.random.Generator, effect: str, index: int) -> Row:
+    """A recording on which members of a class explain the data equally well."""
+    for _ in range(8):
+        rig, members = look_alikes.SITUATIONS[effect](rng)
+        drawn = grown(rig)
+        if drawn is None:
+            continue
+        true = rig.effects[0].name
+        best = with_effect(drawn.comparison, true, None)
+        if best is None:
+            continue
+        explained = drawn.error**2 - held_out(best) ** 2
+        equal = []
+        for other in members:
+            fit = None if other == true else with_effect(drawn.comparison, other, None)
+            if fit and held_out(fit) ** 2 - held_out(best) ** 2 < look_alikes.SAME * explained:
+                equal.append(other)
+        if not equal or explained <= 0:
+            continue
+        diagnosis = examine(drawn.comparison)
+        return {**described(drawn.rig), **sized(drawn), **said(diagnosis), "truth": true, "equal": equal}
+    return {"status": "data can tell"}
+
+
+KINDS = {"single": single, "null": null, "pair": pair, "power": power, "alike": alike}
