@@ -31,7 +31,11 @@ Array: TypeAlias = NDArray[np.float64]
 Between: TypeAlias = Literal["linear", "held"]
 
 _INPUTS = ("motor_torque", "load_torque", "temperature", "time")
-_NEWTON_STEPS = 3
+_NEWTON_STEPS = 2
+_PHASES = 2
+"""Legs of a step: to a stop and on, or at rest and away. What a third would do in the same step waits for the next."""
+_AT_ONCE = 1e-9
+"""Share of a step within which leaving rest is leaving at once."""
 _scans: WeakKeyDictionary[Drive, Scan] = WeakKeyDictionary()
 
 
@@ -191,10 +195,13 @@ def _integrate(
     if scan is None:
         scan = _scans[drive] = Scan(_step(drive))
     states = [state.initial for state in drive.model.states]
-    start = [initial_velocity, initial_position, *states]
-    _, outputs, done = scan(start, np.column_stack(columns), [inertia, *parameters, width], stride=substeps)
-    if done < len(step_length):
-        outputs[done // substeps :] = np.nan
+    start = [initial_velocity, initial_position, *states, 0.0]
+    rows = np.repeat(np.column_stack([*columns, np.zeros(len(step_length))]), _PHASES, axis=0)
+    rows[_PHASES - 1 :: _PHASES, -1] = 1.0
+    stride = substeps * _PHASES
+    _, outputs, done = scan(start, rows, [inertia, *parameters, width], stride=stride)
+    if done < len(rows):
+        outputs[done // stride :] = np.nan
     velocity = np.concatenate([[initial_velocity], outputs[:, 0]])
     position = np.concatenate([[initial_position], outputs[:, 1]])
     return velocity, position
@@ -300,64 +307,50 @@ class _Motion:
 
 
 def _step(drive: Drive) -> Any:
-    """Build one step (velocity, position, states) → the same, cut where the drive stops or breaks away."""
+    """Build one phase of a step: the drive rests, or slides in one direction, until that ends or the step does.
+
+    State: velocity, position, internal states, and how much of the step is done. Input: length of the step, each
+    signal at its beginning and its end, and whether this is the step's last phase, which goes to its end.
+    """
     import casadi
 
     motion = _Motion(drive)
-    state = casadi.SX.sym("state", 2 + motion.n_states)
-    inputs = casadi.SX.sym("input", 1 + 2 * len(_INPUTS))
+    state = casadi.SX.sym("state", 3 + motion.n_states)
+    inputs = casadi.SX.sym("input", 2 + 2 * len(_INPUTS))
     constants = casadi.vertcat(motion.inertia, motion.parameters, motion.width)
-    x, position, length = casadi.vertcat(state[0], state[2:]), state[1], inputs[0]
-    begin = [inputs[1 + 2 * i] for i in range(len(_INPUTS))]
+    x, position, done = casadi.vertcat(state[0], state[2:-1]), state[1], state[-1]
+    last_phase = inputs[-1] > 0
     end = [inputs[2 + 2 * i] for i in range(len(_INPUTS))]
+    begin = [inputs[1 + 2 * i] + done * (inputs[2 + 2 * i] - inputs[1 + 2 * i]) for i in range(len(_INPUTS))]
+    left = (1 - done) * inputs[0]
 
-    def between(fraction: Any) -> list[Any]:
-        return [a + fraction * (b - a) for a, b in zip(begin, end, strict=True)]
+    # At rest: held while neither limit is passed; ``wait`` is the share of what is left until one of them is.
+    above = [motion.excess(1, position, x[1:], ends) for ends in (begin, end)]
+    below = [motion.excess(-1, position, x[1:], ends) for ends in (begin, end)]
+    within = casadi.logic_and(x[0] == 0, casadi.logic_and(above[0] <= 0, below[0] >= 0))
+    up = above[1] > 0
+    leaves = casadi.logic_or(up, below[1] < 0)
+    share = casadi.if_else(up, above[0] / (above[0] - above[1]), below[0] / (below[0] - below[1]))
+    at_once = casadi.logic_and(leaves, share <= _AT_ONCE)
+    rests = casadi.logic_and(within, casadi.logic_not(at_once))
+    wait = casadi.if_else(casadi.logic_and(leaves, casadi.logic_not(last_phase)), share, 1)
+    held, _ = motion.leg(x, position, 1, wait * left, begin, end, moving=False)
 
-    def choose(condition: Any, yes: Any, no: Any) -> Any:
-        # A product with a condition would spread a not-a-number of the branch that is not taken.
-        return casadi.vertcat(*(casadi.if_else(condition, yes[i], no[i]) for i in range(yes.numel())))
-
-    # At rest: held while neither limit is passed; ``wait`` is the fraction of the step until one of them is.
-    states = x[1:]
-    above = [motion.excess(1, position, states, ends) for ends in (begin, end)]
-    below = [motion.excess(-1, position, states, ends) for ends in (begin, end)]
-    at_rest = casadi.logic_and(x[0] == 0, casadi.logic_and(above[0] <= 0, below[0] >= 0))
-    leaves_up = above[1] > 0
-    leaves = casadi.logic_or(leaves_up, below[1] < 0)
-    up_fraction = above[0] / (above[0] - above[1])
-    down_fraction = below[0] / (below[0] - below[1])
-    until = casadi.if_else(leaves, casadi.if_else(leaves_up, up_fraction, down_fraction), 1)
-    wait = casadi.if_else(at_rest, until, 0)
-    from_rest = casadi.if_else(casadi.if_else(at_rest, leaves_up, above[0] > 0), 1, -1)
-    direction = casadi.if_else(x[0] == 0, from_rest, casadi.if_else(x[0] > 0, 1, -1))
-    held, _ = motion.leg(x, position, direction, wait * length, begin, between(wait), moving=False)
-    x1 = choose(at_rest, held, x)
-
-    # Sliding for what is left, up to where the velocity passes zero.
-    left = (1 - wait) * length
-    x2, position2 = motion.leg(x1, position, direction, left, between(wait), end, moving=True)
-    stops = casadi.logic_and(direction * x2[0] <= 0, left > 0)
-    part = casadi.if_else(stops, x1[0] / (x1[0] - x2[0]), 1)
-    stopped = x1 + part * (x2 - x1)
+    # Sliding, up to where the velocity passes zero.
+    leaving_up = casadi.if_else(within, up, above[0] > 0)
+    forward = casadi.if_else(x[0] == 0, leaving_up, x[0] > 0)
+    direction = casadi.if_else(forward, 1, -1)
+    slid, reached = motion.leg(x, position, direction, left, begin, end, moving=True)
+    stops = casadi.logic_and(direction * slid[0] <= 0, left > 0)
+    part = casadi.if_else(stops, x[0] / (x[0] - slid[0]), 1)
+    stopped = x + part * (slid - x)
     stopped[0] = 0
-    position_stopped = position + part * left * x1[0] / 2
 
-    # After a stop: held, or off in the other direction.
-    rest = (1 - part) * left
-    there = between(wait + part * (1 - wait))
-    back = -direction
-    turns = direction * motion.excess(back, position_stopped, stopped[1:], there) < 0
-    x3, position3 = motion.leg(stopped, position_stopped, back, rest, there, end, moving=True)
-    kept, _ = motion.leg(stopped, position_stopped, back, rest, there, end, moving=False)
-    returned = casadi.logic_and(turns, back * x3[0] > 0)
-    after = choose(returned, x3, kept)
-    position_after = casadi.if_else(returned, position3, position_stopped)
+    def choose(yes: Any, no: Any, otherwise: Any) -> Any:
+        return casadi.if_else(rests, yes, casadi.if_else(stops, no, otherwise))
 
-    final = choose(stops, after, x2)
-    final_position = casadi.if_else(stops, position_after, position2)
-    # A drive that was held for the whole step has no leg to slide.
-    final = choose(wait >= 1, x1, final)
-    final_position = casadi.if_else(wait >= 1, position, final_position)
-    following = casadi.vertcat(final[0], final_position, final[1:])
-    return casadi.Function("step", [state, inputs, constants], [following, following[:2]])
+    final = [choose(held[i], stopped[i], slid[i]) for i in range(x.numel())]
+    final_position = choose(position, position + part * left * x[0] / 2, reached)
+    final_done = casadi.if_else(last_phase, 0, done + (1 - done) * choose(wait, part, 1))
+    following = casadi.vertcat(final[0], final_position, *final[1:], final_done)
+    return casadi.Function("step", [state, inputs, constants], [following, following[:2]], {"cse": True})
