@@ -7,11 +7,13 @@ import importlib.metadata
 import inspect
 import json
 import math
+import sys
 import time
 import warnings
-from collections.abc import Mapping
+from collections.abc import Container, Mapping
 from dataclasses import dataclass, field
 from functools import lru_cache
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -128,26 +130,44 @@ def _code(model: str) -> str:
     """Return a hash of the source of a model's terms and the versions of where they came from."""
     registered = plugins.load()
     parsed = Model.parse(model)
-    texts = [_source(type(term)) for term in parsed.terms]
-    origins = [registered.laws.entry(parsed.law.name).distribution]
-    origins += [registered.effects.entry(effect.name).distribution for effect in parsed.effects]
-    return hashlib.sha256("\n".join([*texts, *map(_version, origins)]).encode()).hexdigest()
+    entries: list[Any] = [registered.laws.entry(parsed.law.name)]
+    entries += [registered.effects.entry(effect.name) for effect in parsed.effects]
+    texts = [_source(entry.cls) + _version(entry.distribution) for entry in entries]
+    return hashlib.sha256("\n".join(texts).encode()).hexdigest()
 
 
 @lru_cache(maxsize=256)
 def estimator_version(name: str) -> str:
-    """Return a hash of an estimator's source and the version of its distribution."""
+    """Return a hash of the source of an estimator's whole package, and the version of its distribution."""
     entry = plugins.load().estimators.entry(name)
-    module = inspect.getmodule(entry.cls)
-    text = _source(module) if module is not None else _source(entry.cls)
-    return hashlib.sha256((text + _version(entry.distribution)).encode()).hexdigest()
+    package = sys.modules[entry.cls.__module__.partition(".")[0]]
+    folders = [Path(folder) for folder in getattr(package, "__path__", ())]
+    code = _tree(folders[0]) if folders else _source(entry.cls)
+    return hashlib.sha256((code + _version(entry.distribution)).encode()).hexdigest()
 
 
-def _source(what: Any) -> str:
+@lru_cache(maxsize=1)
+def _core() -> str:
+    """Return a hash of the part of this package that fits and scores: what comes after decides nothing."""
+    after = {"cli", "diagnosis", "effects", "export", "laws", "report", "testing", "tournament"}
+    return _tree(Path(__file__).parents[1], after)
+
+
+def _tree(folder: Path, without: Container[str] = ()) -> str:
+    digest = hashlib.sha256()
+    for file in sorted(folder.rglob("*.py")):
+        if file.relative_to(folder).parts[0] not in without:
+            digest.update(str(file.relative_to(folder)).encode() + file.read_bytes())
+    return digest.hexdigest()
+
+
+def _source(cls: type) -> str:
+    """Return the source of the module that a class stands in, or of itself in a module without a file."""
+    module = inspect.getmodule(cls)
     try:
-        return inspect.getsource(what)
+        return inspect.getsource(module if module is not None else cls)
     except (OSError, TypeError):
-        return repr(what)
+        return repr(cls)
 
 
 def _version(distribution: str) -> str:
