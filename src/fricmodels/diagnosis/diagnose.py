@@ -16,14 +16,14 @@ from fricmodels.diagnosis.power import Visibility, visibility
 from fricmodels.diagnosis.problem import Problem
 from fricmodels.diagnosis.survey import Survey, Tested, survey
 from fricmodels.diagnosis.unexplained import View, views
-from fricmodels.diagnosis.verdict import LEAST_GAIN, SIGNIFICANCE, Answer, accepted, answer
+from fricmodels.diagnosis.verdict import Answer, accepted, answer, passes
 from fricmodels.diagnosis.where import Regime, where
 from fricmodels.drive import Drive
 from fricmodels.errors import InputError
 from fricmodels.model import Model
 from fricmodels.recording import Recording
 from fricmodels.score.torque import filtered_torque_error, sliding_half_width
-from fricmodels.signals import noise, prepare
+from fricmodels.signals import best_half_width, lanczos_derivative, noise, prepare
 from fricmodels.signals.lanczos import even_weights
 from fricmodels.split import Split, split
 
@@ -101,10 +101,33 @@ def ready(recording: Recording) -> Recording:
     Raises:
         InputError: when the recording does not move.
     """
-    prepared = prepare(recording)
+    prepared = prepare(surest_velocity(recording))
     if float(np.ptp(prepared.velocity)) == 0:
         raise InputError(f"recording '{recording.name}' does not move; record some motion")
     return prepared.with_channels(derived="time" in recording.derived, time=prepared.time - prepared.time[0])
+
+
+def surest_velocity(recording: Recording) -> Recording:
+    """Return the recording with the velocity derived from the position, where that is the more certain of the two.
+
+    An encoder's position often gives a better velocity than the noisy channel beside it. The two must agree: the
+    measured velocity is the derived one, to within a hundredth in scale and its own noise.
+    """
+    if "velocity" not in recording or "position" not in recording or "velocity" in recording.derived:
+        return recording
+    time, run, position, velocity = recording.time, recording.run, recording["position"], recording.velocity
+    width = best_half_width(time, position, run)
+    _, derived = lanczos_derivative(time, position, width, run)
+    error = noise(time, position, run) * float(np.linalg.norm(even_weights(width)[1])) / recording.interval
+    own = noise(time, velocity, run)
+    power = float(derived @ derived)
+    if error >= own or power == 0:
+        return recording
+    scale = float(derived @ velocity) / power
+    left = float(np.sqrt(np.mean((velocity - scale * derived) ** 2)))
+    if abs(scale - 1) > 0.01 or left > 1.5 * float(np.hypot(own, error)):
+        return recording
+    return recording.with_channels(velocity=derived)
 
 
 def kept_back(prepared: Recording) -> tuple[Recording, Recording]:
@@ -166,7 +189,7 @@ def examine(comparison: Comparison, *, leave_out: Iterable[str] = ()) -> Diagnos
     """Test every effect on what a fitted model leaves over."""
     result = survey(comparison.problem, comparison.estimate.parameters, leave_out=leave_out)
     best = answer(result)
-    seen = [view for view in views(result.problem, result.regression) if _predicts(view)]
+    seen = [v for v in views(result.problem, result.regression) if passes(result, v.evidence, v.p_value)]
     view = seen[0] if seen else None
     findings = [] if best is None else [_finding(best), *_further(result, best)]
     found = {name for finding in findings for name in finding.names}
@@ -176,11 +199,6 @@ def examine(comparison: Comparison, *, leave_out: Iterable[str] = ()) -> Diagnos
     elif view is not None:
         verdict = "unknown-effect"
     return Diagnosis(comparison, verdict, tuple(findings), view, visibility(result, found))
-
-
-def _predicts(view: View) -> bool:
-    e = view.evidence
-    return view.p_value < SIGNIFICANCE and e.gain > LEAST_GAIN and e.gain_p_value < SIGNIFICANCE
 
 
 def _finding(best: Answer) -> Finding:
@@ -201,7 +219,7 @@ def _further(result: Survey, best: Answer) -> list[Finding]:
                 continue
             evidence = regression.test(columns)
             adjusted = min(1.0, evidence.p_value * candidate.found.trials * len(result.tested))
-            if adjusted < SIGNIFICANCE and evidence.gain > LEAST_GAIN and evidence.gain_p_value < SIGNIFICANCE:
+            if passes(result, evidence, adjusted):
                 passing.append(replace(candidate, evidence=evidence, adjusted=adjusted))
         if not passing:
             return findings

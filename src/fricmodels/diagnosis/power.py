@@ -9,7 +9,7 @@ import numpy as np
 
 from fricmodels import plugins
 from fricmodels.diagnosis.survey import Survey, Tested
-from fricmodels.diagnosis.verdict import LEAST_GAIN, SIGNIFICANCE
+from fricmodels.diagnosis.verdict import LEAST_GAIN, LEAST_TORQUE, SIGNIFICANCE
 
 
 @dataclass(frozen=True)
@@ -70,6 +70,6 @@ def _smallest(survey: Survey, tested: Tested) -> Visibility:
         spread, directions = np.linalg.eigh(tested.evidence.covariance)
         theta = directions[:, -1] * np.sqrt(critical * max(spread[-1], 0.0))
         needed = max(gain_needed, float(np.sqrt(np.mean((theta @ free) ** 2))))
-    share = needed / reference if reference > 0 else float("nan")
+    share = max(needed / reference, LEAST_TORQUE) if reference > 0 else float("nan")
     torque = share * float(np.sqrt(np.mean(problem.recording.torque**2)))
     return Visibility(100 * share, torque, "")

@@ -86,7 +86,8 @@ class Problem:
         if "acceleration" not in part:
             part = part.with_channels(acceleration=acceleration)
         sigma = noise(part.time, part.velocity, part.run)
-        width = _bump_width(part, inertia * sigma)
+        width = _bump_width(part, inertia, sigma)
+        part = part.with_channels(torque_rate=part.signal("motor_torque_rate"))
         at_rest = resting(part)
         unclear = at_rest | _unclear_direction(part, width)
         quadrature = Quadrature.of(part, smooth, unclear)
@@ -110,7 +111,7 @@ class Problem:
         """
         rng = np.random.default_rng(seed)
         part = self.recording
-        noisy = part.velocity + self.velocity_noise * rng.standard_normal(len(part))
+        noisy = part.velocity + _noise_like(part, self.velocity_noise, rng)
         smooth, acceleration = lanczos_derivative(part.time, noisy, self.half_width, part.run)
         changed = part.with_channels(acceleration=acceleration)
         # The same cells are cut at the same instants, so that only the signals differ.
@@ -240,6 +241,16 @@ def _unclear_direction(recording: Recording, width: int) -> NDArray[np.bool_]:
     return unclear
 
 
+def _noise_like(recording: Recording, deviation: float, rng: np.random.Generator) -> Array:
+    """Return noise as the velocity has it: white where it was measured, a derivative of white where it was derived."""
+    white = rng.standard_normal(len(recording))
+    if "velocity" not in recording.derived or "position" not in recording:
+        return deviation * white
+    time, position, run = recording.time, recording["position"], recording.run
+    width = best_half_width(time, position, run)
+    return np.asarray(lanczos_derivative(time, noise(time, position, run) * white, width, run)[1])
+
+
 def spread(recording: Recording) -> Recording:
     """Return at most :data:`MAX_SAMPLES` samples, as blocks spread evenly over a longer recording."""
     count = len(recording)
@@ -255,13 +266,16 @@ def spread(recording: Recording) -> Recording:
     return replace(chosen, run=run.astype(np.int64).ravel())
 
 
-def _bump_width(recording: Recording, momentum_noise: float) -> int:
-    """Return the least width at which velocity noise adds less than the stated share of the RMS torque to a row.
-
-    The slope of a bump (1 − x²)² of w samples has the length √(512/105/w³)·h⁻¹ where its integral is 1.
-    """
+def _bump_width(recording: Recording, inertia: float, deviation: float) -> int:
+    """Return the least width at which velocity noise adds less than the stated share of the RMS torque to a row."""
     torque = float(np.sqrt(np.mean(recording.torque**2)))
     wanted = _NOISE_SHARE * torque * recording.interval
-    width = (512 / 105 * 4 * (momentum_noise / wanted) ** 2 / (16 / 15) ** 2) ** (1 / 3) if wanted > 0 else 0.0
-    shortest = min(np.unique(recording.run, return_counts=True)[1])
-    return int(np.clip(8 * round(width / 8), _NARROWEST, max(_NARROWEST, min(_WIDEST, shortest // 40))))
+    shortest = int(np.min(np.unique(recording.run, return_counts=True)[1]))
+    widest = max(_NARROWEST, min(_WIDEST, shortest // 40 // HOPS * HOPS))
+    sample = _noise_like(recording, deviation, np.random.default_rng(0))
+    moving = np.zeros(len(recording), dtype=bool)
+    for width in range(_NARROWEST, widest, HOPS):
+        rows = inertia * Bumps(recording, width, moving).momentum(sample)
+        if not len(rows) or float(np.sqrt(np.mean(rows**2))) <= wanted:
+            return width
+    return widest

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from fricmodels.expressions import Expression, absolute, exp, sign
+from fricmodels.expressions import Expression, absolute, exp, maximum, sign
 from fricmodels.parameter import Parameter, State
 from fricmodels.term import Effect, Parameters, Signals
 
@@ -13,17 +13,19 @@ class FrictionalLag(Effect):
     r"""Friction that follows the speed with a delay, as a lubricant film takes time to form (frictional memory).
 
     .. math::
-        \tau = [F_s\,(e^{-z/\omega_s} - e^{-|\omega|/\omega_s}) + K\,(z - |\omega|)]\operatorname{sgn}\omega,
-        \qquad \dot z = (|\omega| - z)/T
+        \tau = [F_s\,(e^{-u/\omega_s} - e^{-|\omega|/\omega_s}) + K\,(u - |\omega|)]\operatorname{sgn}\omega,
+        \qquad u(t) \approx |\omega(t - T)|
 
     It takes the falling and the viscous part of a law's friction away at the present speed and puts them back at the
-    speed z that the film has followed; at constant speed it is zero.
+    speed u of a time T ago; at constant speed it is zero. The delay is Padé's of second order,
 
-    Source: Hess and Soom (1990); Armstrong-Hélouvry, Dupont and Canudas de Wit (1994), section 2.1.
+    .. math:: \dot x = v, \quad \dot v = |\omega| - 6v/T - 12x/T^2, \quad u = \max(|\omega| - 12v/T,\ 0).
+
+    Source: Hess and Soom (1990), a pure time lag; Armstrong-Hélouvry, Dupont and Canudas de Wit (1994), section 2.1.
     """
 
     name = "frictional-lag"
-    formula = "τ = [F_s·(exp(−z/ω_s) − exp(−|ω|/ω_s)) + K·(z − |ω|)]·sgn ω;  dz/dt = (|ω| − z)/T"
+    formula = "τ = [F_s·(exp(−u/ω_s) − exp(−|ω|/ω_s)) + K·(u − |ω|)]·sgn ω;  u(t) = |ω(t − T)|"
     signature = "a loop in velocity: friction differs between speeding up and slowing down"
     needs_motion = "slow, accelerated motion"
     F_s = Parameter("F_s", unit="N m", lower=0.0, meaning="falling part of the friction that lags")
@@ -38,15 +40,19 @@ class FrictionalLag(Effect):
         meaning="speed over which the lagging friction falls",
         scan=(0.01, 0.03, 0.1, 0.3),
     )
-    T = Parameter("T", unit="s", initial=1e-3, lower=1e-9, meaning="delay", scan=(0.0001, 0.0003, 0.001, 0.003, 0.01))
-    z = State("z", unit="rad/s", meaning="speed that the film has followed")
+    T = Parameter(
+        "T", unit="s", initial=1e-3, lower=1e-9, meaning="delay", scan=(0.0001, 0.0003, 0.001, 0.003, 0.01, 0.03)
+    )
+    x = State("x", unit="rad s", meaning="state of the delay")
+    v = State("v", unit="rad", meaning="state of the delay")
 
     def torque(self, s: Signals, p: Parameters) -> Expression:
-        """Return the friction at the followed speed less that at the present speed."""
+        """Return the friction at the speed of a time T ago less that at the present speed."""
         speed = absolute(s.velocity)
-        falling = exp(-s.z / p.omega_s) - exp(-speed / p.omega_s)
-        return (p.F_s * falling + p.K * (s.z - speed)) * sign(s.velocity)
+        followed = maximum(speed - 12 * s.v / p.T, 0)
+        falling = exp(-followed / p.omega_s) - exp(-speed / p.omega_s)
+        return (p.F_s * falling + p.K * (followed - speed)) * sign(s.velocity)
 
     def rates(self, s: Signals, p: Parameters) -> Mapping[str, Expression]:
-        """Return dz/dt = (|ω| − z)/T."""
-        return {"z": (absolute(s.velocity) - s.z) / p.T}
+        """Return the rates of the delay's states."""
+        return {"x": s.v, "v": absolute(s.velocity) - 6 * s.v / p.T - 12 * s.x / p.T**2}
