@@ -76,11 +76,12 @@ def test_two_nonlinear_parameters_of_an_effect() -> None:
 
 
 def test_term_with_memory() -> None:
-    truth = {"K_v": 1e-4, "K_c": 6e-3, "presliding.F": 4e-3, "presliding.x_s": 0.05}
     name = "coulomb-viscous+presliding"
+    given_values = {"K_v": 1e-4, "K_c": 1e-2, "presliding.F": 8e-3, "presliding.x_s": 0.05}
+    truth = {p.key: given_values.get(p.key, p.declared.initial) for p in drive(name).parameters}
     fit = Batch({"width": 32}).fit(drive(name), multisine(name, truth))
     assert fit.parameters["K_v"] == pytest.approx(1e-4, rel=0.03)
-    assert fit.parameters["K_c"] + fit.parameters["presliding.F"] == pytest.approx(1e-2, rel=0.03)
+    assert fit.parameters["K_c"] == pytest.approx(1e-2, rel=0.03)
 
 
 def test_standard_errors_cover_the_truth() -> None:

@@ -25,7 +25,7 @@ def long_run_covariance(scores: Array, independent: float) -> tuple[Array, int]:
 
     count = len(scores)
     terms = int(np.clip(round(0.4 * independent ** (2 / 3)), min(8, max(count - 1, 1)), max(count - 1, 1)))
-    projected = dct(scores, type=2, norm="ortho", axis=0)[1 : terms + 1]
+    projected = dct(np.ascontiguousarray(scores.T), type=2, norm="ortho")[:, 1 : terms + 1].T
     return count * (projected.T @ projected) / terms, terms
 
 

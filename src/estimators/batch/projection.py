@@ -31,7 +31,7 @@ class Equations:
         target: the functionals of τ_m − τ_L (less J dω/dt where the inertia is given), shape (M,).
         acceleration: the functionals of dω/dt where the inertia is estimated, shape (M,), else ``None``.
         fixed: the functionals of the model's fixed rows, shape (rows, M).
-        moving: α → functionals of the moving rows and slopes, shape (rows + slopes, M).
+        moving: α, whether with slopes → functionals of the moving rows (and slopes), shape (rows, M).
     """
 
     separable: Separable
@@ -39,7 +39,7 @@ class Equations:
     target: Array
     acceleration: Array | None
     fixed: Array
-    moving: Callable[[Array], Array]
+    moving: Callable[[Array, bool], Array]
 
 
 @dataclass(frozen=True)
@@ -95,7 +95,7 @@ class Projection:
         self._first = 0 if equations.acceleration is None else 1
         self._width = self._first + len(split.linear)
         count = len(equations.target)
-        self._columns = np.zeros((self._width + len(split.nonlinear), count))
+        self._columns = np.zeros((self._width, count))
         if equations.acceleration is not None:
             self._columns[0] = equations.acceleration
         self._target = equations.target.copy()
@@ -110,8 +110,10 @@ class Projection:
         if not self._equations.separable.nonlinear:
             return self._at(np.zeros(0))
         points = nonlinear.combinations() if start is None else [start]
-        best = min((self._at(nonlinear.clip(point)) for point in points), key=lambda solution: solution.cost)
-        return self._descend(best, nonlinear, max_iterations)
+        starts = [nonlinear.clip(point) for point in points]
+        if len(starts) > 1:
+            starts = [min(starts, key=self._cost)]
+        return self._descend(self._at(starts[0]), nonlinear, max_iterations)
 
     def _descend(self, at: Solution, nonlinear: Nonlinear, max_iterations: int) -> Solution:
         damping = 1e-3
@@ -146,20 +148,36 @@ class Projection:
         diagonal = np.maximum(np.diag(reduced), 1e-300)
         return np.asarray(np.linalg.lstsq(reduced + damping * np.diag(diagonal), gradient, rcond=1e-14)[0])
 
-    def _at(self, alpha: Array) -> Solution:
-        split, n = self._equations.separable, self._width
+    def _cost(self, alpha: Array) -> float:
+        columns, target, _ = self._linear_problem(alpha, slopes=False)
+        residual = target - self._solve(columns, target) @ columns
+        return float(residual @ residual)
+
+    def _solve(self, columns: Array, target: Array) -> Array:
+        return NormalEquations.of(columns @ columns.T, columns @ target).solve(self._constraints, self._limits)
+
+    def _linear_problem(self, alpha: Array, *, slopes: bool) -> tuple[Array, Array, Array]:
+        """Return the columns of the linear parameters, the target and the functionals of the slopes."""
+        split = self._equations.separable
         columns, target = self._columns.copy(), self._target
-        rows = self._equations.moving(alpha) if split.moving else np.zeros((0, len(target)))
+        if not split.moving:
+            return columns, target, np.zeros((0, len(target)))
+        rows = self._equations.moving(alpha, slopes)
         for row, values in zip(split.moving, rows, strict=False):
             if row == len(split.linear):
                 target = target - values
             else:
                 columns[self._first + row] = values
-        gram = columns[:n] @ columns[:n].T
-        theta = NormalEquations.of(gram, columns[:n] @ target).solve(self._constraints, self._limits)
-        for (row, j), values in zip(split.slopes, rows[len(split.moving) :], strict=True):
+        return columns, target, rows[len(split.moving) :]
+
+    def _at(self, alpha: Array) -> Solution:
+        split, n = self._equations.separable, self._width
+        linear, target, slopes = self._linear_problem(alpha, slopes=True)
+        theta = self._solve(linear, target)
+        columns = np.concatenate([linear, np.zeros((len(alpha), len(target)))])
+        for (row, j), values in zip(split.slopes, slopes, strict=True):
             factor = 1.0 if row == len(split.linear) else theta[self._first + row]
             columns[n + j] += factor * values
-        residual = target - theta @ columns[:n]
+        residual = target - theta @ linear
         normal = NormalEquations.of(columns @ columns.T, columns @ residual)
         return Solution(theta, alpha, columns, residual, normal, 0, True)

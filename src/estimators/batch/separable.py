@@ -42,6 +42,7 @@ class Separable:
     moving: tuple[int, ...]
     slopes: tuple[tuple[int, int], ...]
     _fixed: ArrayFunction
+    _values: ArrayFunction
     _moving: ArrayFunction
 
     def fixed_rows(self, recording: Recording) -> Array:
@@ -49,8 +50,8 @@ class Separable:
         none = [0.0] * len(self.model.states)
         return self._evaluate(self._fixed, len(self.fixed), recording, (), none)
 
-    def moving_rows(self, recording: Recording, alpha: Array, memory: Memory) -> Array:
-        """Return the moving rows, then the slopes, at every sample, shape (len(moving) + len(slopes), N).
+    def moving_rows(self, recording: Recording, alpha: Array, memory: Memory, *, slopes: bool = True) -> Array:
+        """Return the moving rows, then the slopes if wanted, at every sample, shape (rows, N).
 
         Args:
             recording: gives the signals.
@@ -58,16 +59,18 @@ class Separable:
             memory: all parameters → internal states at every sample. The slopes of a model with internal states are
                 by differences, because the states change with the parameters too.
         """
-        rows = len(self.moving) + len(self.slopes)
         if not self.model.states:
-            return self._evaluate(self._moving, rows, recording, tuple(alpha), ())
+            function, rows = (self._moving, len(self.slopes)) if slopes else (self._values, 0)
+            return self._evaluate(function, len(self.moving) + rows, recording, tuple(alpha), ())
         here = self._remembered(recording, alpha, memory)
-        slopes = []
+        if not slopes:
+            return here
+        differences = []
         for j in range(len(alpha)):
             moved = alpha.copy()
             moved[j] += 1e-4 * (abs(alpha[j]) or 1.0)
-            slopes.append((self._remembered(recording, moved, memory) - here) / (moved[j] - alpha[j]))
-        return np.concatenate([here, *([slopes[j][row]] for row, j in self.slopes)])
+            differences.append((self._remembered(recording, moved, memory) - here) / (moved[j] - alpha[j]))
+        return np.concatenate([here, *([differences[j][self.moving.index(row)]] for row, j in self.slopes)])
 
     def _remembered(self, recording: Recording, alpha: Array, memory: Memory) -> Array:
         parameters = np.zeros(len(self.model.parameters))
@@ -116,6 +119,11 @@ def separable(model: Model) -> Separable:
         slopes,
         ArrayFunction(
             casadi.Function("fixed", [*signals, e.states, e.width], [casadi.vertcat(*(rows[i] for i in fixed))])
+        ),
+        ArrayFunction(
+            casadi.Function(
+                "values", [*signals, alpha, e.states, e.width], [casadi.vertcat(*(rows[i] for i in moving))]
+            )
         ),
         ArrayFunction(casadi.Function("moving", [*signals, alpha, e.states, e.width], [chosen])),
     )

@@ -51,8 +51,8 @@ def weak_equations(drive: Drive, quadrature: Quadrature, bumps: Bumps, recording
         cell = quadrature.cell
         return [np.concatenate([z, z[cell], z[cell + 1]]) for z in states]
 
-    def moving(alpha: Array) -> Array:
-        rows = split.moving_rows(quadrature.recording, alpha, memory)
+    def moving(alpha: Array, slopes: bool) -> Array:
+        rows = split.moving_rows(quadrature.recording, alpha, memory, slopes=slopes)
         return bumps.integrals(quadrature.integrand(rows))
 
     fixed = bumps.integrals(quadrature.integrand(split.fixed_rows(quadrature.recording)))
@@ -153,16 +153,20 @@ def derivative_equations(drive: Drive, recording: Recording, preparation: Prepar
 
     marked = recording.with_channels(at_rest=resting(recording).astype(float))
     filtered = prepare(marked, preparation.model_copy(update={"decimate": 1, "smooth_velocity": True}))
-    moving = 1.0 - filtered["at_rest"]
+    in_motion = 1.0 - filtered["at_rest"]
     factor = preparation.decimate
     parts = [part for part in segments(filtered) if part.stop - part.start > 30 * factor]
     if not parts:
         raise EstimationError(f"recording '{recording.name}' is too short to keep every {factor}th sample only")
 
     def seen(rows: Array) -> Array:
-        return np.concatenate([_decimated(rows[:, part] * moving[part], factor) for part in parts], axis=1)
+        return np.concatenate([_decimated(rows[:, part] * in_motion[part], factor) for part in parts], axis=1)
 
     split = separable(drive.model)
+
+    def moving(alpha: Array, slopes: bool) -> Array:
+        return seen(split.moving_rows(filtered, alpha, lambda p: drive.states(filtered, p), slopes=slopes))
+
     driving = seen((filtered.torque - filtered.load_torque)[None])[0]
     acceleration = seen(filtered["acceleration"][None])[0]
     target = driving if drive.inertia is None else driving - drive.inertia * acceleration
@@ -172,7 +176,7 @@ def derivative_equations(drive: Drive, recording: Recording, preparation: Prepar
         target,
         acceleration if drive.inertia is None else None,
         seen(split.fixed_rows(filtered)),
-        lambda alpha: seen(split.moving_rows(filtered, alpha, lambda all_: drive.states(filtered, all_))),
+        moving,
     )
     return equations, filtered
 
