@@ -193,3 +193,26 @@ def test_bad_input_is_named() -> None:
         simulate(paper_drive(), PAPER, [0, 0], 0.0)
     with pytest.raises(InputError, match="inertia"):
         simulate(Drive(Model.parse("coulomb-viscous")), {"J": -1, "K_v": 0, "K_c": 0}, [0, 1], 0.0)
+
+
+@pytest.mark.long
+def test_every_effect_can_be_simulated_and_converges() -> None:
+    from fricmodels import plugins
+
+    time = paper_time(400)
+    torque = 0.02 * np.sin(OMEGA * time)
+    small = {"N m": 1e-3, "kg m^2": 5e-7, "1": 0.05, "rad": 1e-2}
+    for effect in plugins.load().effects:
+        drive = Drive(Model.parse(f"asymmetric-coulomb-viscous+{effect}"), J)
+        values = dict(PAPER)
+        for parameter in drive.model.parameters:
+            declared = parameter.declared
+            usual = declared.initial or small.get(declared.unit, 1e-6 if declared.unit.startswith("N m") else 1e-3)
+            values.setdefault(parameter.key, float(np.clip(usual, declared.lower, declared.upper)))
+        coarse, fine = (
+            simulate(
+                drive, values, time, torque, load_torque=1e-3 * np.cos(7 * time), temperature=20 + time, substeps=n
+            ).velocity
+            for n in (8, 32)
+        )
+        assert np.max(np.abs(coarse - fine)) < 1e-3 * np.max(np.abs(fine)), effect

@@ -26,11 +26,12 @@ from fricmodels.drive import Drive
 from fricmodels.errors import InputError
 from fricmodels.kernels import Scan
 from fricmodels.recording import Recording
+from fricmodels.term import SIGNALS
 
 Array: TypeAlias = NDArray[np.float64]
 Between: TypeAlias = Literal["linear", "held"]
 
-_INPUTS = ("motor_torque", "load_torque", "temperature", "time")
+_MOTION = ("velocity", "position", "acceleration")
 _NEWTON_STEPS = 2
 _PHASES = 2
 """Legs of a step: to a stop and on, or at rest and away. What a third would do in the same step waits for the next."""
@@ -180,15 +181,13 @@ def _integrate(
     intervals = np.diff(driven.time)
     if len(intervals) == 0 or not np.all(intervals > 0):
         raise InputError(f"recording '{driven.name}' needs at least two increasing sample times to be simulated")
-    driven.require(drive.model.needs & {"temperature"}, drive.model.name)
+    driven.require(drive.model.needs - {*_MOTION, "load_torque"}, drive.model.name)
     inertia, parameters = _checked(drive, values)
-    zero = np.zeros(len(driven))
-    signals = [driven.torque, driven.load_torque, driven.channels.get("temperature", zero), driven.time]
     step_length = np.repeat(intervals / substeps, substeps)
     columns = [step_length]
-    for name, signal in zip(_INPUTS, signals, strict=True):
+    for name in _inputs(drive):
         held = between_samples == "held" and name != "time"
-        columns.extend(_ends(signal, substeps, held=held))
+        columns.extend(_ends(driven.signal(name), substeps, held=held))
     push = float(np.max(np.abs(driven.torque - driven.load_torque)))
     width = 1e-6 * float(np.median(intervals)) * push / inertia or 1e-9
     scan = _scans.get(drive)
@@ -229,6 +228,12 @@ def _ends(signal: Array, substeps: int, *, held: bool) -> tuple[Array, Array]:
     return begin, end
 
 
+def _inputs(drive: Drive) -> tuple[str, ...]:
+    """Return the signals that drive the motion, in order."""
+    needed = {"motor_torque", "load_torque", *drive.model.needs} - set(_MOTION)
+    return tuple(name for name in SIGNALS if name in needed)
+
+
 class _Motion:
     """The drive's equations on one side of zero velocity, as expressions."""
 
@@ -247,7 +252,7 @@ class _Motion:
         applied = e.signals["motor_torque"] - e.signals["load_torque"]
         rate = (applied - at_zero) / (self.inertia + slope)
         arguments = [
-            e.signals["velocity"], e.signals["position"], e.states, *(e.signals[name] for name in _INPUTS)
+            e.signals["velocity"], e.signals["position"], e.states, *(e.signals[name] for name in _inputs(drive))
         ]  # fmt: skip
         given = [self.inertia, self.parameters, self.width]
         self._rate = casadi.Function("rate", [*arguments, *given], [rate])
@@ -316,12 +321,13 @@ def _step(drive: Drive) -> Any:
 
     motion = _Motion(drive)
     state = casadi.SX.sym("state", 3 + motion.n_states)
-    inputs = casadi.SX.sym("input", 2 + 2 * len(_INPUTS))
+    count = len(_inputs(drive))
+    inputs = casadi.SX.sym("input", 2 + 2 * count)
     constants = casadi.vertcat(motion.inertia, motion.parameters, motion.width)
     x, position, done = casadi.vertcat(state[0], state[2:-1]), state[1], state[-1]
     last_phase = inputs[-1] > 0
-    end = [inputs[2 + 2 * i] for i in range(len(_INPUTS))]
-    begin = [inputs[1 + 2 * i] + done * (inputs[2 + 2 * i] - inputs[1 + 2 * i]) for i in range(len(_INPUTS))]
+    end = [inputs[2 + 2 * i] for i in range(count)]
+    begin = [inputs[1 + 2 * i] + done * (inputs[2 + 2 * i] - inputs[1 + 2 * i]) for i in range(count)]
     left = (1 - done) * inputs[0]
 
     # At rest: held while neither limit is passed; ``wait`` is the share of what is left until one of them is.
