@@ -1,0 +1,162 @@
+"""Internal states along a motion: closed solutions, SciPy's integrator, stiff limits, units and runs."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from scipy.integrate import solve_ivp
+
+from fricmodels.dimension import Motion
+from fricmodels.drive import Drive
+from fricmodels.memory import trace
+from fricmodels.model import Model
+from fricmodels.recording import Recording
+from fricmodels.term import SIGNALS
+
+Array = NDArray[np.float64]
+
+
+def states(effect: str, parameters: dict[str, float], time: Array, **signals: Array) -> tuple[Array, ...]:
+    """Integrate an effect's states; what is not given is 1, for it does not shape them."""
+    model = Model.parse(f"coulomb-viscous+{effect}")
+    given = {name: signals.get(name, np.zeros(len(time))) for name in SIGNALS}
+    run = np.zeros(len(time), dtype=np.int64)
+    values = [parameters.get(p.declared.symbol, 1.0) for p in model.parameters]
+    return trace(model, given, time, run, values, 1e-9)
+
+
+def test_presliding_after_a_reversal_is_the_closed_form() -> None:
+    """z = 1 − 2 exp(−Δq/x_s), from full deflection the other way."""
+    x_s = 0.01
+    time = np.linspace(0, 2, 20_001)
+    velocity = np.where(time < 1, -0.1, 0.1)
+    (z,) = states("presliding", {"x_s": x_s}, time, velocity=velocity)
+    assert z[time < 1][-1] == pytest.approx(-1.0, abs=1e-4)
+    turned = int(np.argmax(time >= 1))
+    q = 0.1 * (time[turned:] - time[turned])
+    exact = 1 - (1 - z[turned]) * np.exp(-q / x_s)
+    assert np.max(np.abs(z[turned:] - exact)) < 1e-6
+    assert z[turned] == pytest.approx(-1.0, abs=2e-3)
+
+
+def test_the_presliding_loop_has_its_width_in_position_not_in_time() -> None:
+    x_s = 0.02
+    loops = []
+    for speed in (0.1, 1.0, 10.0):
+        time = np.linspace(0, 1.0 / speed, 5001)
+        (z,) = states("presliding", {"x_s": x_s}, time, velocity=np.full(5001, speed))
+        loops.append(np.interp([0.01, 0.02, 0.05], speed * time, z))
+    np.testing.assert_allclose(loops[1:], [loops[0]] * 2, rtol=1e-9)
+    np.testing.assert_allclose(loops[0], 1 - np.exp(-np.array([0.5, 1.0, 2.5])), rtol=1e-5)
+
+
+@pytest.mark.parametrize(
+    ("effect", "parameters"), [("presliding", {"x_s": 0.03}), ("rising-stiction", {"T": 0.3, "x_s": 0.05})]
+)
+def test_a_sine_agrees_with_scipys_integrator(effect: str, parameters: dict[str, float]) -> None:
+    time = np.linspace(0, 2, 40_001)
+
+    def velocity(t: Array | float) -> Array:
+        return np.asarray(np.sin(2 * np.pi * np.asarray(t)))
+
+    def slope(t: float, z: Array) -> Array:
+        omega = float(velocity(t))
+        if effect == "presliding":
+            return np.array((omega - abs(omega) * z) / parameters["x_s"])
+        return np.array((1 - z) / parameters["T"] - abs(omega) * z / parameters["x_s"])
+
+    (z,) = states(effect, parameters, time, velocity=velocity(time))
+    reference = solve_ivp(slope, (0, 2), [0.0], t_eval=time, rtol=1e-10, atol=1e-12, max_step=1e-3)
+    assert np.max(np.abs(z - reference.y[0])) < 2e-6
+
+
+def test_halving_the_step_quarters_the_error() -> None:
+    errors = []
+    for samples in (201, 401, 801):
+        time = np.linspace(0, 0.4, samples)
+        (z,) = states("presliding", {"x_s": 0.05}, time, velocity=np.cos(2 * time))
+        exact = 1 - np.exp(-np.sin(2 * time) / 2 / 0.05)
+        errors.append(np.max(np.abs(z - exact)))
+    ratios = np.array(errors[:-1]) / errors[1:]
+    assert np.all((ratios > 3.5) & (ratios < 4.6))
+
+
+@pytest.mark.parametrize("omega", [2.0, 10.0, 20.0])
+def test_lagging_friction_is_that_of_the_speed_a_time_ago(omega: float) -> None:
+    """Viscous part alone: K (|ω(t − T)| − |ω(t)|), up to the delay's own phase error of (ωT)⁵/720."""
+    T, time = 0.05, np.linspace(0, 4, 40_001)
+
+    def speed(t: Array) -> Array:
+        return np.asarray(-2 - np.sin(omega * t))
+
+    channels = {"time": time, "torque": np.zeros(40_001), "velocity": speed(time)}
+    recording = Recording("made", Motion.ROTARY, channels, np.zeros(40_001, dtype=np.int64))
+    drive = Drive(Model.parse("coulomb-viscous+frictional-lag"), 1.0)
+    lag = {"frictional-lag.F_s": 0.0, "frictional-lag.K": 3.0, "frictional-lag.omega_s": 1.0, "frictional-lag.T": T}
+    torque = drive.friction(recording, {"K_v": 0.0, "K_c": 0.0, **lag})
+    late = time > 1
+    delayed = 3 * (np.abs(speed(time - T)) - np.abs(speed(time))) * -1
+    assert np.max(np.abs(torque - delayed)[late]) < 3 * (omega * T) ** 5 / 720 + 1e-4
+
+
+def test_a_compliant_joint_resonates_where_and_as_much_as_the_textbook_says() -> None:
+    """Twist per acceleration: 1/√((ω_n² − ω²)² + (2ζω_nω)²)."""
+    omega_n, zeta = 50.0, 0.2
+    time = np.linspace(0, 3, 60_001)
+    for omega in (10.0, omega_n, 200.0):
+        x, v = states("joint-compliance", {"omega_n": omega_n, "zeta": zeta}, time, acceleration=np.sin(omega * time))
+        late = time > 2.0
+        gain = 1 / np.hypot(omega_n**2 - omega**2, 2 * zeta * omega_n * omega)
+        waves = np.column_stack([np.sin(omega * time[late]), np.cos(omega * time[late])])
+        for state, expected in ((x, gain), (v, gain * omega)):
+            assert np.linalg.norm(np.linalg.lstsq(waves, state[late], rcond=None)[0]) == pytest.approx(
+                expected, rel=1e-3
+            )
+
+
+@pytest.mark.parametrize("x_s", [1e-3, 1e-5, 1e-8, 1e-12])
+def test_a_contact_that_settles_within_a_sample_does_not_ring(x_s: float) -> None:
+    """L-stable: after a reversal z is at its new end after a few samples, and stays there."""
+    time = np.arange(200) * 1e-2
+    velocity = np.where((time // 0.5) % 2 == 0, 1.0, -1.0)
+    (z,) = states("presliding", {"x_s": x_s}, time, velocity=velocity)
+    after = np.arange(200) % 50
+    settled = (after >= 25) & (after < 50)
+    np.testing.assert_allclose(z[settled], np.sign(velocity[settled]), atol=1e-4)
+    assert np.max(np.abs(z)) < 1.5
+
+
+def test_at_rest_a_deflection_stays_and_a_bond_ages() -> None:
+    time = np.linspace(0, 4, 4001)
+    velocity = np.where(time < 1, 0.01, 0.0)
+    (z,) = states("presliding", {"x_s": 0.02}, time, velocity=velocity)
+    resting = time > 1.001
+    np.testing.assert_allclose(z[resting], z[-1], rtol=1e-12)
+    assert z[-1] == pytest.approx(1 - np.exp(-0.5), abs=1e-3)
+    (age,) = states("rising-stiction", {"T": 0.5, "x_s": 1e-3}, time, velocity=np.zeros(4001))
+    np.testing.assert_allclose(age, 1 - np.exp(-time / 0.5), atol=1e-6)
+
+
+def test_runs_begin_afresh() -> None:
+    model = Model.parse("coulomb-viscous+presliding")
+    values = [0.3 if p.declared.symbol == "x_s" else 1.0 for p in model.parameters]
+    time = np.tile(np.linspace(0, 1, 101), 2)
+    run = np.repeat([0, 1], 101)
+    signals = {name: np.ones(202) for name in SIGNALS}
+    (z,) = trace(model, signals, time, run, values, 1e-9)
+    np.testing.assert_array_equal(z[:101], z[101:])
+    assert z[101] == 0.0
+
+
+def test_several_memories_do_not_disturb_each_other() -> None:
+    time = np.linspace(0, 1, 1001)
+    signals = {name: np.zeros(1001) for name in SIGNALS}
+    signals["velocity"] = np.sin(9 * time)
+    run = np.zeros(1001, dtype=np.int64)
+    model = Model.parse("coulomb-viscous+presliding+rising-stiction")
+    chosen = {"presliding.x_s": 0.03, "rising-stiction.T": 0.3, "rising-stiction.x_s": 0.05}
+    both = trace(model, signals, time, run, [chosen.get(p.key, 1.0) for p in model.parameters], 1e-9)
+    alone = states("presliding", {"x_s": 0.03}, time, velocity=signals["velocity"])
+    alone += states("rising-stiction", {"T": 0.3, "x_s": 0.05}, time, velocity=signals["velocity"])
+    np.testing.assert_allclose(both, alone, rtol=1e-12, atol=1e-14)
