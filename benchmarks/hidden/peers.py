@@ -21,7 +21,7 @@ LEVEL = 0.01
 """Significance at which stepwise regression lets a column in."""
 THRESHOLDS = (0.003, 0.01, 0.03, 0.1)
 """Of sparse regression, relative to the RMS torque; the one with the least held-out error is taken."""
-MOST = 4_000
+MOST = 2_000
 """Samples that the ensemble is fitted to."""
 
 

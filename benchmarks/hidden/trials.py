@@ -57,7 +57,7 @@ def said(diagnosis: Diagnosis) -> Row:
     first = diagnosis.findings[0] if diagnosis.findings else None
     return {
         "verdict": diagnosis.verdict,
-        "names": list(first.names) if first else [],
+        "names": list(diagnosis_names(diagnosis)),
         "further": [list(f.names) for f in diagnosis.findings[1:]],
         "p_value": first.tested.adjusted if first else None,
         "gain": first.tested.evidence.gain if first else None,
@@ -74,21 +74,27 @@ def single(rng: np.random.Generator, effect: str, index: int) -> Row:
     began = time.perf_counter()
     diagnosis = examine(drawn.comparison)
     seconds = time.perf_counter() - began
-    out = {effect, *(n for f in diagnosis.findings[:1] if effect in f.names for n in f.names)}
+    named = diagnosis_names(diagnosis)
+    out = {effect, *(named if effect in named else ())}
     without = examine(drawn.comparison, leave_out=out)
     return {
         **described(drawn.rig),
         **sized(drawn),
         **said(diagnosis),
         "examine_seconds": seconds,
-        "competitor": _rank(drawn.comparison, effect),
+        "truth": {} if effect in named else _evidence(drawn.comparison, effect),
         "after": _after(drawn, diagnosis, effect),
         "removed": {**said(without), "left_out": sorted(out)},
         "peers": peers.first_named(drawn.rig, drawn.recording),
     }
 
 
-def _rank(comparison: Comparison, effect: str) -> Row:
+def diagnosis_names(diagnosis: Diagnosis) -> tuple[str, ...]:
+    """Return the class that is named first."""
+    return diagnosis.findings[0].names if diagnosis.findings else ()
+
+
+def _evidence(comparison: Comparison, effect: str) -> Row:
     """Return what the evidence for the true effect was, for looking into failures."""
     result = survey(comparison.problem, comparison.estimate.parameters)
     if effect in result.unseen:
@@ -107,11 +113,12 @@ def _rank(comparison: Comparison, effect: str) -> Row:
 
 def _after(drawn: Case, diagnosis: Diagnosis, effect: str) -> Row:
     """Return held-out errors with what was named and with the true effect, both refitted."""
-    true = with_effect(drawn.comparison, effect, None)
-    named = drawn.comparison
-    if diagnosis.findings:
-        first = diagnosis.findings[0].tested
-        named = true if first.name == effect and true else with_effect(drawn.comparison, first.name, first.parameters)
+    first = diagnosis.findings[0].tested if diagnosis.findings else None
+    if first is not None and first.name == effect:
+        true = named = with_effect(drawn.comparison, effect, first.parameters)
+    else:
+        true = with_effect(drawn.comparison, effect, None)
+        named = with_effect(drawn.comparison, first.name, first.parameters) if first else drawn.comparison
     if true is None or named is None:
         return {"ratio": None, "message": "the model with the effect could not be fitted"}
     return {
