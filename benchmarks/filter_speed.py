@@ -44,7 +44,7 @@ def problem(estimator: str, samples: int) -> tuple[Any, Any]:
 
 
 def seconds(function: Any, repeats: int = 7) -> float:
-    """Return the shortest of several durations."""
+    """Return the shortest of several durations, each short enough to escape other work on the machine."""
     best = np.inf
     for _ in range(repeats):
         began = time.perf_counter()
@@ -54,13 +54,13 @@ def seconds(function: Any, repeats: int = 7) -> float:
 
 
 def compiled_step(estimator: str) -> float:
-    """Return the seconds of one warm step: 200 000 rows through the compiled recursion."""
+    """Return the seconds of one warm step: 20 000 rows through the compiled recursion."""
     filtering, recording = problem(estimator, 4001)
     rows = filtering.rows(recording.scaled(filtering.scales))
-    rows = np.tile(rows, (50, 1))
+    rows = np.tile(rows, (5, 1))
     memory = filtering.restarted(filtering.initial_memory(), 0.0)
     filtering.scan(memory, rows[:10], filtering.constants)
-    return seconds(lambda: filtering.scan(memory, rows, filtering.constants, stride=1000)) / len(rows)
+    return seconds(lambda: filtering.scan(memory, rows, filtering.constants, stride=1000), 100) / len(rows)
 
 
 def filterpy_step(*, by_numpy: bool) -> float:
@@ -70,9 +70,9 @@ def filterpy_step(*, by_numpy: bool) -> float:
     """
     from estimators.ekf import run_filterpy
 
-    filtering, recording = problem("ekf", 2001)
+    filtering, recording = problem("ekf", 201)
     if not by_numpy:
-        return seconds(lambda: run_filterpy(filtering, recording), 3) / 2000
+        return seconds(lambda: run_filterpy(filtering, recording), 20) / 200
     from filterpy.kalman import ExtendedKalmanFilter
 
     kalman = ExtendedKalmanFilter(dim_x=9, dim_z=1)
@@ -80,11 +80,11 @@ def filterpy_step(*, by_numpy: bool) -> float:
     observed = np.eye(1, 9)
 
     def run() -> None:
-        for _ in range(2000):
+        for _ in range(200):
             kalman.predict()
             kalman.update(0.0, lambda _: observed, lambda x: x[:1])
 
-    return seconds(run, 3) / 2000
+    return seconds(run, 30) / 200
 
 
 def first_use(cache: str, estimator: str) -> tuple[float, float]:

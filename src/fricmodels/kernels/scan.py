@@ -1,7 +1,8 @@
 """Runs a recursion over a recording: one expression ``(state, input, constant) → (next state, output)``, compiled.
 
 The expression's instruction list is written out as a straight line of Python and compiled by Numba, the state
-held in local variables; what the symbolic engine knows to be zero costs nothing. The source and the machine code
+held in local variables; what the symbolic engine knows to be zero costs nothing. A product and a sum may be
+contracted to one rounding (fused multiply-add) where the processor has it. The source and the machine code
 are kept in the user's cache directory under a name made from the source, so a recursion is compiled once per
 machine.
 """
@@ -30,7 +31,7 @@ from math import (acos, asin, atan, atan2, ceil, copysign, cos, cosh, erf, exp, 
 from numba import njit
 
 
-@njit(cache=True, error_model="numpy", nogil=True)
+@njit(cache=True, error_model="numpy", nogil=True, fastmath={"contract"})
 def scan(state, inputs, constants, stride, outputs):
 '''
 
