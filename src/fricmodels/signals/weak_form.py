@@ -1,15 +1,17 @@
 r"""The equation of motion in weak form: multiplied by bumps that vanish at their ends, and integrated.
 
-.. math:: \int \varphi\,(\tau_m - \tau_L - \tau_F)\,dt = J \int \varphi\,\dot\omega\,dt = -J \int \dot\varphi\,\omega\,dt
+.. math:: \int \varphi\,(\tau_m - \tau_L - \tau_F)\,dt
+          = J \int \varphi\,\dot\omega\,dt = -J \int \dot\varphi\,\omega\,dt
 
-The derivative stands on the bump, which is known, and not on the velocity, which is measured: nothing smears the Coulomb
-step at a reversal, and nothing amplifies noise. Integrals are by the trapezium rule; where the velocity changes its sign
-between two samples, the integral is split at the instant of the crossing. A resting drive fulfils the equation whatever
-its friction is, so samples at rest contribute to neither side.
+The derivative stands on the bump, which is known, and not on the velocity, which is measured: nothing smears the
+Coulomb step at a reversal, and nothing amplifies noise. Integrals are by the trapezium rule; where the velocity changes
+its sign between two samples, the integral is split at the instant of the crossing. A resting drive fulfils the equation
+whatever its friction is, so samples at rest contribute to neither side.
 """
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -28,7 +30,7 @@ def segments(recording: Recording) -> list[slice]:
     step = np.diff(recording.time)
     broken = (np.diff(recording.run) != 0) | (step > 3.0 * recording.interval)
     edges = [0, *(np.flatnonzero(broken) + 1), len(recording)]
-    return [slice(start, stop) for start, stop in zip(edges[:-1], edges[1:], strict=True)]
+    return [slice(start, stop) for start, stop in itertools.pairwise(edges)]
 
 
 @dataclass(frozen=True)
@@ -144,7 +146,7 @@ class Bumps:
         return self._keep(self._apply(velocity[None], self._fall))[0]
 
     def _keep(self, values: Array) -> Array:
-        return values if self.count == values.shape[1] else values[:, self._kept]
+        return np.asarray(values if self.count == values.shape[1] else values[:, self._kept])
 
     def _apply(self, rows: Array, kernel: Array) -> Array:
         parts = kernel.reshape(HOPS, self.hop).T
