@@ -1,0 +1,63 @@
+"""Tells the stories of the real measurements: writes docs/measured/*.md and its pictures.
+
+    python benchmarks/measured.py [--only emps]
+
+Needs the folder of real measurements beside the project. Every number and picture of the pages comes from this run; the
+words between them stand in benchmarks/measured/*.md.
+"""
+
+from __future__ import annotations
+
+import argparse
+import datetime
+import importlib
+import os
+import re
+import time
+from collections.abc import Mapping
+from pathlib import Path
+
+ROOT = Path(__file__).parent.parent
+DATA = ROOT.parent / "shared" / "data"
+STORIES = ("emps", "tx40", "xl330", "kuka")
+
+
+def fill(template: str, parts: Mapping[str, str]) -> str:
+    """Replace every {{name}}; a name without a part is an error."""
+    text = re.sub(r"\{\{(\w+)\}\}", lambda match: parts[match.group(1)], template)
+    return text.rstrip() + "\n"
+
+
+def write(name: str) -> None:
+    """Run one story and write its page."""
+    start = time.perf_counter()
+    story = importlib.import_module(f"measured.{name}")
+
+    def say(line: str) -> None:
+        print(f"{name}: {line} ({time.perf_counter() - start:.0f} s)", flush=True)
+
+    parts = story.page(DATA, ROOT / "configs" / "measured", ROOT / "docs" / "pictures", say)
+    command = f"`python benchmarks/measured.py --only {name}`"
+    stamp = f"*Made by {command} on {datetime.date.today():%Y-%m-%d}; every number is from that run unless it is called published.*"
+    template = (Path(__file__).parent / "measured" / f"{name}.md").read_text(encoding="utf-8")
+    page = ROOT / "docs" / "measured" / f"{name}.md"
+    page.parent.mkdir(parents=True, exist_ok=True)
+    temporary = page.with_suffix(".md.tmp")
+    temporary.write_text(fill(template, {**parts, "made": stamp}), encoding="utf-8")
+    os.replace(temporary, page)
+    say(f"wrote {page.relative_to(ROOT)}")
+
+
+def main() -> None:
+    """Run the stories that were asked for."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--only", choices=STORIES, action="append", help="one data set; repeatable")
+    chosen = parser.parse_args().only or STORIES
+    if not DATA.is_dir():
+        raise SystemExit(f"the folder of real measurements is not there: {DATA}")
+    for name in chosen:
+        write(name)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,1 @@
+"""Stories of real measurements: comparison, diagnosis and improvement, one data set a module."""
