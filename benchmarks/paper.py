@@ -268,8 +268,10 @@ def identified_section(rows: Sequence[Row]) -> str:
             here = chosen(rows, dataset=dataset, estimator=estimator)
             counts = {key: sum(key in row["not_identified"] for row in here) for key in KEYS}
             cells.append(", ".join(f"{key} ({n} of {len(here)})" for key, n in counts.items() if n) or "—")
+            cells.append(f"{np.median(coefficient_errors(here)[:, 0]):.1f} %")
         listed.append(cells)
-    return table(["K_I", "speed [rad/s]", "at rest", f"not identified, `{DS}`", f"not identified, `{BATCH}`"], listed)
+    head = [cell for name in (DS, BATCH) for cell in (f"not identified, `{name}`", "error of K_v1")]
+    return table(["K_I", "speed [rad/s]", "at rest", *head], listed)
 
 
 def statement(rows: Sequence[Row]) -> str:
