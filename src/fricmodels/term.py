@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 from fricmodels.dimension import (
     ACCELERATION,
@@ -87,10 +87,21 @@ class Term(ABC):
         name: lower case with hyphens, as printed and as used in model names.
         formula: the equation in plain text, for lists and reports.
         parameters, states: collected from the class body, in order of declaration.
+        dissipative: claims that τ·ω ≥ 0 for all parameters within their bounds: the term never pushes.
+        symmetry: claims what the torque does when the velocity is reversed and all other signals stay: ``odd``, it
+            is reversed too; ``even``, it stays; ``None``, neither.
+        depends_on_time: whether it touches the time itself, so that a record that starts later has other parameters.
+        angular: whether the position enters as an angle in rad (``sin q``), which no rescaling may change.
+
+    What a term claims is checked by :mod:`fricmodels.testing`.
     """
 
     name: ClassVar[str]
     formula: ClassVar[str] = ""
+    dissipative: ClassVar[bool] = False
+    symmetry: ClassVar[Literal["odd", "even"] | None] = None
+    depends_on_time: ClassVar[bool] = False
+    angular: ClassVar[bool] = False
     parameters: ClassVar[tuple[Parameter, ...]] = ()
     states: ClassVar[tuple[State, ...]] = ()
 
@@ -121,7 +132,9 @@ class Term(ABC):
 
 
 class Law(Term):
-    """A friction law: the base that a model starts from."""
+    """A friction law: the base that a model starts from. It never pushes, unless it says so."""
+
+    dissipative = True
 
 
 class Effect(Term):

@@ -21,6 +21,7 @@ class Asymmetry(Effect):
     formula = "τ = c + d·|ω|"
     signature = "positive and negative motion differ by a constant, by a slope in speed, or both"
     needs_motion = "motion in both directions"
+    symmetry = "even"
     c = Parameter("c", unit="N m", meaning="half the difference of the Coulomb torques, forward less backward")
     d = Parameter("d", unit="N m s/rad", meaning="half the difference of the viscous coefficients")
 

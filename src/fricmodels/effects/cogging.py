@@ -21,6 +21,7 @@ class Cogging(Effect):
     formula = "τ = a·cos kq + b·sin kq"
     signature = "periodic in position, the same in both directions"
     needs_motion = "several periods in position"
+    symmetry = "even"
     a = Parameter("a", unit="N m", meaning="cosine amplitude")
     b = Parameter("b", unit="N m", meaning="sine amplitude")
     k = Parameter("k", unit="1/rad", initial=2.0, lower=1.5, meaning="wave number over position", periodic=True)

@@ -19,6 +19,8 @@ class Drift(Effect):
     formula = "τ = a·ω·t + b·t·sgn ω"
     signature = "along the motion, growing or falling with time"
     needs_motion = "a long record"
+    symmetry = "odd"
+    depends_on_time = True
     a = Parameter("a", unit="N m/rad", meaning="change of the viscous coefficient per second")
     b = Parameter("b", unit="N m/s", meaning="change of the Coulomb torque per second")
 

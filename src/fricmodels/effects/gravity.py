@@ -19,6 +19,8 @@ class Gravity(Effect):
     formula = "τ = a·cos q + b·sin q"
     signature = "once a turn in position, independent of the direction"
     needs_motion = "a wide position range"
+    symmetry = "even"
+    angular = True
     a = Parameter("a", unit="N m", meaning="torque in proportion to cos q")
     b = Parameter("b", unit="N m", meaning="torque in proportion to sin q")
 

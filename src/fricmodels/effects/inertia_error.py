@@ -19,6 +19,7 @@ class InertiaError(Effect):
     formula = "τ = ΔJ·dω/dt"
     signature = "in proportion to the acceleration"
     needs_motion = "acceleration at several frequencies"
+    symmetry = "even"
     dJ = Parameter("dJ", unit="kg m^2", meaning="true less assumed inertia")
 
     def torque(self, s: Signals, p: Parameters) -> Expression:

@@ -19,6 +19,8 @@ class LoadFriction(Effect):
     formula = "τ = μ·|τ_L|·sgn ω"
     signature = "along the motion, in proportion to the load"
     needs_motion = "a varying load"
+    dissipative = True
+    symmetry = "odd"
     mu = Parameter("mu", lower=0.0, meaning="friction torque per load torque")
 
     def torque(self, s: Signals, p: Parameters) -> Expression:

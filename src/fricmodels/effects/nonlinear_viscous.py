@@ -22,6 +22,7 @@ class NonlinearViscous(Effect):
     formula = "τ = (a·|ω|^(1/2) + b·ω²)·sgn ω"
     signature = "along the motion, curved over speed"
     needs_motion = "a wide speed range"
+    symmetry = "odd"
     a = Parameter("a", unit="N m s^(1/2)/rad^(1/2)", meaning="coefficient of the square root of speed")
     b = Parameter("b", unit="N m s^2/rad^2", meaning="coefficient of the square of speed")
 

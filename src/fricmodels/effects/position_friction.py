@@ -21,6 +21,7 @@ class PositionFriction(Effect):
     formula = "τ = (a·cos kq + b·sin kq)·sgn ω"
     signature = "periodic in position, flipping with the direction"
     needs_motion = "several periods in position"
+    symmetry = "odd"
     a = Parameter("a", unit="N m", meaning="cosine amplitude")
     b = Parameter("b", unit="N m", meaning="sine amplitude")
     k = Parameter("k", unit="1/rad", initial=1.0, lower=0.0, meaning="wave number over position", periodic=True)

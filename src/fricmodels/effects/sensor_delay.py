@@ -22,6 +22,7 @@ class SensorDelay(Effect):
     formula = "τ = T·dτ_m/dt"
     signature = "the derivative of the motor torque"
     needs_motion = "several frequencies"
+    symmetry = "even"
     T = Parameter("T", unit="s", meaning="delay of the motion record against the torque record")
 
     def torque(self, s: Signals, p: Parameters) -> Expression:

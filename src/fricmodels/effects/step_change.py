@@ -19,6 +19,7 @@ class StepChange(Effect):
     formula = "τ = (c·sgn ω + d) for t ≥ t_0, else 0"
     signature = "a jump at one instant"
     needs_motion = "motion before and after the jump"
+    depends_on_time = True
     c = Parameter("c", unit="N m", meaning="jump of the Coulomb torque")
     d = Parameter("d", unit="N m", meaning="jump of the constant torque")
     t_0 = Parameter(

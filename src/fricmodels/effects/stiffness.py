@@ -21,6 +21,7 @@ class Stiffness(Effect):
     formula = "τ = k·q + τ_0"
     signature = "in proportion to position, at rest too"
     needs_motion = "a wide position range"
+    symmetry = "even"
     k = Parameter("k", unit="N m/rad", meaning="stiffness")
     tau_0 = Parameter("tau_0", unit="N m", meaning="torque of the spring at q = 0")
 

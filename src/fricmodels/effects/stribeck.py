@@ -19,6 +19,8 @@ class Stribeck(Effect):
     formula = "τ = F_s·exp(−(|ω|/ω_s)^δ)·sgn ω"
     signature = "along the motion and near zero speed only"
     needs_motion = "slow sliding"
+    dissipative = True
+    symmetry = "odd"
     F_s = Parameter("F_s", unit="N m", lower=0.0, meaning="extra friction torque at vanishing speed")
     omega_s = Parameter(
         "omega_s",

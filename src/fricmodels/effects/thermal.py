@@ -21,6 +21,7 @@ class Thermal(Effect):
     formula = "τ = a·ω·ϑ + b·ϑ·sgn ω"
     signature = "along the motion, in proportion to the temperature"
     needs_motion = "a temperature that changes"
+    symmetry = "odd"
     a = Parameter("a", unit="N m s/rad/K", meaning="change of the viscous coefficient per kelvin")
     b = Parameter("b", unit="N m/K", meaning="change of the Coulomb torque per kelvin")
 

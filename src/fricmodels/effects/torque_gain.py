@@ -19,6 +19,7 @@ class TorqueGain(Effect):
     formula = "τ = −g·τ_m"
     signature = "in proportion to the motor torque"
     needs_motion = "a known inertia or load"
+    symmetry = "even"
     g = Parameter("g", lower=-0.9, meaning="relative error of the torque constant")
 
     def torque(self, s: Signals, p: Parameters) -> Expression:

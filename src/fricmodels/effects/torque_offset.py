@@ -19,6 +19,7 @@ class TorqueOffset(Effect):
     formula = "τ = τ_0"
     signature = "a constant, at rest too"
     needs_motion = "motion in both directions"
+    symmetry = "even"
     tau_0 = Parameter("tau_0", unit="N m", meaning="constant torque")
 
     def torque(self, s: Signals, p: Parameters) -> Expression:

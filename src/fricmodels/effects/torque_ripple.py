@@ -21,6 +21,7 @@ class TorqueRipple(Effect):
     formula = "τ = τ_m·(a·cos kq + b·sin kq)"
     signature = "periodic in position, in proportion to the motor torque"
     needs_motion = "several periods in position"
+    symmetry = "even"
     a = Parameter("a", meaning="cosine amplitude")
     b = Parameter("b", meaning="sine amplitude")
     k = Parameter("k", unit="1/rad", initial=1.0, lower=0.0, meaning="wave number over position", periodic=True)

@@ -17,6 +17,7 @@ class CoulombViscous(Law):
 
     name = "coulomb-viscous"
     formula = "τ_F = K_v·ω + K_c·sgn ω"
+    symmetry = "odd"
     K_v = Parameter("K_v", unit="N m s/rad", lower=0.0, meaning="viscous friction coefficient")
     K_c = Parameter("K_c", unit="N m", lower=0.0, meaning="Coulomb friction torque")
 

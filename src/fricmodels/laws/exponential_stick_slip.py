@@ -17,6 +17,7 @@ class ExponentialStickSlip(Law):
 
     name = "exponential-stick-slip"
     formula = "τ_F = [K_v·|ω| + C + (K_c − C)·exp(−B·|ω|)]·sgn ω"
+    symmetry = "odd"
     K_v = Parameter("K_v", unit="N m s/rad", lower=0.0, meaning="viscous friction coefficient")
     K_c = Parameter("K_c", unit="N m", lower=0.0, at_least="C", meaning="Coulomb friction torque at stick")
     C = Parameter("C", unit="N m", lower=0.0, meaning="Coulomb friction torque at slip")

@@ -17,6 +17,7 @@ class SquareRoot(Law):
 
     name = "square-root"
     formula = "τ_F = (K_v·|ω|^(1/2) + K_c)·sgn ω"
+    symmetry = "odd"
     K_v = Parameter("K_v", unit="N m s^(1/2)/rad^(1/2)", lower=0.0, meaning="coefficient of the square root of speed")
     K_c = Parameter("K_c", unit="N m", lower=0.0, meaning="Coulomb friction torque")
 

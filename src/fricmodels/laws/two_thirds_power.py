@@ -17,6 +17,7 @@ class TwoThirdsPower(Law):
 
     name = "two-thirds-power"
     formula = "τ_F = (K_v·|ω|^(2/3) + K_c)·sgn ω"
+    symmetry = "odd"
     K_v = Parameter("K_v", unit="N m s^(2/3)/rad^(2/3)", lower=0.0, meaning="coefficient of speed to the power 2/3")
     K_c = Parameter("K_c", unit="N m", lower=0.0, meaning="Coulomb friction torque")
 
