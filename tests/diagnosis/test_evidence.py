@@ -1,0 +1,191 @@
+"""Tests that hold for autocorrelated rows: their size, their power, and the algebra beneath."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from numpy.typing import NDArray
+from scipy.signal import lfilter
+from scipy.stats import f as fisher
+from scipy.stats import false_discovery_control
+
+from fricmodels.diagnosis.evidence import (
+    FOLDS,
+    Regression,
+    benjamini_yekutieli,
+    compare,
+    cosine_terms,
+    long_run_sum,
+)
+
+Array = NDArray[np.float64]
+
+
+def noise(rng: np.random.Generator, rho: float, *shape: int) -> Array:
+    """AR(1) noise of unit variance along the last axis, stationary from the first sample on."""
+    white = rng.standard_normal((*shape[:-1], shape[-1] + 400)) * np.sqrt(1 - rho**2)
+    return np.asarray(lfilter([1.0], [1.0, -rho], white, axis=-1)[..., 400:])
+
+
+@settings(deadline=None, max_examples=50)
+@given(st.lists(st.floats(0, 1), min_size=1, max_size=40))
+def test_benjamini_and_yekutieli_as_in_scipy(p_values: list[float]) -> None:
+    values = np.array(p_values)
+    np.testing.assert_allclose(benjamini_yekutieli(values), false_discovery_control(values, method="by"), atol=1e-12)
+
+
+def test_no_tests_need_no_correction() -> None:
+    assert benjamini_yekutieli(np.array([])).size == 0
+
+
+@pytest.mark.parametrize(("rho", "independent", "most"), [(0.0, 2000, 0.07), (0.5, 2000, 0.08), (0.9, 200, 0.10)])
+def test_a_true_null_is_rejected_about_as_often_as_said(rho: float, independent: float, most: float) -> None:
+    """Ordinary F tests reject a true null of ρ = 0.9 in most cases; these must stay near the nominal 5 %."""
+    rng = np.random.default_rng(1)
+    trials, rows = 400, 2000
+    base = np.vstack([np.ones(rows), noise(rng, rho, rows)])
+    rejected = ordinary = 0
+    for _ in range(trials):
+        target, column = noise(rng, rho, 2, rows)
+        regression = Regression(base, target, independent)
+        rejected += regression.test(column[None]).p_value < 0.05
+        free = regression.free(column[None])[0]
+        explained = float(free @ regression.residual) ** 2 / float(free @ free)
+        rest = float(regression.residual @ regression.residual) - explained
+        ordinary += fisher.sf(explained / rest * (rows - 3), 1, rows - 3) < 0.05
+    assert 0.02 <= rejected / trials <= most
+    if rho == 0.9:
+        assert ordinary / trials > 0.4
+
+
+def test_the_size_holds_for_several_columns_at_once() -> None:
+    rng = np.random.default_rng(2)
+    rejected = 0
+    for _ in range(300):
+        target = noise(rng, 0.5, 1000)
+        rejected += Regression(np.ones((1, 1000)), target, 500).test(noise(rng, 0.5, 4, 1000)).p_value < 0.05
+    assert 0.02 <= rejected / 300 <= 0.10
+
+
+def test_power_rises_with_the_effect_to_certainty() -> None:
+    rng = np.random.default_rng(3)
+    shares = []
+    for size in (0.0, 0.1, 0.3, 1.0):
+        found = 0
+        for _ in range(60):
+            column, error = noise(rng, 0.5, 2, 1000)
+            found += Regression(np.ones((1, 1000)), size * column + error, 500).test(column[None]).p_value < 0.01
+        shares.append(found / 60)
+    assert shares == sorted(shares)
+    assert shares[0] < 0.1
+    assert shares[-1] == 1.0
+
+
+def test_coefficients_and_covariance_cover_the_truth() -> None:
+    rng = np.random.default_rng(4)
+    inside, trials = 0, 300
+    for _ in range(trials):
+        columns, error = noise(rng, 0.7, 2, 1000), noise(rng, 0.7, 1000)
+        base = np.ones((1, 1000))
+        evidence = Regression(base, 5 + 2 * columns[0] - 3 * columns[1] + error, 300).test(columns)
+        spread = np.sqrt(np.diag(evidence.covariance))
+        inside += abs(evidence.coefficients[0] - 2) < 1.96 * spread[0]
+    assert 0.87 <= inside / trials <= 0.99
+
+
+def test_the_base_model_is_projected_out() -> None:
+    rng = np.random.default_rng(5)
+    base, columns, target = rng.normal(size=(3, 200)), rng.normal(size=(2, 200)), rng.normal(size=200)
+    regression = Regression(base, target, 100)
+    free = regression.free(columns)
+    np.testing.assert_allclose(free @ base.T, 0, atol=1e-10)
+    np.testing.assert_allclose(regression.free(free), free, atol=1e-12)
+    np.testing.assert_allclose(regression.free(base), 0, atol=1e-12)
+    whole = np.linalg.lstsq(np.vstack([base, columns]).T, target, rcond=None)[0]
+    np.testing.assert_allclose(regression.test(columns).coefficients, whole[3:], rtol=1e-9)
+
+
+def test_what_the_base_can_do_itself_is_invisible() -> None:
+    rng = np.random.default_rng(6)
+    base = rng.normal(size=(2, 200))
+    regression = Regression(base, rng.normal(size=200), 100)
+    new = rng.normal(size=200)
+    columns = np.vstack([base[0] + base[1], new, 3 * new + base[0], np.zeros(200), np.full(200, np.nan)])
+    np.testing.assert_array_equal(regression.visible(columns), [False, True, False, False, False])
+
+
+def test_scaling_base_columns_or_target_changes_no_verdict() -> None:
+    rng = np.random.default_rng(7)
+    base, columns, target = rng.normal(size=(2, 300)), rng.normal(size=(2, 300)), rng.normal(size=300)
+    one = Regression(base, target, 100).test(columns)
+    other = Regression(base * [[1e6], [1e-6]], 1e3 * target, 100).test(columns * [[1e-4], [1e4]])
+    assert other.p_value == pytest.approx(one.p_value, rel=1e-6)
+    assert other.explained == pytest.approx(one.explained, rel=1e-8)
+    assert other.gain == pytest.approx(one.gain, rel=1e-6)
+    np.testing.assert_allclose(other.coefficients, one.coefficients * 1e3 / [1e-4, 1e4], rtol=1e-8)
+
+
+def test_held_out_residuals_are_those_of_a_refit_without_the_block() -> None:
+    rng = np.random.default_rng(8)
+    columns, target = rng.normal(size=(3, 164)), rng.normal(size=164)
+    found = Regression(columns[:1], target, 50).held_out(columns)
+    edges = np.linspace(0, 164, FOLDS + 1).astype(int)
+    for begin, end in pairwise(edges):
+        inside = np.zeros(164, dtype=bool)
+        inside[begin:end] = True
+        theta = np.linalg.lstsq(columns[:, ~inside].T, target[~inside], rcond=None)[0]
+        np.testing.assert_allclose(found[inside], target[inside] - theta @ columns[:, inside], atol=1e-10)
+
+
+def test_a_true_effect_gains_on_blocks_that_were_kept_back_and_noise_loses() -> None:
+    rng = np.random.default_rng(9)
+    column, error, wrong = rng.normal(size=(3, 2000))
+    regression = Regression(np.ones((1, 2000)), column + error, 1000)
+    evidence = regression.test(column[None])
+    assert evidence.gain == pytest.approx(1 - 1 / np.sqrt(2), abs=0.03)
+    assert evidence.explained == pytest.approx(0.5, abs=0.05)
+    assert evidence.gain_p_value < 1e-3
+    false = regression.test(wrong[None])
+    assert false.gain < 0.005
+    assert false.explained < 0.01
+
+
+def test_bounds_leave_out_what_would_have_to_be_negative() -> None:
+    rng = np.random.default_rng(10)
+    columns = rng.normal(size=(2, 500))
+    regression = Regression(np.ones((1, 500)), 2 * columns[0] - 3 * columns[1], 100)
+    everything, theta = regression.explained(columns, np.full(2, -np.inf), np.full(2, np.inf))
+    np.testing.assert_allclose(theta, [2, -3], rtol=1e-9)
+    some, theta = regression.explained(columns, np.zeros(2), np.full(2, np.inf))
+    assert theta[1] == 0
+    assert theta[0] > 0
+    assert 0 < some < everything
+    assert regression.explained(columns[1:], np.zeros(1), np.ones(1)) == (0.0, np.zeros(1))
+
+
+@pytest.mark.parametrize("rho", [0.0, 0.8])
+def test_the_long_run_variance_of_a_sum(rho: float) -> None:
+    """The sum of T samples of unit AR(1) noise has the variance T (1 + ρ)/(1 − ρ)."""
+    rng = np.random.default_rng(11)
+    found = [long_run_sum(noise(rng, rho, 1, 4000), 60)[0, 0] for _ in range(200)]
+    assert np.mean(found) == pytest.approx(4000 * (1 + rho) / (1 - rho), rel=0.06)
+
+
+def test_the_number_of_cosines() -> None:
+    """0.4 T^(2/3), at least 8, fewer than rows (Lazarus, Lewis, Stock and Watson 2018)."""
+    assert cosine_terms(1000, 5000) == 40
+    assert cosine_terms(10, 5000) == 8
+    assert cosine_terms(1000, 6) == 5
+
+
+def test_equal_losses_prove_nothing() -> None:
+    loss = np.random.default_rng(12).random(100)
+    assert compare(loss, loss, 8) == (0.0, 1.0)
+    gain, p_value = compare(loss, 0.25 * loss, 8)
+    assert gain == pytest.approx(0.5)
+    assert p_value < 0.01
+    assert compare(0.25 * loss, loss, 8)[1] > 0.99
