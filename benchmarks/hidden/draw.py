@@ -105,10 +105,12 @@ def case(rig: Rig, clean_error: float | None = None) -> Case:
     return Case(rig, recording, comparison, clean_error)
 
 
-def reverses(recording: Recording) -> bool:
-    """Whether the drive still slides in both directions."""
+def slides(recording: Recording, *, both_ways: bool) -> bool:
+    """Whether the drive slides in both directions, or all the time forward."""
     speed = recording.velocity
     slow = 0.02 * float(np.quantile(np.abs(speed), 0.99))
+    if not both_ways:
+        return bool(np.mean(speed > slow) > 0.999)
     return bool(min(np.mean(speed > slow), np.mean(speed < -slow)) > 0.1)
 
 
@@ -129,7 +131,7 @@ def mattering(rng: np.random.Generator, effects: Sequence[str], samples: int = 2
     return None
 
 
-def grown(rig: Rig) -> Case | None:
+def grown(rig: Rig, *, both_ways: bool = True) -> Case | None:
     """Return the rig at the smallest of a few sizes at which its effects matter, or ``None``."""
     clean_error: float | None = None
     factor = 1.0
@@ -140,7 +142,7 @@ def grown(rig: Rig) -> Case | None:
         except (FricmodelsError, ValueError):  # a share beyond its range, or a drive that is stuck
             return None
         clean_error = trial.clean_error
-        if not reverses(trial.recording):
+        if not slides(trial.recording, both_ways=both_ways):
             return None
         if trial.ratio <= MATTERS:
             return trial

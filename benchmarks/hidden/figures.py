@@ -273,7 +273,8 @@ same rig without the effect, has a held-out RMS torque error of at most 0.9 time
 expression takes part in that. The stated inertia is given to the diagnosis.
 
 - **right class**: the hidden effect is in the class of look-alikes that is named first.
-- **removed**: the true effect, and the look-alikes named with it, are taken off the list of candidates.
+- **removed**: the true effect, the look-alikes named with it, and every effect that explains at least 98 % of what the
+  true one does, are taken off the list of candidates.
 - **two effects**: each alone raises the held-out error so; both are in classes that `improve` kept.
 - **look-alikes**: recordings made so that another effect leaves less than 2 % of what the true one explains.
 - **stepwise** is forward selection by F tests, **pysindy** an ensemble of sequentially thresholded regressions, both on

@@ -112,12 +112,13 @@ def one_payload(rng: np.random.Generator) -> Drawn:
     return changed, ("gravity", "torque-gain")
 
 
+ONE_DIRECTION = "one direction"
 SITUATIONS: Mapping[str, Callable[[np.random.Generator], Drawn]] = {
     "asymmetry or offset": offset,
     "no load": no_load,
     "one frequency": one_frequency,
     "narrow range": narrow,
-    "one direction": one_direction,
+    ONE_DIRECTION: one_direction,
     "one load": one_load,
     "steady warming": warming,
     "one payload": one_payload,

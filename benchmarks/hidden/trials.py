@@ -75,14 +75,16 @@ def single(rng: np.random.Generator, effect: str, index: int) -> Row:
     diagnosis = examine(drawn.comparison)
     seconds = time.perf_counter() - began
     named = diagnosis_names(diagnosis)
-    out = {effect, *(named if effect in named else ())}
-    without = examine(drawn.comparison, leave_out=out)
+    truth = _evidence(drawn.comparison, effect)
+    without, out = _removed(
+        drawn.comparison, {effect, *(named if effect in named else ())}, truth.get("explained", 1.0)
+    )
     return {
         **described(drawn.rig),
         **sized(drawn),
         **said(diagnosis),
         "examine_seconds": seconds,
-        "truth": {} if effect in named else _evidence(drawn.comparison, effect),
+        "truth": truth,
         "after": _after(drawn, diagnosis, effect),
         "removed": {**said(without), "left_out": sorted(out)},
         "peers": peers.first_named(drawn.rig, drawn.recording),
@@ -103,12 +105,23 @@ def _evidence(comparison: Comparison, effect: str) -> Row:
     tested = result.tested[names.index(effect)]
     return {
         "rank": names.index(effect) + 1,
+        "explained": tested.evidence.explained,
         "before": names[: names.index(effect)][:3],
         "adjusted": tested.adjusted,
         "gain": tested.evidence.gain,
         "gain_p_value": tested.evidence.gain_p_value,
         "parameters": tested.parameters,
     }
+
+
+def _removed(comparison: Comparison, out: set[str], explained: float) -> tuple[Diagnosis, set[str]]:
+    """Diagnose without the true effect and without what explains the data as well: that is no wrong name."""
+    while True:
+        diagnosis = examine(comparison, leave_out=out)
+        first = diagnosis.findings[0].tested if diagnosis.findings else None
+        if first is None or first.evidence.explained < (1 - look_alikes.SAME) * explained:
+            return diagnosis, out
+        out = out | {first.name}
 
 
 def _after(drawn: Case, diagnosis: Diagnosis, effect: str) -> Row:
@@ -226,7 +239,7 @@ def alike(rng: np.random.Generator, effect: str, index: int) -> Row:
     """A recording on which members of a class explain the data equally well."""
     for _ in range(8):
         rig, members = look_alikes.SITUATIONS[effect](rng)
-        drawn = grown(rig)
+        drawn = grown(rig, both_ways=effect != look_alikes.ONE_DIRECTION)
         if drawn is None:
             continue
         true = rig.effects[0].name
