@@ -45,7 +45,7 @@ class Quadrature:
         recording: the recorded samples, then for each split cell the instant of stopping, then that of starting.
         cell: index of the sample before each split cell.
         before, after: half the duration of the moving part before and after the zero.
-        weight: duration that each recorded sample stands for, shape (N,).
+        weight: duration that each recorded sample stands for in the cells that are not split, shape (N,).
     """
 
     recording: Recording
@@ -85,19 +85,23 @@ class Quadrature:
             channels[name] = np.concatenate(parts)
         run = np.concatenate([recording.run, recording.run[cell], recording.run[cell]])
         half_step = 0.5 * step[cell]
-        np.add.at(weight, cell, before * half_step)
-        np.add.at(weight, cell + 1, after * half_step)
         at = replace(recording, channels=channels, run=run)
         return cls(at, cell, before * half_step, after * half_step, weight)
 
     def integrand(self, rows: Array) -> Array:
-        """Turn rows evaluated at :attr:`recording` into what is summed: shape (k, N), each in torque × time."""
+        """Turn rows evaluated at :attr:`recording` into what is summed: shape (k, N), each in torque × time.
+
+        Each cell goes in halves to its two samples, split cells too: a change of velocity is known by cells, so that
+        within a cell all that causes it must be weighted alike.
+        """
         count, cells = len(self.weight), len(self.cell)
         values = rows[:, :count] * self.weight
         if cells:
+            stopping, starting = rows[:, count : count + cells], rows[:, count + cells :]
+            impulse = self.before * (rows[:, self.cell] + stopping) + self.after * (starting + rows[:, self.cell + 1])
             for k in range(len(values)):
-                values[k] += np.bincount(self.cell, self.before * rows[k, count : count + cells], count)
-                values[k] += np.bincount(self.cell + 1, self.after * rows[k, count + cells :], count)
+                values[k] += np.bincount(self.cell, 0.5 * impulse[k], count)
+                values[k] += np.bincount(self.cell + 1, 0.5 * impulse[k], count)
         return values
 
 
@@ -121,6 +125,7 @@ class Bumps:
     def __init__(
         self, recording: Recording, width: int, resting: NDArray[np.bool_], *, least_moving: float = 0.5
     ) -> None:
+        self._samples = len(recording)
         self.hop = max(1, round(width / HOPS))
         self.width = self.hop * HOPS
         x = 2.0 * np.arange(1, self.width) / self.width - 1.0
@@ -145,8 +150,24 @@ class Bumps:
         """Return ∫φ dω = −∫φ' ω dt, shape (number of bumps,)."""
         return self._keep(self._apply(velocity[None], self._fall))[0]
 
+    def spread(self, values: Array) -> Array:
+        """Return Σ c φ(t) at the samples for one coefficient c a bump: the transpose of :meth:`integrals`."""
+        every = np.zeros(len(self._kept))
+        every[self._kept] = values
+        result = np.zeros(self._samples)
+        first = 0
+        for piece in self._pieces:
+            blocks = (piece.stop - piece.start) // self.hop
+            count = blocks - HOPS + 1
+            parts = np.zeros((blocks, self.hop))
+            for part, kernel in enumerate(self._mean.reshape(HOPS, self.hop)):
+                parts[part : part + count] += np.outer(every[first : first + count], kernel)
+            result[piece] = parts.ravel()
+            first += count
+        return result
+
     def _keep(self, values: Array) -> Array:
-        return np.asarray(values if self.count == values.shape[1] else values[:, self._kept])
+        return values if self.count == values.shape[1] else np.asarray(values[:, self._kept])
 
     def _apply(self, rows: Array, kernel: Array) -> Array:
         parts = kernel.reshape(HOPS, self.hop).T
