@@ -15,14 +15,12 @@ from fricmodels.dimension import TIME, Dimension
 from fricmodels.drive import Drive
 from fricmodels.parameter import Parameter
 from fricmodels.recording import Recording
+from fricmodels.signals.order_spectrum import WaveNumbers, wave_numbers
 from fricmodels.term import Effect
 
 Array = NDArray[np.float64]
 
-_PEAKS = 12
 _ROUNDS = 7
-_LEAST_PERIODS = 1.5
-"""A period is told from slower shapes once the positions cover it one and a half times."""
 
 
 @dataclass(frozen=True)
@@ -90,10 +88,10 @@ def _starts(
     trials = 1.0
     for parameter in nonlinear:
         if parameter.periodic:
-            values, step, tried = wave_numbers(problem, regression, alone, parameter.lower)
-            choices.append(values)
-            spacing.append(-step)
-            trials *= tried
+            waves = _wave_numbers(problem, regression, alone, parameter.lower)
+            choices.append(list(waves.strongest))
+            spacing.append(-waves.resolution)
+            trials *= waves.independent
             continue
         size = natural_size(problem.recording, parameter.dimension)
         scan = [value * size for value in parameter.scan] or [parameter.initial]
@@ -145,44 +143,20 @@ def walk(
     return point
 
 
-def wave_numbers(
-    problem: Problem, regression: Regression, alone: Drive, least: float = 0.0
-) -> tuple[list[float], float, float]:
-    """Return the wave numbers at which the residual is most periodic in position, strongest first.
+def _wave_numbers(problem: Problem, regression: Regression, alone: Drive, least: float) -> WaveNumbers:
+    """Return the wave numbers at which the residual is most periodic in position.
 
-    The residual, multiplied by what the effect's torque is in proportion to (its column at wave number 0), is summed
-    over bins of position; the Fourier transform over position then shows every wave number at once.
-
-    Returns:
-        Wave numbers [1/rad or 1/m], their resolution, and how many independent ones were looked at.
+    The residual is multiplied by what the effect's torque is in proportion to: its column at wave number 0.
     """
     recording = problem.recording
-    position = recording["position"]
-    low, high = float(np.min(position)), float(np.max(position))
-    span = high - low
     travel = np.abs(problem.smooth) * recording.interval
     moving = ~problem.resting & (travel > 0)
-    if span <= 0 or not np.any(moving):
-        return [], 1.0, 1.0
+    if not np.any(moving):
+        return WaveNumbers((), 1.0, 1.0)
     # Half of the time a bump must pass less than a quarter period, or it averages the effect away.
-    fastest = 2 * np.pi / (4 * float(np.percentile(travel[moving], 20)) * problem.bumps.width / 4)
-    slowest = max(_LEAST_PERIODS * 2 * np.pi / span, least)
-    if fastest <= slowest:
-        return [], 1.0, 1.0
+    fastest = 2 * np.pi / (float(np.percentile(travel[moving], 20)) * problem.bumps.width)
     design, _ = problem.evaluate(alone, [0.0] * sum(not flag for flag in alone.model.linear))
     amplitude = design[0, : len(recording)]
     sampled = np.interp(np.arange(len(recording)), problem.centre, regression.residual)
-    sampled = np.where(moving, sampled * amplitude, 0.0)
-    bins = int(min(2**15, max(64, 2 ** np.ceil(np.log2(4 * fastest * span / (2 * np.pi))))))
-    place = np.minimum(((position - low) / span * bins).astype(np.int64), bins - 1)
-    summed = np.bincount(place, weights=sampled, minlength=bins)
-    padded = 4 * bins
-    power = np.abs(np.fft.rfft(summed, padded)) ** 2
-    k = 2 * np.pi * np.arange(len(power)) / (span * padded / bins)
-    inside = (k >= slowest) & (k <= min(fastest, k[-1]))
-    peaks = np.flatnonzero(inside[1:-1] & (power[1:-1] >= power[:-2]) & (power[1:-1] >= power[2:])) + 1
-    edges = np.flatnonzero(inside)[[0, -1]] if np.any(inside) else np.array([], dtype=int)
-    peaks = np.unique(np.concatenate([peaks, edges]))
-    strongest = peaks[np.argsort(power[peaks])[::-1][:_PEAKS]]
-    trials = max(1.0, float((min(fastest, k[-1]) - slowest) * span / np.pi))
-    return [float(k[i]) for i in strongest], float(np.pi / span), trials
+    weights = np.where(moving, sampled * amplitude, 0.0)
+    return wave_numbers(recording["position"], weights, fastest, least)

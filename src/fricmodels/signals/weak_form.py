@@ -148,7 +148,7 @@ class Bumps:
 
     def momentum(self, velocity: Array) -> Array:
         """Return ∫φ dω = −∫φ' ω dt, shape (number of bumps,)."""
-        return self._keep(self._apply(velocity[None], self._fall))[0]
+        return np.asarray(self._keep(self._apply(velocity[None], self._fall))[0])
 
     def spread(self, values: Array) -> Array:
         """Return Σ c φ(t) at the samples for one coefficient c a bump: the transpose of :meth:`integrals`."""

@@ -1,0 +1,62 @@
+"""The spectrum of a signal over position: at which wave numbers it is periodic along the path, not in time."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+PEAKS = 12
+"""Most wave numbers that are returned."""
+LEAST_PERIODS = 1.5
+"""A period is told from slower shapes once the positions cover it one and a half times."""
+_MOST_BINS = 2**15
+_PADDING = 4
+
+
+@dataclass(frozen=True)
+class WaveNumbers:
+    """Wave numbers at which something is periodic in position.
+
+    Attributes:
+        strongest: wave numbers [1/rad or 1/m] of the highest peaks, the highest first; empty where none can be told.
+        resolution: π over the range of position; closer ones are not told apart.
+        independent: how many independent ones were looked at.
+    """
+
+    strongest: tuple[float, ...]
+    resolution: float
+    independent: float
+
+
+def wave_numbers(position: Array, weights: Array, fastest: float, least: float = 0.0) -> WaveNumbers:
+    r"""Return where :math:`|\sum_i w_i e^{-\mathrm{j} k q_i}|` peaks over the wave number k.
+
+    The weights are summed over even bins of position, and one Fourier transform over position, padded with zeros,
+    shows every wave number at once; a period need not divide a turn.
+
+    Args:
+        position: q at each sample [rad or m], shape (N,).
+        weights: w at each sample, shape (N,).
+        fastest: greatest wave number to look at.
+        least: smallest one; never below one and a half periods in the range of position.
+    """
+    low, span = float(np.min(position)), float(np.ptp(position))
+    slowest = max(LEAST_PERIODS * 2 * np.pi / span, least) if span > 0 else np.inf
+    if not fastest > slowest:
+        return WaveNumbers((), np.pi / span if span > 0 else 1.0, 1.0)
+    bins = int(min(_MOST_BINS, max(64, 2 ** np.ceil(np.log2(4 * fastest * span / (2 * np.pi))))))
+    place = np.minimum(((position - low) / span * bins).astype(np.int64), bins - 1)
+    summed = np.bincount(place, weights=weights, minlength=bins)
+    power = np.abs(np.fft.rfft(summed, _PADDING * bins)) ** 2
+    k = 2 * np.pi * np.arange(len(power)) / (span * _PADDING)
+    inside = (k >= slowest) & (k <= fastest)
+    peaks = np.flatnonzero(inside[1:-1] & (power[1:-1] >= power[:-2]) & (power[1:-1] >= power[2:])) + 1
+    edges = np.flatnonzero(inside)[[0, -1]] if np.any(inside) else np.array([], dtype=int)
+    peaks = np.unique(np.concatenate([peaks, edges]))
+    strongest = peaks[np.argsort(power[peaks])[::-1][:PEAKS]]
+    independent = max(1.0, float((min(fastest, k[-1]) - slowest) * span / np.pi))
+    return WaveNumbers(tuple(float(k[i]) for i in strongest), float(np.pi / span), independent)
