@@ -42,10 +42,10 @@ def estimate(drive: Drive, recording: Recording, start: Mapping[str, float] | No
     """
     first = Problem.of(drive, recording, _guess(drive, recording, start))
     found = _fit(first, start or {})
-    if drive.inertia is None:
-        first = Problem.of(drive, recording, found.parameters)
-        found = _fit(first, {**(start or {}), **found.parameters})
-    return replace(first, law_slope=first.slope_of(found.parameters)), found
+    # Once the friction is known, so is where the drive may stick at a reversal.
+    problem = Problem.of(drive, recording, found.parameters)
+    found = _fit(problem, {**(start or {}), **found.parameters})
+    return replace(problem, law_slope=problem.slope_of(found.parameters)), found
 
 
 def _guess(drive: Drive, recording: Recording, start: Mapping[str, float] | None) -> dict[str, float]:
@@ -86,7 +86,8 @@ def _fit(problem: Problem, start: Mapping[str, float]) -> Estimate:
             choices: list[tuple[float, ...]] = [
                 (*point[:i], value * size, *point[i + 1 :]) for value in p.declared.scan
             ]
-            point = list(min(choices, key=lambda choice: at(choice)[0]))
+            costs = [at(choice)[0] for choice in choices]
+            point = list(choices[int(np.argmin(costs))])
     best = walk(lambda values: -at(values)[0], tuple(point), declared, ratios) if point else ()
     _, theta = at(best)
     values = _named(problem, theta, best)

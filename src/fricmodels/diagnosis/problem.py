@@ -89,7 +89,9 @@ class Problem:
         width = _bump_width(part, inertia, sigma)
         part = part.with_channels(torque_rate=part.signal("motor_torque_rate"))
         at_rest = resting(part)
+        reach = _reach(part)
         unclear = at_rest | _unclear_direction(part, width)
+        unclear = _widened(unclear | _hidden_turns(drive, part, smooth, parameters), reach)
         quadrature = Quadrature.of(part, smooth, unclear)
         bumps = Bumps(part, width, unclear, least_moving=1.0)
         problem = cls(drive, part, smooth, at_rest, quadrature, bumps, sigma, half_width, 0.0)
@@ -239,6 +241,43 @@ def _unclear_direction(recording: Recording, width: int) -> NDArray[np.bool_]:
         long = slow[edges[:-1]] & (np.diff(edges) > max(2, width // HOPS))
         unclear[part] = np.repeat(long, np.diff(edges))
     return unclear
+
+
+def _hidden_turns(
+    drive: Drive, recording: Recording, smooth: Array, parameters: Mapping[str, float]
+) -> NDArray[np.bool_]:
+    """Mark passages near zero speed of which the samples do not show the course.
+
+    Where the velocity could have reached zero between two samples, it passed cleanly only if the torque at both drives
+    it on in one direction, beyond what friction holds. Otherwise it may have stuck, or turned twice, in between.
+    """
+    first, last = smooth[:-1], smooth[1:]
+    near = np.minimum(np.abs(first), np.abs(last)) < np.abs(last - first)
+    cell = np.flatnonzero((near | (first * last < 0)) & (np.diff(recording.run) == 0))
+    marked = np.zeros(len(recording), dtype=bool)
+    if len(cell) and not drive.model.states:
+        sides = []
+        for end in (cell, cell + 1):
+            at = recording.select(end)
+            least, greatest = drive.sticking_interval(at, parameters)
+            net = at.torque - at.load_torque
+            sides.append(np.where(net > greatest, 1, np.where(net < least, -1, 0)))
+        hidden = cell[(sides[0] != sides[1]) | (sides[0] == 0)]
+        marked[hidden] = marked[hidden + 1] = True
+    return marked
+
+
+def _reach(recording: Recording) -> int:
+    """Return over how many samples the kink of a velocity at a stop or start is smeared by its derivation."""
+    if "velocity" not in recording.derived or "position" not in recording:
+        return 1
+    return 1 + best_half_width(recording.time, recording["position"], recording.run)
+
+
+def _widened(mask: NDArray[np.bool_], reach: int) -> NDArray[np.bool_]:
+    """Mark also the ``reach`` samples before and after each marked one."""
+    near = np.convolve(mask.astype(float), np.ones(2 * reach + 1), "same")
+    return np.asarray(near > 0.5)
 
 
 def _noise_like(recording: Recording, deviation: float, rng: np.random.Generator) -> Array:

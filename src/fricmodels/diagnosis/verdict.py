@@ -16,7 +16,7 @@ LEAST_GAIN = 0.05
 """An effect must lower the held-out residual by a twentieth to be worth its place in a model."""
 LEAST_TORQUE = 0.003
 """An effect must come to this share of the RMS torque. What happens between samples is not recorded: on simulated
-drives with nothing hidden, sampling and differentiation alone leave 0.03 to 0.3 % of the RMS torque, and not as noise."""
+drives with nothing hidden, sampling and differentiation alone leave 0.03 to 0.3 % of it, and not as noise."""
 _HELD_OUT = 0.05
 """Significance of the second gate, the gain on held-out blocks."""
 _ALIKE = 0.05
