@@ -56,11 +56,13 @@ def made() -> Made:
         time = np.arange(samples) / rate
         between = (np.arange(_FINE) + 0.5) / _FINE - 0.5
         exact = moving((time[:, None] + between / rate).ravel())
-        exact["torque"] = np.zeros(samples * _FINE)
+        torque = exact["torque"] = INERTIA * exact["acceleration"]
         fine = Recording("exact", motion, exact, np.zeros(samples * _FINE, dtype=np.int64))
         drive = Drive(Model.parse(name), INERTIA, motion)
-        declared = {p.key: p.declared.initial for p in drive.model.parameters}
-        torque = INERTIA * exact["acceleration"] + drive.friction(fine, {**declared, **LAW, **(values or {})})
+        chosen = {**{p.key: p.declared.initial for p in drive.model.parameters}, **LAW, **(values or {})}
+        for _ in range(8 if "motor_torque" in drive.model.needs else 1):  # a ripple of the torque makes more ripple
+            fine = fine.with_channels(torque=torque)
+            torque = INERTIA * exact["acceleration"] + drive.friction(fine, chosen)
         measured = moving(time)
         del measured["acceleration"]
         size = noise / 100 * float(np.sqrt(np.mean(measured["velocity"] ** 2)))

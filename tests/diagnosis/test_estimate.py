@@ -1,0 +1,85 @@
+"""The fit beneath every diagnosis: known truths, honest standard errors, invariances."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import pytest
+
+from fricmodels.diagnosis.estimate import estimate
+from fricmodels.dimension import Motion
+from fricmodels.drive import Drive
+from fricmodels.errors import InputError
+from fricmodels.model import Model
+from fricmodels.recording import Recording
+
+Made = Callable[..., Recording]
+TRUTH = {"J": 2.0, "K_v": 0.5, "K_c": 3.0}
+
+
+def test_a_clean_recording_gives_the_truth(made: Made) -> None:
+    _, found = estimate(Drive(Model.parse("coulomb-viscous")), made(noise=0.0))
+    for key, value in TRUTH.items():
+        assert found.parameters[key] == pytest.approx(value, rel=2e-3)
+
+
+def test_a_given_inertia_is_kept_and_named_by_the_kind_of_drive(made: Made) -> None:
+    _, found = estimate(Drive(Model.parse("coulomb-viscous"), 2.0), made())
+    assert found.parameters["J"] == 2.0
+    assert set(found.standard_errors) == {"K_v", "K_c"}
+    _, linear = estimate(Drive(Model.parse("coulomb-viscous"), motion=Motion.LINEAR), made(motion=Motion.LINEAR))
+    assert linear.parameters["M"] == pytest.approx(2.0, rel=1e-2)
+
+
+@pytest.mark.parametrize("noise", [0.3, 2.0])
+def test_standard_errors_cover_the_truth_about_as_often_as_said(made: Made, noise: float) -> None:
+    """Two standard errors should hold the truth in 95 % of recordings."""
+    inside = dict.fromkeys(TRUTH, 0)
+    trials = 40
+    for seed in range(trials):
+        _, found = estimate(Drive(Model.parse("coulomb-viscous")), made(noise=noise, seed=seed, samples=3000))
+        for key, value in TRUTH.items():
+            inside[key] += abs(found.parameters[key] - value) < 2 * found.standard_errors[key]
+    assert all(count / trials >= 0.8 for count in inside.values()), inside
+
+
+def test_nonlinear_parameters_are_found_without_a_start(made: Made) -> None:
+    hidden = {"stribeck.F_s": 3.0, "stribeck.omega_s": 1.0, "stribeck.delta": 1.0}
+    recording = made("coulomb-viscous+stribeck", hidden, noise=0.0)
+    _, found = estimate(Drive(Model.parse("exponential-stick-slip"), 2.0), recording)
+    assert found.parameters["B"] == pytest.approx(1.0, rel=0.1)
+    assert found.parameters["K_c"] == pytest.approx(6.0, rel=0.1)
+    assert found.parameters["C"] == pytest.approx(3.0, rel=0.1)
+
+
+def test_bounds_hold(made: Made) -> None:
+    """A drive that is driven by its friction (negative viscosity) gets none, not less than none."""
+    recording = made("coulomb-viscous", {"K_v": -0.5})
+    _, found = estimate(Drive(Model.parse("coulomb-viscous"), 2.0), recording)
+    assert found.parameters["K_v"] == 0.0
+
+
+@pytest.mark.parametrize("factor", [1e-6, 1e6])
+def test_units_of_torque_do_not_matter(made: Made, factor: float) -> None:
+    recording = made(samples=4000)
+    _, one = estimate(Drive(Model.parse("coulomb-viscous")), recording)
+    _, other = estimate(
+        Drive(Model.parse("coulomb-viscous")), recording.with_channels(torque=factor * recording.torque)
+    )
+    for key in TRUTH:
+        assert other.parameters[key] == pytest.approx(factor * one.parameters[key], rel=1e-6)
+        assert other.standard_errors[key] == pytest.approx(factor * one.standard_errors[key], rel=1e-5)
+
+
+def test_the_mirrored_drive_has_the_same_parameters(made: Made) -> None:
+    recording = made(samples=4000)
+    mirrored = recording.with_channels(velocity=-recording.velocity, torque=-recording.torque)
+    _, one = estimate(Drive(Model.parse("coulomb-viscous")), recording)
+    _, other = estimate(Drive(Model.parse("coulomb-viscous")), mirrored)
+    for key in TRUTH:
+        assert other.parameters[key] == pytest.approx(one.parameters[key], rel=1e-9)
+
+
+def test_too_little_motion_is_refused(made: Made) -> None:
+    with pytest.raises(InputError, match="moves too little"):
+        estimate(Drive(Model.parse("asymmetric-exponential-stick-slip")), made(samples=60, noise=20.0))

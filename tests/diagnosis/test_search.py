@@ -1,0 +1,139 @@
+"""Nonlinear parameters of candidates: wave numbers, instants and widths are found where they were hidden."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+
+import numpy as np
+import pytest
+
+from fricmodels.diagnosis import survey as surveys
+from fricmodels.diagnosis.estimate import estimate
+from fricmodels.diagnosis.search import natural_size, walk
+from fricmodels.diagnosis.survey import noise_share, survey
+from fricmodels.dimension import DISPLACEMENT, FORCE, TIME, VELOCITY
+from fricmodels.drive import Drive
+from fricmodels.model import Model
+from fricmodels.parameter import Parameter
+from fricmodels.plugins import load
+from fricmodels.recording import Recording
+
+Made = Callable[..., Recording]
+
+
+def examined(recording: Recording, effect: str) -> surveys.Tested:
+    """Return one candidate's test on what a Coulomb-viscous drive leaves over."""
+    drive = Drive(Model.parse("coulomb-viscous"), 2.0, recording.motion)
+    problem, found = estimate(drive, recording)
+    (only,) = survey(problem, found.parameters, only=[effect]).tested
+    return only
+
+
+CASES: list[tuple[str, Mapping[str, float], str, float]] = [
+    ("cogging", {"a": 0.3, "b": 0.4, "k": 3.37}, "k", 0.01),
+    ("cogging", {"a": 0.3, "b": 0.4, "k": 11.9}, "k", 0.01),
+    ("position-friction", {"a": 0.5, "b": 0.0, "k": 2.6}, "k", 0.01),
+    ("torque-ripple", {"a": 0.0, "b": 0.02, "k": 6.1}, "k", 0.01),
+    ("step-change", {"c": 0.6, "d": 0.2, "t_0": 6.3}, "t_0", 0.02),
+    ("step-change", {"c": -0.4, "d": 0.0, "t_0": 11.1}, "t_0", 0.02),
+    ("presliding", {"F": 3.0, "D": 0.0, "x_s": 0.05}, "x_s", 0.1),
+    ("stribeck", {"F_s": 3.0, "omega_s": 1.0, "delta": 1.0}, "omega_s", 0.35),
+]
+
+
+@pytest.mark.parametrize(("effect", "hidden", "symbol", "within"), CASES)
+def test_what_was_hidden_is_found(
+    made: Made, effect: str, hidden: Mapping[str, float], symbol: str, within: float
+) -> None:
+    recording = made(f"coulomb-viscous+{effect}", {f"{effect}.{key}": value for key, value in hidden.items()})
+    found = examined(recording, effect)
+    assert found.parameters[symbol] == pytest.approx(hidden[symbol], rel=within)
+    assert found.p_value < 1e-6
+    assert found.evidence.explained > 0.6
+    spread = np.sqrt(np.diag(found.evidence.covariance))
+    linear = [key for key, kept in zip(found._linear_symbols, found.found.kept, strict=True) if kept]
+    for key, error in zip(linear, spread, strict=True):
+        size = max(abs(value) for value in hidden.values() if value)
+        assert abs(found.parameters[key] - hidden[key]) < 6 * error + 0.4 * size, key
+
+
+def test_the_wave_number_does_not_depend_on_the_units_of_torque(made: Made) -> None:
+    recording = made("coulomb-viscous+cogging", {"cogging.a": 0.5, "cogging.b": 0.0, "cogging.k": 5.3})
+    drive = Drive(Model.parse("coulomb-viscous"), 2.0)
+    problem, found = estimate(drive, recording)
+    (one,) = survey(problem, found.parameters, only=["cogging"]).tested
+    big = recording.with_channels(torque=1000 * recording.torque)
+    problem, found = estimate(Drive(drive.model, 2000.0), big)
+    (other,) = survey(problem, found.parameters, only=["cogging"]).tested
+    assert other.parameters["k"] == pytest.approx(one.parameters["k"], rel=1e-9)
+    assert other.parameters["a"] == pytest.approx(1000 * one.parameters["a"], rel=1e-6)
+    assert other.evidence.explained == pytest.approx(one.evidence.explained, rel=1e-6)
+
+
+def test_natural_sizes_are_the_recordings_own(made: Made) -> None:
+    recording = made(noise=0.0)
+    peak, span = np.max(np.abs(recording.velocity)), np.ptp(recording["position"])
+    rms = float(np.sqrt(np.mean(recording.torque**2)))
+    assert natural_size(recording, VELOCITY) == pytest.approx(peak)
+    assert natural_size(recording, DISPLACEMENT) == pytest.approx(span)
+    assert natural_size(recording, TIME) == pytest.approx(np.ptp(recording.time))
+    assert natural_size(recording, FORCE) == pytest.approx(rms)
+    assert natural_size(recording, VELOCITY**-1) == pytest.approx(1 / peak)
+
+
+# ---- the walk ---------------------------------------------------------------------------------------------------
+
+
+def test_a_walk_climbs_to_the_top_by_ratios_and_by_steps() -> None:
+    parameters = [Parameter("x", initial=1.0, lower=0.0), Parameter("t")]
+
+    def hill(point: tuple[float, ...]) -> float:
+        return -(np.log(point[0] / 2.7) ** 2) - (point[1] - 0.3) ** 2
+
+    top = walk(hill, (2.0, 0.0), parameters, [2.0, -1.0])
+    assert top[0] == pytest.approx(2.7, rel=0.02)
+    assert top[1] == pytest.approx(0.3, abs=0.02)
+
+
+def test_a_walk_stays_within_bounds_and_never_goes_down() -> None:
+    parameters = [Parameter("x", initial=1.0, lower=0.5, upper=2.0)]
+    seen: list[float] = []
+
+    def slope(point: tuple[float, ...]) -> float:
+        seen.append(point[0])
+        return point[0]
+
+    assert walk(slope, (1.0,), parameters, [4.0]) == (2.0,)
+    assert 0.5 <= min(seen) <= max(seen) <= 2.0
+    assert walk(lambda point: -abs(point[0] - 1.0), (1.0,), parameters, [1.3]) == (1.0,)
+
+
+# ---- columns that consist of noise ------------------------------------------------------------------------------
+
+
+def test_the_share_of_noise_grows_with_its_square(made: Made) -> None:
+    shares = []
+    for noise in (0.1, 1.0):
+        recording = made(noise=noise, samples=4000)
+        drive = Drive(Model.parse("coulomb-viscous"), 2.0)
+        problem, found = estimate(drive, recording)
+        result = survey(problem, found.parameters, only=["gravity"])
+        effect = load().effects["nonlinear-viscous"]()
+        (candidate,) = survey(problem, found.parameters, only=["nonlinear-viscous"]).tested or (None,)
+        assert result.tested
+        if candidate is None:
+            shares.append(1.0)
+            continue
+        shares.append(noise_share(problem, problem.perturbed(), result.regression, effect, candidate.found))
+    assert 0 <= shares[0] < 1e-3
+    assert shares[1] > 10 * shares[0]
+
+
+def test_a_column_of_position_holds_no_noise_of_the_velocity(made: Made) -> None:
+    recording = made(noise=3.0, samples=4000)
+    problem, found = estimate(Drive(Model.parse("coulomb-viscous"), 2.0), recording)
+    result = survey(problem, found.parameters, only=["gravity"])
+    share = noise_share(
+        problem, problem.perturbed(), result.regression, load().effects["gravity"](), result.tested[0].found
+    )
+    assert share < 1e-9

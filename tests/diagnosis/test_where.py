@@ -1,0 +1,84 @@
+"""Where a model fails: the regimes cover the motion, and an error is found where it was put."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from fricmodels.diagnosis import ready
+from fricmodels.diagnosis.where import regimes, where
+from fricmodels.dimension import Motion
+from fricmodels.recording import Recording
+
+Made = Callable[..., Recording]
+
+PARTITIONS = [
+    ("rest", "forward", "backward"),
+    ("rest", "low speed", "mid speed", "high speed"),
+    ("rest", "accelerating", "decelerating"),
+    ("position: low", "position: middle", "position: high"),
+    ("time: early", "time: middle", "time: late"),
+]
+
+
+@pytest.fixture(scope="module")
+def prepared(made: Made) -> Recording:
+    return ready(made(samples=4000))
+
+
+@pytest.fixture(scope="module")
+def stopping() -> Recording:
+    """Two moves forward and back with rests between them."""
+    time = np.arange(4000) * 1e-3
+    phase = (time * 2) % 2
+    velocity = np.where(phase < 1, np.sin(2 * np.pi * phase), 0.0)
+    rng = np.random.default_rng(0)
+    channels = {"time": time, "torque": np.sin(time), "velocity": velocity + 1e-4 * rng.standard_normal(4000)}
+    return ready(Recording("stops", Motion.ROTARY, channels, np.zeros(4000, dtype=np.int64)))
+
+
+@pytest.mark.parametrize("names", PARTITIONS, ids=lambda names: str(names[-1]))
+def test_regimes_of_one_kind_cover_every_sample_once(prepared: Recording, names: tuple[str, ...]) -> None:
+    masks = regimes(prepared)
+    assert np.all(sum(masks[name].astype(int) for name in names) == 1)
+    rows = {row.regime: row for row in where(np.random.default_rng(0).normal(size=len(prepared)), prepared)}
+    shares = [rows[name].share_of_squared_error for name in names if name in rows]
+    assert sum(shares) == pytest.approx(1.0)
+    assert sum(rows[name].samples for name in names if name in rows) == len(prepared)
+
+
+def test_rest_breakaway_and_reversal_are_apart(stopping: Recording) -> None:
+    masks = regimes(stopping)
+    assert 0.4 < np.mean(masks["rest"]) < 0.6
+    assert np.any(masks["breakaway"])
+    assert np.any(masks["reversal"])
+    together = sum(masks[name].astype(int) for name in ("rest", "breakaway", "reversal"))
+    assert np.max(together) == 1
+
+
+@pytest.mark.parametrize("regime", ["backward", "high speed", "time: late", "position: low", "reversal"])
+def test_an_error_is_found_where_it_was_put(prepared: Recording, regime: str) -> None:
+    mask = regimes(prepared)[regime]
+    error = 0.01 * np.random.default_rng(1).normal(size=len(prepared)) + mask
+    rows = {row.regime: row for row in where(error, prepared)}
+    assert rows[regime].share_of_squared_error > 0.99
+    assert rows[regime].rms_torque_error == pytest.approx(1.0, abs=0.02)
+    first = where(error, prepared)[0]
+    assert first.share_of_squared_error - first.share_of_samples >= 0.99 - np.mean(mask) - 1e-9
+
+
+def test_no_error_has_no_place(prepared: Recording) -> None:
+    assert all(row.share_of_squared_error == 0 for row in where(np.zeros(len(prepared)), prepared))
+
+
+def test_load_and_temperature_have_regimes_where_they_are_measured(prepared: Recording) -> None:
+    count = len(prepared)
+    more = prepared.with_channels(load_torque=np.linspace(-1, 1, count), temperature=np.linspace(20, 60, count))
+    names = set(regimes(more)) - set(regimes(prepared))
+    assert names == {"load: light", "load: medium", "load: heavy"} | {
+        f"temperature: {n}" for n in ("cold", "warm", "hot")
+    }
+    even = prepared.with_channels(temperature=np.full(count, 20.0))
+    assert set(regimes(even)) == set(regimes(prepared))
