@@ -21,6 +21,7 @@ from fricmodels.term import Effect
 Array = NDArray[np.float64]
 
 _ROUNDS = 7
+_LONGEST_WALK = 12
 
 
 @dataclass(frozen=True)
@@ -129,15 +130,17 @@ def walk(
     for _ in range(_ROUNDS):
         for i, parameter in enumerate(parameters):
             for direction in (-1, 1):
-                here, step = point[i], steps[i]
-                moved = here - direction * step / 2 if step < 0 else here * step ** (direction / 2)
-                moved = float(np.clip(moved, parameter.lower, parameter.upper))
-                if moved == here:
-                    continue
-                trial = (*point[:i], moved, *point[i + 1 :])
-                reached = value(trial)
-                if reached > best:
-                    point, best = trial, reached
+                moves = 0
+                while moves < _LONGEST_WALK:
+                    here, step = point[i], steps[i]
+                    moved = here - direction * step / 2 if step < 0 else here * step ** (direction / 2)
+                    moved = float(np.clip(moved, parameter.lower, parameter.upper))
+                    trial = (*point[:i], moved, *point[i + 1 :])
+                    reached = value(trial) if moved != here else best
+                    if reached <= best:
+                        break
+                    point, best, moves = trial, reached, moves + 1
+                if moves:
                     break
         steps = [step / 2 if step < 0 else step**0.5 for step in steps]
     return point

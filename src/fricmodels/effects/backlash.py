@@ -35,7 +35,7 @@ class Backlash(Effect):
         initial=1e-3,
         lower=1e-12,
         meaning="width of the gap",
-        scan=(0.0003, 0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1),
+        scan=(0.00003, 0.0001, 0.0003, 0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1),
     )
     omega_c = Parameter(
         "omega_c",

@@ -34,7 +34,7 @@ class Presliding(Effect):
         initial=1e-3,
         lower=1e-12,
         meaning="displacement over which it builds up",
-        scan=(0.0005, 0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2),
+        scan=(0.00005, 0.0002, 0.0005, 0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2),
     )
     z = State("z", meaning="deflection of the contact, −1 to 1")
 
