@@ -19,8 +19,8 @@ class DirectionalEfficiency(Effect):
     formula = "τ = (μ_d where τ_L·ω ≥ 0, μ_b where τ_L·ω < 0)·|τ_L|·sgn ω"
     signature = "in proportion to the load, with another slope when driven back"
     needs_motion = "a varying load, both signs of power"
-    mu_d = Parameter("mu_d", meaning="loss per load torque when the motor drives the load")
-    mu_b = Parameter("mu_b", meaning="loss per load torque when the load drives the motor")
+    mu_d = Parameter("mu_d", lower=0.0, meaning="loss per load torque when the motor drives the load")
+    mu_b = Parameter("mu_b", lower=0.0, meaning="loss per load torque when the load drives the motor")
 
     def torque(self, s: Signals, p: Parameters) -> Expression:
         """Return μ_d |τ_L| sgn ω when driving, μ_b |τ_L| sgn ω when driven."""
