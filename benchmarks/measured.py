@@ -1,6 +1,6 @@
 """Tells the stories of the real measurements: writes docs/measured/*.md and its pictures.
 
-    python benchmarks/measured.py [--only emps]
+    python benchmarks/measured.py [--only emps] [--prepare]
 
 Needs the folder of real measurements beside the project. Every number and picture of the pages comes from this run; the
 words between them stand in benchmarks/measured/*.md.
@@ -19,6 +19,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).parent.parent
 DATA = ROOT.parent / "shared" / "data"
+PREPARED = ROOT / "build" / "measured"
 STORIES = ("emps", "tx40", "xl330", "kuka")
 
 
@@ -26,6 +27,15 @@ def fill(template: str, parts: Mapping[str, str]) -> str:
     """Replace every {{name}}; a name without a part is an error."""
     text = re.sub(r"\{\{(\w+)\}\}", lambda match: parts[match.group(1)], template)
     return text.rstrip() + "\n"
+
+
+def prepare(name: str) -> None:
+    """Write the files with standard columns that a story needs beyond the source's own, into build/measured."""
+    story = importlib.import_module(f"measured.{name}")
+    PREPARED.mkdir(parents=True, exist_ok=True)
+    if hasattr(story, "prepare"):
+        for path in story.prepare(DATA, PREPARED):
+            print(f"{name}: prepared {path.relative_to(ROOT)}", flush=True)
 
 
 def write(name: str) -> None:
@@ -36,9 +46,11 @@ def write(name: str) -> None:
     def say(line: str) -> None:
         print(f"{name}: {line} ({time.perf_counter() - start:.0f} s)", flush=True)
 
-    parts = story.page(DATA, ROOT / "configs" / "measured", ROOT / "docs" / "pictures", say)
+    prepare(name)
+    parts = story.page(DATA, ROOT / "configs" / "measured", ROOT / "docs" / "pictures", PREPARED, say)
     command = f"`python benchmarks/measured.py --only {name}`"
-    stamp = f"*Made by {command} on {datetime.date.today():%Y-%m-%d}; every number is from that run unless it is called published.*"
+    today = f"{datetime.date.today():%Y-%m-%d}"
+    stamp = f"*Made by {command} on {today}; every number is from that run unless it is called published.*"
     template = (Path(__file__).parent / "measured" / f"{name}.md").read_text(encoding="utf-8")
     page = ROOT / "docs" / "measured" / f"{name}.md"
     page.parent.mkdir(parents=True, exist_ok=True)
@@ -52,11 +64,13 @@ def main() -> None:
     """Run the stories that were asked for."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--only", choices=STORIES, action="append", help="one data set; repeatable")
-    chosen = parser.parse_args().only or STORIES
+    parser.add_argument("--prepare", action="store_true", help="only write the prepared files")
+    arguments = parser.parse_args()
+    chosen = arguments.only or STORIES
     if not DATA.is_dir():
         raise SystemExit(f"the folder of real measurements is not there: {DATA}")
     for name in chosen:
-        write(name)
+        prepare(name) if arguments.prepare else write(name)
 
 
 if __name__ == "__main__":

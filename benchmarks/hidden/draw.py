@@ -89,6 +89,12 @@ def held_out(comparison: Comparison) -> float:
     return comparison.errors.held_out_percent / 100 * rms(comparison.test.torque)
 
 
+def blank(rig: Rig) -> Rig:
+    """Return the same rig with nothing hidden; a drive that warms still warms, without any consequence."""
+    warming = tuple(effect.scaled(0.0) for effect in rig.effects if effect.name == "thermal")
+    return rig.model_copy(update={"effects": warming})
+
+
 def fitted(rig: Rig, recording: Recording, model: str = "") -> Comparison:
     """Fit the rig's own law, or another model, with the inertia that the rig states."""
     train, test = kept_back(ready(recording))
@@ -100,7 +106,7 @@ def case(rig: Rig, clean_error: float | None = None) -> Case:
     recording = rig.simulate()
     comparison = fitted(rig, recording)
     if clean_error is None:
-        clean = rig.without_effects()
+        clean = blank(rig)
         clean_error = held_out(fitted(clean, clean.simulate()))
     return Case(rig, recording, comparison, clean_error)
 

@@ -91,8 +91,8 @@ def _overview(of: Mapping[str, list[Row]], times: Mapping[str, float]) -> list[s
         ("effect removed from the list: “unknown effect”", "≥ 90 %", share(_unknown(r) for r in single)),
         ("– no wrong name", "", share(not r["removed"]["names"] for r in single)),
         ("look-alikes: no member asserted alone", "≥ 95 %", share(len(r["names"]) != 1 for r in alike)),
-        ("20 000 samples, warm, one core", "< 2 s", seconds),
-        ("2 000 000 samples, peak memory", "< 60 s, < 2 GB", long),
+        ("20 000 samples, warm, one core (processor time)", "< 2 s", seconds),
+        ("2 000 000 samples (processor time), peak memory", "< 60 s, < 2 GB", long),
     ]
     for peer, (hits, blanks) in by.items():
         table.append((f"{peer}: right effect first", "", share(hits)))

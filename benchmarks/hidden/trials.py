@@ -15,7 +15,7 @@ from fricmodels.errors import FricmodelsError
 from fricmodels.model import Model
 from fricmodels.rig import Rig, random_rig, strength
 from hidden import look_alikes, peers
-from hidden.draw import EFFECTS, MATTERS, Case, case, fitted, generator, grown, held_out, mattering
+from hidden.draw import EFFECTS, MATTERS, Case, blank, case, fitted, generator, grown, held_out, mattering
 
 Row = dict[str, Any]
 SMALLER = (0.125, 0.25, 0.5, 1.0)
@@ -39,7 +39,7 @@ def described(rig: Rig) -> Row:
         "hold": rig.hold,
         "loaded": rig.load is not None,
         "hidden": [{"name": e.name, **e.parameters()} for e in rig.effects],
-        "strength": strength(rig) if rig.effects else 0.0,
+        "strength": strength(rig),
     }
 
 
@@ -159,8 +159,7 @@ def with_effect(comparison: Comparison, effect: str, parameters: Mapping[str, fl
 def null(rng: np.random.Generator, effect: str, index: int) -> Row:
     """Nothing hidden; every other recording is of a drive whose motion and sensors would have shown some effect."""
     if index % 2:
-        rig = random_rig(rng, [str(rng.choice(EFFECTS))]).without_effects()
-        rig = rig.model_copy(update={"sensors": rig.sensors.model_copy(update={"temperature": True})})
+        rig = blank(random_rig(rng, [str(rng.choice(EFFECTS))]))
     else:
         rig = random_rig(rng, ())
     recording = rig.simulate()
@@ -218,9 +217,8 @@ def power(rng: np.random.Generator, effect: str, index: int) -> Row:
     drawn = mattering(rng, [effect])
     if drawn is None:
         return {"status": "no size matters"}
-    clean = drawn.rig.without_effects()
-    blank = examine(fitted(clean, clean.simulate()))
-    visible = blank.visibility.get(effect)
+    clean = blank(drawn.rig)
+    visible = examine(fitted(clean, clean.simulate())).visibility.get(effect)
     points = []
     for factor in SMALLER:
         part = drawn if factor == 1.0 else case(drawn.rig.with_strength(factor), drawn.clean_error)

@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-import tempfile
 from collections.abc import Callable
 from pathlib import Path
 
 from fricmodels.dimension import Motion
 from fricmodels.readers import read
 from fricmodels.recording import Recording
-from fricmodels.tournament import load_config, run
-
 from measured.pictures import picture
-from measured.story import Story, blocks, by_hand_table, independent_table, table, tell
+from measured.story import Story, blocks, by_hand_table, independent_table, leaderboard, table, tell
 
 COLUMNS = ("time=t:s", "force=force_N:N", "position=pos_m:m")
 BASE = "coulomb-viscous"
@@ -44,8 +41,7 @@ def story(data: Path) -> Story:
 
 def authors_table(config: Path) -> str:
     """Return the relative error as the authors define it, of the models of the configuration."""
-    with tempfile.TemporaryDirectory() as out:
-        rows = run(load_config(config), out, directory=config.parent).rows
+    rows = leaderboard(config)
     listed = []
     for row in sorted(rows, key=lambda r: -float(r["rms_torque_error_percent"])):
         own, cross = PUBLISHED.get(row["model"], ("", ""))
@@ -54,7 +50,7 @@ def authors_table(config: Path) -> str:
     return table(["model", "relative error", "published", "cross-test on the pulses", "published"], listed)
 
 
-def page(data: Path, configs: Path, pictures: Path, say: Callable[[str], None]) -> dict[str, str]:
+def page(data: Path, configs: Path, pictures: Path, folder: Path, say: Callable[[str], None]) -> dict[str, str]:
     """Return the parts of the page."""
     say("improving")
     told = story(data)

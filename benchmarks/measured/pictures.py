@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 from fricmodels.diagnosis import Comparison
 from fricmodels.recording import Recording
 from fricmodels.score import filtered_torque_error
-
 from measured.story import Story
 
 Array = NDArray[np.float64]
@@ -64,7 +63,8 @@ def _row(axes: NDArray[np.object_], comparison: Comparison, recording: Recording
     distance = since_reversal(recording)
     late = shown[distance[shown] > 0]
     since.semilogx(distance[late], (error * np.sign(velocity))[late], ".", ms=1.2, color="#444444")
-    since.set_xlabel(f"distance since the last reversal [{length}] (error along the motion)")
+    since.set_xlabel(f"distance since reversal [{length}]")
+    since.set_title("error along the motion", fontsize=9)
     for axis in axes:
         axis.axhline(0, color="k", lw=0.5)
         axis.tick_params(labelsize=8)
@@ -78,7 +78,7 @@ def _trend(axis: object, values: Array, error: Array, colour: str) -> None:
     place = np.clip(np.digitize(values, edges) - 1, 0, 39)
     count = np.bincount(place, minlength=40)
     mean = np.bincount(place, error, 40) / np.maximum(count, 1)
-    enough = count > 10
+    enough = count > max(10, 0.005 * len(values))
     centre = (edges[1:] + edges[:-1]) / 2
     axis.plot(centre[enough], mean[enough], "-", lw=2.2, color="white")  # type: ignore[attr-defined]
     axis.plot(centre[enough], mean[enough], "-", lw=1.2, color=colour)  # type: ignore[attr-defined]

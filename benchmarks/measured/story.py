@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import tempfile
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +20,7 @@ from fricmodels.errors import FricmodelsError
 from fricmodels.model import Model
 from fricmodels.recording import Recording
 from fricmodels.score import filtered_torque_error
+from fricmodels.tournament import load_config, run
 
 Array = NDArray[np.float64]
 
@@ -175,6 +179,22 @@ def blocks(story: Story, published: Mapping[str, str] | None = None) -> dict[str
         "seconds": f"{story.seconds:.0f}",
         "note": ladder.note,
     }
+
+
+def leaderboard(config: Path) -> list[dict[str, Any]]:
+    """Run a tournament in a temporary directory and return its rows, the best first."""
+    with tempfile.TemporaryDirectory() as out:
+        return [dict(row) for row in run(load_config(config), out, directory=config.parent).rows]
+
+
+def leaderboard_table(config: Path) -> str:
+    """Return a tournament's figures: another estimator's fit of the same models."""
+    rows = []
+    for row in leaderboard(config):
+        keys = ("rms_torque_error_percent", "held_out_rms_torque_error_percent")
+        errors = [f"{row[key]:.2f} %" if row[key] is not None else row["status"] for key in keys]
+        rows.append([row["dataset"], f"`{row['model']}`", f"`{row['estimator']}`", *errors])
+    return table(["recording", "model", "estimator", "error fitted", "not fitted"], rows)
 
 
 def by_hand_table(story: Story, model: str, additions: Sequence[str]) -> str:

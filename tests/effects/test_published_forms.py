@@ -128,7 +128,7 @@ def test_the_dahl_loop_closes_and_encloses_the_work_of_the_textbook() -> None:
     for x_s in (0.005, 0.02, 0.05):
         q, friction = dahl_loop(amplitude, x_s)
         last = slice(40_000, None)
-        assert friction[40_000] == pytest.approx(friction[-1], abs=1e-4)
+        assert friction[40_000] == pytest.approx(friction[-1], abs=5e-4)
         area = float(np.trapezoid(friction[last], q[last]))
         expected = 4 * (amplitude - x_s * np.tanh(amplitude / x_s))
         assert area == pytest.approx(expected, rel=2e-3)

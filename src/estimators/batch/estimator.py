@@ -3,21 +3,22 @@
 from __future__ import annotations
 
 import time
+from dataclasses import replace
 from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
-from estimators.batch.identification import lost_in_noise, not_identified
-from estimators.batch.problem import Outcome, nonlinear_search
+from estimators.batch.identification import lost_in_noise, not_identified, searched_range, to_hold
+from estimators.batch.problem import Outcome, Plan, check_start
 from estimators.batch.smoothing import explained_velocity
 from estimators.batch.torque_fit import TorqueFit, derivative_fit, possible_widths, weak_fit
 from fricmodels.drive import Drive
 from fricmodels.estimator import Estimator, EstimatorSettings
 from fricmodels.fit import Fit, Status
 from fricmodels.recording import Recording
-from fricmodels.signals import Preparation, noise, prepare, resting
+from fricmodels.signals import Preparation, noise, prepare, resting, smoothed_velocity
 
 Array = NDArray[np.float64]
 
@@ -42,6 +43,7 @@ class BatchSettings(EstimatorSettings):
         rest: which samples count as rest: those ``detected`` by statistics, or those whose velocity is exactly ``zero``
             (simulated or gated by the sensor).
         preparation: filters of the derivative form.
+        start: values that nonlinear parameters start from, by key, in place of their scans.
         samples: most samples of a simulation fit; a longer record is represented by pieces.
         max_seconds: of each of its four stages.
     """
@@ -52,6 +54,7 @@ class BatchSettings(EstimatorSettings):
     velocity: Literal["auto", "measured", "explained"] = "auto"
     rest: Literal["detected", "zero"] = "detected"
     preparation: Preparation = Preparation(method="butterworth", decimate=10)
+    start: dict[str, float] = Field(default_factory=dict)
     samples: int = Field(default=5000, ge=80)
     max_seconds: float = Field(default=20.0, gt=0.0)
 
@@ -73,39 +76,54 @@ class Batch(Estimator):
     def fit(self, drive: Drive, recording: Recording, *, seed: int = 0) -> Fit:
         """Estimate the free parameters; see :class:`BatchSettings` for the objectives."""
         started = time.perf_counter()
-        if self.settings.form == "derivative":
-            result = derivative_fit(drive, recording, self.settings.preparation)
-        else:
+        check_start(drive, self.settings.start)
+        if self.settings.form == "weak" or self.settings.objective == "simulation":
             recording = _complete(drive, recording)
-            result = self._weak(drive, recording)
-        order = result.order
-        undetermined = result.solution.normal.null[order]
-        found = Outcome(result.values, result.covariance, undetermined, result.solution.converged, result.message)
-        notes: dict[str, object] = {
-            "samples_per_equation": result.width,
-            "relative_error": result.relative_error,
-        }
+        plan = Plan(start=self.settings.start)
+        result = self._torque_fit(drive, recording, plan, self.settings.width)
+        notes: dict[str, object]
         if self.settings.objective == "simulation":
             from estimators.batch.simulation_fit import simulation_fit
 
-            complete = _complete(drive, recording)
-            refined = simulation_fit(drive, complete, result.values, self.settings.samples, self.settings.max_seconds)
-            found = refined.outcome
-            notes = {"samples": refined.samples, "root_mean_square_velocity_error": refined.velocity_error}
-        return self._report(drive, recording, found, notes, time.perf_counter() - started)
+            refined = simulation_fit(drive, recording, result.values, self.settings.samples, self.settings.max_seconds)
+            found, notes = refined.outcome, {"samples": refined.samples}
+            notes["root_mean_square_velocity_error"] = refined.velocity_error
+            reasons = self._reasons(drive, recording, found, found.covariance)
+        else:
+            while True:
+                found = result.outcome
+                fresh = self._reasons(drive, recording, found, result.conditional)
+                reasons = {**fresh, **{key: reasons[key] for key in plan.held}} if plan.held else fresh
+                doubtful = set(reasons) - set(plan.held)
+                choice = to_hold(drive, found.values, result.conditional, searched_range(drive, recording), doubtful)
+                if choice is None or time.perf_counter() - started > self.settings.max_seconds:
+                    break
+                key, value = choice
+                reasons[key] += f"; held at {value:.3g}"
+                plan = replace(plan, held={**plan.held, key: value})
+                result = self._torque_fit(drive, recording, plan, result.width)
+            notes = {"samples_per_equation": result.width, "relative_error": result.relative_error}
+        return self._report(drive, recording, found, reasons, notes, time.perf_counter() - started)
 
-    def _weak(self, drive: Drive, recording: Recording) -> TorqueFit:
-        width, choice = self.settings.width, self.settings.velocity
+    def _torque_fit(self, drive: Drive, recording: Recording, plan: Plan, width: int | None) -> TorqueFit:
+        if self.settings.form == "derivative":
+            return derivative_fit(drive, recording, self.settings.preparation, plan)
+        choice = self.settings.velocity
         hidden = choice != "measured" and _sign_is_hidden(recording)
-        if width is None and hidden:
+        periodic = any(p.declared.periodic for p in drive.parameters)
+        if width is None and hidden and not periodic:
             width = possible_widths(recording)[-1]
         still = resting(recording) if self.settings.rest == "detected" else recording.velocity == 0.0
-        result = weak_fit(drive, recording, width, still, recording.velocity)
+        first = recording.velocity
+        if hidden:
+            first, error = smoothed_velocity(recording)
+            still = still | (np.abs(first) <= 3.0 * error)
+        result = weak_fit(drive, recording, width, still, first, plan)
         if choice == "measured" or (choice == "auto" and not (hidden or still.any())):
             return result
-        return self._explained(drive, recording, result)
+        return self._explained(drive, recording, result, plan)
 
-    def _explained(self, drive: Drive, recording: Recording, result: TorqueFit) -> TorqueFit:
+    def _explained(self, drive: Drive, recording: Recording, result: TorqueFit, plan: Plan) -> TorqueFit:
         """Explain the velocity by the fit and fit again, in rounds, while that does not predict the velocity worse."""
         best, least = result, np.inf
         for _ in range(MAX_ROUNDS):
@@ -117,24 +135,34 @@ class Batch(Estimator):
                 return best
             if error < least:
                 best, least = result, error
-            before, result = result, weak_fit(drive, recording, result.width, still, velocity)
+            before, result = result, weak_fit(drive, recording, result.width, still, velocity, plan)
             spread = np.sqrt(np.clip(np.diag(result.covariance), 0.0, None))
             if np.all(np.abs(result.values - before.values) <= 0.1 * spread):
                 break
         return result
 
+    def _reasons(self, drive: Drive, recording: Recording, found: Outcome, covariance: Array) -> dict[str, str]:
+        """Return which parameters the recording does not determine, and why."""
+        searched = searched_range(drive, recording)
+        reasons = not_identified(drive, found.values, covariance, found.undetermined, searched)
+        asked = self.settings.form == "weak" and self.settings.velocity != "measured"
+        if asked and not drive.model.states and _sign_is_hidden(recording):
+            values = dict(zip(drive.keys, found.values, strict=True))
+            values.setdefault(drive.inertia_key, drive.inertia or float("nan"))
+            reasons = {**lost_in_noise(drive, recording, values), **reasons}
+        return reasons
+
     def _report(
-        self, drive: Drive, recording: Recording, found: Outcome, notes: dict[str, object], seconds: float
+        self,
+        drive: Drive,
+        recording: Recording,
+        found: Outcome,
+        reasons: dict[str, str],
+        notes: dict[str, object],
+        seconds: float,
     ) -> Fit:
         parameters = dict(zip(drive.keys, (float(value) for value in found.values), strict=True))
         parameters.setdefault(drive.inertia_key, drive.inertia or float("nan"))
-        complete = _complete(drive, recording)
-        reasons = not_identified(
-            drive, found.values, found.covariance, found.undetermined, _told_apart(drive, complete)
-        )
-        asked = self.settings.form == "weak" and self.settings.velocity != "measured"
-        if asked and not drive.model.states and _sign_is_hidden(complete):
-            reasons = {**lost_in_noise(drive, complete, parameters), **reasons}
         return Fit(
             model=drive.model.name,
             estimator=self.name,
@@ -161,14 +189,3 @@ def _sign_is_hidden(recording: Recording) -> bool:
     changes = np.diff(recording.velocity)[np.diff(recording.run) == 0]
     usual = float(np.sqrt(np.mean(changes**2))) if len(changes) else 0.0
     return noise(recording.time, recording.velocity, recording.run) > 0.1 * usual
-
-
-def _told_apart(drive: Drive, recording: Recording) -> tuple[Array, Array]:
-    """Return the range of each nonlinear parameter that its scan covers, a factor of ten wider on either side."""
-    lower, upper = np.full(len(drive.keys), -np.inf), np.full(len(drive.keys), np.inf)
-    search = nonlinear_search(drive, recording)
-    places = [i for i, p in enumerate(drive.parameters) if not p.linear]
-    for place, starts, logarithmic in zip(places, search.starts, search.logarithmic, strict=True):
-        if logarithmic and len(starts) > 1:
-            lower[place], upper[place] = min(starts) / 10.0, max(starts) * 10.0
-    return lower, upper

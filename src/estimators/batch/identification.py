@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 
 import numpy as np
 from numpy.typing import NDArray
 
+from estimators.batch.problem import nonlinear_search
+from estimators.batch.separable import separable
 from fricmodels.drive import Drive
 from fricmodels.recording import Recording
 from fricmodels.signals import noise, smoothed_velocity
@@ -29,6 +31,9 @@ def not_identified(
     """
     keys = drive.keys
     spread = np.sqrt(np.clip(np.diag(covariance), 0.0, None))
+    contains_zero = np.abs(values) <= NORMAL_95 * spread
+    for pair in _pairs(drive):
+        contains_zero[pair] = np.all(contains_zero[pair])
     found: dict[str, str] = {}
     for direction in undetermined.T:
         members = [keys[i] for i in np.flatnonzero(np.abs(direction) > 0.05 * np.max(np.abs(direction)))]
@@ -47,7 +52,7 @@ def not_identified(
         half = NORMAL_95 * spread[i]
         if not (searched[0][i] <= values[i] <= searched[1][i]):
             found[key] = f"its best value {values[i]:.3g} {unit} lies beyond what this motion can tell apart"
-        elif abs(values[i]) <= half:
+        elif contains_zero[i]:
             partner, correlation = _partner(covariance, spread, i)
             found[key] = f"its 95 % interval, {values[i] - half:.3g} to {values[i] + half:.3g} {unit}, contains zero"
             if correlation > 0.9:
@@ -76,6 +81,52 @@ def lost_in_noise(drive: Drive, recording: Recording, values: Mapping[str, float
         for p, is_lost in zip(drive.model.parameters, lost, strict=True)
         if is_lost
     }
+
+
+def to_hold(
+    drive: Drive, values: Array, covariance: Array, searched: tuple[Array, Array], doubtful: Collection[str]
+) -> tuple[str, float] | None:
+    """Return the parameter that the recording determines least, and the value that says least of it.
+
+    That is zero for a linear one, the end of the scan for a nonlinear one beyond it. A stick torque, whose neutral
+    value is the slip torque, and the inertia, which is never zero, are not held.
+
+    Args:
+        drive, values, covariance, searched: see :func:`not_identified`.
+        doubtful: keys among which to choose.
+    """
+    spread = np.sqrt(np.clip(np.diag(covariance), 0.0, None))
+    choices: list[tuple[float, str, float]] = []
+    for i, p in enumerate(drive.parameters):
+        if p.key not in doubtful or p.key == drive.inertia_key or spread[i] == 0.0:
+            continue
+        nearest = float(np.clip(values[i], searched[0][i], searched[1][i]))
+        if nearest != values[i]:
+            choices.append((0.0, p.key, nearest))
+        elif p.linear and p.at_least is None and p.declared.lower <= 0.0 <= p.declared.upper:
+            choices.append((abs(values[i]) / spread[i], p.key, 0.0))
+    return min(choices)[1:] if choices else None
+
+
+def searched_range(drive: Drive, recording: Recording) -> tuple[Array, Array]:
+    """Return the range of each nonlinear parameter that its scan covers, a factor of ten wider on either side."""
+    lower, upper = np.full(len(drive.keys), -np.inf), np.full(len(drive.keys), np.inf)
+    search = nonlinear_search(drive, recording)
+    places = [i for i, p in enumerate(drive.parameters) if not p.linear]
+    for place, starts, logarithmic in zip(places, search.starts, search.logarithmic, strict=True):
+        if logarithmic and len(starts) > 1:
+            lower[place], upper[place] = min(starts) / 10.0, max(starts) * 10.0
+    return lower, upper
+
+
+def _pairs(drive: Drive) -> list[list[int]]:
+    """Return the amplitudes that share a wave number: one may be zero by the phase alone, all are by the effect."""
+    split, shift = separable(drive.model), len(drive.keys) - len(drive.model.parameters)
+    return [
+        [shift + split.linear[row] for row, place in split.slopes if place == j and row < len(split.linear)]
+        for j, index in enumerate(split.nonlinear)
+        if drive.model.parameters[index].declared.periodic
+    ]
 
 
 def _partner(covariance: Array, spread: Array, i: int) -> tuple[int, float]:

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
-from estimators.batch.projection import Nonlinear
+from estimators.batch.projection import LARGEST_RATIO, Nonlinear
 from fricmodels.dimension import Dimension
 from fricmodels.drive import Drive, DriveParameter
+from fricmodels.errors import InputError, suggestion
 from fricmodels.recording import Recording
 
 Array = NDArray[np.float64]
@@ -67,16 +68,53 @@ def linear_constraints(parameters: Sequence[DriveParameter]) -> tuple[Array, Arr
     return np.array(rows).reshape(-1, len(keys)), np.array(limits)
 
 
-def nonlinear_search(drive: Drive, recording: Recording) -> Nonlinear:
+@dataclass(frozen=True)
+class Plan:
+    """What is laid down before a fit.
+
+    Attributes:
+        start: values of nonlinear parameters to start from, by key.
+        held: values at which parameters are held that the recording does not determine, by key.
+    """
+
+    start: Mapping[str, float] = field(default_factory=dict)
+    held: Mapping[str, float] = field(default_factory=dict)
+
+
+def nonlinear_search(drive: Drive, recording: Recording, plan: Plan = Plan()) -> Nonlinear:
     """Return where to look for the nonlinear parameters: their scans in the recording's own sizes."""
     chosen = [p for p in drive.parameters if not p.linear]
-    starts = [
-        tuple(value * natural_size(recording, p.dimension) for value in p.declared.scan) or (p.declared.initial,)
-        for p in chosen
-    ]
+    starts, logarithmic, reach = [], [], []
+    for p in chosen:
+        scan = tuple(value * natural_size(recording, p.dimension) for value in p.declared.scan)
+        first = plan.held.get(p.key, plan.start.get(p.key))
+        starts.append((first,) if first is not None else scan or (p.declared.initial,))
+        ratio = not p.declared.periodic and p.declared.lower >= 0.0 and min(starts[-1]) > 0.0
+        logarithmic.append(ratio)
+        span = natural_size(recording, p.dimension**-1) if p.declared.periodic else 0.0
+        reach.append(LARGEST_RATIO if ratio else np.pi / span if span > 0.0 else np.inf)
     return Nonlinear(
         starts,
         np.array([p.declared.lower for p in chosen], dtype=float),
         np.array([p.declared.upper for p in chosen], dtype=float),
-        np.array([p.declared.lower >= 0.0 and min(s) > 0.0 for p, s in zip(chosen, starts, strict=True)], dtype=bool),
+        np.array(logarithmic, dtype=bool),
+        np.array(reach, dtype=float),
+        np.array([p.declared.periodic and p.key not in plan.start for p in chosen], dtype=bool),
+        np.array([p.key in plan.held for p in chosen], dtype=bool),
     )
+
+
+def check_start(drive: Drive, start: Mapping[str, float]) -> None:
+    """Check that starting values are for nonlinear parameters and within their bounds.
+
+    Raises:
+        InputError: naming the key that is not.
+    """
+    nonlinear = {p.key: p.declared for p in drive.parameters if not p.linear}
+    for key, value in start.items():
+        if key not in nonlinear:
+            what = "enters linearly and needs no starting value" if key in drive.keys else "is not a parameter"
+            raise InputError(f"start: '{key}' {what} of '{drive.model.name}'{suggestion(key, nonlinear)}")
+        if not nonlinear[key].lower <= value <= nonlinear[key].upper:
+            low, high = nonlinear[key].lower, nonlinear[key].upper
+            raise InputError(f"start: '{key}' is {value:g}; its bounds are {low:g} to {high:g}")

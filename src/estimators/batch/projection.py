@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -19,6 +19,10 @@ MAX_STARTS = 64
 TOLERANCE = 1e-6
 """A fall of the squared error by less than this share is the end: parameters move by less than a thousandth of the
 standard error, √(TOLERANCE)."""
+LARGEST_RATIO = 1.5
+"""Largest step of a parameter on a logarithmic scale: a factor of e^1.5."""
+BEST_WAVES = 3
+"""So many of the wave numbers that a spectrum shows are refined to the end."""
 
 
 @dataclass(frozen=True)
@@ -32,6 +36,7 @@ class Equations:
         acceleration: the functionals of dω/dt where the inertia is estimated, shape (M,), else ``None``.
         fixed: the functionals of the model's fixed rows, shape (rows, M).
         moving: α, whether with slopes → functionals of the moving rows (and slopes), shape (rows, M).
+        waves: residual, index into α of a wave number, α → the wave numbers that the residual shows, strongest first.
     """
 
     separable: Separable
@@ -40,16 +45,29 @@ class Equations:
     acceleration: Array | None
     fixed: Array
     moving: Callable[[Array, bool], Array]
+    waves: Callable[[Array, int, Array], Sequence[float]]
 
 
 @dataclass(frozen=True)
 class Nonlinear:
-    """How the nonlinear parameters are searched: starting values, bounds, and which on a logarithmic scale."""
+    """How the nonlinear parameters are searched.
+
+    Attributes:
+        starts: starting values of each.
+        lower, upper: bounds.
+        logarithmic: which are searched on a logarithmic scale.
+        reach: largest step of each, of the logarithm where the scale is logarithmic.
+        periodic: which are wave numbers to be searched for in a spectrum over position.
+        held: which stay at their start.
+    """
 
     starts: Sequence[tuple[float, ...]]
     lower: Array
     upper: Array
     logarithmic: NDArray[np.bool_]
+    reach: Array
+    periodic: NDArray[np.bool_]
+    held: NDArray[np.bool_]
 
     def clip(self, alpha: Array) -> Array:
         """Return the nearest values within the bounds."""
@@ -86,14 +104,26 @@ class Solution:
 
 
 class Projection:
-    """Solves :class:`Equations` subject to linear constraints on the linear parameters."""
+    """Solves :class:`Equations` subject to linear constraints on the linear parameters.
 
-    def __init__(self, equations: Equations, constraints: Array, limits: Array) -> None:
+    Args:
+        equations: what is to be solved.
+        constraints, limits: ``constraints @ θ ≥ limits``, with the inertia first where it is estimated.
+        held: values of linear parameters that are held, by index into θ.
+    """
+
+    def __init__(
+        self, equations: Equations, constraints: Array, limits: Array, held: Mapping[int, float] | None = None
+    ) -> None:
         self._equations = equations
-        self._constraints, self._limits = constraints, limits
+        self._held = dict(held or {})
         split = equations.separable
         self._first = 0 if equations.acceleration is None else 1
         self._width = self._first + len(split.linear)
+        self._free = np.array([i for i in range(self._width) if i not in self._held], dtype=np.int64)
+        self._theta = np.zeros(self._width)
+        self._theta[list(self._held)] = list(self._held.values())
+        self._constraints, self._limits = constraints[:, self._free], limits - constraints @ self._theta
         count = len(equations.target)
         self._columns = np.zeros((self._width, count))
         if equations.acceleration is not None:
@@ -106,25 +136,55 @@ class Projection:
                 self._columns[self._first + row] = values
 
     def solve(self, nonlinear: Nonlinear, start: Array | None = None, max_iterations: int = 50) -> Solution:
-        """Search from ``start``, or from every starting point roughly and from the best one to the end."""
+        """Search from ``start``, or from every starting point roughly and from the best one to the end.
+
+        Wave numbers start from the spectrum over position of what the other parameters leave over.
+        """
         if not self._equations.separable.nonlinear:
             return self._at(np.zeros(0))
-        points = nonlinear.combinations() if start is None else [start]
-        starts = [nonlinear.clip(point) for point in points]
+        unseen = self._rows_of(np.flatnonzero(nonlinear.periodic))
+        starts = [nonlinear.clip(point) for point in (nonlinear.combinations() if start is None else [start])]
         if len(starts) > 1:
-            starts = [min(starts, key=self._cost)]
-        return self._descend(self._at(starts[0]), nonlinear, max_iterations)
+            starts = [min(starts, key=lambda alpha: self._cost(alpha, unseen))]
+        if unseen:
+            waves = self._waves(starts[0], nonlinear)
+            starts = waves if start is None else [*starts, *waves]
+        return min((self._descend(self._at(s), nonlinear, max_iterations) for s in starts), key=lambda at: at.cost)
+
+    def _rows_of(self, places: Sequence[int] | NDArray[np.int64]) -> frozenset[int]:
+        """Return the linear parameters whose rows depend on some of the nonlinear parameters."""
+        split = self._equations.separable
+        return frozenset(row for row, j in split.slopes if j in places and row < len(split.linear))
+
+    def _waves(self, alpha: Array, nonlinear: Nonlinear) -> list[Array]:
+        """Return the best starting points for wave numbers: each found in what the model without it leaves over."""
+        places = [int(j) for j in np.flatnonzero(nonlinear.periodic & ~nonlinear.held)]
+        unseen, starts = set(places), [alpha]
+        for j in places if len(places) < 2 else [*places, *places]:
+            columns, target, _ = self._linear_problem(alpha, slopes=False)
+            columns[[self._first + row for row in self._rows_of([*unseen, j])]] = 0.0
+            residual = target - self._solve(columns, target) @ columns
+            unseen.discard(j)
+            hidden = self._rows_of(sorted(unseen))
+            points = [
+                alpha,
+                *(np.where(np.arange(len(alpha)) == j, k, alpha) for k in self._equations.waves(residual, j, alpha)),
+            ]
+            points.sort(key=lambda point: self._cost(nonlinear.clip(point), hidden))
+            starts, alpha = [nonlinear.clip(point) for point in points[:BEST_WAVES]], nonlinear.clip(points[0])
+        return starts
 
     def _descend(self, at: Solution, nonlinear: Nonlinear, max_iterations: int) -> Solution:
         damping = 1e-3
+        reach = nonlinear.reach
         for iteration in range(1, max_iterations + 1):
             scale = np.where(nonlinear.logarithmic, np.maximum(at.alpha, 1e-300), 1.0)
-            step = self._step(at, scale, damping)
-            log_step = np.clip(np.where(nonlinear.logarithmic, step, 0.0), -1.5, 1.5)
-            moved = np.where(nonlinear.logarithmic, at.alpha * np.exp(log_step), at.alpha + step)
+            step = np.clip(self._step(at, scale, damping, ~nonlinear.held), -reach, reach)
+            moved = np.where(nonlinear.logarithmic, at.alpha * np.exp(np.minimum(step, LARGEST_RATIO)), at.alpha + step)
             trial = self._at(nonlinear.clip(moved))
             gain = at.cost - trial.cost
-            small = float(np.max(np.abs(trial.alpha - at.alpha) / np.maximum(np.abs(at.alpha), 1e-300)))
+            size = np.minimum(np.maximum(np.abs(at.alpha), 1e-300), np.where(nonlinear.logarithmic, np.inf, reach))
+            small = float(np.max(np.abs(trial.alpha - at.alpha) / size))
             if gain >= 0.0:
                 damping = max(damping / 10.0, 1e-12)
                 better, at = at, trial
@@ -136,25 +196,35 @@ class Projection:
                     return replace(at, iterations=iteration)
         return replace(at, iterations=max_iterations, converged=False)
 
-    def _step(self, at: Solution, scale: Array, damping: float) -> Array:
+    def _step(self, at: Solution, scale: Array, damping: float, moving: NDArray[np.bool_]) -> Array:
         """Return the Levenberg step of α, the linear parameters following (their columns are projected out)."""
-        n = self._width
+        free, last = self._free, self._width + np.flatnonzero(moving)
+        scale = scale[moving]
         gram = at.normal.gram * np.outer(at.normal.size, at.normal.size)
-        inner = NormalEquations.of(gram[:n, :n], np.zeros(n)).inverse
-        cross = gram[:n, n:] * scale
-        slopes = at.jacobian[n:] * scale[:, None]
-        reduced = gram[n:, n:] * np.outer(scale, scale) - cross.T @ inner @ cross
-        gradient = slopes @ at.residual - cross.T @ (inner @ (at.jacobian[:n] @ at.residual))
+        inner = NormalEquations.of(gram[np.ix_(free, free)], np.zeros(len(free))).inverse
+        cross = gram[np.ix_(free, last)] * scale
+        right = at.normal.right * at.normal.size
+        reduced = gram[np.ix_(last, last)] * np.outer(scale, scale) - cross.T @ inner @ cross
+        gradient = right[last] * scale - cross.T @ (inner @ right[free])
         diagonal = np.maximum(np.diag(reduced), 1e-300)
-        return np.asarray(np.linalg.lstsq(reduced + damping * np.diag(diagonal), gradient, rcond=1e-14)[0])
+        step = np.zeros(len(moving))
+        step[moving] = np.linalg.lstsq(reduced + damping * np.diag(diagonal), gradient, rcond=1e-14)[0]
+        return step
 
-    def _cost(self, alpha: Array) -> float:
+    def _cost(self, alpha: Array, without: frozenset[int] = frozenset()) -> float:
+        """Return the squared error at α, as if the rows ``without`` were not in the model."""
         columns, target, _ = self._linear_problem(alpha, slopes=False)
+        columns[[self._first + row for row in without]] = 0.0
         residual = target - self._solve(columns, target) @ columns
         return float(residual @ residual)
 
     def _solve(self, columns: Array, target: Array) -> Array:
-        return NormalEquations.of(columns @ columns.T, columns @ target).solve(self._constraints, self._limits)
+        free = columns[self._free] if self._held else columns
+        if self._held:
+            target = target - self._theta @ columns
+        theta = self._theta.copy()
+        theta[self._free] = NormalEquations.of(free @ free.T, free @ target).solve(self._constraints, self._limits)
+        return theta
 
     def _linear_problem(self, alpha: Array, *, slopes: bool) -> tuple[Array, Array, Array]:
         """Return the columns of the linear parameters, the target and the functionals of the slopes."""

@@ -8,13 +8,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimators.batch.inference import covariance
-from estimators.batch.problem import linear_constraints, nonlinear_search
+from estimators.batch.least_squares import NormalEquations
+from estimators.batch.problem import Outcome, Plan, linear_constraints, nonlinear_search
 from estimators.batch.projection import Equations, Projection, Solution
-from estimators.batch.separable import Separable, separable
+from estimators.batch.separable import Memory, Separable, separable
 from fricmodels.drive import Drive
 from fricmodels.errors import EstimationError
 from fricmodels.recording import Recording
 from fricmodels.signals import Preparation
+from fricmodels.signals.order_spectrum import wave_numbers
 from fricmodels.signals.weak_form import HOPS, Bumps, Quadrature, segments
 
 Array = NDArray[np.float64]
@@ -22,14 +24,31 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class TorqueFit:
-    """A torque-error fit in the order of the drive's parameters, in SI units."""
+    """A torque-error fit in the order of the drive's parameters, in SI units.
+
+    Attributes:
+        values: the estimates, and what parameters were held at.
+        covariance: of all parameters together, as if none was held.
+        conditional: covariance of the others where some are held at the right value; zero for those.
+        solution: in the order ``order`` gives: inertia, linear, nonlinear.
+        order: place in the solution of each of the drive's parameters.
+        width: samples that a bump spans, or an equation is decimated from.
+        relative_error: ‖error‖/‖torque‖ over the equations.
+    """
 
     values: Array
     covariance: Array
+    conditional: Array
     solution: Solution
     order: NDArray[np.int64]
     width: int
     relative_error: float
+
+    @property
+    def outcome(self) -> Outcome:
+        """The estimates and how they ended."""
+        undetermined = self.solution.normal.null[self.order]
+        return Outcome(self.values, self.covariance, undetermined, self.solution.converged, self.message)
 
     @property
     def message(self) -> str:
@@ -55,8 +74,33 @@ def weak_equations(drive: Drive, quadrature: Quadrature, bumps: Bumps, recording
         rows = split.moving_rows(quadrature.recording, alpha, memory, slopes=slopes)
         return bumps.integrals(quadrature.integrand(rows))
 
+    def waves(residual: Array, j: int, alpha: Array) -> tuple[float, ...]:
+        amplitude = _amplitude(split, quadrature.recording, memory, j, alpha)[: len(recording)]
+        travel = np.abs(quadrature.recording.velocity[: len(recording)]) * quadrature.weight
+        weights = quadrature.weight * bumps.spread(residual) * amplitude
+        return _wave_numbers(recording["position"], weights, travel * bumps.width)
+
     fixed = bumps.integrals(quadrature.integrand(split.fixed_rows(quadrature.recording)))
-    return Equations(split, push, target, momentum if drive.inertia is None else None, fixed, moving)
+    return Equations(split, push, target, momentum if drive.inertia is None else None, fixed, moving, waves)
+
+
+def _amplitude(split: Separable, recording: Recording, memory: Memory, j: int, alpha: Array) -> Array:
+    """Return what a periodic torque is in proportion to: the larger of its rows at wave number 0, shape (N,)."""
+    still = np.where(np.arange(len(alpha)) == j, 0.0, alpha)
+    rows = split.moving_rows(recording, still, memory, slopes=False)
+    own = [rows[split.moving.index(row)] for row, place in split.slopes if place == j]
+    return np.asarray(max(own, key=lambda row: float(row @ row)))
+
+
+def _wave_numbers(position: Array, weights: Array, passed: Array) -> tuple[float, ...]:
+    """Return the wave numbers of a residual; ``passed`` is the way that an equation spans at each sample.
+
+    In a fifth of the samples in motion an equation must span less than a period, or it averages the effect away.
+    """
+    moving = passed > 0.0
+    if not moving.any():
+        return ()
+    return wave_numbers(position, weights, 2 * np.pi / float(np.percentile(passed[moving], 20))).strongest
 
 
 def fit_equations(
@@ -65,19 +109,31 @@ def fit_equations(
     equations: Equations,
     independent: float,
     width: int,
+    plan: Plan,
     start: Array | None = None,
 ) -> TorqueFit:
     """Solve, and order parameters and covariance as the drive has them; ``start`` is for the nonlinear parameters."""
     linear = [p for p in drive.parameters if p.linear]
+    held = {i: plan.held[p.key] for i, p in enumerate(linear) if p.key in plan.held}
     constraints, limits = linear_constraints(linear)
     if len(equations.target) <= len(drive.parameters):
         raise _too_few(drive, recording, len(equations.target))
-    solution = Projection(equations, constraints, limits).solve(nonlinear_search(drive, recording), start)
+    solution = Projection(equations, constraints, limits, held).solve(nonlinear_search(drive, recording, plan), start)
     order = np.argsort(_places(drive, equations.separable), kind="stable")
-    spread = covariance(solution.jacobian.T, solution.residual, solution.normal.inverse, independent)
+    spread = covariance(solution.jacobian.T, solution.residual, solution.normal.inverse, independent)[
+        np.ix_(order, order)
+    ]
+    conditional = spread
+    if plan.held:
+        free = np.array([i for i, p in zip(order, drive.parameters, strict=True) if p.key not in plan.held])
+        part = solution.jacobian[free]
+        inverse = NormalEquations.of(part @ part.T, part @ solution.residual).inverse
+        conditional = np.zeros((len(order), len(order)))
+        conditional[np.ix_(free, free)] = covariance(part.T, solution.residual, inverse, independent)
+        conditional = conditional[np.ix_(order, order)]
     error = float(np.linalg.norm(solution.residual) / np.linalg.norm(equations.driving))
     values = _within_bounds(drive, np.concatenate([solution.theta, solution.alpha])[order])
-    return TorqueFit(values, spread[np.ix_(order, order)], solution, order, width, error)
+    return TorqueFit(values, spread, conditional, solution, order, width, error)
 
 
 def _within_bounds(drive: Drive, values: Array) -> Array:
@@ -105,7 +161,12 @@ def _places(drive: Drive, split: Separable) -> NDArray[np.int64]:
 
 
 def weak_fit(
-    drive: Drive, recording: Recording, width: int | None, resting: NDArray[np.bool_], velocity: Array
+    drive: Drive,
+    recording: Recording,
+    width: int | None,
+    resting: NDArray[np.bool_],
+    velocity: Array,
+    plan: Plan = Plan(),
 ) -> TorqueFit:
     """Fit the weak form, the friction evaluated at ``velocity``.
 
@@ -114,13 +175,13 @@ def weak_fit(
     """
     quadrature = Quadrature.of(recording, velocity, resting)
     if width is not None:
-        return _fit_width(drive, recording, quadrature, width, resting)
+        return _fit_width(drive, recording, quadrature, width, resting, plan)
     widths = possible_widths(recording)
     fits: list[TorqueFit] = []
     for candidate in widths:
         try:
             start = fits[-1].solution.alpha if fits else None
-            fits.append(_fit_width(drive, recording, quadrature, candidate, resting, start))
+            fits.append(_fit_width(drive, recording, quadrature, candidate, resting, plan, start))
         except EstimationError:
             if candidate == widths[-1] and not fits:
                 raise
@@ -170,6 +231,13 @@ def derivative_equations(drive: Drive, recording: Recording, preparation: Prepar
     driving = seen((filtered.torque - filtered.load_torque)[None])[0]
     acceleration = seen(filtered["acceleration"][None])[0]
     target = driving if drive.inertia is None else driving - drive.inertia * acceleration
+
+    def waves(residual: Array, j: int, alpha: Array) -> tuple[float, ...]:
+        kept = np.concatenate([np.arange(part.start, part.stop, factor) for part in parts])
+        amplitude = _amplitude(split, filtered, lambda p: drive.states(filtered, p), j, alpha) * in_motion
+        passed = np.abs(filtered.velocity) * in_motion * filtered.interval * factor
+        return _wave_numbers(filtered["position"][kept], residual * amplitude[kept], passed)
+
     equations = Equations(
         split,
         driving,
@@ -177,14 +245,15 @@ def derivative_equations(drive: Drive, recording: Recording, preparation: Prepar
         acceleration if drive.inertia is None else None,
         seen(split.fixed_rows(filtered)),
         moving,
+        waves,
     )
     return equations, filtered
 
 
-def derivative_fit(drive: Drive, recording: Recording, preparation: Preparation) -> TorqueFit:
+def derivative_fit(drive: Drive, recording: Recording, preparation: Preparation, plan: Plan) -> TorqueFit:
     """Fit :func:`derivative_equations` (IDIM-LS)."""
     equations, filtered = derivative_equations(drive, recording, preparation)
-    return fit_equations(drive, filtered, equations, float(len(equations.target)), preparation.decimate)
+    return fit_equations(drive, filtered, equations, float(len(equations.target)), preparation.decimate, plan)
 
 
 def _decimated(rows: Array, factor: int) -> Array:
@@ -199,10 +268,11 @@ def _fit_width(
     quadrature: Quadrature,
     width: int,
     resting: NDArray[np.bool_],
+    plan: Plan,
     start: Array | None = None,
 ) -> TorqueFit:
     bumps = Bumps(recording, width, resting)
     if bumps.count <= len(drive.parameters):
         raise _too_few(drive, recording, bumps.count)
     equations = weak_equations(drive, quadrature, bumps, recording)
-    return fit_equations(drive, recording, equations, 2.0 * bumps.count / HOPS, bumps.width, start)
+    return fit_equations(drive, recording, equations, 2.0 * bumps.count / HOPS, bumps.width, plan, start)

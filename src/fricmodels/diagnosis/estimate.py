@@ -45,7 +45,7 @@ def estimate(drive: Drive, recording: Recording, start: Mapping[str, float] | No
     # Once the friction is known, so is where the drive may stick at a reversal.
     problem = Problem.of(drive, recording, found.parameters)
     found = _fit(problem, {**(start or {}), **found.parameters})
-    return replace(problem, law_slope=problem.slope_of(found.parameters)), found
+    return replace(problem, law_share=problem.law_has(found.parameters)), found
 
 
 def _guess(drive: Drive, recording: Recording, start: Mapping[str, float] | None) -> dict[str, float]:

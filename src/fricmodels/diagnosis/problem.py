@@ -57,7 +57,7 @@ class Problem:
         quadrature, bumps: see :mod:`fricmodels.signals.weak_form`.
         velocity_noise: standard deviation of the noise of the velocity.
         half_width: of the filter that smooths it.
-        law_slope: how fast the model's friction grows with speed at its upper end.
+        law_share: see :meth:`law_has`.
     """
 
     drive: Drive
@@ -68,7 +68,7 @@ class Problem:
     bumps: Bumps
     velocity_noise: float
     half_width: int
-    law_slope: float
+    law_share: tuple[float, float]
 
     @classmethod
     def of(cls, drive: Drive, recording: Recording, parameters: Mapping[str, float]) -> Problem:
@@ -94,17 +94,27 @@ class Problem:
         unclear = _widened(unclear | _hidden_turns(drive, part, smooth, parameters), reach)
         quadrature = Quadrature.of(part, smooth, unclear)
         bumps = Bumps(part, width, unclear, least_moving=1.0)
-        problem = cls(drive, part, smooth, at_rest, quadrature, bumps, sigma, half_width, 0.0)
-        return replace(problem, law_slope=problem.slope_of(parameters))
+        problem = cls(drive, part, smooth, at_rest, quadrature, bumps, sigma, half_width, (0.0, 0.0))
+        return replace(problem, law_share=problem.law_has(parameters))
 
-    def slope_of(self, parameters: Mapping[str, float]) -> float:
-        """Return 1.5 times the slope of friction between half and full peak speed, in the steeper direction."""
+    def law_has(self, parameters: Mapping[str, float]) -> tuple[float, float]:
+        """Return how much of the model's friction rises with speed [torque/velocity], and how much falls [torque].
+
+        Each is half as much again as estimated, in the direction that has more of it.
+        """
         peak = float(np.max(np.abs(self.recording.velocity)))
-        few = self.recording.select(np.arange(2))
-        half_forward, forward, half_backward, backward = (
-            abs(float(self.drive.friction(few, parameters, velocity=share * peak)[0])) for share in (0.5, 1, -0.5, -1)
-        )
-        return 1.5 * max(forward - half_forward, backward - half_backward, 0.0) / (0.5 * peak) if peak > 0 else 0.0
+        grid = np.concatenate([[1e-9], np.geomspace(1e-4, 1.0, 40)]) * (peak or 1.0)
+        few = self.recording.select(np.zeros(len(grid), dtype=np.int64))
+        rise, fall = 0.0, 0.0
+        for side in (1, -1):
+            level = np.abs(self.drive.friction(few, parameters, velocity=side * grid, states=self._at_rest(len(grid))))
+            half = float(np.interp(0.5 * grid[-1], grid, level))
+            rise = max(rise, (float(level[-1]) - half) / (0.5 * grid[-1]))
+            fall = max(fall, float(level[0] - np.min(level)))
+        return 1.5 * rise, 1.5 * fall
+
+    def _at_rest(self, count: int) -> list[Array]:
+        return [np.full(count, state.initial) for state in self.drive.model.states]
 
     def perturbed(self, seed: int = 0) -> Problem:
         """Return the same problem with as much noise again on the velocity, and nothing else changed.

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from fricmodels.diagnosis.evidence import Regression
 from fricmodels.diagnosis.problem import Problem
-from fricmodels.dimension import TIME, Dimension
+from fricmodels.dimension import FORCE, TIME, Dimension
 from fricmodels.drive import Drive
 from fricmodels.parameter import Parameter
 from fricmodels.recording import Recording
@@ -60,7 +60,7 @@ def search(problem: Problem, regression: Regression, effect: Effect, alone: Driv
     linear = [p for p, is_linear in zip(effect.parameters, alone.model.linear, strict=True) if is_linear]
     nonlinear = [p for p, is_linear in zip(effect.parameters, alone.model.linear, strict=True) if not is_linear]
     lower = np.array([p.lower for p in linear])
-    upper = np.array([problem.law_slope if p.part_of_law else p.upper for p in linear])
+    upper = np.array([problem.law_share[p.dimension == FORCE] if p.part_of_law else p.upper for p in linear])
 
     def at(point: tuple[float, ...], trials: float = 1.0) -> Found:
         columns, _ = problem.columns(alone, point)

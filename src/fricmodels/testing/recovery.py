@@ -1,0 +1,229 @@
+"""A drive that moves richly under known parameters: are they determined, and does an estimator find them?"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from fricmodels import plugins
+from fricmodels.diagnosis.search import natural_size
+from fricmodels.dimension import INERTIA as INERTIA_DIMENSION
+from fricmodels.drive import Drive
+from fricmodels.errors import EstimationError, FricmodelsError
+from fricmodels.fit import Fit, Status
+from fricmodels.model import Model
+from fricmodels.parameter import Parameter
+from fricmodels.recording import Recording
+from fricmodels.signals import Preparation, prepare
+from fricmodels.simulation import simulate
+from fricmodels.term import Effect, Law, Term
+from fricmodels.testing.faults import Fault, SkipTest
+from fricmodels.testing.subject import Array, Subject, in_order
+
+if TYPE_CHECKING:
+    from fricmodels.estimator import Estimator
+
+INERTIA = 0.02
+_BASE = {"K_v": 0.01, "K_c": 0.08}
+_SHARE = 0.25
+"""Torque of the term over the RMS motor torque, about."""
+_MOST_INERTIA = 0.3 * INERTIA
+"""A part of the drive's inertia, as a link behind a spring, cannot be more than the whole."""
+_WORST_CONDITION = 1e-3
+_STEP = 1e-3
+"""Relative step of a sensitivity; an instant or a width must move by more than a sample to be seen."""
+
+
+@dataclass(frozen=True)
+class Case:
+    """A model, its true parameters by key, and the recording of its motion."""
+
+    drive: Drive
+    truth: Mapping[str, float]
+    own: tuple[str, ...]
+    recording: Recording
+
+
+def model_of(cls: type[Term]) -> tuple[Model, dict[str, float], str]:
+    """Return the model in which a term is tried, the parameters of the rest of it, and the prefix of its own."""
+    term = cls()
+    if isinstance(term, Law):
+        return Model(term), {}, ""
+    if not isinstance(term, Effect):
+        raise Fault(f"{cls.__name__} is neither a Law nor an Effect; derive it from one of them")
+    return Model(plugins.load().laws["coulomb-viscous"](), [term]), dict(_BASE), f"{term.name}."
+
+
+def suggested_truth(subject: Subject) -> dict[str, float]:
+    """Return values of a term's parameters that matter in the rich motion.
+
+    A nonlinear one is in the middle of its scan, a wave number near its initial value; a linear one makes up for its
+    share of the torque over a motion that the term takes no part in.
+    """
+    reference = _reference()
+    terms = subject.term.parameters
+    linear = dict(zip((p.symbol for p in terms), subject.linear, strict=True))
+    values = {p.symbol: _nonlinear_value(p, reference) for p in terms if not linear[p.symbol]}
+    drive = Drive(subject.model, INERTIA)
+    columns, _ = drive.regressors(reference, [values[p.symbol] for p in terms if not linear[p.symbol]])
+    sizes = np.sqrt(np.mean(np.square(columns), axis=1))
+    torque = float(np.sqrt(np.mean(reference.torque**2)))
+    solved = [p for p in terms if linear[p.symbol]]
+    for i, (p, size) in enumerate(zip(solved, sizes, strict=True)):
+        values[p.symbol] = _SHARE * (1.0 + 0.3 * (i % 3)) / len(solved) ** 0.5 * torque / (size or 1.0)
+    for p in in_order(terms):
+        if p.at_least is not None:
+            values[p.symbol] = max(values[p.symbol], 1.6 * values[p.at_least])
+        most = min(p.upper, _MOST_INERTIA) if p.dimension == INERTIA_DIMENSION else p.upper
+        values[p.symbol] = float(np.clip(values[p.symbol], p.lower, most))
+    return {p.symbol: values[p.symbol] for p in terms}
+
+
+def _nonlinear_value(p: Parameter, reference: Recording) -> float:
+    if p.scan:
+        return sorted(p.scan)[(len(p.scan) - 1) // 2] * natural_size(reference, p.dimension)
+    return 1.02 * p.initial if p.periodic else p.initial
+
+
+@lru_cache(maxsize=1)
+def _reference() -> Recording:
+    """Return the rich motion under Coulomb and viscous friction alone, with every channel."""
+    time, torque, load = _excitation(0)
+    drive = Drive(Model(plugins.load().laws["coulomb-viscous"]()), INERTIA)
+    simulated = simulate(
+        drive, _BASE, time, torque, load_torque=load, temperature=_temperature(time), substeps=4, with_position=True
+    )
+    return prepare(simulated, Preparation())
+
+
+def _temperature(time: Array) -> Array:
+    return np.asarray(20 + 15 * np.sin(2 * np.pi * 0.9 * time / time[-1]))
+
+
+def rich_case(subject: Subject, truth: Mapping[str, float] | None = None, seed: int = 0) -> Case:
+    """Simulate the rich motion of a drive with a term.
+
+    Raises:
+        Fault: where a true value is missing or unknown, or the drive cannot be simulated with the term.
+    """
+    return _rich_case(type(subject.term), tuple(sorted((truth or suggested_truth(subject)).items())), seed)
+
+
+@lru_cache(maxsize=16)
+def _rich_case(cls: type[Term], truth: tuple[tuple[str, float], ...], seed: int) -> Case:
+    model, values, prefix = model_of(cls)
+    values |= {prefix + symbol: value for symbol, value in truth}
+    keys = [p.key for p in model.parameters]
+    if set(values) != set(keys):
+        differs = sorted(set(values) ^ set(keys))
+        raise Fault(f"truth does not match the parameters: '{differs[0]}' is missing or unknown")
+    drive = Drive(model, INERTIA)
+    time, torque, load = _excitation(seed)
+    needs = model.needs
+    try:
+        recording = simulate(
+            drive,
+            values,
+            time,
+            torque,
+            load_torque=load if "load_torque" in needs else None,
+            temperature=_temperature(time) if "temperature" in needs else None,
+            substeps=4,
+            with_position=True,
+            name=f"rich motion with {cls.name}",
+        )
+    except FricmodelsError as error:
+        raise Fault(f"the drive cannot be simulated with it: {error}") from None
+    if not np.all(np.isfinite(recording.velocity)):
+        raise Fault("simulated, the velocity stops being finite; look at signs: friction that pushes runs away")
+    return Case(drive, values, tuple(prefix + symbol for symbol, _ in truth), recording)
+
+
+def _excitation(seed: int) -> tuple[Array, Array, Array]:
+    """Return times, a motor torque of several frequencies and amplitudes, and a slow load torque."""
+    rng = np.random.default_rng(seed)
+    time = np.arange(8000) * 1e-3
+    torque = np.zeros(len(time))
+    for frequency, amplitude in ((0.35, 0.3), (0.8, 0.35), (1.7, 0.3), (3.9, 0.25), (9.1, 0.15)):
+        torque += amplitude * np.sin(2 * np.pi * frequency * time + rng.uniform(0, 2 * np.pi))
+    load = 0.25 * np.sin(2 * np.pi * 0.23 * time + 0.4) + 0.1 * np.sin(2 * np.pi * 1.1 * time)
+    return time, torque, load
+
+
+def ready(case: Case) -> Recording:
+    """Return the recording with the acceleration, where the model needs it."""
+    return prepare(case.recording, Preparation()) if "acceleration" in case.drive.model.needs else case.recording
+
+
+def check_identifiable(subject: Subject, truth: Mapping[str, float] | None) -> None:
+    """On the rich motion every parameter changes the torque in a way that the others cannot."""
+    case = rich_case(subject, truth)
+    sensitivity = _sensitivity(case)
+    keys = [p.key for p in case.drive.model.parameters]
+    size = np.linalg.norm(sensitivity, axis=1)
+    for key in case.own:
+        if size[keys.index(key)] < 1e-6 * np.linalg.norm(case.recording.torque):
+            raise Fault(
+                f"{key} does not change the torque at {key} = {case.truth[key]:.3g} on a rich motion; give truth = "
+                "{…} with values that matter, or take the parameter out"
+            )
+    unit = sensitivity / size[:, None]
+    _, singular, directions = np.linalg.svd(unit @ unit.T)
+    if singular[-1] < _WORST_CONDITION**2:
+        weights = np.abs(directions[-1])
+        mixed = [keys[i] for i in np.argsort(-weights) if weights[i] > 0.2]
+        raise Fault(
+            f"{' and '.join(sorted(mixed))} cannot be told apart on a rich motion: a change of one is undone by the "
+            "others; keep one of them, or write the torque with their product or sum"
+        )
+
+
+def _sensitivity(case: Case) -> Array:
+    """Return the change of the torque for a relative change of each parameter, states included, shape (p, N)."""
+    recording = ready(case)
+    rows = []
+    for p in case.drive.model.parameters:
+        value = case.truth[p.key]
+        step = _STEP * (abs(value) or 1.0)
+        ends = [case.drive.friction(recording, {**case.truth, p.key: value + h}) for h in (-step, step)]
+        rows.append((ends[1] - ends[0]) / (2 * _STEP))
+    return np.array(rows)
+
+
+def check_recovered(
+    subject: Subject, estimator: type[Estimator], truth: Mapping[str, float] | None, tolerance: float
+) -> None:
+    """An estimator finds the true parameters again.
+
+    Raises:
+        SkipTest: where the estimator says that it cannot carry such a model.
+    """
+    case = rich_case(subject, truth)
+    if case.drive.model.states and not estimator.carries_states:
+        raise SkipTest(f"'{estimator.name}' does not carry terms with memory")
+    try:
+        fit = estimator().fit(case.drive, ready(case), seed=0)
+    except EstimationError as error:
+        raise SkipTest(f"'{estimator.name}': {error}") from None
+    _check_fit(case, fit, tolerance)
+
+
+def _check_fit(case: Case, fit: Fit, tolerance: float) -> None:
+    if fit.status is not Status.OK:
+        raise Fault(f"'{fit.estimator}' does not find the parameters: {fit.status}: {fit.message}")
+    spread = fit.standard_errors
+    wrong = []
+    for key in case.own:
+        true, found = case.truth[key], fit.parameters[key]
+        allowed = tolerance * abs(true) + 4.0 * min(spread[key], tolerance * abs(true))
+        if not abs(found - true) <= allowed:
+            wrong.append(f"{key} = {found:.4g} ± {spread[key]:.1g} for a true {true:.4g}")
+    if wrong:
+        raise Fault(
+            f"'{fit.estimator}' does not find the true parameters: {'; '.join(wrong)}; look at scan (does it reach the "
+            "true value?), at bounds, and whether two parameters do the same"
+        )

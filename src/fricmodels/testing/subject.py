@@ -1,0 +1,222 @@
+"""A law or an effect as the exam sees it: functions of signals, parameters and states, and values to try."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fricmodels.diagnosis.problem import NoFriction
+from fricmodels.dimension import VELOCITY, Dimension
+from fricmodels.errors import FricmodelsError
+from fricmodels.expressions import rest_treatment
+from fricmodels.model import Model
+from fricmodels.parameter import Parameter
+from fricmodels.term import SIGNALS, Effect, Law, Parameters, Signals, Term
+from fricmodels.testing.faults import Fault
+
+Array: TypeAlias = NDArray[np.float64]
+
+VELOCITY_PLACE = list(SIGNALS).index("velocity")
+FIRST_PARAMETER = len(SIGNALS)
+_LARGEST = 1e6
+"""Stands for a bound that is missing."""
+
+
+@dataclass(frozen=True)
+class Subject:
+    """A term and its functions of one *column*: signals, parameters, states, width of rest.
+
+    Attributes:
+        term, model: the term, and the model that it makes alone.
+        torque_and_rates: column → (1 + states,).
+        slopes: column → derivative of the torque by the velocity and each parameter.
+        smooth: ``torque_and_rates`` with tanh for sgn.
+        dimensions: of each element of the column.
+        touched: signals that the term uses.
+    """
+
+    term: Term
+    model: Model
+    torque_and_rates: Any
+    slopes: Any
+    smooth: Any
+    dimensions: tuple[Dimension, ...]
+    touched: frozenset[str]
+
+    @property
+    def linear(self) -> NDArray[np.bool_]:
+        """Which parameters enter linearly."""
+        return np.array(self.model.linear, dtype=bool)
+
+    def values(self, column: Array) -> Array:
+        """Return torque and rates at a column."""
+        return np.array(self.torque_and_rates(column)).ravel()
+
+    def torque(self, column: Array) -> float:
+        """Return the torque at a column."""
+        return float(self.values(column)[0])
+
+    def place(self, parameter: int) -> int:
+        """Return where a parameter stands in the column."""
+        return FIRST_PARAMETER + parameter
+
+    def column(
+        self,
+        rng: np.random.Generator,
+        *,
+        velocity: float | None = None,
+        parameters: Sequence[float] | None = None,
+        width: float = 1e-6,
+    ) -> Array:
+        """Return random signals, parameters within their bounds, states, and the width of rest."""
+        signals = rng.uniform(-2, 2, len(SIGNALS))
+        signals[list(SIGNALS).index("time")] = rng.uniform(0, 2)
+        if velocity is not None:
+            signals[VELOCITY_PLACE] = velocity
+        chosen = drawn(self.term.parameters, rng) if parameters is None else list(parameters)
+        states = rng.uniform(0.1, 1, len(self.term.states)) * 10 ** rng.uniform(-5, 0)
+        return np.array([*signals, *chosen, *states, width])
+
+    def written(self, column: Array, places: Sequence[int] | None = None) -> str:
+        """Write the velocity and the parameters of a column in words."""
+        listed = [f"ω = {column[VELOCITY_PLACE]:.3g}"]
+        for i, p in enumerate(self.term.parameters):
+            if places is None or i in places:
+                listed.append(f"{p.symbol} = {column[self.place(i)]:.3g}")
+        return ", ".join(listed)
+
+
+@lru_cache(maxsize=64)
+def subject(cls: type[Term]) -> Subject:
+    """Build the functions of a term.
+
+    Raises:
+        Fault: where the term's own code fails, or what it returns is no torque.
+    """
+    import casadi
+
+    term = _made(cls)
+    signals = {name: casadi.SX.sym(name) for name in SIGNALS}
+    _check_equations(term, signals)
+    model = Model(term) if isinstance(term, Law) else Model(NoFriction(), [_effect(term)])
+    try:
+        e, smooth = model.expression(), model.expression(smooth=True)
+    except FricmodelsError as error:
+        raise Fault(f"{error}; return a rate for every declared state from rates()") from None
+    column, smooth_column = (
+        casadi.vertcat(*x.signals.values(), x.parameters, x.states, x.width) for x in (e, smooth)
+    )
+    slopes = casadi.densify(casadi.jacobian(e.torque, casadi.vertcat(e.signals["velocity"], e.parameters)))
+    dimensions = [*SIGNALS.values(), *(p.dimension for p in term.parameters)]
+    dimensions += [*(state.dimension for state in term.states), VELOCITY]
+    return Subject(
+        term,
+        model,
+        casadi.Function("f", [column], [casadi.vertcat(e.torque, e.rates)]),
+        casadi.Function("g", [column], [slopes]),
+        casadi.Function("h", [smooth_column], [casadi.vertcat(smooth.torque, smooth.rates)]),
+        tuple(dimensions),
+        model.needs,
+    )
+
+
+def _made(cls: type[Term]) -> Term:
+    try:
+        return cls()
+    except Exception as error:
+        raise Fault(f"{cls.__name__}() raises {type(error).__name__}: {error}; a term is made without arguments") from None
+
+
+def _effect(term: Term) -> Effect:
+    if not isinstance(term, Effect):
+        raise Fault(f"{type(term).__name__} is neither a Law nor an Effect; derive it from one of them")
+    return term
+
+
+def _check_equations(term: Term, symbols: dict[str, Any]) -> None:
+    """Call torque and rates once and look at what they return."""
+    import casadi
+
+    own = {p.symbol: casadi.SX.sym(p.symbol) for p in term.parameters}
+    memory = {z.symbol: casadi.SX.sym(z.symbol) for z in term.states}
+    with rest_treatment(casadi.SX.sym("width"), smooth=False):
+        returned = {"torque()": _called("torque", term, symbols, own, memory)}
+        rates = _called("rates", term, symbols, own, memory) if memory else {}
+    if not isinstance(rates, dict):
+        raise Fault(f"rates() returns {type(rates).__name__}; return a dict with the rate of each state by symbol")
+    for symbol in memory:
+        if symbol not in rates:
+            raise Fault(f"rates() has no rate for the state '{symbol}'; return {{'{symbol}': …}}")
+    returned |= {f"rates()['{symbol}']": rate for symbol, rate in rates.items()}
+    for what, value in returned.items():
+        _check_scalar(what, value)
+
+
+def _check_scalar(what: str, value: Any) -> None:
+    import casadi
+
+    if value is None:
+        raise Fault(f"{what} returns nothing; end it with return and the expression")
+    if isinstance(value, int | float):
+        return
+    if not isinstance(value, casadi.SX):
+        raise Fault(f"{what} returns {type(value).__name__}, no expression; write it with fricmodels.expressions")
+    if value.shape != (1, 1):
+        rows, columns = value.shape
+        raise Fault(f"{what} has the wrong shape {rows}×{columns}; return one scalar, the torque at one sample")
+
+
+def _called(method: str, term: Term, symbols: dict[str, Any], own: dict[str, Any], memory: dict[str, Any]) -> Any:
+    try:
+        return getattr(term, method)(Signals(symbols, memory), Parameters(own))
+    except Exception as error:
+        import traceback
+
+        line = traceback.extract_tb(error.__traceback__)[-1]
+        raise Fault(
+            f"{method}() raises {type(error).__name__}: {error} (line {line.lineno} of {line.filename.rpartition('/')[2]}); "
+            "use s.SIGNAL, p.SYMBOL and the functions of fricmodels.expressions"
+        ) from None
+
+
+def drawn(parameters: Sequence[Parameter], rng: np.random.Generator) -> list[float]:
+    """Return random values within the bounds, of the size of the initial values; none below its ``at_least``."""
+    values: dict[str, float] = {}
+    for p in parameters:
+        size = abs(p.initial) or 1.0
+        value = size * float(10 ** rng.uniform(-1, 1)) * (1 if p.lower >= 0 else float(rng.choice([-1, 1])))
+        values[p.symbol] = float(np.clip(value, p.lower, p.upper))
+    for p in in_order(parameters):
+        if p.at_least is not None:
+            values[p.symbol] = min(p.upper, values[p.at_least] + abs(values[p.symbol]))
+    return [values[p.symbol] for p in parameters]
+
+
+def in_order(parameters: Sequence[Parameter]) -> list[Parameter]:
+    """Return the parameters in an order in which each comes after the one that it must not fall below."""
+    left, placed = list(parameters), []
+    while left:
+        ready = [p for p in left if p.at_least not in {other.symbol for other in left if other is not p}]
+        if not ready:
+            raise Fault(f"at_least goes round in a circle among {', '.join(p.symbol for p in left)}; break it")
+        placed += ready
+        left = [p for p in left if p not in ready]
+    return placed
+
+
+def at_bounds(parameters: Sequence[Parameter], rng: np.random.Generator) -> list[tuple[str, list[float]]]:
+    """Return, for each bound, its name and values of which one parameter lies on it."""
+    cases = []
+    for i, p in enumerate(parameters):
+        for side, bound in (("lower", p.lower), ("upper", p.upper)):
+            value = bound if math.isfinite(bound) else math.copysign(_LARGEST, bound)
+            values = drawn(parameters, rng)
+            values[i] = value
+            cases.append((f"{p.symbol} at its {side} bound {bound:g}", values))
+    return cases
