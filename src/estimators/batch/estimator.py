@@ -12,13 +12,13 @@ from pydantic import Field
 
 from estimators.batch.identification import lost_in_noise, not_identified, searched_range, to_hold
 from estimators.batch.problem import Outcome, Plan, check_start
-from estimators.batch.smoothing import explained_velocity
+from estimators.batch.smoothing import explained_velocity, sought
 from estimators.batch.torque_fit import TorqueFit, derivative_fit, possible_widths, weak_fit
 from fricmodels.drive import Drive
 from fricmodels.estimator import Estimator, EstimatorSettings
 from fricmodels.fit import Fit, Status
 from fricmodels.recording import Recording
-from fricmodels.signals import Preparation, noise, prepare, resting, smoothed_velocity
+from fricmodels.signals import Preparation, noise, prepare, resting
 
 Array = NDArray[np.float64]
 
@@ -101,11 +101,14 @@ class Batch(Estimator):
                 key, value = choice
                 reasons[key] += f"; held at {value:.3g}"
                 plan = replace(plan, held={**plan.held, key: value})
-                result = self._torque_fit(drive, recording, plan, result.width)
+                result = self._torque_fit(drive, recording, plan, result.width, found.values)
             notes = {"samples_per_equation": result.width, "relative_error": result.relative_error}
         return self._report(drive, recording, found, reasons, notes, time.perf_counter() - started)
 
-    def _torque_fit(self, drive: Drive, recording: Recording, plan: Plan, width: int | None) -> TorqueFit:
+    def _torque_fit(
+        self, drive: Drive, recording: Recording, plan: Plan, width: int | None, before: Array | None = None
+    ) -> TorqueFit:
+        """Fit the torque; ``before`` holds the values found before a parameter was held."""
         if self.settings.form == "derivative":
             return derivative_fit(drive, recording, self.settings.preparation, plan)
         choice = self.settings.velocity
@@ -114,13 +117,14 @@ class Batch(Estimator):
         if width is None and hidden and not periodic:
             width = possible_widths(recording)[-1]
         still = resting(recording) if self.settings.rest == "detected" else recording.velocity == 0.0
-        first = recording.velocity
-        if hidden:
-            first, error = smoothed_velocity(recording)
-            still = still | (np.abs(first) <= 3.0 * error)
-        result = weak_fit(drive, recording, width, still, first, plan)
+        result = weak_fit(drive, recording, width, still, recording.velocity, plan)
         if choice == "measured" or (choice == "auto" and not (hidden or still.any())):
             return result
+        if hidden and before is not None:
+            values = sought(drive, [result.values, before], recording, plan.held)
+            explained = explained_velocity(drive, dict(zip(drive.keys, values, strict=True)), recording)
+            if explained is not None:
+                result = weak_fit(drive, recording, result.width, explained[1], explained[0], plan)
         return self._explained(drive, recording, result, plan)
 
     def _explained(self, drive: Drive, recording: Recording, result: TorqueFit, plan: Plan) -> TorqueFit:

@@ -8,7 +8,7 @@ of exponential averages, one forth and one back. The better the model, the longe
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +19,8 @@ from fricmodels.recording import Recording
 
 Array = NDArray[np.float64]
 
+FIRST_STEP, STEPS = 1 / 3, 6
+"""Of the search for values that predict the velocity best."""
 _GAINS = 0.5 ** np.arange(0, 12)
 
 
@@ -48,6 +50,32 @@ def explained_velocity(
     hidden = (np.abs(velocity) <= 3.0 * noise) & (np.abs(simulated) <= 3.0 * noise)
     velocity = np.where(hidden, simulated, velocity)
     return velocity, velocity == 0.0, squares / len(recording)
+
+
+def sought(drive: Drive, starts: Sequence[Array], recording: Recording, held: Mapping[str, float]) -> Array:
+    """Return values that predict the velocity better, each linear one that is not held stepped up and down.
+
+    Begins at the best start; steps begin at a third and halve. Where the velocity drowns in noise, whether the drive
+    turns, and for how long, says more of its Coulomb friction than the velocity does.
+    """
+    places = [i for i, p in enumerate(drive.parameters) if p.linear and p.key not in held]
+
+    def error(trial: Array) -> float:
+        explained = explained_velocity(drive, dict(zip(drive.keys, trial, strict=True)), recording)
+        return np.inf if explained is None else explained[2]
+
+    fixed = [np.array([held.get(k, v) for k, v in zip(drive.keys, values, strict=True)]) for values in starts]
+    least, _, best = min((error(values), i, values) for i, values in enumerate(fixed))
+    for step in FIRST_STEP * 0.5 ** np.arange(STEPS):
+        for i in places:
+            for factor in (1.0 - step, 1.0 + step):
+                trial = best.copy()
+                trial[i] *= factor
+                reached = error(trial)
+                if reached < least:
+                    best, least = trial, reached
+                    break
+    return best
 
 
 def wandering_level(series: Array) -> tuple[Array, float, float]:

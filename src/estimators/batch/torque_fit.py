@@ -166,7 +166,7 @@ def weak_fit(
     width: int | None,
     resting: NDArray[np.bool_],
     velocity: Array,
-    plan: Plan = Plan(),
+    plan: Plan,
 ) -> TorqueFit:
     """Fit the weak form, the friction evaluated at ``velocity``.
 

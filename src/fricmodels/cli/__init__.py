@@ -21,6 +21,8 @@ COMMANDS = {
     "diagnose": "Name the effect that a model is missing.",
     "improve": "Add what is missing, refit, repeat: watch the error fall.",
     "simulate": "Make a recording with hidden effects from a rig file.",
+    "new": "Write a plugin: a law, an effect, an estimator or a reader, ready to install.",
+    "check": "Let a law, an effect, an estimator or a reader sit its exam.",
     "demo": "See all of it on simulated data.",
     "schema": "Print the JSON Schema of a configuration, for editors.",
 }

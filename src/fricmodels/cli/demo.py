@@ -14,20 +14,64 @@ def command(
 ) -> None:
     """See all of it on simulated data.
 
-    Simulates the motor of Elhami and Brookfield (1997) with 2 % noise, fits every law with every estimator and ranks
-    them by the torque error on cycles that were not fitted.
+    First a tournament: the motor of Elhami and Brookfield (1997) with 2 % noise, every law with every estimator, ranked
+    by the torque error on cycles that were not fitted. Then a drive with hidden effects: where its model fails, which
+    effects are missing, the ladder on which the error falls, and the leaderboard with and without them.
     """
     from fricmodels import plugins
+    from fricmodels.cli.printing import warn
+
+    warn(plugins.load().failures)
+    _tournament(out, jobs)
+    _hidden_effects(out / "hidden", jobs)
+
+
+def _tournament(out: Path, jobs: int | None) -> None:
     from fricmodels.cli.leaderboard import show
-    from fricmodels.cli.printing import progress_of_fits, warn
+    from fricmodels.cli.printing import progress_of_fits
     from fricmodels.tournament import run
     from fricmodels.tournament.demonstration import demonstration
 
-    warn(plugins.load().failures)
     config = demonstration()
-    print("A motor with Coulomb and viscous friction that differ between its directions, 2 % noise on the velocity.")
-    print("Every law × every estimator, ranked by the torque error on the cycles that were not fitted:")
+    print("1. A motor with Coulomb and viscous friction that differ between its directions, 2 % noise on the velocity.")
+    print("   Every law × every estimator, ranked by the torque error on the cycles that were not fitted:")
     with progress_of_fits() as report:
         board = run(config, out, processes=jobs, report=report)
     show(board, config.ranking)
     print(f"written to {out / 'leaderboard.json'}; more: fricmodels leaderboard {out} --format html --out board.html")
+
+
+def _hidden_effects(out: Path, jobs: int | None) -> None:
+    from rich.console import Console
+
+    from fricmodels.cli.leaderboard import show
+    from fricmodels.cli.printing import progress_of_fits
+    from fricmodels.diagnosis import improve
+    from fricmodels.diagnosis.document import document, write
+    from fricmodels.diagnosis.present import show_comparison, show_diagnosis, show_ladder
+    from fricmodels.model import Model
+    from fricmodels.rig import write as write_recording
+    from fricmodels.rig.demonstration import hidden
+    from fricmodels.tournament import run
+    from fricmodels.tournament.demonstration import with_and_without
+
+    print()
+    print("2. A robot joint, modelled by Coulomb and viscous friction. Its truth is hidden from the program.")
+    rig = hidden()
+    recording = rig.simulate()
+    data, truth = write_recording(recording, out / "joint.csv")
+    console = Console()
+    with console.status("looking for what is missing") as status:
+        ladder = improve(recording, Model.parse("coulomb-viscous"), rig.inertia, progress=status.update)
+    show_comparison(console, ladder.first.comparison)
+    show_diagnosis(console, ladder.first, ladder)
+    show_ladder(console, ladder)
+    print(f"   The truth was {rig.true_model} ({truth.name}).")
+    models = [rung.model for rung in ladder.rungs]
+    print("3. The leaderboard with and without what was found, on data that took no part in fitting:")
+    config = with_and_without(data, models, rig.inertia)
+    with progress_of_fits() as report:
+        board = run(config, out, processes=jobs, report=report)
+    show(board, config.ranking)
+    path = write(document(ladder.first, ladder), out)
+    print(f"written to {path}; the same on your data: fricmodels improve DATA --model coulomb-viscous --inertia J")

@@ -3,20 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fricmodels.diagnosis.estimate import Estimate, estimate
-from fricmodels.diagnosis.evidence import Regression
 from fricmodels.diagnosis.look_alikes import separated_by
 from fricmodels.diagnosis.power import Visibility, visibility
 from fricmodels.diagnosis.problem import Problem
-from fricmodels.diagnosis.survey import Survey, Tested, survey
+from fricmodels.diagnosis.survey import Tested, survey
 from fricmodels.diagnosis.unexplained import View, views
-from fricmodels.diagnosis.verdict import Answer, accepted, answer, passes
+from fricmodels.diagnosis.verdict import Answer, answer, passes
 from fricmodels.diagnosis.where import Regime, where
 from fricmodels.drive import Drive
 from fricmodels.errors import InputError
@@ -83,7 +82,8 @@ class Diagnosis:
     Attributes:
         comparison: the model against the recording.
         verdict: see the documentation of diagnosis.
-        findings: effects that the data show, best first; the first is the answer.
+        findings: the effect that explains the residual best, with its look-alikes; none where none passes. What else
+            may be missing shows once this one is in the model (:func:`fricmodels.diagnosis.improve`).
         view: what predicts the residual best, whatever the physics; ``None`` if nothing does.
         visibility: for every effect that was not found, the smallest that would have been, or what is missing.
     """
@@ -191,7 +191,7 @@ def examine(comparison: Comparison, *, leave_out: Iterable[str] = ()) -> Diagnos
     best = answer(result)
     seen = [v for v in views(result.problem, result.regression) if passes(result, v.evidence, v.p_value)]
     view = seen[0] if seen else None
-    findings = [] if best is None else [_finding(best), *_further(result, best)]
+    findings = [] if best is None else [_finding(best)]
     found = {name for finding in findings for name in finding.names}
     verdict: Verdict = "adequate"
     if findings:
@@ -203,28 +203,3 @@ def examine(comparison: Comparison, *, leave_out: Iterable[str] = ()) -> Diagnos
 
 def _finding(best: Answer) -> Finding:
     return Finding(best.first, tuple(best.names), separated_by(best.names))
-
-
-def _further(result: Survey, best: Answer) -> list[Finding]:
-    """Return further effects that still pass once the first is in the model, each tested given those before it."""
-    others = [t for t in accepted(result) if t.name not in best.names]
-    base = np.vstack([result.regression.base, best.first.found.columns])
-    findings: list[Finding] = []
-    while others:
-        regression = Regression(base, result.regression.target, result.problem.independent)
-        passing = []
-        for candidate in others:
-            columns = candidate.found.columns
-            if not np.all(regression.visible(columns)):
-                continue
-            evidence = regression.test(columns)
-            adjusted = min(1.0, evidence.p_value * candidate.found.trials * len(result.tested))
-            if passes(result, evidence, adjusted):
-                passing.append(replace(candidate, evidence=evidence, adjusted=adjusted))
-        if not passing:
-            return findings
-        first = min(passing, key=lambda t: float(np.sum(t.evidence.loss)))
-        findings.append(Finding(first, (first.name,), ""))
-        base = np.vstack([base, first.found.columns])
-        others = [t for t in others if t.name != first.name]
-    return findings

@@ -11,7 +11,7 @@ from typing import Any
 
 from fricmodels.diagnosis.diagnose import Diagnosis, Finding
 from fricmodels.diagnosis.explain import explain, sentence
-from fricmodels.diagnosis.ladder import Ladder
+from fricmodels.diagnosis.ladder import Ladder, added
 from fricmodels.dimension import Motion
 
 SCHEMA = "fricmodels/diagnosis/1"
@@ -76,13 +76,6 @@ def document(diagnosis: Diagnosis, ladder: Ladder | None = None) -> dict[str, An
     }
     finite: dict[str, Any] = _finite(data)
     return finite
-
-
-def added(ladder: Ladder) -> list[Finding]:
-    """Return the findings that the ladder added and kept, in order, then what the given model's diagnosis still saw."""
-    kept = {effect.name for effect in ladder.rungs[-1].comparison.drive.model.effects}
-    chosen = [step.findings[0] for step in ladder.steps if step.findings and step.findings[0].tested.name in kept]
-    return chosen or list(ladder.first.findings)
 
 
 def _effect(finding: Finding, motion: Motion) -> dict[str, Any]:

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from fricmodels import plugins
-from fricmodels.diagnosis.diagnose import Comparison, Diagnosis, compare_model, examine, kept_back, ready
+from fricmodels.diagnosis.diagnose import Comparison, Diagnosis, Finding, compare_model, examine, kept_back, ready
 from fricmodels.diagnosis.evidence import Evidence, Regression
 from fricmodels.diagnosis.verdict import LEAST_GAIN, SIGNIFICANCE
 from fricmodels.drive import Drive
@@ -103,6 +103,13 @@ def improve(
         rungs.append(Rung(comparison, removed="+".join(removed)))
         diagnosis = examine(comparison, leave_out=out | set(removed))
     return Ladder(first, tuple(rungs), diagnosis, tuple(steps), note)
+
+
+def added(ladder: Ladder) -> list[Finding]:
+    """Return the findings that the ladder added and kept, in order; where it kept none, what the first step found."""
+    kept = {effect.name for effect in ladder.rungs[-1].comparison.drive.model.effects}
+    chosen = [step.findings[0] for step in ladder.steps if step.findings and step.findings[0].tested.name in kept]
+    return chosen or list(ladder.first.findings)
 
 
 def _keyed(effect: str, parameters: Mapping[str, float]) -> dict[str, float]:

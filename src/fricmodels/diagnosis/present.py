@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 
 from rich.console import Console
 from rich.table import Table
 
 from fricmodels.diagnosis.diagnose import Comparison, Diagnosis
 from fricmodels.diagnosis.explain import explain
-from fricmodels.diagnosis.ladder import Ladder
+from fricmodels.diagnosis.ladder import Ladder, added
 
 _MOST_REGIMES = 8
+_LONGEST_BAR = 20
 
 
 def show_comparison(console: Console, comparison: Comparison) -> None:
@@ -40,11 +41,12 @@ def show_diagnosis(console: Console, diagnosis: Diagnosis, ladder: Ladder | None
     """Print the verdict in words, the parameters found, and what could not have been seen."""
     console.print(f"Verdict: {diagnosis.verdict}", style="bold")
     console.print(explain(diagnosis, ladder), highlight=False)
-    for finding in diagnosis.findings:
+    for finding in diagnosis.findings if ladder is None else added(ladder):
         motion = diagnosis.comparison.drive.motion
         values = finding.tested.parameters
         listed = ", ".join(
-            f"{p.symbol} = {values[p.symbol]:.4g} {p.unit_for(motion)}" for p in finding.tested.effect.parameters
+            f"{p.symbol} = {values[p.symbol]:.4g} {p.unit_for(motion)}".removesuffix(" 1")
+            for p in finding.tested.effect.parameters
         )
         console.print(f"  {finding.tested.name}: {listed}", highlight=False)
     blind = {name: row.missing for name, row in diagnosis.visibility.items() if row.missing}
@@ -67,17 +69,13 @@ def _show_visibility(console: Console, seen: Mapping[str, float], blind: Mapping
 
 def show_ladder(console: Console, ladder: Ladder) -> None:
     """Print the error after each step."""
-    rows: Sequence[tuple[str, str, float, float]] = [
-        (
-            rung.model,
-            f"+ {rung.added}" if rung.added else (f"- {rung.removed}" if rung.removed else ""),
-            rung.comparison.errors.percent,
-            rung.comparison.errors.held_out_percent,
-        )
-        for rung in ladder.rungs
-    ]
-    table = Table("step", "model", "error fitted", "error kept back", "", title="The ladder", title_justify="left")
-    most = max(row[3] for row in rows) or 1.0
-    for model, step, percent, held_out in rows:
-        table.add_row(step, model, f"{percent:.3g} %", f"{held_out:.3g} %", "█" * max(1, round(24 * held_out / most)))
+    most = max(rung.comparison.errors.held_out_percent for rung in ladder.rungs) or 1.0
+    table = Table(title="The ladder", title_justify="left")
+    table.add_column("model", overflow="fold")
+    for heading in ("error fitted", "error kept back", ""):
+        table.add_column(heading, no_wrap=True)
+    for rung in ladder.rungs:
+        errors = rung.comparison.errors
+        bar = "█" * max(1, round(_LONGEST_BAR * errors.held_out_percent / most))
+        table.add_row(rung.model, f"{errors.percent:.3g} %", f"{errors.held_out_percent:.3g} %", bar)
     console.print(table)

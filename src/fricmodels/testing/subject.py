@@ -109,9 +109,7 @@ def subject(cls: type[Term]) -> Subject:
         e, smooth = model.expression(), model.expression(smooth=True)
     except FricmodelsError as error:
         raise Fault(f"{error}; return a rate for every declared state from rates()") from None
-    column, smooth_column = (
-        casadi.vertcat(*x.signals.values(), x.parameters, x.states, x.width) for x in (e, smooth)
-    )
+    column, smooth_column = (casadi.vertcat(*x.signals.values(), x.parameters, x.states, x.width) for x in (e, smooth))
     slopes = casadi.densify(casadi.jacobian(e.torque, casadi.vertcat(e.signals["velocity"], e.parameters)))
     dimensions = [*SIGNALS.values(), *(p.dimension for p in term.parameters)]
     dimensions += [*(state.dimension for state in term.states), VELOCITY]
@@ -130,7 +128,9 @@ def _made(cls: type[Term]) -> Term:
     try:
         return cls()
     except Exception as error:
-        raise Fault(f"{cls.__name__}() raises {type(error).__name__}: {error}; a term is made without arguments") from None
+        raise Fault(
+            f"{cls.__name__}() raises {type(error).__name__}: {error}; a term is made without arguments"
+        ) from None
 
 
 def _effect(term: Term) -> Effect:

@@ -32,7 +32,7 @@ def check_declaration(cls: type[Term]) -> None:
         except (FricmodelsError, ValueError) as error:
             raise Fault(f"unit of {p.symbol}: {error}") from None
         if not p.meaning:
-            raise Fault(f"parameter {p.symbol} has no meaning; say in words what it is: meaning=\"…\"")
+            raise Fault(f'parameter {p.symbol} has no meaning; say in words what it is: meaning="…"')
     if issubclass(cls, Effect):
         for attribute in ("signature", "needs_motion"):
             if not getattr(cls, attribute):
@@ -56,7 +56,7 @@ def check_parameters_matter(s: Subject) -> None:
         if not casadi.depends_on(both, symbol):
             raise Fault(f"{p.symbol} is declared but enters neither torque() nor rates(); use it or take it out")
     if not s.term.parameters:
-        raise Fault("there is no parameter to estimate; declare one: K = Parameter(\"K\", unit=\"N m\", …)")
+        raise Fault('there is no parameter to estimate; declare one: K = Parameter("K", unit="N m", …)')
     for p, linear in zip(s.term.parameters, s.linear, strict=True):
         if not linear and not p.scan and not p.periodic:
             raise Fault(
@@ -245,7 +245,7 @@ def check_symmetry(s: Subject) -> None:
         advice = (
             "the sign of the direction is forgotten: multiply by sign(s.velocity)"
             if claim == "odd"
-            else "declare symmetry = \"odd\""
+            else 'declare symmetry = "odd"'
         )
         raise Fault(f"symmetry '{claim}' is claimed, but the torque is {other}: {example}; {advice}")
     raise Fault(

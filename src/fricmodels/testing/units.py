@@ -56,7 +56,9 @@ def check_units(subject: Subject) -> None:
     for i, p in enumerate(subject.term.parameters):
         right = _right_dimension(both, declared, FIRST_PARAMETER + i)
         if right is not None:
-            raise Fault(f"{p.symbol} has the wrong unit '{p.unit}': the torque equation needs '{right.unit()}'; declare that")
+            raise Fault(
+                f"{p.symbol} has the wrong unit '{p.unit}': the torque equation needs '{right.unit()}'; declare that"
+            )
     units = " and ".join(_BASES[base] for base in wrong)
     hint = "; where the position enters as an angle (sin q), say angular = True" if wrong == ["displacement"] else ""
     raise Fault(

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from pathlib import Path
+
 from fricmodels.tournament.config import Config
 
 MOTOR = {
@@ -20,3 +23,10 @@ def demonstration() -> Config:
     dataset = {"name": "simulated motor", "simulate": MOTOR}
     everything = {"models": "all", "estimators": "all", "simulate": False}
     return Config.model_validate({"name": "demo", "datasets": [dataset], **everything})
+
+
+def with_and_without(data: Path, models: Sequence[str], inertia: float) -> Config:
+    """Return a tournament of the models of a ladder on the recording that it was climbed on."""
+    dataset = {"name": data.stem, "files": str(data.resolve()), "inertia": inertia}
+    chosen = {"models": list(dict.fromkeys(models)), "estimators": ["batch"], "simulate": False}
+    return Config.model_validate({"name": "with and without", "datasets": [dataset], **chosen})
