@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
-from estimators.batch.identification import lost_in_noise, not_identified, searched_range, to_hold
+from estimators.batch.identification import drowned, lost_in_noise, not_identified, searched_range, to_hold
 from estimators.batch.problem import Outcome, Plan, check_start
 from estimators.batch.smoothing import explained_velocity, sought
 from estimators.batch.torque_fit import TorqueFit, derivative_fit, possible_widths, weak_fit
@@ -81,6 +81,7 @@ class Batch(Estimator):
             recording = _complete(drive, recording)
         plan = Plan(start=self.settings.start)
         result = self._torque_fit(drive, recording, plan, self.settings.width)
+        searched = searched_range(drive, recording)
         notes: dict[str, object]
         if self.settings.objective == "simulation":
             from estimators.batch.simulation_fit import simulation_fit
@@ -88,18 +89,21 @@ class Batch(Estimator):
             refined = simulation_fit(drive, recording, result.values, self.settings.samples, self.settings.max_seconds)
             found, notes = refined.outcome, {"samples": refined.samples}
             notes["root_mean_square_velocity_error"] = refined.velocity_error
-            reasons = self._reasons(drive, recording, found, found.covariance)
+            reasons = not_identified(drive, found.values, found.covariance, found.undetermined, searched)
+            reasons = {**lost_in_noise(self._noisy(drive, recording, found.values)), **reasons}
         else:
+            held: dict[str, str] = {}
             while True:
                 found = result.outcome
-                fresh = self._reasons(drive, recording, found, result.conditional)
-                reasons = {**fresh, **{key: reasons[key] for key in plan.held}} if plan.held else fresh
-                doubtful = set(reasons) - set(plan.held)
-                choice = to_hold(drive, found.values, result.conditional, searched_range(drive, recording), doubtful)
+                noisy = self._noisy(drive, recording, found.values)
+                reasons = not_identified(drive, found.values, result.conditional, found.undetermined, searched)
+                reasons = {**lost_in_noise(noisy), **reasons, **held}
+                doubtful = set(reasons) - set(held)
+                choice = to_hold(drive, found.values, result.conditional, searched, doubtful, noisy)
                 if choice is None or time.perf_counter() - started > self.settings.max_seconds:
                     break
                 key, value = choice
-                reasons[key] += f"; held at {value:.3g}"
+                held[key] = f"{reasons[key]}; held at {value:.3g}"
                 plan = replace(plan, held={**plan.held, key: value})
                 result = self._torque_fit(drive, recording, plan, result.width, found.values)
             notes = {"samples_per_equation": result.width, "relative_error": result.relative_error}
@@ -145,16 +149,13 @@ class Batch(Estimator):
                 break
         return result
 
-    def _reasons(self, drive: Drive, recording: Recording, found: Outcome, covariance: Array) -> dict[str, str]:
-        """Return which parameters the recording does not determine, and why."""
-        searched = searched_range(drive, recording)
-        reasons = not_identified(drive, found.values, covariance, found.undetermined, searched)
+    def _noisy(self, drive: Drive, recording: Recording, values: Array) -> dict[str, float]:
+        """Return key → share of noise in what each parameter multiplies; empty where noise does not matter."""
         asked = self.settings.form == "weak" and self.settings.velocity != "measured"
-        if asked and not drive.model.states and _sign_is_hidden(recording):
-            values = dict(zip(drive.keys, found.values, strict=True))
-            values.setdefault(drive.inertia_key, drive.inertia or float("nan"))
-            reasons = {**lost_in_noise(drive, recording, values), **reasons}
-        return reasons
+        if not asked or drive.model.states or not _sign_is_hidden(recording):
+            return {}
+        named = dict(zip(drive.keys, values, strict=True))
+        return drowned(drive, recording, {drive.inertia_key: drive.inertia or float("nan"), **named})
 
     def _report(
         self,

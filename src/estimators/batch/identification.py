@@ -60,8 +60,8 @@ def not_identified(
     return found
 
 
-def lost_in_noise(drive: Drive, recording: Recording, values: Mapping[str, float]) -> dict[str, str]:
-    """Return key → reason for each parameter whose regressor is less than three times what velocity noise makes of it.
+def drowned(drive: Drive, recording: Recording, values: Mapping[str, float]) -> dict[str, float]:
+    """Return key → what velocity noise makes of each parameter's regressor, as a share of it.
 
     The regressor is compared at a smoothed velocity and at one larger by the standard deviation of the noise, where
     the drive surely moves. Standard errors take regressors as known and do not see this.
@@ -74,17 +74,27 @@ def lost_in_noise(drive: Drive, recording: Recording, values: Mapping[str, float
     there = recording.select(moving)
     here = drive.jacobian(there.with_channels(velocity=smooth[moving]), values)
     moved = smooth[moving] + deviation * np.sign(smooth[moving])
-    change = drive.jacobian(there.with_channels(velocity=moved), values) - here
-    lost = np.linalg.norm(change, axis=1) > np.linalg.norm(here, axis=1) / 3.0
+    change = np.linalg.norm(drive.jacobian(there.with_channels(velocity=moved), values) - here, axis=1)
+    size = np.linalg.norm(here, axis=1)
     return {
-        p.key: "what it multiplies is hidden in the noise of the velocity: the drive moves too slowly for it"
-        for p, is_lost in zip(drive.model.parameters, lost, strict=True)
-        if is_lost
+        p.key: float(changed / whole) if whole > 0.0 else 0.0
+        for p, changed, whole in zip(drive.model.parameters, change, size, strict=True)
     }
 
 
+def lost_in_noise(shares: Mapping[str, float]) -> dict[str, str]:
+    """Return key → reason for each parameter whose regressor is less than three times what noise makes of it."""
+    reason = "what it multiplies is hidden in the noise of the velocity: the drive moves too slowly for it"
+    return {key: reason for key, share in shares.items() if share > 1 / 3}
+
+
 def to_hold(
-    drive: Drive, values: Array, covariance: Array, searched: tuple[Array, Array], doubtful: Collection[str]
+    drive: Drive,
+    values: Array,
+    covariance: Array,
+    searched: tuple[Array, Array],
+    doubtful: Collection[str],
+    noisy: Mapping[str, float],
 ) -> tuple[str, float] | None:
     """Return the parameter that the recording determines least, and the value that says least of it.
 
@@ -94,18 +104,19 @@ def to_hold(
     Args:
         drive, values, covariance, searched: see :func:`not_identified`.
         doubtful: keys among which to choose.
+        noisy: how much of what each multiplies is noise; the noisiest is held first.
     """
     spread = np.sqrt(np.clip(np.diag(covariance), 0.0, None))
-    choices: list[tuple[float, str, float]] = []
+    choices: list[tuple[float, float, str, float]] = []
     for i, p in enumerate(drive.parameters):
         if p.key not in doubtful or p.key == drive.inertia_key or spread[i] == 0.0:
             continue
         nearest = float(np.clip(values[i], searched[0][i], searched[1][i]))
         if nearest != values[i]:
-            choices.append((0.0, p.key, nearest))
+            choices.append((-np.inf, 0.0, p.key, nearest))
         elif p.linear and p.at_least is None and p.declared.lower <= 0.0 <= p.declared.upper:
-            choices.append((abs(values[i]) / spread[i], p.key, 0.0))
-    return min(choices)[1:] if choices else None
+            choices.append((-noisy.get(p.key, 0.0), abs(values[i]) / spread[i], p.key, 0.0))
+    return min(choices)[2:] if choices else None
 
 
 def searched_range(drive: Drive, recording: Recording) -> tuple[Array, Array]:

@@ -19,8 +19,8 @@ from fricmodels.recording import Recording
 
 Array = NDArray[np.float64]
 
-FIRST_STEP, STEPS = 1 / 3, 6
-"""Of the search for values that predict the velocity best."""
+FIRST_STEP, REACH, ROUNDS = 0.05, 10, 5
+"""Of the search for values that predict the velocity: step, steps on either side at first, and how often halved."""
 _GAINS = 0.5 ** np.arange(0, 12)
 
 
@@ -55,8 +55,9 @@ def explained_velocity(
 def sought(drive: Drive, starts: Sequence[Array], recording: Recording, held: Mapping[str, float]) -> Array:
     """Return values that predict the velocity better, each linear one that is not held stepped up and down.
 
-    Begins at the best start; steps begin at a third and halve. Where the velocity drowns in noise, whether the drive
-    turns, and for how long, says more of its Coulomb friction than the velocity does.
+    Begins at the best start, first half up and down in steps of a twentieth, then in ever smaller ones. Where the
+    velocity drowns in noise, whether the drive turns, and for how long, says more of its Coulomb friction than the
+    velocity does.
     """
     places = [i for i, p in enumerate(drive.parameters) if p.linear and p.key not in held]
 
@@ -66,15 +67,17 @@ def sought(drive: Drive, starts: Sequence[Array], recording: Recording, held: Ma
 
     fixed = [np.array([held.get(k, v) for k, v in zip(drive.keys, values, strict=True)]) for values in starts]
     least, _, best = min((error(values), i, values) for i, values in enumerate(fixed))
-    for step in FIRST_STEP * 0.5 ** np.arange(STEPS):
+    for round_number in range(ROUNDS):
+        step = FIRST_STEP * 0.5**round_number
+        multiples = np.arange(-REACH, REACH + 1) if round_number == 0 else np.array([-1, 1])
         for i in places:
-            for factor in (1.0 - step, 1.0 + step):
-                trial = best.copy()
-                trial[i] *= factor
+            better = best
+            for factor in 1.0 + step * multiples:
+                trial = np.where(np.arange(len(best)) == i, factor * best, best)
                 reached = error(trial)
                 if reached < least:
-                    best, least = trial, reached
-                    break
+                    better, least = trial, reached
+            best = better
     return best
 
 
