@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Literal
 
@@ -12,7 +13,7 @@ from pydantic import Field
 
 from estimators.batch.identification import drowned, lost_in_noise, not_identified, searched_range, to_hold
 from estimators.batch.problem import Outcome, Plan, check_start
-from estimators.batch.smoothing import explained_velocity, sought
+from estimators.batch.smoothing import explained_velocity, prediction_error, sought
 from estimators.batch.torque_fit import TorqueFit, derivative_fit, possible_widths, weak_fit
 from fricmodels.drive import Drive
 from fricmodels.estimator import Estimator, EstimatorSettings
@@ -105,14 +106,14 @@ class Batch(Estimator):
                 key, value = choice
                 held[key] = f"{reasons[key]}; held at {value:.3g}"
                 plan = replace(plan, held={**plan.held, key: value})
-                result = self._torque_fit(drive, recording, plan, result.width, found.values)
+                result = self._torque_fit(drive, recording, plan, result.width, result)
             notes = {"samples_per_equation": result.width, "relative_error": result.relative_error}
         return self._report(drive, recording, found, reasons, notes, time.perf_counter() - started)
 
     def _torque_fit(
-        self, drive: Drive, recording: Recording, plan: Plan, width: int | None, before: Array | None = None
+        self, drive: Drive, recording: Recording, plan: Plan, width: int | None, before: TorqueFit | None = None
     ) -> TorqueFit:
-        """Fit the torque; ``before`` holds the values found before a parameter was held."""
+        """Fit the torque; ``before`` is the fit before a parameter was held."""
         if self.settings.form == "derivative":
             return derivative_fit(drive, recording, self.settings.preparation, plan)
         choice = self.settings.velocity
@@ -124,30 +125,49 @@ class Batch(Estimator):
         result = weak_fit(drive, recording, width, still, recording.velocity, plan)
         if choice == "measured" or (choice == "auto" and not (hidden or still.any())):
             return result
-        if hidden and before is not None:
-            values = sought(drive, [result.values, before], recording, plan.held)
-            explained = explained_velocity(drive, dict(zip(drive.keys, values, strict=True)), recording)
-            if explained is not None:
-                result = weak_fit(drive, recording, result.width, explained[1], explained[0], plan)
-        return self._explained(drive, recording, result, plan)
+        if before is not None and hidden:
+            return self._sought(drive, recording, [result, before], plan, plan.held)
+        result, settled = self._explained(drive, recording, result, plan)
+        noisy = {} if settled else self._noisy(drive, recording, result.values)
+        if noisy and max(noisy.values()) > 0.0:
+            noisiest = max(noisy, key=lambda key: noisy[key])
+            again = self._sought(drive, recording, [result], plan, {noisiest: 0.0})
+            result = min(result, again, key=lambda fit: prediction_error(drive, fit.values, recording))
+        return result
 
-    def _explained(self, drive: Drive, recording: Recording, result: TorqueFit, plan: Plan) -> TorqueFit:
-        """Explain the velocity by the fit and fit again, in rounds, while that does not predict the velocity worse."""
+    def _sought(
+        self, drive: Drive, recording: Recording, fits: Sequence[TorqueFit], plan: Plan, held: Mapping[str, float]
+    ) -> TorqueFit:
+        """Fit again, in rounds, from the values that predict the velocity best while some are held."""
+        values = sought(drive, [fit.values for fit in fits], recording, held)
+        explained = explained_velocity(drive, dict(zip(drive.keys, values, strict=True)), recording)
+        if explained is None:
+            return fits[0]
+        velocity, still, _ = explained
+        result = weak_fit(drive, recording, fits[0].width, still, velocity, plan)
+        return self._explained(drive, recording, result, plan)[0]
+
+    def _explained(self, drive: Drive, recording: Recording, result: TorqueFit, plan: Plan) -> tuple[TorqueFit, bool]:
+        """Explain the velocity by the fit and fit again, in rounds, while that does not predict the velocity worse.
+
+        Returns:
+            The fit, and whether the rounds settled.
+        """
         best, least = result, np.inf
         for _ in range(MAX_ROUNDS):
             explained = explained_velocity(drive, dict(zip(drive.keys, result.values, strict=True)), recording)
             if explained is None:
-                break
+                return result, True
             velocity, still, error = explained
             if error > WORSE * least:
-                return best
+                return best, False
             if error < least:
                 best, least = result, error
             before, result = result, weak_fit(drive, recording, result.width, still, velocity, plan)
             spread = np.sqrt(np.clip(np.diag(result.covariance), 0.0, None))
             if np.all(np.abs(result.values - before.values) <= 0.1 * spread):
-                break
-        return result
+                return result, True
+        return result, False
 
     def _noisy(self, drive: Drive, recording: Recording, values: Array) -> dict[str, float]:
         """Return key → share of noise in what each parameter multiplies; empty where noise does not matter."""

@@ -52,6 +52,12 @@ def explained_velocity(
     return velocity, velocity == 0.0, squares / len(recording)
 
 
+def prediction_error(drive: Drive, values: Array, recording: Recording) -> float:
+    """Return the mean square error of predicting the velocity, see :func:`explained_velocity`; infinite without one."""
+    explained = explained_velocity(drive, dict(zip(drive.keys, values, strict=True)), recording)
+    return np.inf if explained is None else explained[2]
+
+
 def sought(drive: Drive, starts: Sequence[Array], recording: Recording, held: Mapping[str, float]) -> Array:
     """Return values that predict the velocity better, each linear one that is not held stepped up and down.
 
@@ -62,8 +68,7 @@ def sought(drive: Drive, starts: Sequence[Array], recording: Recording, held: Ma
     places = [i for i, p in enumerate(drive.parameters) if p.linear and p.key not in held]
 
     def error(trial: Array) -> float:
-        explained = explained_velocity(drive, dict(zip(drive.keys, trial, strict=True)), recording)
-        return np.inf if explained is None else explained[2]
+        return prediction_error(drive, trial, recording)
 
     fixed = [np.array([held.get(k, v) for k, v in zip(drive.keys, values, strict=True)]) for values in starts]
     least, _, best = min((error(values), i, values) for i, values in enumerate(fixed))
