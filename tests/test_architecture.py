@@ -28,7 +28,7 @@ LAYERS = (
     {"score"},
     {"tournament", "diagnosis"},
     {"export", "report"},
-    {"testing"},
+    {"testing", "scaffold"},
     {"cli", "__main__"},
 )
 LEVEL = {room: level for level, rooms in enumerate(LAYERS) for room in rooms}

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import importlib
 import importlib.metadata
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import TYPE_CHECKING, Generic, TypeVar
+from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 import pluggy
 
@@ -83,12 +84,24 @@ class Plugins:
     readers: Registry[Reader]
     failures: tuple[Failure, ...]
 
+    @property
+    def registries(self) -> dict[str, Registry[Any]]:
+        """The registry of each kind: ``law``, ``effect``, ``estimator``, ``reader``."""
+        return {"law": self.laws, "effect": self.effects, "estimator": self.estimators, "reader": self.readers}
+
 
 _HOOKS = {
     "law": "fricmodels_laws",
     "effect": "fricmodels_effects",
     "estimator": "fricmodels_estimators",
     "reader": "fricmodels_readers",
+}
+
+_BASES = {
+    "law": ("fricmodels.term", "Law"),
+    "effect": ("fricmodels.term", "Effect"),
+    "estimator": ("fricmodels.estimator", "Estimator"),
+    "reader": ("fricmodels.readers.base", "Reader"),
 }
 
 
@@ -108,7 +121,7 @@ def load() -> Plugins:
         try:
             module = point.load()
             manager.register(module, name=f"{distribution}:{point.name}")
-        except Exception as error:
+        except (Exception, SystemExit) as error:
             failures.append(Failure(point.name, distribution, f"{type(error).__name__}: {error}"))
         else:
             origins[f"{distribution}:{point.name}"] = distribution
@@ -121,7 +134,7 @@ def load() -> Plugins:
                 continue
             try:
                 classes = list(implementation())
-            except Exception as error:
+            except (Exception, SystemExit) as error:
                 failures.append(Failure(plugin_name, distribution, f"{hook}: {type(error).__name__}: {error}"))
                 continue
             for cls in classes:
@@ -151,5 +164,21 @@ def _register(entries: dict[str, Registered[object]], kind: str, cls: type[objec
         return f"{kind} '{name}' does not write {', '.join(sorted(abstract))}"
     if name in entries:
         return f"{kind} '{name}' is already provided by {entries[name].distribution}"
+    problem = _problem(kind, cls)
+    if problem:
+        return f"{kind} '{name}' {problem}"
     entries[name] = Registered(cls, distribution)
+    return None
+
+
+def _problem(kind: str, cls: type[Any]) -> str | None:
+    """Return what keeps a class from being listed and used, or ``None``."""
+    home, base = _BASES[kind]
+    if not (isinstance(cls, type) and issubclass(cls, getattr(importlib.import_module(home), base))):
+        return f"is not derived from {home}.{base}"
+    for declared in (*getattr(cls, "parameters", ()), *getattr(cls, "states", ())):
+        try:
+            _ = declared.dimension
+        except (InputError, ValueError, ArithmeticError) as error:
+            return f"declares {declared.symbol}: {error}"
     return None

@@ -111,8 +111,8 @@ class EstimatorExam:
             error = fit.parameters[key] / true - 1
             if not abs(error) <= self.tolerance:
                 raise Fault(
-                    f"{key} = {fit.parameters[key]:.5g} for a true {true:.5g} ({100 * error:+.1f} %) without noise; look "
-                    "at samples at rest, at the torque between samples, and at normalisation"
+                    f"{key} = {fit.parameters[key]:.5g} for a true {true:.5g} ({100 * error:+.1f} %) without noise; "
+                    "look at samples at rest, at the torque between samples, and at normalisation"
                 )
 
     def test_sizes_do_not_matter(self) -> None:
@@ -158,8 +158,8 @@ class EstimatorExam:
         if not low[0] <= share <= high[1]:
             direction = "too narrow" if share < low[0] else "too wide"
             raise Fault(
-                f"intervals of nominally 95 % hold the truth in {100 * share:.0f} % of {self.seeds} recordings: they are "
-                f"{direction}; account for autocorrelated residuals, and for the noise of the velocity"
+                f"intervals of nominally 95 % hold the truth in {100 * share:.0f} % of {self.seeds} recordings: they "
+                f"are {direction}; account for autocorrelated residuals, and for the noise of the velocity"
             )
 
     def test_failure_is_reported(self) -> None:

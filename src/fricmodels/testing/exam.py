@@ -17,17 +17,17 @@ from fricmodels.testing.units import check_units
 def check_registered(kind: str, cls: type) -> None:
     """The plugin manager finds the class under its name."""
     loaded = plugins.load()
-    registry = {"law": loaded.laws, "effect": loaded.effects, "estimator": loaded.estimators, "reader": loaded.readers}
+    registry = loaded.registries[kind]
     name = getattr(cls, "name", None)
-    if name not in registry[kind]:
+    if name not in registry:
         reasons = [str(failure) for failure in loaded.failures if f"'{name}'" in failure.reason]
         raise Fault(
             f"{kind} {name!r} is not registered: {reasons[0]}"
             if reasons
-            else f"{kind} {name!r} is not registered; return the class from the hook fricmodels_{kind}s and install the "
-            "distribution with its entry point in the group 'fricmodels'"
+            else f"{kind} {name!r} is not registered; return the class from the hook fricmodels_{kind}s and install "
+            "the distribution with its entry point in the group 'fricmodels'"
         )
-    entry = registry[kind].entry(str(name))
+    entry = registry.entry(str(name))
     if entry.cls is not cls:
         raise Fault(f"the name {name!r} belongs to {entry.cls.__name__} of {entry.distribution}; choose another name")
 
@@ -39,7 +39,8 @@ class TermExam:
         term: the class that sits the exam.
         truth: values by symbol under which the drive of the exam moves, where the suggested ones do not fit.
         tolerance: relative error of a parameter that is recovered from a recording without noise.
-        estimators: names of those that must recover the parameters; one that says it cannot carry the model is left out.
+        estimators: names of those that must recover the parameters; one that says that it cannot carry the
+            model is left out.
     """
 
     kind: ClassVar[str]

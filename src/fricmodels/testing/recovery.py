@@ -146,12 +146,12 @@ def _rich_case(cls: type[Term], truth: tuple[tuple[str, float], ...], seed: int)
 def _excitation(seed: int) -> tuple[Array, Array, Array]:
     """Return times, a motor torque of several frequencies and amplitudes, and a slow load torque."""
     rng = np.random.default_rng(seed)
-    time = np.arange(8000) * 1e-3
-    torque = np.zeros(len(time))
-    for frequency, amplitude in ((0.35, 0.3), (0.8, 0.35), (1.7, 0.3), (3.9, 0.25), (9.1, 0.15)):
-        torque += amplitude * np.sin(2 * np.pi * frequency * time + rng.uniform(0, 2 * np.pi))
+    time: Array = np.arange(8000) * 1e-3
+    tones = np.array([(0.35, 0.3), (0.8, 0.35), (1.7, 0.3), (3.9, 0.25), (9.1, 0.15)])
+    phases = 2 * np.pi * (np.outer(tones[:, 0], time) + rng.uniform(0, 1, (len(tones), 1)))
+    torque: Array = tones[:, 1] @ np.sin(phases)
     load = 0.25 * np.sin(2 * np.pi * 0.23 * time + 0.4) + 0.1 * np.sin(2 * np.pi * 1.1 * time)
-    return time, torque, load
+    return time, torque, np.asarray(load)
 
 
 def ready(case: Case) -> Recording:

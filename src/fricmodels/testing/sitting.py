@@ -90,9 +90,10 @@ def named(name: str) -> list[tuple[str, str]]:
         InputError: where nothing has that name, naming the nearest known one.
     """
     loaded = plugins.load()
-    registries = _registries(loaded)
     entries = [
-        (kind, own, registry.entry(own).distribution) for kind, registry in registries.items() for own in registry
+        (kind, own, registry.entry(own).distribution)
+        for kind, registry in loaded.registries.items()
+        for own in registry
     ]
     found = [(kind, own) for kind, own, distribution in entries if name in (own, distribution)]
     if not found:
@@ -132,14 +133,5 @@ def examine(kind: str, name: str, *, timeout: float = 120.0, thorough: bool = Fa
 
 
 def _sit_registered(kind: str, name: str, check: str, thorough: bool) -> Outcome:
-    registry = _registries(plugins.load())[kind]
+    registry = plugins.load().registries[kind]
     return sit(exam_of(kind, registry[name], thorough=thorough), check)
-
-
-def _registries(loaded: plugins.Plugins) -> dict[str, plugins.Registry[Any]]:
-    return {
-        "law": loaded.laws,
-        "effect": loaded.effects,
-        "estimator": loaded.estimators,
-        "reader": loaded.readers,
-    }

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import math
+import traceback
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
+from pathlib import Path
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -65,6 +67,11 @@ class Subject:
     def place(self, parameter: int) -> int:
         """Return where a parameter stands in the column."""
         return FIRST_PARAMETER + parameter
+
+    @property
+    def linear_places(self) -> list[int]:
+        """Where the linear parameters stand in the column."""
+        return [self.place(i) for i, linear in enumerate(self.model.linear) if linear]
 
     def column(
         self,
@@ -176,12 +183,11 @@ def _called(method: str, term: Term, symbols: dict[str, Any], own: dict[str, Any
     try:
         return getattr(term, method)(Signals(symbols, memory), Parameters(own))
     except Exception as error:
-        import traceback
-
         line = traceback.extract_tb(error.__traceback__)[-1]
+        where = f"line {line.lineno} of {Path(line.filename).name}"
         raise Fault(
-            f"{method}() raises {type(error).__name__}: {error} (line {line.lineno} of {line.filename.rpartition('/')[2]}); "
-            "use s.SIGNAL, p.SYMBOL and the functions of fricmodels.expressions"
+            f"{method}() raises {type(error).__name__}: {error} ({where}); use s.SIGNAL, "
+            "p.SYMBOL and the functions of fricmodels.expressions"
         ) from None
 
 

@@ -134,8 +134,9 @@ def check_derivatives(s: Subject) -> None:
             size = max(abs(slope), *map(abs, ends))
             if not abs((ends[1] - ends[0]) / (2 * step) - slope) <= 2e-4 * size + 1e-9:
                 raise Fault(
-                    f"the derivative by {name} is {slope:.4g}, the torque changes by {(ends[1] - ends[0]) / 2 / step:.4g} "
-                    f"({s.written(column)}); floor(), rounding or a jump hides the slope: write a smooth expression"
+                    f"the derivative by {name} is {slope:.4g}, the torque changes by "
+                    f"{(ends[1] - ends[0]) / 2 / step:.4g} ({s.written(column)}); "
+                    "floor(), rounding or a jump hides the slope: write a smooth expression"
                 )
 
 
@@ -155,7 +156,7 @@ def check_smooth_limit(s: Subject) -> None:
 def check_linear(s: Subject) -> None:
     """The torque obeys superposition in the parameters that are solved linearly."""
     rng = np.random.default_rng(5)
-    places = np.array([s.place(i) for i in np.flatnonzero(s.linear)], dtype=int)
+    places = s.linear_places
     for _ in range(10):
         column = s.column(rng)
 
@@ -188,10 +189,9 @@ def check_dissipative(s: Subject) -> None:
 
 def _pushes(s: Subject, column: Array, torque: float) -> str:
     where = f"τ = {torque:.3g} at {s.written(column)}"
-    linear = np.flatnonzero(s.linear)
-    for i in linear:
+    for i in (i for i, linear in enumerate(s.model.linear) if linear):
         alone = column.copy()
-        alone[[s.place(j) for j in linear if j != i]] = 0.0
+        alone[[place for place in s.linear_places if place != s.place(i)]] = 0.0
         mirrored = alone.copy()
         mirrored[VELOCITY_PLACE] *= -1
         p = s.term.parameters[i]
@@ -266,7 +266,7 @@ def check_neutral(s: Subject) -> None:
     rng = np.random.default_rng(9)
     for _ in range(20):
         column = s.column(rng)
-        column[[s.place(i) for i in np.flatnonzero(s.linear)]] = 0.0
+        column[s.linear_places] = 0.0
         torque = s.torque(column)
         if abs(torque) > 1e-12:
             raise Fault(
