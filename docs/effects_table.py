@@ -1,0 +1,68 @@
+"""Writes the tables of ``docs/effects.md`` from the registered effects; a test keeps them equal."""
+
+from __future__ import annotations
+
+from itertools import combinations
+from pathlib import Path
+
+from fricmodels import plugins
+from fricmodels.diagnosis.look_alikes import experiment
+from fricmodels.diagnosis.problem import NoFriction
+from fricmodels.model import Model
+from fricmodels.recording import SIGNAL_CHANNEL
+from fricmodels.term import Effect
+
+PAGE = Path(__file__).parent / "effects.md"
+BEGIN, END = "<!-- generated: begin -->", "<!-- generated: end -->"
+
+
+def built_in() -> list[Effect]:
+    """Return the effects that come with the project, in order of registration."""
+    registered = plugins.load().effects
+    return [registered[name]() for name in registered if registered.entry(name).distribution == "fricmodels"]
+
+
+def cell(text: str) -> str:
+    """Return text that does not end a column of a Markdown table."""
+    return text.replace("|", r"\|")
+
+
+def channels(effect: Effect) -> str:
+    """Return the channels that an effect needs besides time, torque and velocity."""
+    touched = {SIGNAL_CHANNEL[signal] for signal in Model(NoFriction(), [effect]).needs}
+    return ", ".join(sorted(touched - {"time", "torque", "torque_rate", "velocity", "acceleration"}))
+
+
+def generated() -> str:
+    """Return the generated part of the page."""
+    effects = built_in()
+    lines = ["| name | torque | leaves in the residual | needs | searched for |", "|---|---|---|---|---|"]
+    for effect in effects:
+        flags = Model(NoFriction(), [effect]).linear
+        searched = ", ".join(f"`{p.symbol}`" for p, linear in zip(effect.parameters, flags, strict=True) if not linear)
+        needs = "; ".join(text for text in (channels(effect), effect.needs_motion) if text)
+        lines.append(f"| `{effect.name}` | {cell(effect.formula)} | {effect.signature} | {needs} | {searched} |")
+    lines += ["", "## Their parameters", "", "| effect | symbol | unit | meaning |", "|---|---|---|---|"]
+    for effect in effects:
+        for p in effect.parameters:
+            lines.append(f"| `{effect.name}` | `{p.symbol}` | {p.unit} | {p.meaning} |")
+    lines += ["", "## Look-alikes", "", "| these | are told apart by |", "|---|---|"]
+    groups: dict[str, list[str]] = {}
+    for one, other in combinations([effect.name for effect in effects], 2):
+        text = experiment(one, other)
+        if "vary independently" not in text:
+            groups.setdefault(text, [])
+            groups[text] += [name for name in (one, other) if name not in groups[text]]
+    lines += [f"| {', '.join(f'`{name}`' for name in names)} | {text} |" for text, names in groups.items()]
+    return "\n".join(lines) + "\n"
+
+
+def page() -> str:
+    """Return the page with its generated part renewed."""
+    text = PAGE.read_text(encoding="utf-8")
+    before, after = text.split(BEGIN)[0], text.split(END)[1]
+    return f"{before}{BEGIN}\n{generated()}{END}{after}"
+
+
+if __name__ == "__main__":
+    PAGE.write_text(page(), encoding="utf-8")
