@@ -11,9 +11,10 @@ from hypothesis import strategies as st
 
 from estimators.batch import Batch
 from fricmodels.drive import Drive
-from fricmodels.errors import EstimationError
+from fricmodels.errors import EstimationError, InputError
 from fricmodels.fit import Fit, Status
 from fricmodels.model import Model
+from fricmodels.plugins import load
 from fricmodels.recording import Recording
 from fricmodels.simulation import simulate
 
@@ -116,6 +117,53 @@ def test_low_amplitude_identifies_coulomb_friction_only() -> None:
 def test_regressor_below_the_noise_is_named() -> None:
     fit = Batch().fit(drive(), paper(noise=5.0, seed=1, amplitude=0.0105))
     assert "hidden in the noise" in fit.not_identified["K_v1"]
+
+
+@pytest.mark.parametrize("times_coulomb", [1.05, 1.08, 1.2])
+def test_what_is_not_identified_spoils_nothing_else(times_coulomb: float) -> None:
+    """Fig. 10: as the drive hardly turns, K_v1 is held; K_c1 stays within its interval, in 95 of 100 records."""
+    fits = [Batch().fit(drive(), paper(noise=5.0, seed=s, amplitude=times_coulomb * TRUE["K_c1"])) for s in range(5)]
+    off = [abs(fit.parameters["K_c1"] - TRUE["K_c1"]) / fit.standard_errors["K_c1"] for fit in fits]
+    assert np.median(off) < 1.96
+    assert max(off) < 3.0
+    assert max(errors(fit, {"K_c1": TRUE["K_c1"]}).max() for fit in fits) < 2.0
+    for fit in fits:
+        assert "K_c1" not in fit.not_identified
+        if times_coulomb == 1.05:
+            assert "held at 0" in fit.not_identified["K_v1"]
+            assert fit.parameters["K_v1"] == 0.0
+
+
+def test_effect_that_is_not_there_is_held_at_nothing() -> None:
+    recording = multisine("coulomb-viscous", {"K_v": 1e-4, "K_c": 8e-3}, noise=1.0)
+    plain = Batch().fit(drive("coulomb-viscous"), recording)
+    fit = Batch().fit(drive("coulomb-viscous+torque-offset"), recording)
+    assert "held at 0" in fit.not_identified["torque-offset.tau_0"]
+    assert fit.parameters["K_c"] == pytest.approx(plain.parameters["K_c"], rel=1e-4)
+    assert fit.standard_errors["torque-offset.tau_0"] > 0.0
+
+
+def test_start_of_a_nonlinear_parameter() -> None:
+    recording = multisine("exponential-stick-slip", STICK_SLIP)
+    near = Batch({"start": {"B": 0.1}}).fit(drive("exponential-stick-slip"), recording)
+    assert errors(near, STICK_SLIP).max() < 1.0
+
+
+@pytest.mark.parametrize(
+    ("start", "message"),
+    [({"b": 0.1}, "known: B"), ({"K_v": 1e-4}, "enters linearly"), ({"B": -1.0}, "bounds are 0 to inf")],
+)
+def test_start_that_cannot_be_used_is_refused(start: dict[str, float], message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        Batch({"start": start}).fit(drive("exponential-stick-slip"), multisine("exponential-stick-slip", STICK_SLIP))
+
+
+@pytest.mark.parametrize("estimator", ["batch", "ekf", "detchmendy-sridhar"])
+def test_delay_of_the_sensors(estimator: str) -> None:
+    truth = {"K_v": 1e-4, "K_c": 8e-3, "sensor-delay.T": 2e-3}
+    name = "coulomb-viscous+sensor-delay"
+    fit = load().estimators[estimator]().fit(drive(name), multisine(name, truth))
+    assert errors(fit, truth).max() < 1.0
 
 
 def test_columns_that_depend_on_each_other_are_named() -> None:
