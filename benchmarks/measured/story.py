@@ -232,3 +232,38 @@ def _errors_row(name: str, comparison: Comparison, checks: Mapping[str, Recordin
     errors = comparison.errors
     others = [f"{percent(comparison, check):.2f} %" for check in checks.values()]
     return [f"`{name}`", f"{errors.percent:.2f} %", f"{errors.held_out_percent:.2f} %", *others]
+
+
+def summary_table(stories: Mapping[str, Story]) -> str:
+    """Return one line a story: from which error to which, and by what."""
+    checks = next(iter(stories.values())).checks
+    rows = []
+    for name, story in stories.items():
+        first, last = story.base.errors, story.final.errors
+        steps = [d for d in story.ladder.steps if d.findings]
+        named = "; ".join(", ".join(f"`{n}`" for n in d.findings[0].names) for d in steps)
+        p_values = "; ".join(f"{d.findings[0].tested.adjusted:.0e}" for d in steps)
+        others = [f"{percent(story.base, c):.1f} → {percent(story.final, c):.1f} %" for c in story.checks.values()]
+        rows.append(
+            [
+                name,
+                f"`{story.ladder.rungs[-1].model}`",
+                f"{first.percent:.1f} → {last.percent:.1f} %",
+                f"{first.held_out_percent:.1f} → {last.held_out_percent:.1f} %",
+                *others,
+                named,
+                p_values,
+                story.ladder.last.verdict + (f"; {story.ladder.note}" if story.ladder.note else ""),
+            ]
+        )
+    head = [
+        "",
+        "model at the end",
+        "error fitted",
+        "kept back",
+        *checks,
+        "named, step by step",
+        "p",
+        "verdict at the end",
+    ]
+    return table(head, rows)

@@ -20,7 +20,7 @@ TRUTH = {"J": 2.0, "K_v": 0.5, "K_c": 3.0}
 def test_a_clean_recording_gives_the_truth(made: Made) -> None:
     _, found = estimate(Drive(Model.parse("coulomb-viscous")), made(noise=0.0))
     for key, value in TRUTH.items():
-        assert found.parameters[key] == pytest.approx(value, rel=2e-3)
+        assert found.parameters[key] == pytest.approx(value, rel=5e-4)
 
 
 def test_a_given_inertia_is_kept_and_named_by_the_kind_of_drive(made: Made) -> None:
@@ -31,13 +31,12 @@ def test_a_given_inertia_is_kept_and_named_by_the_kind_of_drive(made: Made) -> N
     assert linear.parameters["M"] == pytest.approx(2.0, rel=1e-2)
 
 
-@pytest.mark.parametrize("noise", [0.3, 2.0])
-def test_standard_errors_cover_the_truth_about_as_often_as_said(made: Made, noise: float) -> None:
+def test_standard_errors_cover_the_truth_about_as_often_as_said(made: Made) -> None:
     """Two standard errors should hold the truth in 95 % of recordings."""
     inside = dict.fromkeys(TRUTH, 0)
     trials = 40
     for seed in range(trials):
-        _, found = estimate(Drive(Model.parse("coulomb-viscous")), made(noise=noise, seed=seed, samples=3000))
+        _, found = estimate(Drive(Model.parse("coulomb-viscous")), made(noise=1.0, seed=seed, samples=3000))
         for key, value in TRUTH.items():
             inside[key] += abs(found.parameters[key] - value) < 2 * found.standard_errors[key]
     assert all(count / trials >= 0.8 for count in inside.values()), inside

@@ -118,8 +118,8 @@ class Batch(Estimator):
             return derivative_fit(drive, recording, self.settings.preparation, plan)
         choice = self.settings.velocity
         hidden = choice != "measured" and _sign_is_hidden(recording)
-        periodic = any(p.declared.periodic for p in drive.parameters)
-        if width is None and hidden and not periodic:
+        short_lived = bool(drive.model.states) or any(p.declared.periodic for p in drive.parameters)
+        if width is None and hidden and not short_lived:
             width = possible_widths(recording)[-1]
         still = resting(recording) if self.settings.rest == "detected" else recording.velocity == 0.0
         result = weak_fit(drive, recording, width, still, recording.velocity, plan)

@@ -161,11 +161,9 @@ def cosine_terms(independent: float, rows: int) -> int:
 
 def long_run_sum(series: Array, terms: int) -> Array:
     """Return the covariance of the sum over time of series, shape (q, M) → (q, q), by ν equal-weighted cosines."""
-    count = series.shape[1]
-    phase = np.pi * (np.arange(count) + 0.5) / count
-    projected = np.empty((len(series), terms))
-    for j in range(terms):
-        projected[:, j] = series @ np.cos((j + 1) * phase)
+    from scipy.fft import dct
+
+    projected = dct(series, type=2, axis=1)[:, 1 : terms + 1] / 2
     return np.asarray(2.0 * projected @ projected.T / terms)
 
 

@@ -23,10 +23,10 @@ from fricmodels.term import Effect, Law, Parameters, Signals
 
 Array = NDArray[np.float64]
 
-MAX_SAMPLES = 400_000
+MAX_SAMPLES = 163_840
 """Longer recordings are diagnosed on this many samples, in blocks spread evenly over them."""
 
-_BLOCK = 16_384
+_BLOCK = 8_192
 _NARROWEST, _WIDEST = 16, 128
 _CERTAIN = 3.0
 """Standard errors from zero at which the direction of motion is certain."""

@@ -146,12 +146,12 @@ def _rich_case(cls: type[Term], truth: tuple[tuple[str, float], ...], seed: int)
 def _excitation(seed: int) -> tuple[Array, Array, Array]:
     """Return times, a motor torque of several frequencies and amplitudes, and a slow load torque."""
     rng = np.random.default_rng(seed)
-    time: Array = np.arange(8000) * 1e-3
+    time = 1e-3 * np.arange(8000)
     tones = np.array([(0.35, 0.3), (0.8, 0.35), (1.7, 0.3), (3.9, 0.25), (9.1, 0.15)])
     phases = 2 * np.pi * (np.outer(tones[:, 0], time) + rng.uniform(0, 1, (len(tones), 1)))
-    torque: Array = tones[:, 1] @ np.sin(phases)
+    torque = np.asarray(tones[:, 1] @ np.sin(phases), dtype=float)
     load = 0.25 * np.sin(2 * np.pi * 0.23 * time + 0.4) + 0.1 * np.sin(2 * np.pi * 1.1 * time)
-    return time, torque, np.asarray(load)
+    return np.asarray(time, dtype=float), torque, np.asarray(load, dtype=float)
 
 
 def ready(case: Case) -> Recording:

@@ -131,6 +131,21 @@ def subject(cls: type[Term]) -> Subject:
     )
 
 
+def written_anew(term: Term) -> Any:
+    """Call ``torque`` and ``rates`` once more; return a function of the column, as :attr:`Subject.torque_and_rates`."""
+    import casadi
+
+    signals = {name: casadi.SX.sym(name) for name in SIGNALS}
+    own = {p.symbol: casadi.SX.sym(p.symbol) for p in term.parameters}
+    memory = {z.symbol: casadi.SX.sym(z.symbol) for z in term.states}
+    width = casadi.SX.sym("width")
+    with rest_treatment(width, smooth=False):
+        torque = _called("torque", term, signals, own, memory)
+        rates = _called("rates", term, signals, own, memory) if memory else {}
+    column = casadi.vertcat(*signals.values(), *own.values(), *memory.values(), width)
+    return casadi.Function("anew", [column], [casadi.vertcat(torque, *(rates[symbol] for symbol in memory))])
+
+
 def _made(cls: type[Term]) -> Term:
     try:
         return cls()
