@@ -136,7 +136,16 @@ def test_tables_hold_no_colours_where_they_are_piped(diagnosis: Diagnosis, ladde
     show_ladder(console, ladder)
     text = stream.getvalue()
     assert "\x1b" not in text
-    for part in ("K_v", "N m s/rad", "given", "Where it fails", "Verdict: ", "cogging", "The ladder", "+ cogging"):
+    for part in (
+        "K_v",
+        "N m s/rad",
+        "given",
+        "Where it fails",
+        "Verdict: ",
+        "cogging",
+        "The ladder",
+        "coulomb-viscous+cogging",
+    ):
         assert part in text
     assert "Could not have been seen" in text
 
