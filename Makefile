@@ -37,7 +37,9 @@ paper: $(VENV)/.installed
 
 bench: $(VENV)/.installed
 	$(BIN)/pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[bench]'
-	$(BIN)/python benchmarks/speed.py
+	$(BIN)/python benchmarks/filter_speed.py
+	$(BIN)/python benchmarks/fit_speed.py
+	$(BIN)/python benchmarks/hidden_effects.py --quick
 
 clean:
 	rm -rf $(VENV) build runs demo-run
