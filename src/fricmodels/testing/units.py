@@ -52,7 +52,7 @@ def check_units(subject: Subject) -> None:
     wrong = [base for base, trial in trials.items() if not trial.holds(declared)]
     if not wrong:
         return
-    both = _Trial(subject, moving, Scales(8.0, angle, 2.0, 16.0))
+    both = _Trial(subject, moving, Scales(3.0, 5.0 if angle > 1 else 1.0, 7.0, 11.0))
     for i, p in enumerate(subject.term.parameters):
         right = _right_dimension(both, declared, FIRST_PARAMETER + i)
         if right is not None:

@@ -1,0 +1,80 @@
+"""The built-in laws, effects and estimators sit the exam that plugins sit."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from fricmodels import plugins
+from fricmodels.testing import EffectExam, EstimatorExam, LawExam, ReaderExam, checks, sit
+
+REGISTERED = plugins.load()
+BUILT_IN = {
+    kind: [name for name in registry if registry.entry(name).distribution == "fricmodels"]
+    for kind, registry in REGISTERED.registries.items()
+}
+EXAMS: dict[str, tuple[type[Any], str]] = {
+    "law": (LawExam, "term"),
+    "effect": (EffectExam, "term"),
+    "estimator": (EstimatorExam, "estimator"),
+    "reader": (ReaderExam, "reader"),
+}
+TRUTHS: dict[str, dict[str, float]] = {
+    "backlash": {"J_l": 0.004, "F": 0.05, "w": 0.1, "omega_c": 250.0, "T_l": 0.05},
+}
+TAKES_LONG = {"test_compiled", "test_recovered", "test_coverage", "test_terms_with_memory"}
+QUICK = {"coulomb-viscous", "exponential-stick-slip", "cogging", "stribeck", "batch", "rls"}
+"""Those that do the long checks in every run; the others do them in the long one."""
+KNOWN: dict[tuple[str, str], str] = {
+    ("constant-velocity", "test_coverage"): "Kubo's regression counts only the scatter about its plateaus",
+}
+"""What a built-in one is known not to pass, and why."""
+
+
+def sitting(kind: str, name: str, **attributes: Any) -> type[Any]:
+    """Return the exam of a registered class."""
+    exam, subject = EXAMS[kind]
+    if name in TRUTHS:
+        attributes["truth"] = TRUTHS[name]
+    return type(f"Exam-{name}", (exam,), {subject: REGISTERED.registries[kind][name], **attributes})
+
+
+def cases(*, long: bool) -> list[Any]:
+    listed = []
+    for kind, names in BUILT_IN.items():
+        for name in names:
+            for check in checks(EXAMS[kind][0]):
+                if (check in TAKES_LONG and name not in QUICK) is long:
+                    known = KNOWN.get((name, check))
+                    marks = [pytest.mark.xfail(reason=known, strict=True)] if known else []
+                    listed.append(pytest.param(kind, name, check, id=f"{name}-{check}", marks=marks))
+    return listed
+
+
+@pytest.mark.parametrize(("kind", "name", "check"), cases(long=False))
+def test_quick(kind: str, name: str, check: str) -> None:
+    outcome = sit(sitting(kind, name), check)
+    assert outcome.good, outcome.message
+
+
+@pytest.mark.long
+@pytest.mark.parametrize(("kind", "name", "check"), cases(long=True))
+def test_long(kind: str, name: str, check: str) -> None:
+    outcome = sit(sitting(kind, name), check)
+    assert outcome.good, outcome.message
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("estimator", ["batch", "detchmendy-sridhar", "ekf"])
+@pytest.mark.parametrize("name", BUILT_IN["law"])
+def test_every_law_is_recovered(name: str, estimator: str) -> None:
+    outcome = sit(sitting("law", name, estimators=(estimator,)), "test_recovered")
+    assert outcome.good, outcome.message
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("name", ["batch", "detchmendy-sridhar", "ekf", "rls"])
+def test_coverage_over_many_seeds(name: str) -> None:
+    outcome = sit(sitting("estimator", name, seeds=100), "test_coverage")
+    assert outcome.good, outcome.message
