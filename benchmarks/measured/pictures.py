@@ -61,7 +61,7 @@ def _row(axes: NDArray[np.object_], comparison: Comparison, recording: Recording
     over_position.legend(fontsize=7, markerscale=6, loc="upper right")
     over_speed.set_xlabel(f"speed [{length}/s]")
     distance = since_reversal(recording)
-    late = shown[distance[shown] > 0]
+    late = shown[distance[shown] > 3e-5 * float(np.ptp(recording["position"]))]
     since.semilogx(distance[late], (error * np.sign(velocity))[late], ".", ms=1.2, color="#444444")
     since.set_xlabel(f"distance since reversal [{length}]")
     since.set_title("error along the motion", fontsize=9)
