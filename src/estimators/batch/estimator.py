@@ -16,6 +16,7 @@ from estimators.batch.problem import Outcome, Plan, check_start
 from estimators.batch.smoothing import explained_velocity, prediction_error, sought
 from estimators.batch.torque_fit import TorqueFit, derivative_fit, possible_widths, weak_fit
 from fricmodels.drive import Drive
+from fricmodels.errors import EstimationError
 from fricmodels.estimator import Estimator, EstimatorSettings
 from fricmodels.fit import Fit, Status
 from fricmodels.recording import Recording
@@ -77,6 +78,8 @@ class Batch(Estimator):
     def fit(self, drive: Drive, recording: Recording, *, seed: int = 0) -> Fit:
         """Estimate the free parameters; see :class:`BatchSettings` for the objectives."""
         started = time.perf_counter()
+        if not np.any(recording.torque):
+            raise EstimationError(f"recording '{recording.name}' has zero torque throughout; there is nothing to fit")
         check_start(drive, self.settings.start)
         if self.settings.form == "weak" or self.settings.objective == "simulation":
             recording = _complete(drive, recording)
@@ -122,7 +125,8 @@ class Batch(Estimator):
         if width is None and hidden and not short_lived:
             width = possible_widths(recording)[-1]
         still = resting(recording) if self.settings.rest == "detected" else recording.velocity == 0.0
-        result = weak_fit(drive, recording, width, still, recording.velocity, plan)
+        start = before.solution.alpha if before is not None and drive.model.states else None
+        result = weak_fit(drive, recording, width, still, recording.velocity, plan, start)
         if choice == "measured" or (choice == "auto" and not (hidden or still.any())):
             return result
         if before is not None and hidden:
@@ -163,7 +167,8 @@ class Batch(Estimator):
                 return best, False
             if error < least:
                 best, least = result, error
-            before, result = result, weak_fit(drive, recording, result.width, still, velocity, plan)
+            start = result.solution.alpha if drive.model.states else None
+            before, result = result, weak_fit(drive, recording, result.width, still, velocity, plan, start)
             spread = np.sqrt(np.clip(np.diag(result.covariance), 0.0, None))
             if np.all(np.abs(result.values - before.values) <= 0.1 * spread):
                 return result, True

@@ -21,6 +21,10 @@ TOLERANCE = 1e-6
 standard error, √(TOLERANCE)."""
 LARGEST_RATIO = 1.5
 """Largest step of a parameter on a logarithmic scale: a factor of e^1.5."""
+BEST_STARTS = 3
+"""So many starts of a model with memory are refined."""
+COARSE, CLIMBS = 3.0, 7
+"""First factor by which their parameters are stepped, and how often its logarithm is halved."""
 BEST_WAVES = 3
 """So many of the wave numbers that a spectrum shows are refined to the end."""
 
@@ -145,11 +149,29 @@ class Projection:
         unseen = self._rows_of(np.flatnonzero(nonlinear.periodic))
         starts = [nonlinear.clip(point) for point in (nonlinear.combinations() if start is None else [start])]
         if len(starts) > 1:
-            starts = [min(starts, key=lambda alpha: self._cost(alpha, unseen))]
+            starts = sorted(starts, key=lambda alpha: self._cost(alpha, unseen))
+            remembers = bool(self._equations.separable.model.states)
+            starts = [self._climb(point, nonlinear) for point in starts[:BEST_STARTS]] if remembers else starts[:1]
         if unseen:
             waves = self._waves(starts[0], nonlinear)
             starts = waves if start is None else [*starts, *waves]
         return min((self._descend(self._at(s), nonlinear, max_iterations) for s in starts), key=lambda at: at.cost)
+
+    def _climb(self, alpha: Array, nonlinear: Nonlinear) -> Array:
+        """Step each parameter in turn by a factor that shrinks, as long as the error falls.
+
+        The error of a model with memory is not smooth: contacts open and close at other samples.
+        """
+        least = self._cost(alpha)
+        for factor in COARSE ** (0.5 ** np.arange(CLIMBS)):
+            for j in np.flatnonzero(nonlinear.logarithmic & ~nonlinear.held):
+                for ratio in (factor, 1.0 / factor):
+                    trial = nonlinear.clip(np.where(np.arange(len(alpha)) == j, ratio * alpha, alpha))
+                    cost = self._cost(trial)
+                    if cost < least:
+                        alpha, least = trial, cost
+                        break
+        return alpha
 
     def _rows_of(self, places: Sequence[int] | NDArray[np.int64]) -> frozenset[int]:
         """Return the linear parameters whose rows depend on some of the nonlinear parameters."""

@@ -167,21 +167,22 @@ def weak_fit(
     resting: NDArray[np.bool_],
     velocity: Array,
     plan: Plan,
+    start: Array | None = None,
 ) -> TorqueFit:
-    """Fit the weak form, the friction evaluated at ``velocity``.
+    """Fit the weak form, the friction evaluated at ``velocity``; ``start`` is for the nonlinear parameters.
 
     Without a width, those of :func:`possible_widths` are tried. Wide bumps suppress noise, narrow ones keep more of
     the motion; taken is the narrowest whose standard errors are, in the geometric mean, within a tenth of the smallest.
     """
     quadrature = Quadrature.of(recording, velocity, resting)
     if width is not None:
-        return _fit_width(drive, recording, quadrature, width, resting, plan)
+        return _fit_width(drive, recording, quadrature, width, resting, plan, start)
     widths = possible_widths(recording)
     fits: list[TorqueFit] = []
     for candidate in widths:
         try:
-            start = fits[-1].solution.alpha if fits else None
-            fits.append(_fit_width(drive, recording, quadrature, candidate, resting, plan, start))
+            begin = fits[-1].solution.alpha if fits else start
+            fits.append(_fit_width(drive, recording, quadrature, candidate, resting, plan, begin))
         except EstimationError:
             if candidate == widths[-1] and not fits:
                 raise
