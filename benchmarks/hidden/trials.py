@@ -63,6 +63,7 @@ def said(diagnosis: Diagnosis) -> Row:
         "gain": first.tested.evidence.gain if first else None,
         "parameters": dict(first.tested.parameters) if first else {},
         "view": diagnosis.view.channels if diagnosis.view else "",
+        "view_gain": diagnosis.view.evidence.gain if diagnosis.view else None,
     }
 
 
