@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import replace
 from functools import lru_cache
 
@@ -18,8 +18,8 @@ Draw = Callable[..., tuple[Rig, Recording]]
 SAMPLES = 12_000
 
 
-def diagnosed(rig: Rig, recording: Recording, **options: object) -> Diagnosis:
-    return diagnose(recording, Model.parse(rig.friction.law), rig.inertia, **options)
+def diagnosed(rig: Rig, recording: Recording, leave_out: Iterable[str] = ()) -> Diagnosis:
+    return diagnose(recording, Model.parse(rig.friction.law), rig.inertia, leave_out=leave_out)
 
 
 def names(diagnosis: Diagnosis) -> tuple[str, ...]:
