@@ -31,7 +31,7 @@ def test_as_generated_they_install_pass_are_listed_and_take_part(environment: An
     projects = [write(kind, f"bearing-{kind}", tmp_path) for kind in KINDS]
     environment.install(*projects)
 
-    for kind, project in zip(KINDS, projects, strict=True):
+    for kind in KINDS:
         listed = environment.run("fricmodels", "list", f"{kind}s")
         assert f"fricmodels-bearing-{kind}" in listed.stdout
         assert not listed.stderr
