@@ -31,7 +31,7 @@ LONGEST = 600.0
 def jobs(arguments: argparse.Namespace) -> Iterator[Job]:
     """Yield every trial, in an order in which an early end leaves some of each."""
     only = arguments.only
-    rounds = max(arguments.seeds, arguments.power, arguments.looks)
+    rounds = max(arguments.seeds, arguments.power, arguments.looks, 1)
     effects = [e for e in EFFECTS if not only or e in only]
     for index in range(rounds):
         if index < arguments.seeds:
