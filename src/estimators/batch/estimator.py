@@ -84,7 +84,9 @@ class Batch(Estimator):
         if self.settings.form == "weak" or self.settings.objective == "simulation":
             recording = _complete(drive, recording)
         plan = Plan(start=self.settings.start)
-        result = self._torque_fit(drive, recording, plan, self.settings.width)
+        asked = self.settings.form == "weak" and self.settings.velocity != "measured"
+        hidden = asked and _sign_is_hidden(recording)
+        result = self._torque_fit(drive, recording, plan, self.settings.width, hidden=hidden)
         searched = searched_range(drive, recording)
         notes: dict[str, object]
         if self.settings.objective == "simulation":
@@ -94,12 +96,12 @@ class Batch(Estimator):
             found, notes = refined.outcome, {"samples": refined.samples}
             notes["root_mean_square_velocity_error"] = refined.velocity_error
             reasons = not_identified(drive, found.values, found.covariance, found.undetermined, searched)
-            reasons = {**lost_in_noise(self._noisy(drive, recording, found.values)), **reasons}
+            reasons = {**lost_in_noise(self._noisy(drive, recording, found.values) if hidden else {}), **reasons}
         else:
             held: dict[str, str] = {}
             while True:
                 found = result.outcome
-                noisy = self._noisy(drive, recording, found.values)
+                noisy = self._noisy(drive, recording, found.values) if hidden else {}
                 reasons = not_identified(drive, found.values, result.conditional, found.undetermined, searched)
                 reasons = {**lost_in_noise(noisy), **reasons, **held}
                 doubtful = set(reasons) - set(held)
@@ -109,18 +111,24 @@ class Batch(Estimator):
                 key, value = choice
                 held[key] = f"{reasons[key]}; held at {value:.3g}"
                 plan = replace(plan, held={**plan.held, key: value})
-                result = self._torque_fit(drive, recording, plan, result.width, result)
+                result = self._torque_fit(drive, recording, plan, result.width, result, hidden=hidden)
             notes = {"samples_per_equation": result.width, "relative_error": result.relative_error}
         return self._report(drive, recording, found, reasons, notes, time.perf_counter() - started)
 
     def _torque_fit(
-        self, drive: Drive, recording: Recording, plan: Plan, width: int | None, before: TorqueFit | None = None
+        self,
+        drive: Drive,
+        recording: Recording,
+        plan: Plan,
+        width: int | None,
+        before: TorqueFit | None = None,
+        *,
+        hidden: bool,
     ) -> TorqueFit:
-        """Fit the torque; ``before`` is the fit before a parameter was held."""
+        """Fit the torque; ``before`` is the fit before a parameter was held, ``hidden``: is the sign lost in noise."""
         if self.settings.form == "derivative":
             return derivative_fit(drive, recording, self.settings.preparation, plan)
         choice = self.settings.velocity
-        hidden = choice != "measured" and _sign_is_hidden(recording)
         short_lived = bool(drive.model.states) or any(p.declared.periodic for p in drive.parameters)
         if width is None and hidden and not short_lived:
             width = possible_widths(recording)[-1]
@@ -131,8 +139,8 @@ class Batch(Estimator):
             return result
         if before is not None and hidden:
             return self._sought(drive, recording, [result, before], plan, plan.held)
-        result, settled = self._explained(drive, recording, result, plan)
-        noisy = {} if settled else self._noisy(drive, recording, result.values)
+        result, settled = self._explained(drive, recording, result, plan, hidden=hidden)
+        noisy = self._noisy(drive, recording, result.values) if hidden and not settled else {}
         if noisy and max(noisy.values()) > 0.0:
             noisiest = max(noisy, key=lambda key: noisy[key])
             again = self._sought(drive, recording, [result], plan, {noisiest: 0.0})
@@ -149,9 +157,11 @@ class Batch(Estimator):
             return fits[0]
         velocity, still, _ = explained
         result = weak_fit(drive, recording, fits[0].width, still, velocity, plan)
-        return self._explained(drive, recording, result, plan)[0]
+        return self._explained(drive, recording, result, plan, hidden=True)[0]
 
-    def _explained(self, drive: Drive, recording: Recording, result: TorqueFit, plan: Plan) -> tuple[TorqueFit, bool]:
+    def _explained(
+        self, drive: Drive, recording: Recording, result: TorqueFit, plan: Plan, *, hidden: bool
+    ) -> tuple[TorqueFit, bool]:
         """Explain the velocity by the fit and fit again, in rounds, while that does not predict the velocity worse.
 
         Returns:
@@ -167,7 +177,7 @@ class Batch(Estimator):
                 return best, False
             if error < least:
                 best, least = result, error
-            start = result.solution.alpha if drive.model.states else None
+            start = None if hidden and not drive.model.states else result.solution.alpha
             before, result = result, weak_fit(drive, recording, result.width, still, velocity, plan, start)
             spread = np.sqrt(np.clip(np.diag(result.covariance), 0.0, None))
             if np.all(np.abs(result.values - before.values) <= 0.1 * spread):
@@ -175,9 +185,8 @@ class Batch(Estimator):
         return result, False
 
     def _noisy(self, drive: Drive, recording: Recording, values: Array) -> dict[str, float]:
-        """Return key → share of noise in what each parameter multiplies; empty where noise does not matter."""
-        asked = self.settings.form == "weak" and self.settings.velocity != "measured"
-        if not asked or drive.model.states or not _sign_is_hidden(recording):
+        """Return key → share of noise in what each parameter multiplies; empty for a model with memory."""
+        if drive.model.states:
             return {}
         named = dict(zip(drive.keys, values, strict=True))
         return drowned(drive, recording, {drive.inertia_key: drive.inertia or float("nan"), **named})

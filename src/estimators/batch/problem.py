@@ -86,7 +86,8 @@ def nonlinear_search(drive: Drive, recording: Recording, plan: Plan = Plan()) ->
     chosen = [p for p in drive.parameters if not p.linear]
     starts, logarithmic, reach = [], [], []
     for p in chosen:
-        scan = tuple(value * natural_size(recording, p.dimension) for value in p.declared.scan)
+        size = natural_size(recording, p.dimension)
+        scan = tuple(value * size for value in p.declared.scan)
         first = plan.held.get(p.key, plan.start.get(p.key))
         starts.append((first,) if first is not None else scan or (p.declared.initial,))
         ratio = not p.declared.periodic and p.declared.lower >= 0.0 and min(starts[-1]) > 0.0

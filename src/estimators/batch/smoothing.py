@@ -91,12 +91,14 @@ def wandering_level(series: Array) -> tuple[Array, float, float]:
 
     The gain is the one that predicts best.
     """
-    innovations = [series[1:] - _average(series, gain)[:-1] for gain in _GAINS if gain * len(series) >= 4.0]
-    squares = [float(np.mean(e**2)) for e in innovations]
-    best = int(np.argmin(squares))
-    gain = float(_GAINS[best])
+    gain, least = 1.0, np.inf
+    for candidate in _GAINS[_GAINS * len(series) >= 4.0]:
+        square = float(np.mean((series[1:] - _average(series, candidate)[:-1]) ** 2))
+        if square > least:
+            break
+        gain, least = float(candidate), square
     level = _average(_average(series, gain)[::-1], gain)[::-1]
-    return level, float(np.sqrt(squares[best] * (1.0 - gain))), squares[best]
+    return level, float(np.sqrt(least * (1.0 - gain))), least
 
 
 def _average(series: Array, gain: float) -> Array:

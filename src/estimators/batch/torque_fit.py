@@ -21,6 +21,9 @@ from fricmodels.signals.weak_form import HOPS, Bumps, Quadrature, segments
 
 Array = NDArray[np.float64]
 
+AS_GOOD = 1.1
+"""Standard errors larger than the smallest by no more than this factor are as good."""
+
 
 @dataclass(frozen=True)
 class TorqueFit:
@@ -179,6 +182,7 @@ def weak_fit(
         return _fit_width(drive, recording, quadrature, width, resting, plan, start)
     widths = possible_widths(recording)
     fits: list[TorqueFit] = []
+    spreads: list[float] = []
     for candidate in widths:
         try:
             begin = fits[-1].solution.alpha if fits else start
@@ -186,8 +190,11 @@ def weak_fit(
         except EstimationError:
             if candidate == widths[-1] and not fits:
                 raise
-    spreads = [_mean_log_error(fit) for fit in fits]
-    enough = min(spreads) + np.log(1.1)
+            continue
+        spreads.append(_mean_log_error(fits[-1]))
+        if spreads[-1] > min(spreads) + np.log(AS_GOOD):
+            break
+    enough = min(spreads) + np.log(AS_GOOD)
     return next(fit for fit, spread in zip(fits, spreads, strict=True) if spread <= enough)
 
 

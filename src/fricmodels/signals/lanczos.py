@@ -22,6 +22,8 @@ from fricmodels.signals.segments import Array, Runs, is_even, stretches
 DEGREE = 2
 _BLOCK = 1 << 22
 """Numbers held at once while fitting, so that memory stays bounded."""
+_FEW = 48
+"""Weights with which a direct convolution is the faster one."""
 
 
 def lanczos_derivative(
@@ -55,16 +57,23 @@ def fit_stretch(time: Array, values: Array, half_width: int, degree: int) -> tup
         return values.copy(), np.zeros_like(values)
     if not (is_even(time) and len(time) > 2 * size):
         return _fit_windows(time, values, size, degree, np.arange(len(time)))
-    from scipy.signal import oaconvolve
-
     step = (time[-1] - time[0]) / (len(time) - 1)
     smoother, differentiator = even_weights(half_width, degree)
     mean = values.mean()
-    smooth = oaconvolve(values - mean, smoother[::-1], mode="same") + mean
-    slope = oaconvolve(values - mean, differentiator[::-1] / step, mode="same")
+    smooth = _convolved(values - mean, smoother[::-1]) + mean
+    slope = _convolved(values - mean, differentiator[::-1] / step)
     ends = np.r_[0:half_width, len(time) - half_width : len(time)]
     smooth[ends], slope[ends] = _fit_windows(time, values, size, degree, ends)
     return smooth, slope
+
+
+def _convolved(values: Array, weights: Array) -> Array:
+    """Return the convolution at every sample, directly with few weights and by Fourier transforms with many."""
+    if len(weights) <= _FEW:
+        return np.convolve(values, weights, mode="same")
+    from scipy.signal import oaconvolve
+
+    return np.asarray(oaconvolve(values, weights, mode="same"))
 
 
 @lru_cache(maxsize=1024)

@@ -99,9 +99,8 @@ class Quadrature:
         if cells:
             stopping, starting = rows[:, count : count + cells], rows[:, count + cells :]
             impulse = self.before * (rows[:, self.cell] + stopping) + self.after * (starting + rows[:, self.cell + 1])
-            for k in range(len(values)):
-                values[k] += np.bincount(self.cell, 0.5 * impulse[k], count)
-                values[k] += np.bincount(self.cell + 1, 0.5 * impulse[k], count)
+            values[:, self.cell] += 0.5 * impulse
+            values[:, self.cell + 1] += 0.5 * impulse
         return values
 
 
@@ -139,8 +138,9 @@ class Bumps:
             if piece.stop - piece.start >= self.width
         ]
         moving = self._apply((~resting).astype(float)[None], self._mean)[0] if self._pieces else np.zeros(0)
-        self._kept = moving >= least_moving - 1e-12
-        self.count = int(self._kept.sum())
+        self._every = len(moving)
+        self._kept = np.flatnonzero(moving >= least_moving - 1e-12)
+        self.count = len(self._kept)
 
     def integrals(self, integrand: Array) -> Array:
         """Return ∫φ f dt for rows f, shape (k, number of bumps)."""
@@ -152,7 +152,7 @@ class Bumps:
 
     def spread(self, values: Array) -> Array:
         """Return Σ c φ(t) at the samples for one coefficient c a bump: the transpose of :meth:`integrals`."""
-        every = np.zeros(len(self._kept))
+        every = np.zeros(self._every)
         every[self._kept] = values
         result = np.zeros(self._samples)
         first = 0
@@ -167,7 +167,7 @@ class Bumps:
         return result
 
     def _keep(self, values: Array) -> Array:
-        return values if self.count == values.shape[1] else np.asarray(values[:, self._kept])
+        return values if self.count == values.shape[1] else np.take(values, self._kept, axis=1)
 
     def _apply(self, rows: Array, kernel: Array) -> Array:
         parts = kernel.reshape(HOPS, self.hop).T
