@@ -41,7 +41,7 @@ class _Lazy(TyperGroup):
         if name not in COMMANDS:
             return None
         module = importlib.import_module(f"fricmodels.cli.{name}")
-        app = typer.Typer(add_completion=False)
+        app = typer.Typer(add_completion=False, rich_markup_mode=None)
         app.command(name, help=_help(name, module.command))(module.command)
         return typer.main.get_command(app)
 
@@ -52,7 +52,7 @@ def _help(name: str, function: Any) -> str:
     return f"{COMMANDS[name]}\n\n{rest}".strip()
 
 
-app = typer.Typer(cls=_Lazy, add_completion=False)
+app = typer.Typer(cls=_Lazy, add_completion=False, rich_markup_mode=None)
 
 
 def _version(wanted: bool) -> None:

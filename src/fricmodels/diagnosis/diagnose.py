@@ -27,6 +27,9 @@ from fricmodels.signals.lanczos import even_weights
 from fricmodels.split import Split, split
 
 Array = NDArray[np.float64]
+_FAR_LESS = 0.2
+"""An effect that lowers the residual by less than a fifth of what one channel predicts is not what is missing there."""
+
 Verdict = Literal["adequate", "missing-effect", "undecided", "unknown-effect"]
 
 
@@ -191,6 +194,8 @@ def examine(comparison: Comparison, *, leave_out: Iterable[str] = ()) -> Diagnos
     best = answer(result)
     seen = [v for v in views(result.problem, result.regression) if passes(result, v.evidence, v.p_value)]
     view = seen[0] if seen else None
+    if best is not None and view is not None and best.first.evidence.gain < _FAR_LESS * view.evidence.gain:
+        best = None
     findings = [] if best is None else [_finding(best)]
     found = {name for finding in findings for name in finding.names}
     verdict: Verdict = "adequate"
