@@ -78,7 +78,7 @@ def sit(exam: type[Any], check: str) -> Outcome:
             result, message = "skipped", str(reason)
         except AssertionError as fault:
             result, message = "failed", str(fault)
-        except Exception as error:
+        except (Exception, SystemExit) as error:
             result, message = "failed", f"{type(error).__name__}: {error}"
     return Outcome(check, result, " ".join(message.split()), time.perf_counter() - begin)
 

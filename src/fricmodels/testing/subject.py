@@ -197,7 +197,7 @@ def _check_scalar(what: str, value: Any) -> None:
 def _called(method: str, term: Term, symbols: dict[str, Any], own: dict[str, Any], memory: dict[str, Any]) -> Any:
     try:
         return getattr(term, method)(Signals(symbols, memory), Parameters(own))
-    except Exception as error:
+    except (Exception, SystemExit) as error:
         line = traceback.extract_tb(error.__traceback__)[-1]
         where = f"line {line.lineno} of {Path(line.filename).name}"
         raise Fault(

@@ -190,7 +190,7 @@ def execute(job: Job) -> Row:
             row = _fit_and_score(job)
         except FricmodelsError as error:
             row = job.row(Status.FAILED, str(error), time.perf_counter() - begin)
-        except Exception as error:
+        except (Exception, SystemExit) as error:
             row = job.row(Status.FAILED, f"{type(error).__name__}: {error}", time.perf_counter() - begin)
     if caught and not row["message"]:
         row["message"] = f"warned: {' '.join(str(caught[0].message).split())}"

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from fricmodels import plugins
 from fricmodels.errors import FricmodelsError, InputError
@@ -51,11 +52,19 @@ def plan(config: Config, directory: str | Path = ".") -> Plan:
         if titles.setdefault(entrant.title, content) != content:
             raise InputError(f"two estimators are called '{entrant.title}'; give one of them another 'label'")
     listed, left_out = sources(config, Path(directory))
-    models = [Model.parse(name) for name in config.model_names]
+    models = [model for model in map(Model.parse, config.model_names) if _is_built_in(model)]
     digests = {source: _check(source, models) for source in listed if source.values["kind"] == "files"}
     if not plugins.load().estimators:
         raise InputError("no estimator is registered; install the distribution that has them")
     return Plan(config, tuple(jobs(config, listed, digests)), tuple(left_out))
+
+
+def _is_built_in(model: Model) -> bool:
+    """Whether no part of a model comes from a plugin, whose code runs in workers only: it may fail, hang or crash."""
+    registered = plugins.load()
+    entries: list[plugins.Registered[Any]] = [registered.laws.entry(model.law.name)]
+    entries += [registered.effects.entry(effect.name) for effect in model.effects]
+    return all(entry.distribution == "fricmodels" for entry in entries)
 
 
 def _check(source: Source, models: list[Model]) -> str:
