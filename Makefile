@@ -27,7 +27,7 @@ lint: $(VENV)/.installed
 	$(BIN)/mypy $(addsuffix /src,$(PLUGINS))
 
 test: lint
-	$(BIN)/pytest -m "not long" tests plugins
+	$(BIN)/pytest -n 2 --dist worksteal -m "not long" tests plugins
 
 test-long: $(VENV)/.installed
 	$(BIN)/pytest -m long
