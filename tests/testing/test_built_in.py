@@ -28,6 +28,7 @@ QUICK = {"coulomb-viscous", "exponential-stick-slip", "cogging", "stribeck", "ba
 """Those that do the long checks in every run; the others do them in the long one."""
 KNOWN: dict[tuple[str, str], str] = {
     ("constant-velocity", "test_coverage"): "Kubo's regression counts only the scatter about its plateaus",
+    ("backlash", "test_recovered"): "contact lasts about a sample: its stiffness comes out a quarter too low",
 }
 """What a built-in one is known not to pass, and why."""
 

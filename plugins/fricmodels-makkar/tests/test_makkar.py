@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import ClassVar
+
 import numpy as np
 import pytest
 from fricmodels_makkar import MakkarDixonSawyerHu
@@ -10,6 +12,7 @@ from fricmodels.dimension import Motion
 from fricmodels.drive import Drive
 from fricmodels.model import Model
 from fricmodels.recording import Recording
+from fricmodels.testing import LawExam
 
 VALUES = {"gamma_1": 0.25, "gamma_2": 100.0, "gamma_3": 10.0, "gamma_4": 0.1, "gamma_5": 100.0, "gamma_6": 0.01}
 """The coefficients of Fig. 1 of the paper."""
@@ -50,3 +53,17 @@ def test_units_follow_the_motion() -> None:
     assert units == {
         "gamma_1": "N", "gamma_2": "s/m", "gamma_3": "s/m", "gamma_4": "N", "gamma_5": "s/m", "gamma_6": "N s/m",
     }  # fmt: skip
+
+
+class TestExam(LawExam):
+    """The exam of laws, on a drive whose peak and whose Coulomb torque rise at speeds that can be told apart."""
+
+    term = MakkarDixonSawyerHu
+    truth: ClassVar = {
+        "gamma_1": 0.15,
+        "gamma_2": 2.0,
+        "gamma_3": 0.3,
+        "gamma_4": 0.12,
+        "gamma_5": 20.0,
+        "gamma_6": 0.01,
+    }
