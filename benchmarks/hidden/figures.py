@@ -87,6 +87,7 @@ def _overview(of: Mapping[str, list[Row]], times: Mapping[str, float]) -> list[s
         ("nothing hidden: a false effect", "≤ 1 %", share(bool(r["names"]) for r in null)),
         ("nothing hidden: “unknown effect”", "", share(r["verdict"] == "unknown-effect" for r in null)),
         ("held-out error ≤ 1.1 × true model's after the first named", "≥ 95 %", share(after)),
+        ("– held-out error ≤ 1.1 × the base law's with nothing hidden", "", share(_restored(r) for r in single)),
         ("two hidden effects, both named", "≥ 85 %", share(_both(r) for r in pair)),
         ("effect removed from the list: “unknown effect”", "≥ 90 %", share(_unknown(r) for r in single)),
         ("– no wrong name", "", share(not r["removed"]["names"] for r in single)),
@@ -111,6 +112,12 @@ def _line(cells: Sequence[object]) -> str:
 
 def _unknown(row: Row) -> bool:
     return bool(row["removed"]["verdict"] == "unknown-effect")
+
+
+def _restored(row: Row) -> bool:
+    """Whether the error with what was named is about what the base law leaves where nothing is hidden."""
+    after = row["after"]
+    return bool(after["ratio"] is not None and after["named"] <= 1.1 * row["ratio"] * after["base"])
 
 
 def _both(row: Row) -> bool:
