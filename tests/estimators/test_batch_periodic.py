@@ -57,12 +57,12 @@ def test_derivative_form_finds_it_too() -> None:
     assert fit.parameters["cogging.k"] == pytest.approx(2.37, rel=1e-3)
 
 
-def test_no_effect_there_is_said() -> None:
+def test_effect_that_is_not_there_stays_in_the_noise() -> None:
+    """The wave number is then the best of many: its amplitude is what the noise happens to have there."""
     _, recording, _ = made({}, Motion.ROTARY, noise=1.0)
     fit = Batch().fit(Drive(Model.parse("coulomb-viscous+cogging"), TURNING[0]), recording)
     assert fit.parameters["K_c"] == pytest.approx(8e-3, rel=0.02)
-    size = np.hypot(fit.parameters["cogging.a"], fit.parameters["cogging.b"])
-    assert size < 0.02 * 8e-3 or "cogging.a" in fit.not_identified
+    assert np.hypot(fit.parameters["cogging.a"], fit.parameters["cogging.b"]) < 0.03 * 8e-3
 
 
 def test_on_the_rig_in_a_tournament(tmp_path: Path) -> None:

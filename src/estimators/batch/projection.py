@@ -201,7 +201,10 @@ class Projection:
         reach = nonlinear.reach
         for iteration in range(1, max_iterations + 1):
             scale = np.where(nonlinear.logarithmic, np.maximum(at.alpha, 1e-300), 1.0)
-            step = np.clip(self._step(at, scale, damping, ~nonlinear.held), -reach, reach)
+            step, promised = self._step(at, scale, damping, ~nonlinear.held)
+            if promised <= TOLERANCE * at.cost:
+                return replace(at, iterations=iteration)
+            step = np.clip(step, -reach, reach)
             moved = np.where(nonlinear.logarithmic, at.alpha * np.exp(np.minimum(step, LARGEST_RATIO)), at.alpha + step)
             trial = self._at(nonlinear.clip(moved))
             gain = at.cost - trial.cost
@@ -218,8 +221,8 @@ class Projection:
                     return replace(at, iterations=iteration)
         return replace(at, iterations=max_iterations, converged=False)
 
-    def _step(self, at: Solution, scale: Array, damping: float, moving: NDArray[np.bool_]) -> Array:
-        """Return the Levenberg step of α, the linear parameters following (their columns are projected out)."""
+    def _step(self, at: Solution, scale: Array, damping: float, moving: NDArray[np.bool_]) -> tuple[Array, float]:
+        """Return the Levenberg step of α, the linear parameters following (projected out), and the fall it promises."""
         free, last = self._free, self._width + np.flatnonzero(moving)
         scale = scale[moving]
         gram = at.normal.gram * np.outer(at.normal.size, at.normal.size)
@@ -231,7 +234,7 @@ class Projection:
         diagonal = np.maximum(np.diag(reduced), 1e-300)
         step = np.zeros(len(moving))
         step[moving] = np.linalg.lstsq(reduced + damping * np.diag(diagonal), gradient, rcond=1e-14)[0]
-        return step
+        return step, float(gradient @ step[moving])
 
     def _cost(self, alpha: Array, without: frozenset[int] = frozenset()) -> float:
         """Return the squared error at α, as if the rows ``without`` were not in the model."""
