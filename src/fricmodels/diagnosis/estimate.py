@@ -17,6 +17,9 @@ from fricmodels.recording import Recording
 
 Array = NDArray[np.float64]
 
+_STAGES = 3
+"""Fits in which the motor torque of a column is the one that the last fit explains."""
+
 
 @dataclass(frozen=True)
 class Estimate:
@@ -45,7 +48,11 @@ def estimate(drive: Drive, recording: Recording, start: Mapping[str, float] | No
     # Once the friction is known, so is where the drive may stick at a reversal.
     problem = Problem.of(drive, recording, found.parameters)
     found = _fit(problem, {**(start or {}), **found.parameters})
-    return replace(problem, law_share=problem.law_has(found.parameters)), found
+    if "motor_torque" in drive.model.needs:
+        for _ in range(_STAGES):
+            problem = replace(problem, estimated=found.parameters)
+            found = _fit(problem, {**(start or {}), **found.parameters})
+    return replace(problem, law_share=problem.law_has(found.parameters), estimated=found.parameters), found
 
 
 def _guess(drive: Drive, recording: Recording, start: Mapping[str, float] | None) -> dict[str, float]:

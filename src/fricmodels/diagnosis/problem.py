@@ -58,6 +58,7 @@ class Problem:
         velocity_noise: standard deviation of the noise of the velocity.
         half_width: of the filter that smooths it.
         law_share: see :meth:`law_has`.
+        estimated: parameters of the drive's fit, once there is one; see :attr:`motor_torque`.
     """
 
     drive: Drive
@@ -69,6 +70,7 @@ class Problem:
     velocity_noise: float
     half_width: int
     law_share: tuple[float, float]
+    estimated: Mapping[str, float] | None = None
 
     @classmethod
     def of(cls, drive: Drive, recording: Recording, parameters: Mapping[str, float]) -> Problem:
@@ -200,6 +202,11 @@ class Problem:
     def evaluate(self, drive: Drive, nonlinear: Sequence[float] = ()) -> tuple[Array, Array]:
         """Evaluate a drive's linear columns at the quadrature's samples; internal states follow the smooth motion."""
         points = self.quadrature.recording
+        if "motor_torque" in drive.model.needs:
+            points = points.with_channels(torque=self.motor_torque)
+        return self._regressors(drive, nonlinear, points)
+
+    def _regressors(self, drive: Drive, nonlinear: Sequence[float], points: Recording) -> tuple[Array, Array]:
         if not drive.model.states:
             return drive.regressors(points, nonlinear)
         along = replace(self.recording, channels={**self.recording.channels, "velocity": self.smooth})
@@ -208,6 +215,30 @@ class Problem:
         cell = self.quadrature.cell
         states = [np.concatenate([z, z[cell], z[cell + 1]]) for z in drive.states(along, parameters)]
         return drive.regressors(points, nonlinear, states=states)
+
+    @cached_property
+    def motor_torque(self) -> Array:
+        r"""Motor torque at the quadrature's samples for use in columns: as the fitted model explains it.
+
+        The recorded torque is what the rows are to explain. As a regressor it would explain them, its own error
+        included, with a gain of one and nothing else. The model's :math:`\tau_L + J\dot\omega + \tau_F`, solved for the
+        motor torque where the friction depends on it, stands for it (two-stage least squares). Before there is a fit it
+        is the recorded torque.
+        """
+        points = self.quadrature.recording
+        if self.estimated is None:
+            return points.torque
+        pairs = list(zip(self.drive.model.parameters, self.drive.model.linear, strict=True))
+        nonlinear = [self.estimated[p.key] for p, linear in pairs if not linear]
+        theta = np.array([self.estimated[p.key] for p, linear in pairs if linear])
+        friction = []
+        for level in (0.0, 1.0):
+            at = points.with_channels(torque=np.full(len(points), level))
+            design, offset = self._regressors(self.drive, nonlinear, at)
+            friction.append(theta @ design + offset)
+        slope = friction[1] - friction[0]
+        inertia, _ = self.drive.split(self.estimated)
+        return np.asarray((points.load_torque + inertia * points["acceleration"] + friction[0]) / (1.0 - slope))
 
     def base(self, parameters: Mapping[str, float]) -> Array:
         """Return the directions in which the model under test can move by itself, shape (k, rows).

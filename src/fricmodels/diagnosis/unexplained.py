@@ -62,15 +62,15 @@ def _shapes(problem: Problem) -> Mapping[str, Callable[[], Array]]:
         "speed, the same in both directions": lambda: _hats(speed),
         "time, along the motion": lambda: side * _hats(points.time),
         "time, the same in both directions": lambda: _hats(points.time),
-        "motor torque": lambda: _powers(points.torque),
-        "motor torque, along the motion": lambda: side * np.abs(_powers(points.torque)),
+        "motor torque": lambda: _powers(problem.motor_torque),
+        "motor torque, along the motion": lambda: side * np.abs(_powers(problem.motor_torque)),
         "acceleration": lambda: np.vstack([points["acceleration"], side * np.abs(points["acceleration"])]),
     }
     if "position" in points:
         waves = _waves(points["position"])
         shapes["position"] = lambda: waves
         shapes["position, along the motion"] = lambda: side * waves
-        shapes["position and motor torque"] = lambda: points.torque * waves
+        shapes["position and motor torque"] = lambda: problem.motor_torque * waves
         travelled = _since_reversal(problem)
         shapes["distance since the last reversal"] = lambda: side * _decays(travelled)
     if "load_torque" in points:
