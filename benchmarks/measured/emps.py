@@ -5,9 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
+import numpy as np
+
 from fricmodels.dimension import Motion
 from fricmodels.readers import read
 from fricmodels.recording import Recording
+from fricmodels.score import filtered_torque_error
 from measured.pictures import picture
 from measured.story import Story, blocks, by_hand_table, independent_table, leaderboard, table, tell
 
@@ -39,6 +42,25 @@ def story(data: Path) -> Story:
     return tell(recording(data), BASE, checks={"pulses file": recording(data, "pulses")})
 
 
+def plateau_table(told: Story) -> str:
+    """Return what is left at each constant speed: friction above the model, and the largest wave over position."""
+    rows = []
+    comparison = told.ladder.rungs[min(1, len(told.ladder.rungs) - 1)].comparison
+    for name, part in {"identification": told.recording, **told.checks}.items():
+        error = filtered_torque_error(comparison.drive, comparison.estimate.parameters, part)
+        steady = np.abs(part["acceleration"]) < 0.3
+        for speed in (0.042, 0.083, 0.125):
+            mask = steady & (np.abs(np.abs(part.velocity) - speed) < 0.01)
+            above = float(np.mean((error * np.sign(part.velocity))[mask]))
+            left = error - above * np.sign(part.velocity)
+            waves = np.arange(400.0, 4000.0, 2.0)
+            size = [abs(np.mean(left[mask] * np.exp(-1j * k * part["position"][mask]))) for k in waves]
+            best = int(np.argmax(size))
+            wave = (f"{waves[best]:.0f} /m", f"{2 * size[best]:.2f} N", f"{waves[best] * speed / (2 * np.pi):.0f} Hz")
+            rows.append([name, f"{speed:.3f} m/s", f"{above:+.2f} N", *wave])
+    return table(["file", "speed", "friction above the model", "largest wave", "amplitude", "frequency"], rows)
+
+
 def authors_table(config: Path) -> str:
     """Return the relative error as the authors define it, of the models of the configuration."""
     rows = leaderboard(config)
@@ -63,4 +85,10 @@ def page(data: Path, configs: Path, pictures: Path, folder: Path, say: Callable[
     files = {"identification file": recording(data), "pulses file": recording(data, "pulses")}
     alone = independent_table(files, BASE)
     say("comparing with the published errors")
-    return {**blocks(told, published), "alone": alone, "hand": hand, "authors": authors_table(configs / "emps.yaml")}
+    return {
+        **blocks(told, published),
+        "alone": alone,
+        "hand": hand,
+        "plateaus": plateau_table(told),
+        "authors": authors_table(configs / "emps.yaml"),
+    }

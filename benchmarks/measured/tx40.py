@@ -126,5 +126,7 @@ def page(data: Path, configs: Path, pictures: Path, folder: Path, say: Callable[
         "published": published_table(stories),
         "alone": independent_table(parts, BASE, INERTIA),
         "same": with_effect_table(solo | motors, ("nonlinear-viscous", "stribeck", "load-friction")),
+        "five_parameters": parameter_table(stories["motor 5"].final),
+        "six_parameters": parameter_table(stories["motor 6"].final),
         "four_parameters": parameter_table(stories["joint 4"].final),
     }
