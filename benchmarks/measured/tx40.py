@@ -67,7 +67,7 @@ def _write(path: Path, time: Array, position: Array, torque: Array, load: Array)
 def halves(whole: Recording) -> dict[str, Recording]:
     """Return the first and the second half of a recording."""
     middle = len(whole) // 2
-    return {"first half": whole.select(slice(0, middle)), "second half": whole.select(slice(middle, None))}
+    return {"first half": whole.select(np.arange(middle)), "second half": whole.select(np.arange(middle, len(whole)))}
 
 
 def with_effect_table(recordings: dict[str, Recording], effects: Sequence[str]) -> str:
