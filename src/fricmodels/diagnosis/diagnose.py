@@ -13,9 +13,10 @@ from fricmodels.diagnosis.estimate import Estimate, estimate
 from fricmodels.diagnosis.look_alikes import separated_by
 from fricmodels.diagnosis.power import Visibility, visibility
 from fricmodels.diagnosis.problem import Problem
+from fricmodels.diagnosis.sufficiency import beaten, enough, predictable
 from fricmodels.diagnosis.survey import Tested, survey
-from fricmodels.diagnosis.unexplained import View, views
-from fricmodels.diagnosis.verdict import Answer, answer, passes
+from fricmodels.diagnosis.unexplained import View
+from fricmodels.diagnosis.verdict import Answer, answer
 from fricmodels.diagnosis.where import Regime, where
 from fricmodels.drive import Drive
 from fricmodels.errors import InputError
@@ -27,9 +28,6 @@ from fricmodels.signals.lanczos import even_weights
 from fricmodels.split import Split, split
 
 Array = NDArray[np.float64]
-_FAR_LESS = 0.2
-"""An effect that lowers the residual by less than a fifth of what one channel predicts is not what is missing there."""
-
 Verdict = Literal["adequate", "missing-effect", "undecided", "unknown-effect"]
 
 
@@ -190,11 +188,13 @@ def diagnose(
 
 def examine(comparison: Comparison, *, leave_out: Iterable[str] = ()) -> Diagnosis:
     """Test every effect on what a fitted model leaves over."""
-    result = survey(comparison.problem, comparison.estimate.parameters, leave_out=leave_out)
+    out = set(leave_out)
+    parameters = comparison.estimate.parameters
+    result = survey(comparison.problem, parameters, leave_out=out)
     best = answer(result)
-    seen = [v for v in views(result.problem, result.regression) if passes(result, v.evidence, v.p_value)]
+    seen = predictable(result)
     view = seen[0] if seen else None
-    if best is not None and view is not None and best.first.evidence.gain < _FAR_LESS * view.evidence.gain:
+    if best is not None and beaten(result, best.first, seen) and not enough(result, parameters, out, seen):
         best = None
     findings = [] if best is None else [_finding(best)]
     found = {name for finding in findings for name in finding.names}

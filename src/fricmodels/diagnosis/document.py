@@ -20,15 +20,12 @@ SCHEMA = "fricmodels/diagnosis/1"
 def document(diagnosis: Diagnosis, ladder: Ladder | None = None) -> dict[str, Any]:
     """Return the diagnosis of a model, and the ladder that improved it, as plain data.
 
-    With a ladder, ``effects`` lists what it added, in order; the verdict is that of the model that was given, or
-    ``unknown-effect`` where something remains that no known effect explains.
+    With a ladder, ``effects`` lists what it added, in order; the verdict is that of the model that was given; what
+    remains on the last rung that no known effect explains is ``unknown``.
     """
     comparison = diagnosis.comparison
     drive = comparison.drive
     findings = diagnosis.findings if ladder is None else added(ladder)
-    verdict = diagnosis.verdict
-    if ladder is not None and ladder.last.verdict == "unknown-effect":
-        verdict = "unknown-effect"
     view = diagnosis.view if ladder is None else ladder.last.view
     data: dict[str, Any] = {
         "schema": SCHEMA,
@@ -58,7 +55,7 @@ def document(diagnosis: Diagnosis, ladder: Ladder | None = None) -> dict[str, An
             }
             for row in comparison.where
         ],
-        "verdict": verdict,
+        "verdict": diagnosis.verdict,
         "effects": [_effect(finding, drive.motion) for finding in findings],
         "unknown": None
         if view is None

@@ -296,14 +296,11 @@ def _hidden_turns(
     near = np.minimum(np.abs(first), np.abs(last)) < np.abs(last - first)
     cell = np.flatnonzero((near | (first * last < 0)) & (np.diff(recording.run) == 0))
     marked = np.zeros(len(recording), dtype=bool)
-    if len(cell) and not drive.model.states:
-        sides = []
-        for end in (cell, cell + 1):
-            at = recording.select(end)
-            least, greatest = drive.sticking_interval(at, parameters)
-            net = at.torque - at.load_torque
-            sides.append(np.where(net > greatest, 1, np.where(net < least, -1, 0)))
-        hidden = cell[(sides[0] != sides[1]) | (sides[0] == 0)]
+    if len(cell):
+        least, greatest = drive.sticking_interval(recording, parameters)
+        net = recording.torque - recording.load_torque
+        side = np.where(net > greatest, 1, np.where(net < least, -1, 0))
+        hidden = cell[(side[cell] != side[cell + 1]) | (side[cell] == 0)]
         marked[hidden] = marked[hidden + 1] = True
     return marked
 

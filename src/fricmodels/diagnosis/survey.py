@@ -86,6 +86,7 @@ def survey(
     *,
     leave_out: Iterable[str] = (),
     only: Iterable[str] | None = None,
+    also: Array | None = None,
 ) -> Survey:
     """Test every registered effect that the model does not have.
 
@@ -94,10 +95,11 @@ def survey(
         parameters: the model's estimated parameters.
         leave_out: names of effects that are not considered.
         only: names of the effects to consider; all by default.
+        also: columns that are taken to be in the model already, shape (k, rows).
     """
     model = problem.drive.model
     present = {effect.name for effect in model.effects}
-    regression = _regression(problem, problem.base(parameters), delayed="sensor-delay" in present)
+    regression = regression_of(problem, parameters, also)
     skipped = set(leave_out) | present
     tested: list[Tested] = []
     unseen: dict[str, str] = {}
@@ -106,25 +108,34 @@ def survey(
     for name in registered:
         if name in skipped or (only is not None and name not in only):
             continue
-        effect = registered[name]()
-        alone = problem.alone(effect)
-        missing = [s for s in sorted(alone.model.needs) if not _has(problem, s)]
-        if missing:
-            unseen[name] = f"the recording has no {SIGNAL_CHANNEL[missing[0]].replace('_', ' ')}"
-            continue
-        found = search(problem, regression, effect, alone)
-        if found is None:
-            unseen[name] = "what it would add to the residual cannot be told from what the model already has"
-        elif np.any(found.kept) and _is_noise(
-            noise_share(problem, perturbed, regression, effect, found), regression, found
-        ):
-            unseen[name] = "noise of the velocity hides what it would add beyond what the model already has"
+        try:
+            outcome = _candidate(problem, perturbed, regression, registered[name]())
+        except Exception as error:  # an effect of a plugin may do anything; the others go on
+            outcome = f"it could not be tested: {type(error).__name__}: {error}"
+        if isinstance(outcome, str):
+            unseen[name] = outcome
         else:
-            tested.append(_test(regression, effect, found))
+            tested.append(outcome)
     adjusted = benjamini_yekutieli(np.array([t.p_value for t in tested]))
     ranked = [replace(t, adjusted=float(p)) for t, p in zip(tested, adjusted, strict=True)]
     ranked.sort(key=lambda t: float(np.sum(t.evidence.loss)))
     return Survey(problem, regression, tuple(ranked), unseen)
+
+
+def _candidate(problem: Problem, perturbed: Problem, regression: Regression, effect: Effect) -> Tested | str:
+    """Test one effect, or say why it cannot be tested."""
+    alone = problem.alone(effect)
+    missing = [signal for signal in sorted(alone.model.needs) if not _has(problem, signal)]
+    if missing:
+        return f"the recording has no {SIGNAL_CHANNEL[missing[0]].replace('_', ' ')}"
+    found = search(problem, regression, effect, alone)
+    if found is None:
+        return "what it would add to the residual cannot be told from what the model already has"
+    if np.any(found.kept):
+        share = noise_share(problem, perturbed, regression, effect, found)
+        if _is_noise(share, regression, found):
+            return "noise of the velocity hides what it would add beyond what the model already has"
+    return _test(regression, effect, found)
 
 
 def _has(problem: Problem, signal: str) -> bool:
@@ -159,13 +170,25 @@ def _test(regression: Regression, effect: Effect, found: Found) -> Tested:
     return Tested(effect, found, evidence, min(1.0, evidence.p_value * found.trials))
 
 
-def _regression(problem: Problem, base: Array, *, delayed: bool) -> Regression:
+def regression_of(
+    problem: Problem, parameters: Mapping[str, float], also: Array | None = None, added: str = ""
+) -> Regression:
     """Return the base model's regression, with two freedoms of how recordings are made that are no effects.
 
     The instant of every reversal may be off by part of a sample, and torque and motion may be shifted against each
     other by up to one sample (a held torque by half of one). A larger shift is held at one sample; what is left over
     is then for the candidate ``sensor-delay`` to explain.
+
+    Args:
+        problem: drive and recording.
+        parameters: the model's estimated parameters.
+        also: columns that are taken to be in the model already, shape (k, rows).
+        added: name of the effect that the last of these columns belong to.
     """
+    base = problem.base(parameters)
+    if also is not None:
+        base = np.vstack([base, also])
+    delayed = "sensor-delay" in {added, *(effect.name for effect in problem.drive.model.effects)}
     base = np.vstack([base, problem.sign_change[None]])
     if delayed:
         return Regression(base, problem.target, problem.independent)

@@ -21,6 +21,8 @@ _HELD_OUT = 0.05
 """Significance of the second gate, the gain on held-out blocks."""
 _ALIKE = 0.05
 """Two effects whose held-out residuals differ by less than a twentieth are not told apart by that difference."""
+_NEAR = 0.01
+"""Nor are two that differ by a hundredth of what the base model leaves."""
 _FAR_WORSE = 1.5
 """No effect that leaves half as much again as the best one explains the data as well, whatever the test says."""
 _WORSE = 0.05
@@ -70,7 +72,8 @@ def answer(survey: Survey) -> Answer | None:
     best = _rms(first)
     for other in passing[1:]:
         _, p_worse = compare(other.evidence.loss, first.evidence.loss, survey.regression.terms)
-        alike = _rms(other) < (1 + _ALIKE) * best or (p_worse > _WORSE and _rms(other) < _FAR_WORSE * best)
+        near = max(_ALIKE * best, _NEAR * float(np.sqrt(np.mean(survey.regression.loss))))
+        alike = _rms(other) - best < near or (p_worse > _WORSE and _rms(other) < _FAR_WORSE * best)
         if not alike:
             continue
         if _contains(survey, other, first) and not same_in_part(first.name, other.name):

@@ -45,10 +45,10 @@ def _friction(drive: Drive, values: Mapping[str, float], prepared: Recording, ne
     from fricmodels.signals import resting
 
     friction = drive.friction(prepared, values)
-    rest = np.zeros(len(prepared), dtype=bool) if drive.model.states else resting(prepared)
+    rest = resting(prepared)
     if rest.any():
-        least, greatest = drive.sticking_interval(prepared.select(rest), values)
-        friction[rest] = np.clip(needed[rest], least, greatest)
+        least, greatest = drive.sticking_interval(prepared, values)
+        friction[rest] = np.clip(needed[rest], least[rest], greatest[rest])
     return friction
 
 
@@ -118,8 +118,6 @@ def _mean_friction(
     velocity = one.velocity
     at = drive.friction(one, values)
     sliding = _mean(at)
-    if drive.model.states:
-        return sliding, sliding
     below, above = drive.sticking_interval(one, values)
     applied = one.torque - one.load_torque
     holding = np.clip(applied, below, above)

@@ -1,0 +1,86 @@
+"""Whether the effect that explains a residual best is what is missing, or only resembles it.
+
+Where the true effect is not among the candidates, some other still explains part of the residual, significantly. It
+gives itself away: one channel alone, by shapes of no particular physics, predicts more than it does. Then it is named
+only if it and further effects together explain more than any channel and leave nothing that could be predicted, since
+several effects may be missing at once.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fricmodels.diagnosis.evidence import compare
+from fricmodels.diagnosis.survey import Survey, Tested, regression_of, survey
+from fricmodels.diagnosis.unexplained import View, views
+from fricmodels.diagnosis.verdict import LEAST_TORQUE, SIGNIFICANCE, answer, passes
+
+Array = NDArray[np.float64]
+
+_BEATEN = 0.02
+"""A channel that predicts this share of the squared residual more than an effect shows that the effect is not it, …"""
+_FAR_BEATEN = 0.3
+"""… and so does one that leaves so much less of the RMS than the effect, however little that is."""
+_LEFT_OVER = 0.06
+"""Effects together are enough when no channel predicts this share of the squared residual beyond them."""
+_MOST_EFFECTS = 4
+
+
+def predictable(result: Survey) -> list[View]:
+    """Return the views that predict the residual of a survey beyond all gates, best first."""
+    return [v for v in views(result.problem, result.regression) if passes(result, v.evidence, v.p_value)]
+
+
+def beaten(result: Survey, first: Tested, seen: Sequence[View]) -> bool:
+    """Whether some channel predicts significantly and much more than an effect."""
+    total = float(np.sum(result.regression.loss))
+    least = LEAST_TORQUE**2 * float(np.sum(result.problem.driving**2))
+    for view in seen:
+        gain, p_value = compare(first.evidence.loss, view.evidence.loss, result.regression.terms)
+        more = float(np.sum(first.evidence.loss) - np.sum(view.evidence.loss))
+        if p_value < SIGNIFICANCE and more > least and (more > _BEATEN * total or gain > _FAR_BEATEN):
+            return True
+    return False
+
+
+def enough(result: Survey, parameters: Mapping[str, float], leave_out: Iterable[str], seen: Sequence[View]) -> bool:
+    """Whether the effects found one after the other explain more than any channel, and leave nothing to predict."""
+    total = float(np.sum(result.regression.loss))
+    least = min(float(np.sum(view.evidence.loss)) for view in seen)
+    problem = result.problem
+    out = set(leave_out)
+    columns = np.zeros((0, problem.rows))
+    for _ in range(_MOST_EFFECTS):
+        best = answer(result)
+        if best is None:
+            return False
+        columns = np.vstack([columns, directions(result, best.first)])
+        out |= {best.first.name}
+        after = Survey(problem, regression_of(problem, parameters, columns, best.first.name), (), {})
+        left = [
+            v
+            for v in predictable(after)
+            if np.sum(after.regression.loss) - np.sum(v.evidence.loss) > _LEFT_OVER * total
+        ]
+        if not left:
+            return float(np.sum(after.regression.loss)) <= least
+        result = survey(problem, parameters, leave_out=out, also=columns)
+    return False
+
+
+def directions(result: Survey, tested: Tested) -> Array:
+    """Return an effect's columns and the tangents of its nonlinear parameters, shape (k, rows)."""
+    problem, found = result.problem, tested.found
+    alone = problem.alone(tested.effect)
+    stacked = [found.columns]
+    for i, value in enumerate(found.nonlinear):
+        step = 1e-4 * abs(value) or 1e-6
+        ends = []
+        for moved in (value - step, value + step):
+            columns, _ = problem.columns(alone, (*found.nonlinear[:i], moved, *found.nonlinear[i + 1 :]))
+            ends.append(tested.evidence.coefficients @ columns[found.kept])
+        stacked.append(((ends[1] - ends[0]) / (2 * step))[None])
+    return np.vstack(stacked)
