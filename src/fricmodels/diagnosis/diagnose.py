@@ -16,7 +16,7 @@ from fricmodels.diagnosis.problem import Problem
 from fricmodels.diagnosis.sufficiency import beaten, enough, predictable
 from fricmodels.diagnosis.survey import Tested, survey
 from fricmodels.diagnosis.unexplained import View
-from fricmodels.diagnosis.verdict import Answer, answer
+from fricmodels.diagnosis.verdict import Answer, accepted, answer
 from fricmodels.diagnosis.where import Regime, where
 from fricmodels.drive import Drive
 from fricmodels.errors import InputError
@@ -86,6 +86,7 @@ class Diagnosis:
         findings: the effect that explains the residual best, with its look-alikes; none where none passes. What else
             may be missing shows once this one is in the model (:func:`fricmodels.diagnosis.improve`).
         view: what predicts the residual best, whatever the physics; ``None`` if nothing does.
+        passing: every effect that passes the gates by itself, best first; most only resemble the first.
         visibility: for every effect that was not found, the smallest that would have been, or what is missing.
     """
 
@@ -94,6 +95,7 @@ class Diagnosis:
     findings: tuple[Finding, ...]
     view: View | None
     visibility: Mapping[str, Visibility]
+    passing: tuple[Tested, ...] = ()
 
 
 def ready(recording: Recording) -> Recording:
@@ -203,7 +205,8 @@ def examine(comparison: Comparison, *, leave_out: Iterable[str] = ()) -> Diagnos
         verdict = "missing-effect" if len(findings[0].names) == 1 else "undecided"
     elif view is not None:
         verdict = "unknown-effect"
-    return Diagnosis(comparison, verdict, tuple(findings), view, visibility(result, found))
+    passing = tuple(accepted(result)) if findings else ()
+    return Diagnosis(comparison, verdict, tuple(findings), view, visibility(result, found), passing)
 
 
 def _finding(best: Answer) -> Finding:

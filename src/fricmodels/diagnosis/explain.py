@@ -21,6 +21,11 @@ def explain(diagnosis: Diagnosis, ladder: Ladder | None = None) -> str:
             "Nothing that could be predicted is left in the residual: the model is adequate for this recording. "
             "This does not exclude effects that the recording could not have shown."
         )
+        if comparison.errors.held_out_percent > 5 * max(comparison.noise_floor_percent, 1.0):
+            parts.append(
+                "Its error is far above the noise all the same: something acts on the drive that is in none of the "
+                "recorded channels, or in the stretches around standstill that are too unclear to be tested."
+            )
     elif diagnosis.verdict == "unknown-effect" and diagnosis.view is not None:
         parts.append(unknown(diagnosis))
     else:

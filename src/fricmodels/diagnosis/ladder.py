@@ -10,12 +10,15 @@ import numpy as np
 from fricmodels import plugins
 from fricmodels.diagnosis.diagnose import Comparison, Diagnosis, Finding, compare_model, examine, kept_back, ready
 from fricmodels.diagnosis.evidence import Evidence, Regression
+from fricmodels.diagnosis.survey import Tested
 from fricmodels.diagnosis.verdict import LEAST_GAIN, SIGNIFICANCE
 from fricmodels.drive import Drive
 from fricmodels.errors import FricmodelsError
 from fricmodels.model import Model
 from fricmodels.recording import Recording
 
+MOST_TRIALS = 4
+"""So many of the effects that pass are tried before a step is given up."""
 MOST_STEPS = 6
 """A model that lacks more effects than this is better thought about than extended."""
 
@@ -81,21 +84,13 @@ def improve(
     first = diagnosis = examine(comparison, leave_out=out)
     rungs, steps, note = [Rung(comparison)], [diagnosis], ""
     while diagnosis.findings and len(steps) <= MOST_STEPS:
-        finding = diagnosis.findings[0].tested
-        say(f"adding {finding.name}")
-        bigger = comparison.drive.model.plus(plugins.load().effects[finding.name]())
-        start = {**comparison.estimate.parameters, **_keyed(finding.name, finding.parameters)}
-        try:
-            trial = compare_model(train, test, Drive(bigger, inertia, recording.motion), start)
-        except FricmodelsError as error:
-            note = f"'{finding.name}' was found but the model with it could not be fitted: {error}"
-            break
-        if not trial.errors.held_out_percent < comparison.errors.held_out_percent:
-            note = f"'{finding.name}' was found, but the error on data kept back does not fall with it"
+        trial, finding, refused = _step(comparison, diagnosis, recording, inertia, say)
+        if trial is None or finding is None:
+            note = f"'{refused}' was found, but the error on data kept back does not fall with it"
             break
         comparison = trial
-        rungs.append(Rung(comparison, added=finding.name))
-        say(f"testing effects on {bigger.name}")
+        rungs.append(Rung(comparison, added=finding))
+        say(f"testing effects on {comparison.drive.model.name}")
         diagnosis = examine(comparison, leave_out=out)
         steps.append(diagnosis)
     comparison, removed = _pruned(comparison, {e.name for e in model.effects}, recording, inertia)
@@ -105,10 +100,52 @@ def improve(
     return Ladder(first, tuple(rungs), diagnosis, tuple(steps), note)
 
 
+def _step(
+    comparison: Comparison,
+    diagnosis: Diagnosis,
+    recording: Recording,
+    inertia: float | None,
+    say: Callable[[str], None],
+) -> tuple[Comparison | None, str | None, str]:
+    """Add the effect that was found; where it does not help on data kept back, the one that does so most.
+
+    Returns:
+        The new comparison and the effect that was added, if any helps, and the effect that did not.
+    """
+    first = diagnosis.findings[0].tested
+
+    def trial(tested: Tested) -> Comparison:
+        say(f"adding {tested.name}")
+        model = comparison.drive.model.plus(plugins.load().effects[tested.name]())
+        start = {**comparison.estimate.parameters, **_keyed(tested.name, tested.parameters)}
+        try:
+            return compare_model(comparison.train, comparison.test, Drive(model, inertia, recording.motion), start)
+        except FricmodelsError:
+            return comparison
+
+    bigger = trial(first)
+    if bigger.errors.held_out_percent < comparison.errors.held_out_percent:
+        return bigger, first.name, ""
+    others = [t for t in diagnosis.passing if t.name != first.name][: MOST_TRIALS - 1]
+    best = min(((trial(t), t.name) for t in others), key=lambda pair: pair[0].errors.held_out_percent, default=None)
+    if best is None or not best[0].errors.held_out_percent < comparison.errors.held_out_percent:
+        return None, None, first.name
+    return best[0], best[1], first.name
+
+
 def added(ladder: Ladder) -> list[Finding]:
     """Return the findings that the ladder added and kept, in order; where it kept none, what the first step found."""
     kept = {effect.name for effect in ladder.rungs[-1].comparison.drive.model.effects}
-    chosen = [step.findings[0] for step in ladder.steps if step.findings and step.findings[0].tested.name in kept]
+    chosen = []
+    for step, rung in zip(ladder.steps, (rung for rung in ladder.rungs if rung.added), strict=False):
+        first = step.findings[0]
+        if rung.added not in kept:
+            continue
+        if rung.added == first.tested.name:
+            chosen.append(first)
+            continue
+        own = next(t for t in step.passing if t.name == rung.added)
+        chosen.append(Finding(own, (own.name,), ""))
     return chosen or list(ladder.first.findings)
 
 
