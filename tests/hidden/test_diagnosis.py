@@ -88,7 +88,6 @@ def test_an_effect_off_the_list_leaves_a_trace(hidden: Draw, effect: str, view: 
     assert diagnosis.view.evidence.gain > 0.8
 
 
-@pytest.mark.xfail(reason="what explains a part is named though a channel predicts far more; docs/hidden_effects.md")
 @pytest.mark.parametrize("effect", LOOK_ALIKES)
 def test_an_effect_off_the_list_is_unknown(hidden: Draw, effect: str) -> None:
     assert off_the_list(hidden, effect).verdict == "unknown-effect"
