@@ -151,6 +151,12 @@ def _wave_numbers(problem: Problem, regression: Regression, alone: Drive, least:
 
     The residual is multiplied by what the effect's torque is in proportion to: its column at wave number 0.
     """
+    design, _ = problem.evaluate(alone, [0.0] * sum(not flag for flag in alone.model.linear))
+    return periods(problem, regression, design[0, : len(problem.recording)], least)
+
+
+def periods(problem: Problem, regression: Regression, factor: Array, least: float) -> WaveNumbers:
+    """Return the wave numbers at which the residual times ``factor``, shape (N,), is most periodic in position."""
     recording = problem.recording
     travel = np.abs(problem.smooth) * recording.interval
     moving = ~problem.resting & (travel > 0)
@@ -158,8 +164,6 @@ def _wave_numbers(problem: Problem, regression: Regression, alone: Drive, least:
         return WaveNumbers((), 1.0, 1.0)
     # Half of the time a bump must pass less than a quarter period, or it averages the effect away.
     fastest = 2 * np.pi / (float(np.percentile(travel[moving], 20)) * problem.bumps.width)
-    design, _ = problem.evaluate(alone, [0.0] * sum(not flag for flag in alone.model.linear))
-    amplitude = design[0, : len(recording)]
     sampled = np.interp(np.arange(len(recording)), problem.centre, regression.residual)
-    weights = np.where(moving, sampled * amplitude, 0.0)
+    weights = np.where(moving, sampled * factor, 0.0)
     return wave_numbers(recording["position"], weights, fastest, least)

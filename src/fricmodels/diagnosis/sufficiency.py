@@ -22,7 +22,7 @@ Array = NDArray[np.float64]
 
 _BEATEN = 0.02
 """A channel that predicts this share of the squared residual more than an effect shows that the effect is not it, …"""
-_FAR_BEATEN = 0.3
+_FAR_BEATEN = 0.5
 """… and so does one that leaves so much less of the RMS than the effect, however little that is."""
 _LEFT_OVER = 0.06
 """Effects together are enough when no channel predicts this share of the squared residual beyond them."""

@@ -15,11 +15,13 @@ from numpy.typing import NDArray
 
 from fricmodels.diagnosis.evidence import Evidence, Regression
 from fricmodels.diagnosis.problem import Problem
+from fricmodels.diagnosis.search import periods
 
 Array = NDArray[np.float64]
 
 _HATS = 8
 _WAVES = 6
+_FINE_WAVES = 3
 
 
 @dataclass(frozen=True)
@@ -39,7 +41,7 @@ class View:
 
 def views(problem: Problem, regression: Regression) -> list[View]:
     """Return every view of the residual, the best predictor first."""
-    shapes = _shapes(problem)
+    shapes = {**_shapes(problem), **_periodic(problem, regression)}
     found = []
     for channels, build in shapes.items():
         columns = problem.integrals(build())
@@ -64,6 +66,7 @@ def _shapes(problem: Problem) -> Mapping[str, Callable[[], Array]]:
         "time, the same in both directions": lambda: _hats(points.time),
         "motor torque": lambda: _powers(problem.motor_torque),
         "motor torque, along the motion": lambda: side * np.abs(_powers(problem.motor_torque)),
+        "rate of the motor torque": lambda: np.vstack([points["torque_rate"], side * np.abs(points["torque_rate"])]),
         "acceleration": lambda: np.vstack([points["acceleration"], side * np.abs(points["acceleration"])]),
     }
     if "position" in points:
@@ -76,9 +79,39 @@ def _shapes(problem: Problem) -> Mapping[str, Callable[[], Array]]:
     if "load_torque" in points:
         shapes["load torque"] = lambda: _powers(points.load_torque)
         shapes["load torque, along the motion"] = lambda: side * np.abs(_powers(points.load_torque))
+        shapes["load torque and direction"] = lambda: np.vstack(
+            [
+                points.load_torque,
+                np.abs(points.load_torque),
+                side * points.load_torque,
+                side * np.abs(points.load_torque),
+            ]
+        )
     if "temperature" in points:
         warm = points["temperature"] - np.mean(points["temperature"])
         shapes["temperature"] = lambda: np.vstack([warm, side * warm, velocity * warm, side * warm**2])
+    return shapes
+
+
+def _periodic(problem: Problem, regression: Regression) -> dict[str, Callable[[], Array]]:
+    """Return waves over position at the wave numbers at which the residual is most periodic."""
+    if "position" not in problem.recording:
+        return {}
+    points = problem.quadrature.recording
+    side = np.sign(points.velocity)
+    count = len(problem.recording)
+    factors = {
+        "position, finely": np.ones(len(side)),
+        "position, finely, along the motion": side,
+        "position, finely, and motor torque": problem.motor_torque,
+    }
+    shapes: dict[str, Callable[[], Array]] = {}
+    for name, factor in factors.items():
+        found = periods(problem, regression, factor[:count], 0.0).strongest[:_FINE_WAVES]
+        if found:
+            phases = np.outer(found, points["position"])
+            waves = factor * np.vstack([np.cos(phases), np.sin(phases)])
+            shapes[name] = lambda waves=waves: waves  # type: ignore[misc]
     return shapes
 
 
