@@ -66,7 +66,10 @@ FORMULAS: dict[str, tuple[dict[str, float], Callable[[Any, Array], Array]]] = {
         lambda r, s: r["torque"] * (2 * np.cos(7.5 * r["position"]) + 3 * np.sin(7.5 * r["position"])),
     ),
     "sensor-delay": ({"T": 0.2}, lambda r, s: 0.2 * r["torque_rate"]),
-    "thermal": ({"a": 0.2, "b": 0.3}, lambda r, s: (0.2 * r["velocity"] + 0.3 * s) * r["temperature"]),
+    "thermal": (
+        {"a": 0.2, "b": 0.3, "c": 0.01},
+        lambda r, s: ((0.2 + 0.01 * r["temperature"]) * r["velocity"] + 0.3 * s) * r["temperature"],
+    ),
     "drift": ({"a": 0.2, "b": 0.3}, lambda r, s: (0.2 * r["velocity"] + 0.3 * s) * r["time"]),
     "step-change": ({"c": 2.0, "d": 3.0, "t_0": 0.2}, lambda r, s: np.where(r["time"] >= 0.2, 2 * s + 3, 0)),
 }

@@ -26,7 +26,7 @@ def explain(diagnosis: Diagnosis, ladder: Ladder | None = None) -> str:
                 "Its error is far above the noise all the same: something acts on the drive that is in none of the "
                 "recorded channels, or in the stretches around standstill that are too unclear to be tested."
             )
-    elif diagnosis.verdict == "unknown-effect" and diagnosis.view is not None:
+    elif diagnosis.verdict == "unknown-effect":
         parts.append(unknown(diagnosis))
     else:
         parts.append(sentence(diagnosis.findings[0]))
@@ -63,7 +63,7 @@ def sentence(finding: Finding) -> str:
 def unknown(diagnosis: Diagnosis) -> str:
     """Return in words that something predictable remains which no known effect explains."""
     view = diagnosis.view
-    if view is None:
+    if view is None or diagnosis.verdict != "unknown-effect":
         return ""
     return (
         f"Something else is missing that no known effect explains: the residual can be predicted from "
