@@ -193,3 +193,15 @@ class Recording:
             digest.update(np.ascontiguousarray(self.channels[name], dtype="<f8").tobytes())
         digest.update(np.ascontiguousarray(self.run, dtype="<i8").tobytes())
         return digest.hexdigest()
+
+
+def natural_size(recording: Recording, dimension: Dimension) -> float:
+    """Return the recording's own size of a quantity: peak velocity, position range, duration, RMS torque."""
+    peak = float(np.max(np.abs(recording.velocity)))
+    duration = float(np.ptp(recording.time))
+    force = float(np.sqrt(np.mean(recording.torque**2)))
+    length = float(np.ptp(recording["position"])) if "position" in recording else peak * duration
+    size = force ** float(dimension.force)
+    if dimension.displacement == -dimension.time:
+        return float(size * peak ** float(dimension.displacement))
+    return float(size * length ** float(dimension.displacement) * duration ** float(dimension.time))

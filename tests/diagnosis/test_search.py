@@ -9,14 +9,14 @@ import pytest
 
 from fricmodels.diagnosis import survey as surveys
 from fricmodels.diagnosis.estimate import estimate
-from fricmodels.diagnosis.search import natural_size, walk
+from fricmodels.diagnosis.search import walk
 from fricmodels.diagnosis.survey import noise_share, survey
 from fricmodels.dimension import DISPLACEMENT, FORCE, TIME, VELOCITY
 from fricmodels.drive import Drive
 from fricmodels.model import Model
 from fricmodels.parameter import Parameter
 from fricmodels.plugins import load
-from fricmodels.recording import Recording
+from fricmodels.recording import Recording, natural_size
 
 Made = Callable[..., Recording]
 

@@ -9,10 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimators.batch.projection import LARGEST_RATIO, Nonlinear
-from fricmodels.dimension import Dimension
 from fricmodels.drive import Drive, DriveParameter
 from fricmodels.errors import InputError, suggestion
-from fricmodels.recording import Recording
+from fricmodels.recording import Recording, natural_size
 
 Array = NDArray[np.float64]
 
@@ -32,18 +31,6 @@ class Outcome:
     undetermined: Array
     succeeded: bool
     message: str
-
-
-def natural_size(recording: Recording, dimension: Dimension) -> float:
-    """Return the recording's own size of a quantity: peak velocity, position range, duration, RMS torque."""
-    peak = float(np.max(np.abs(recording.velocity)))
-    duration = float(np.ptp(recording.time))
-    force = float(np.sqrt(np.mean(recording.torque**2)))
-    length = float(np.ptp(recording["position"])) if "position" in recording else peak * duration
-    size = force ** float(dimension.force)
-    if dimension.displacement == -dimension.time:
-        return float(size * peak ** float(dimension.displacement))
-    return float(size * length ** float(dimension.displacement) * duration ** float(dimension.time))
 
 
 def linear_constraints(parameters: Sequence[DriveParameter]) -> tuple[Array, Array]:

@@ -23,11 +23,11 @@ from numpy.typing import NDArray
 
 from estimators.batch.inference import covariance
 from estimators.batch.least_squares import NormalEquations
-from estimators.batch.problem import Outcome, linear_constraints, natural_size
+from estimators.batch.problem import Outcome, linear_constraints
 from estimators.batch.smoothing import explained_velocity
 from fricmodels.drive import Drive
 from fricmodels.model import Model
-from fricmodels.recording import Recording
+from fricmodels.recording import Recording, natural_size
 from fricmodels.signals import resting
 from fricmodels.signals.weak_form import segments
 from fricmodels.term import SIGNALS

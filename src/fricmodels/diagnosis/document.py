@@ -66,7 +66,7 @@ def document(diagnosis: Diagnosis, ladder: Ladder | None = None) -> dict[str, An
                 "smallest_torque": row.smallest_torque,
                 "missing": row.missing,
             }
-            for name, row in diagnosis.visibility.items()
+            for name, row in (diagnosis if ladder is None else ladder.last).visibility.items()
         },
         "explanation": explain(diagnosis, ladder),
         "ladder": _ladder(diagnosis, ladder),

@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 
 from fricmodels.diagnosis.evidence import cosine_terms, long_run_sum
 from fricmodels.diagnosis.problem import Problem
-from fricmodels.diagnosis.search import natural_size, walk
+from fricmodels.diagnosis.search import walk
 from fricmodels.drive import Drive
 from fricmodels.errors import InputError
-from fricmodels.recording import Recording
+from fricmodels.recording import Recording, natural_size
 
 Array = NDArray[np.float64]
 

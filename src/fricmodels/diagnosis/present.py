@@ -49,8 +49,9 @@ def show_diagnosis(console: Console, diagnosis: Diagnosis, ladder: Ladder | None
             for p in finding.tested.effect.parameters
         )
         console.print(f"  {finding.tested.name}: {listed}", highlight=False)
-    blind = {name: row.missing for name, row in diagnosis.visibility.items() if row.missing}
-    seen = {name: row.smallest_percent for name, row in diagnosis.visibility.items() if not row.missing}
+    final = diagnosis if ladder is None else ladder.last
+    blind = {name: row.missing for name, row in final.visibility.items() if row.missing}
+    seen = {name: row.smallest_percent for name, row in final.visibility.items() if not row.missing}
     _show_visibility(console, seen, blind)
 
 

@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 
 from fricmodels.diagnosis.evidence import Regression
 from fricmodels.diagnosis.problem import Problem
-from fricmodels.dimension import FORCE, TIME, Dimension
+from fricmodels.dimension import FORCE, TIME
 from fricmodels.drive import Drive
 from fricmodels.parameter import Parameter
-from fricmodels.recording import Recording
+from fricmodels.recording import natural_size
 from fricmodels.signals.order_spectrum import WaveNumbers, wave_numbers
 from fricmodels.term import Effect
 
@@ -41,18 +41,6 @@ class Found:
     kept: NDArray[np.bool_]
     explained: float
     trials: float
-
-
-def natural_size(recording: Recording, dimension: Dimension) -> float:
-    """Return the recording's own size of a quantity: peak velocity, position range, duration, RMS torque."""
-    peak = float(np.max(np.abs(recording.velocity)))
-    duration = float(np.ptp(recording.time))
-    force = float(np.sqrt(np.mean(recording.torque**2)))
-    length = float(np.ptp(recording["position"])) if "position" in recording else peak * duration
-    size = force ** float(dimension.force)
-    if dimension.displacement == -dimension.time:
-        return float(size * peak ** float(dimension.displacement))
-    return float(size * length ** float(dimension.displacement) * duration ** float(dimension.time))
 
 
 def search(problem: Problem, regression: Regression, effect: Effect, alone: Drive) -> Found | None:

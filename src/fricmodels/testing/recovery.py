@@ -10,14 +10,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fricmodels import plugins
-from fricmodels.diagnosis.search import natural_size
 from fricmodels.dimension import INERTIA as INERTIA_DIMENSION
 from fricmodels.drive import Drive
 from fricmodels.errors import EstimationError, FricmodelsError
 from fricmodels.fit import Fit, Status
 from fricmodels.model import Model
 from fricmodels.parameter import Parameter
-from fricmodels.recording import Recording
+from fricmodels.recording import Recording, natural_size
 from fricmodels.signals import Preparation, prepare
 from fricmodels.simulation import simulate
 from fricmodels.term import Effect, Law, Term
