@@ -39,7 +39,7 @@ def problem(estimator: str, samples: int) -> tuple[Any, Any]:
     drive = Drive(Model.parse("asymmetric-exponential-stick-slip"), 4.87e-6)
     if estimator == "ekf":
         settings = {"velocity_noise": 1.0, "model_noise": 0.01}
-        return ExtendedKalman(settings)._problem(drive, recording), recording
+        return ExtendedKalman(settings).problem(drive, recording), recording
     return DetchmendySridhar()._problem(drive, recording), recording
 
 

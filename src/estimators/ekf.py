@@ -155,7 +155,7 @@ class ExtendedKalman(SequentialEstimator):
         """Filter the recording; see the class."""
         began = time.perf_counter()
         kept = usable(drive, recording)
-        problem = self._problem(drive, kept)
+        problem = self.problem(drive, kept)
         trajectory = run_filterpy(problem, kept) if self.settings.engine == "filterpy" else problem.run(kept)
         if trajectory.diverged_at is not None:
             return diverged_fit(self, problem, kept, trajectory, began)
@@ -176,7 +176,7 @@ class ExtendedKalman(SequentialEstimator):
 
     def start(self, drive: Drive, recording: Recording) -> OnlineFilter:
         """Return the filter before its first sample; it runs compiled whatever the engine."""
-        return ProblemOnline(self._problem(drive, usable(drive, recording)))
+        return ProblemOnline(self.problem(drive, usable(drive, recording)))
 
     def _noise(self, problem: FilterProblem) -> dict[str, float]:
         """Return the noise that the filter was given, in SI."""
@@ -186,7 +186,8 @@ class ExtendedKalman(SequentialEstimator):
             "model": float(np.sqrt(problem.constants[first + 1] / problem.scales.time) * velocity),
         }
 
-    def _problem(self, drive: Drive, recording: Recording) -> FilterProblem:
+    def problem(self, drive: Drive, recording: Recording) -> FilterProblem:
+        """Return the filter before its first sample: scales, step, noise, bounds and start."""
         settings = self.settings
         scales = paper_scales(drive, recording)
         space = normalised_space(drive)
