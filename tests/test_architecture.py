@@ -15,7 +15,7 @@ SOURCES = ROOT / "src"
 
 # The way of the data: a layer imports those above it in this list, and itself.
 LAYERS = (
-    {"errors"},
+    {"errors", "shown", "terminal"},
     {"dimension"},
     {"expressions", "parameter"},
     {"hookspecs", "term", "recording"},
@@ -28,6 +28,7 @@ LAYERS = (
     {"score"},
     {"tournament", "diagnosis"},
     {"export", "report"},
+    {"notebook"},
     {"testing", "scaffold"},
     {"cli", "__main__"},
 )

@@ -1,5 +1,8 @@
 """Find out what friction really does in a drive: fit, rank and diagnose friction models on measured recordings.
 
+Five names do the whole loop: :func:`read` a recording, :func:`compare` a model with it, :func:`diagnose` what is
+missing, :func:`improve` the model, :func:`run` a tournament.
+
 Names are imported when first used, so that ``import fricmodels`` is quick.
 """
 
@@ -11,13 +14,17 @@ from typing import TYPE_CHECKING, Any
 from fricmodels.hookspecs import hookimpl
 
 if TYPE_CHECKING:
+    from fricmodels.diagnosis.diagnose import compare, diagnose
+    from fricmodels.diagnosis.ladder import improve
     from fricmodels.drive import Drive
     from fricmodels.estimator import Estimator
     from fricmodels.fit import Fit
     from fricmodels.model import Model
     from fricmodels.parameter import Parameter, State
+    from fricmodels.readers import read
     from fricmodels.recording import Recording
     from fricmodels.term import Effect, Law
+    from fricmodels.tournament import run
 
 __version__ = "0.1.0"
 
@@ -31,6 +38,11 @@ _HOMES = {
     "Parameter": "parameter",
     "Recording": "recording",
     "State": "parameter",
+    "compare": "diagnosis",
+    "diagnose": "diagnosis",
+    "improve": "diagnosis",
+    "read": "readers",
+    "run": "tournament",
 }
 
 __all__ = [
@@ -43,7 +55,12 @@ __all__ = [
     "Parameter",
     "Recording",
     "State",
+    "compare",
+    "diagnose",
     "hookimpl",
+    "improve",
+    "read",
+    "run",
 ]
 
 

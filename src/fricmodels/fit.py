@@ -11,6 +11,8 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from fricmodels.shown import Shown
+
 
 class Status(StrEnum):
     """How a fit ended."""
@@ -23,7 +25,7 @@ class Status(StrEnum):
 
 
 @dataclass(frozen=True)
-class Fit:
+class Fit(Shown):
     """Estimated parameters of a drive, in SI units.
 
     Attributes:

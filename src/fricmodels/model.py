@@ -65,6 +65,11 @@ class Model:
         law, *effects = (part.strip() for part in name.split("+"))
         return cls(registered.laws[law](), [registered.effects[effect]() for effect in effects])
 
+    @classmethod
+    def of(cls, model: Model | str) -> Model:
+        """Return a model as it is, or the one that a name says; see :meth:`parse`."""
+        return cls.parse(model) if isinstance(model, str) else model
+
     def plus(self, effect: Effect) -> Model:
         """Return this model with one effect more."""
         return Model(self.law, (*self.effects, effect))

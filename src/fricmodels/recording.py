@@ -24,6 +24,7 @@ from fricmodels.dimension import (
     Scales,
 )
 from fricmodels.errors import InputError
+from fricmodels.shown import Shown
 
 CHANNELS: Mapping[str, Dimension] = {
     "time": TIME,
@@ -52,7 +53,7 @@ SIGNAL_CHANNEL: Mapping[str, str] = {
 
 
 @dataclass(frozen=True)
-class Recording:
+class Recording(Shown):
     """Measured (or simulated) motion of one drive under a known torque.
 
     Attributes:

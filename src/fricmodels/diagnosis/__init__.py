@@ -2,13 +2,23 @@
 
 from __future__ import annotations
 
-from fricmodels.diagnosis.diagnose import Comparison, Diagnosis, compare_model, diagnose, examine, kept_back, ready
+from fricmodels.diagnosis.diagnose import (
+    Comparison,
+    Diagnosis,
+    compare,
+    compare_model,
+    diagnose,
+    examine,
+    kept_back,
+    ready,
+)
 from fricmodels.diagnosis.ladder import Ladder, improve
 
 __all__ = [
     "Comparison",
     "Diagnosis",
     "Ladder",
+    "compare",
     "compare_model",
     "diagnose",
     "examine",

@@ -23,6 +23,7 @@ from fricmodels.errors import InputError
 from fricmodels.model import Model
 from fricmodels.recording import Recording
 from fricmodels.score.torque import filtered_torque_error, sliding_half_width
+from fricmodels.shown import Shown
 from fricmodels.signals import best_half_width, lanczos_derivative, noise, prepare
 from fricmodels.signals.lanczos import even_weights
 from fricmodels.split import Split, split
@@ -55,7 +56,7 @@ class Finding:
 
 
 @dataclass(frozen=True)
-class Comparison:
+class Comparison(Shown):
     """A model fitted to a recording, and where it fails.
 
     Attributes:
@@ -77,7 +78,7 @@ class Comparison:
 
 
 @dataclass(frozen=True)
-class Diagnosis:
+class Diagnosis(Shown):
     """What is missing in a model, as far as a recording can tell.
 
     Attributes:
@@ -165,9 +166,24 @@ def compare_model(
     return Comparison(drive, found, train, test, errors, 100 * floor / reference, rows, problem)
 
 
+def compare(recording: Recording, model: Model | str, inertia: float | None = None) -> Comparison:
+    """Fit a model to seven tenths of a recording and say where it fails.
+
+    Args:
+        recording: as read.
+        model: law plus effects, or its name such as ``coulomb-viscous+cogging``.
+        inertia: J [kg m²] or M [kg]; estimated if not given.
+
+    Raises:
+        InputError: for an unknown model, or a recording that lacks what it needs or does not move enough.
+    """
+    train, test = kept_back(ready(recording))
+    return compare_model(train, test, Drive(Model.of(model), inertia, recording.motion))
+
+
 def diagnose(
     recording: Recording,
-    model: Model,
+    model: Model | str,
     inertia: float | None = None,
     *,
     leave_out: Iterable[str] = (),
@@ -176,16 +192,14 @@ def diagnose(
 
     Args:
         recording: as read.
-        model: law plus effects.
+        model: law plus effects, or its name.
         inertia: J [kg m²] or M [kg]; estimated if not given.
         leave_out: effects that are not considered.
 
     Raises:
         InputError: when the recording lacks what the model needs, or does not move enough.
     """
-    train, test = kept_back(ready(recording))
-    comparison = compare_model(train, test, Drive(model, inertia, recording.motion))
-    return examine(comparison, leave_out=leave_out)
+    return examine(compare(recording, model, inertia), leave_out=leave_out)
 
 
 def examine(comparison: Comparison, *, leave_out: Iterable[str] = ()) -> Diagnosis:

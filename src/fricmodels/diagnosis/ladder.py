@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from fricmodels import plugins
-from fricmodels.diagnosis.diagnose import Comparison, Diagnosis, Finding, compare_model, examine, kept_back, ready
+from fricmodels.diagnosis.diagnose import Comparison, Diagnosis, Finding, compare, compare_model, examine
 from fricmodels.diagnosis.evidence import Evidence, Regression
 from fricmodels.diagnosis.survey import Tested
 from fricmodels.diagnosis.verdict import LEAST_GAIN, SIGNIFICANCE
@@ -16,6 +16,7 @@ from fricmodels.drive import Drive
 from fricmodels.errors import FricmodelsError
 from fricmodels.model import Model
 from fricmodels.recording import Recording
+from fricmodels.shown import Shown
 
 MOST_TRIALS = 4
 """So many of the effects that pass are tried before a step is given up."""
@@ -38,7 +39,7 @@ class Rung:
 
 
 @dataclass(frozen=True)
-class Ladder:
+class Ladder(Shown):
     """From the model that was given to the best one.
 
     Attributes:
@@ -58,7 +59,7 @@ class Ladder:
 
 def improve(
     recording: Recording,
-    model: Model,
+    model: Model | str,
     inertia: float | None = None,
     *,
     leave_out: Iterable[str] = (),
@@ -70,16 +71,16 @@ def improve(
 
     Args:
         recording: as read.
-        model: law plus effects to begin from.
+        model: law plus effects to begin from, or its name.
         inertia: J [kg m²] or M [kg]; estimated if not given.
         leave_out: effects that are not considered.
         progress: called with one line at every step.
     """
     say = progress or (lambda line: None)
     out = set(leave_out)
-    train, test = kept_back(ready(recording))
+    model = Model.of(model)
     say(f"fitting {model.name}")
-    comparison = compare_model(train, test, Drive(model, inertia, recording.motion))
+    comparison = compare(recording, model, inertia)
     say(f"testing effects on {model.name}")
     first = diagnosis = examine(comparison, leave_out=out)
     rungs, steps, note = [Rung(comparison)], [diagnosis], ""

@@ -1,82 +1,282 @@
-"""Comparisons, diagnoses and ladders as text for the terminal."""
+"""Comparisons, diagnoses and ladders as text for the terminal: the story of the report in tables and small plots."""
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Mapping
+from typing import TYPE_CHECKING
 
-from rich.console import Console
-from rich.table import Table
+import numpy as np
+from numpy.typing import NDArray
 
-from fricmodels.diagnosis.diagnose import Comparison, Diagnosis
+from fricmodels.diagnosis.diagnose import Comparison, Diagnosis, Finding
+from fricmodels.diagnosis.estimate import Estimate
 from fricmodels.diagnosis.explain import explain
-from fricmodels.diagnosis.ladder import Ladder, added
+from fricmodels.diagnosis.ladder import Ladder, Rung, added
+from fricmodels.diagnosis.power import Visibility
+from fricmodels.dimension import Motion
+from fricmodels.recording import Recording
+from fricmodels.score.torque import filtered_torque_error
+from fricmodels.signals import stretches
+from fricmodels.terminal import Band, Column, Marks, bar, plain, show_plot, show_table
 
-_MOST_REGIMES = 8
-_LONGEST_BAR = 20
+if TYPE_CHECKING:
+    from rich.console import Console
+
+Array = NDArray[np.float64]
+
+_NO_SPREAD = ("given", "not determined")
+_BAR = 20
+_NARROW_BAR = 8
+_SHOWN_REVERSALS = 4
+_LEAST_SHOWN = 100
+_SPEEDS = 120
 
 
 def show_comparison(console: Console, comparison: Comparison) -> None:
-    """Print parameters, errors, and where the model fails."""
+    """Print the errors, the parameters, model against measurement, and where the model fails."""
+    drive, errors = comparison.drive, comparison.errors
+    rotary = drive.motion is Motion.ROTARY
+    _heading(console, f"{drive.model.name} on {comparison.train.name}")
+    _say(
+        console,
+        f"RMS torque error: {errors.SI:.4g} {'N m' if rotary else 'N'}, {errors.percent:.4g} % of the RMS motor "
+        f"torque; on data kept back {errors.held_out_percent:.4g} %; noise alone would leave about "
+        f"{comparison.noise_floor_percent:.3g} %.",
+    )
+    console.print()
+    show_parameters(console, comparison)
+    console.print()
+    show_overlay(console, comparison)
+    console.print()
+    show_friction(console, comparison)
+    console.print()
+    show_where(console, comparison)
+    console.print()
+
+
+def show_parameters(console: Console, comparison: Comparison) -> None:
+    """Print the parameters with their standard errors and units."""
     drive, estimate = comparison.drive, comparison.estimate
     units = {p.key: p.declared.unit_for(drive.motion) for p in drive.parameters}
-    table = Table("parameter", "value", "± (standard error)", "unit", title=drive.model.name, title_justify="left")
-    for key, value in estimate.parameters.items():
-        error = estimate.standard_errors.get(key)
-        given = "given" if error is None else f"{error:.2g}"
-        table.add_row(key, f"{value:.5g}", given, units.get(key, "kg m^2" if key == "J" else "kg"))
-    console.print(table)
-    errors = comparison.errors
-    console.print(
-        f"RMS torque error: {errors.SI:.4g} {'N m' if drive.motion == 'rotary' else 'N'}, {errors.percent:.3g} % of "
-        f"the RMS motor torque; on data kept back {errors.held_out_percent:.3g} %; noise alone about "
-        f"{comparison.noise_floor_percent:.2g} %"
-    )
-    where = Table("regime", "share of squared error", "share of samples", title="Where it fails", title_justify="left")
-    for row in comparison.where[:_MOST_REGIMES]:
-        where.add_row(row.regime, f"{100 * row.share_of_squared_error:.1f} %", f"{100 * row.share_of_samples:.1f} %")
-    console.print(where)
+    units.setdefault(drive.inertia_key, "kg m^2" if drive.motion is Motion.ROTARY else "kg")
+    keys = tuple(estimate.parameters)
+    columns = [
+        Column("parameter", keys),
+        Column("value", tuple(f"{value:.5g}" for value in estimate.parameters.values()), number=True),
+        Column("± standard error", tuple(_spread(estimate.standard_errors.get(key)) for key in keys), number=True),
+        Column("unit", tuple(units.get(key, "") for key in keys)),
+    ]
+    show_table(console, columns, "Parameters")
+
+
+def _spread(error: float | None) -> str:
+    if error is None:
+        return _NO_SPREAD[0]
+    return f"{error:.2g}" if error > 0 else _NO_SPREAD[1]
+
+
+def show_overlay(console: Console, comparison: Comparison) -> None:
+    """Plot the torque, measured and modelled, over a few reversals of the data kept back."""
+    part = _stretch(comparison.test)
+    modelled = part.torque - _error(comparison, part)
+    unit = "N m" if comparison.drive.motion is Motion.ROTARY else "N"
+    series = [
+        Band("measured", ".", part.time, part.torque),
+        Band("modelled", "o", part.time, modelled),
+    ]
+    _title(console, "Motor torque, measured and modelled, over a stretch of data kept back")
+    show_plot(console, series, "time [s]", f"[{unit}]")
+
+
+def show_friction(console: Console, comparison: Comparison) -> None:
+    """Plot friction torque against velocity: what the motion asks for, and the model's mean at each velocity."""
+    drive, part = comparison.drive, comparison.train
+    unit, speed = ("N m", "rad/s") if drive.motion is Motion.ROTARY else ("N", "m/s")
+    modelled = drive.friction(part, comparison.estimate.parameters)
+    measured = modelled + _error(comparison, part)
+    # One sample in a hundred may lie anywhere: the friction torque at breakaway is uncertain.
+    inside = np.abs(measured) <= max(np.quantile(np.abs(measured), 0.99), float(np.max(np.abs(modelled))))
+    at, curve = _mean_by(part.velocity, modelled)
+    series = [
+        Marks("measured", ".", part.velocity[inside], measured[inside]),
+        Marks("modelled, mean", "o", at, curve),
+    ]
+    _title(console, "Friction torque against velocity")
+    show_plot(console, series, f"velocity [{speed}]", f"[{unit}]")
+
+
+def show_where(console: Console, comparison: Comparison) -> None:
+    """Print the share of the squared error in each regime of motion, the greatest excess over its samples first."""
+    rows = comparison.where
+    unit = "N m" if comparison.drive.motion is Motion.ROTARY else "N"
+    bars = _bars(console, [row.share_of_squared_error for row in rows])
+    columns = [
+        Column("regime", tuple(row.regime for row in rows)),
+        Column("share of squared error", tuple(f"{100 * row.share_of_squared_error:.4g} %" for row in rows), True),
+        Column("", bars),
+        Column("share of samples", tuple(f"{100 * row.share_of_samples:.4g} %" for row in rows), True),
+        Column("samples", tuple(str(row.samples) for row in rows), True),
+        Column(f"RMS error [{unit}]", tuple(f"{row.rms_torque_error:.4g}" for row in rows), True),
+    ]
+    show_table(console, columns, "Where it fails: the greatest excess of error over samples first")
 
 
 def show_diagnosis(console: Console, diagnosis: Diagnosis, ladder: Ladder | None = None) -> None:
-    """Print the verdict in words, the parameters found, and what could not have been seen."""
-    console.print(f"Verdict: {diagnosis.verdict}", style="bold")
-    console.print(explain(diagnosis, ladder), highlight=False)
-    for finding in diagnosis.findings if ladder is None else added(ladder):
-        motion = diagnosis.comparison.drive.motion
-        values = finding.tested.parameters
-        listed = ", ".join(
-            f"{p.symbol} = {values[p.symbol]:.4g} {p.unit_for(motion)}".removesuffix(" 1")
-            for p in finding.tested.effect.parameters
-        )
-        console.print(f"  {finding.tested.name}: {listed}", highlight=False)
+    """Print the verdict in words, the evidence and parameters of what was found, and what could not have been seen."""
+    _heading(console, f"Verdict: {diagnosis.verdict}")
+    _say(console, explain(diagnosis, ladder))
+    console.print()
+    findings = list(diagnosis.findings) if ladder is None else added(ladder)
+    motion = diagnosis.comparison.drive.motion
+    if findings:
+        _show_evidence(console, findings)
+        console.print()
+        _show_found(console, findings, motion)
+        console.print()
     final = diagnosis if ladder is None else ladder.last
-    blind = {name: row.missing for name, row in final.visibility.items() if row.missing}
-    seen = {name: row.smallest_percent for name, row in final.visibility.items() if not row.missing}
-    _show_visibility(console, seen, blind)
+    if final.view is not None:
+        _say(
+            console,
+            f"Whatever the physics, the residual is predicted best from {final.view.channels}: it falls by "
+            f"{100 * final.view.evidence.gain:.4g} % on blocks that were not used for fitting "
+            f"(p = {final.view.p_value:.3g}).",
+        )
+        console.print()
+    _show_visibility(console, final.visibility, motion)
 
 
-def _show_visibility(console: Console, seen: Mapping[str, float], blind: Mapping[str, str]) -> None:
+def _show_evidence(console: Console, findings: list[Finding]) -> None:
+    tested = [finding.tested for finding in findings]
+    columns = [
+        Column("effect", tuple(t.name for t in tested)),
+        Column("explains of the residual", tuple(f"{100 * t.evidence.explained:.4g} %" for t in tested), True),
+        Column("lowers error kept back", tuple(f"{100 * t.evidence.gain:.4g} %" for t in tested), True),
+        Column("p value, corrected", tuple(f"{t.adjusted:.3g}" for t in tested), True),
+    ]
+    if any(len(finding.names) > 1 for finding in findings):
+        columns.append(Column("or", tuple(", ".join(finding.names[1:]) for finding in findings)))
+    show_table(console, columns, "What was found")
+
+
+def _show_found(console: Console, findings: list[Finding], motion: Motion) -> None:
+    rows = [
+        (f"{f.tested.name}.{p.symbol}", f"{f.tested.parameters[p.symbol]:.5g}", p.unit_for(motion), p.meaning)
+        for f in findings
+        for p in f.tested.effect.parameters
+    ]
+    names, values, units, meanings = zip(*rows, strict=True) if rows else ((), (), (), ())
+    columns = [Column("parameter", names), Column("value", values, True), Column("unit", units)]
+    if any(meanings):
+        columns.append(Column("meaning", meanings))
+    show_table(console, columns, "Its size on the residual")
+
+
+def _show_visibility(console: Console, visibility: Mapping[str, Visibility], motion: Motion) -> None:
+    seen = {name: row for name, row in visibility.items() if not row.missing}
+    blind = {name: row.missing for name, row in visibility.items() if row.missing}
     if seen:
-        table = Table("not found", "would have been from", title="Not found, though it could have been seen")
-        for name, percent in seen.items():
-            table.add_row(name, f"{percent:.2g} % of the RMS torque")
-        console.print(table)
+        columns = [
+            Column("effect", tuple(seen)),
+            Column("% of RMS torque", tuple(f"{row.smallest_percent:.3g} %" for row in seen.values()), True),
+            Column(
+                f"RMS torque [{'N m' if motion is Motion.ROTARY else 'N'}]",
+                tuple(f"{row.smallest_torque:.3g}" for row in seen.values()),
+                True,
+            ),
+        ]
+        show_table(console, columns, "Not found, though it would have been from this size on")
+        console.print()
     if blind:
-        table = Table("effect", "why this recording cannot show it", title="Could not have been seen")
-        for name, reason in blind.items():
-            table.add_row(name, reason)
-        console.print(table)
+        columns = [Column("effect", tuple(blind)), Column("why", tuple(blind.values()))]
+        show_table(console, columns, "Could not have been seen in this recording")
+        console.print()
 
 
 def show_ladder(console: Console, ladder: Ladder) -> None:
-    """Print the error after each step."""
-    most = max(rung.comparison.errors.held_out_percent for rung in ladder.rungs) or 1.0
-    table = Table(title="The ladder", title_justify="left")
-    table.add_column("model", overflow="fold")
-    for heading in ("error fitted", "error kept back", ""):
-        table.add_column(heading, no_wrap=True)
-    for rung in ladder.rungs:
-        errors = rung.comparison.errors
-        bar = "█" * max(1, round(_LONGEST_BAR * errors.held_out_percent / most))
-        table.add_row(rung.model, f"{errors.percent:.3g} %", f"{errors.held_out_percent:.3g} %", bar)
-    console.print(table)
+    """Print the error after each step, and how the parameters changed."""
+    rungs = ladder.rungs
+    errors = [rung.comparison.errors for rung in rungs]
+    most = max(error.held_out_percent for error in errors) or 1.0
+    columns = [
+        Column("step", tuple(str(number) for number in range(len(rungs))), True),
+        Column("model", tuple(_change(rung) for rung in rungs)),
+        Column("error fitted", tuple(f"{error.percent:.4g} %" for error in errors), True),
+        Column("error kept back", tuple(f"{error.held_out_percent:.4g} %" for error in errors), True),
+        Column("", _bars(console, [error.held_out_percent / most for error in errors])),
+    ]
+    show_table(console, columns, "The ladder: RMS torque error in % of the RMS motor torque")
+    console.print()
+    estimates = [rung.comparison.estimate for rung in rungs]
+    keys = tuple(dict.fromkeys(key for estimate in estimates for key in estimate.parameters))
+    columns = [Column("parameter", keys)]
+    for number, estimate in enumerate(estimates):
+        cells = tuple(_with_spread(estimate, key) if key in estimate.parameters else "" for key in keys)
+        columns.append(Column(f"step {number}", cells, number=True))
+    show_table(console, columns, "Parameters from step to step, ± standard error")
+    console.print()
+
+
+def _change(rung: Rung) -> str:
+    if rung.removed:
+        return f"without {rung.removed}"
+    return f"with {rung.added}" if rung.added else rung.model
+
+
+def _with_spread(estimate: Estimate, key: str) -> str:
+    spread = _spread(estimate.standard_errors.get(key))
+    return f"{estimate.parameters[key]:.5g} {spread if spread in _NO_SPREAD else f'± {spread}'}"
+
+
+def _bars(console: Console, shares: list[float]) -> tuple[str, ...]:
+    width = _BAR if console.width >= 80 else _NARROW_BAR
+    return tuple(bar(share, width, ascii_only=console.options.ascii_only) for share in shares)
+
+
+def _error(comparison: Comparison, part: Recording) -> Array:
+    return filtered_torque_error(comparison.drive, comparison.estimate.parameters, part)
+
+
+def _stretch(recording: Recording) -> Recording:
+    """Return a few reversals from the middle of the longest uninterrupted stretch."""
+    longest = max(stretches(recording.time, recording.run), key=lambda part: part.stop - part.start)
+    one = recording.select(np.arange(longest.start, longest.stop))
+    forward = one.velocity > 0.05 * np.max(np.abs(one.velocity))
+    starts = np.flatnonzero(forward[1:] & ~forward[:-1])
+    middle, half = len(one) // 2, len(one) // 2
+    if len(starts) > 1:
+        period = int(np.median(np.diff(starts)))
+        half = min(half, max(_SHOWN_REVERSALS // 2 * period // 2, _LEAST_SHOWN))
+    return one.select(np.arange(max(middle - half, 0), min(middle + half, len(one))))
+
+
+def _mean_by(velocity: Array, values: Array) -> tuple[Array, Array]:
+    """Return the mean of values in even bins of the velocity, where there are any."""
+    edges = np.linspace(float(velocity.min()), float(velocity.max()), _SPEEDS + 1)
+    place = np.clip(np.digitize(velocity, edges) - 1, 0, _SPEEDS - 1)
+    count = np.bincount(place, minlength=_SPEEDS)
+    total = np.bincount(place, values, minlength=_SPEEDS)
+    held = count > 0
+    return ((edges[:-1] + edges[1:]) / 2)[held], total[held] / count[held]
+
+
+def _heading(console: Console, text: str) -> None:
+    from rich.text import Text
+
+    line = plain(text)
+    console.print(Text(line, style="bold"))
+    console.print(Text(("=" if console.options.ascii_only else "━") * min(len(line), console.width)))
+
+
+def _title(console: Console, text: str) -> None:
+    from rich.text import Text
+
+    console.print(Text(text, style="bold"))
+
+
+def _say(console: Console, text: str) -> None:
+    from rich.text import Text
+
+    # A number and its percent sign stay on one line.
+    lines = textwrap.wrap(plain(text).replace(" %", "\N{NO-BREAK SPACE}%"), console.width, break_on_hyphens=False)
+    console.print(Text("\n".join(lines).replace("\N{NO-BREAK SPACE}", " ")))

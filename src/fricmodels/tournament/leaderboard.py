@@ -11,6 +11,7 @@ from statistics import median
 from typing import Any
 
 from fricmodels.errors import InputError
+from fricmodels.shown import Shown
 from fricmodels.tournament.files import write_text
 from fricmodels.tournament.jobs import Row
 
@@ -20,7 +21,7 @@ HELD_OUT = "held_out_rms_torque_error_percent"
 
 
 @dataclass(frozen=True)
-class Leaderboard:
+class Leaderboard(Shown):
     """Rows in order of rank; those without a result come last, with their reason."""
 
     rows: tuple[Row, ...]

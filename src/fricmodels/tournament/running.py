@@ -11,7 +11,7 @@ from typing import Any
 from fricmodels import plugins
 from fricmodels.errors import FricmodelsError, InputError
 from fricmodels.model import Model
-from fricmodels.tournament.config import Config
+from fricmodels.tournament.config import Config, load_config
 from fricmodels.tournament.execution import EXECUTORS, results
 from fricmodels.tournament.jobs import Job, Row, jobs
 from fricmodels.tournament.leaderboard import Leaderboard
@@ -77,10 +77,10 @@ def _check(source: Source, models: list[Model]) -> str:
 
 
 def run(
-    config: Config,
+    config: Config | str | Path,
     out: str | Path,
     *,
-    directory: str | Path = ".",
+    directory: str | Path | None = None,
     executor: str = "local",
     processes: int | None = None,
     retry: bool = False,
@@ -92,9 +92,9 @@ def run(
     Results are kept in ``out/results.sqlite`` as they come; running again does only what is missing.
 
     Args:
-        config: the tournament.
+        config: the tournament, or its YAML file.
         out: directory for the results; made when there is something to write.
-        directory: where relative paths in the configuration start.
+        directory: where relative paths in the configuration start; by default where its file is, or here.
         executor: ``local``, ``dask`` or ``serial``.
         processes: how many; ``config.jobs`` or one a core by default.
         retry: do again what did not end well.
@@ -107,7 +107,10 @@ def run(
     """
     if executor not in EXECUTORS:
         raise InputError(f"unknown executor '{executor}'; known: {', '.join(EXECUTORS)}")
-    ready = planned or plan(config, directory)
+    if not isinstance(config, Config):
+        directory = Path(config).parent if directory is None else directory
+        config = load_config(config)
+    ready = planned or plan(config, directory or ".")
     target = Path(out)
     try:
         target.mkdir(parents=True, exist_ok=True)

@@ -1,0 +1,8 @@
+"""Tables and small plots for a terminal: readable without colour, and plain text when piped."""
+
+from __future__ import annotations
+
+from fricmodels.terminal.plots import Band, Marks, bar, show_plot
+from fricmodels.terminal.tables import Column, plain, show_table
+
+__all__ = ["Band", "Column", "Marks", "bar", "plain", "show_plot", "show_table"]
