@@ -1,0 +1,38 @@
+"""Figures for notebook, report and documentation: interactive, one family a file, a unit on every axis.
+
+Every function takes a result of this package and returns a ``plotly.graph_objects.Figure`` with at most 2000 points a
+trace, however long the recording. Plotly is imported when the first figure is drawn.
+"""
+
+from __future__ import annotations
+
+from fricmodels.report.figures.downsample import extremes, line
+from fricmodels.report.figures.friction import friction_curve
+from fricmodels.report.figures.history import parameter_history
+from fricmodels.report.figures.hysteresis import hysteresis
+from fricmodels.report.figures.residuals import residual_map, residual_maps
+from fricmodels.report.figures.shares import error_shares
+from fricmodels.report.figures.spectrum import residual_spectrum
+from fricmodels.report.figures.steps import ladder
+from fricmodels.report.figures.style import DARK, LIGHT, recoloured
+from fricmodels.report.figures.time_course import overlay
+from fricmodels.report.figures.tournament import confusion, leaderboard
+
+__all__ = [
+    "DARK",
+    "LIGHT",
+    "confusion",
+    "error_shares",
+    "extremes",
+    "friction_curve",
+    "hysteresis",
+    "ladder",
+    "leaderboard",
+    "line",
+    "overlay",
+    "parameter_history",
+    "recoloured",
+    "residual_map",
+    "residual_maps",
+    "residual_spectrum",
+]

@@ -1,0 +1,68 @@
+"""Thins a long signal to what a screen can show, without losing a peak."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fricmodels.report.figures.style import POINTS
+
+Array = NDArray[np.float64]
+
+
+def extremes(x: Array, values: Array, points: int = POINTS) -> NDArray[np.int64]:
+    """Return the indices of the least and the greatest value in each of ``points / 2 - 1`` even buckets of x.
+
+    A line through them covers the same pixels as one through all samples.
+
+    Args:
+        x: not decreasing, shape (N,).
+        values: shape (N,); what is not a number is left out.
+        points: most indices that are returned; at least 4.
+    """
+    count = len(x)
+    if count <= points:
+        return np.arange(count)
+    buckets = points // 2 - 1
+    span = float(x[-1] - x[0])
+    place = np.arange(count) / count if span <= 0 else (x - x[0]) / span
+    bucket = np.minimum((place * buckets).astype(np.int64), buckets - 1)
+    starts = np.flatnonzero(np.concatenate([[True], np.diff(bucket) > 0]))
+    sizes = np.diff(np.append(starts, count))
+    chosen = [np.array([0, count - 1])]
+    for least_or_greatest in (np.fmin, np.fmax):
+        extreme = least_or_greatest.reduceat(values, starts)
+        hits = np.flatnonzero(values == np.repeat(extreme, sizes))
+        chosen.append(hits[np.unique(bucket[hits], return_index=True)[1]])
+    return np.unique(np.concatenate(chosen))
+
+
+@dataclass(frozen=True)
+class Line:
+    """A thinned line; where its pieces are not connected there is a NaN in y."""
+
+    x: Array
+    y: NDArray[np.float32]
+
+
+def line(x: Array, values: Array, piece: NDArray[np.int64] | None = None, points: int = POINTS) -> Line:
+    """Return a line of at most ``points`` points through a signal, with its peaks, interrupted between pieces.
+
+    Args:
+        x: not decreasing, shape (N,).
+        values: shape (N,).
+        piece: number of the piece of each sample; where there are more pieces than can be told apart, all is joined.
+        points: most points.
+    """
+    breaks = np.array([], dtype=np.int64) if piece is None else np.flatnonzero(np.diff(piece))
+    if len(breaks) > points // 4:
+        breaks = breaks[:0]
+    index = extremes(x, values, points - len(breaks))
+    at = np.searchsorted(index, breaks, side="right")
+    across = (at > 0) & (at < len(index))
+    shown_x, shown_y = x[index], values[index].astype(np.float32)
+    return Line(
+        np.insert(shown_x, at[across], shown_x[at[across] - 1]), np.insert(shown_y, at[across], np.float32(np.nan))
+    )

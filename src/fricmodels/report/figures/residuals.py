@@ -1,0 +1,186 @@
+"""Where the residual lies: maps over pairs of channels."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fricmodels.errors import InputError
+from fricmodels.report.figures.samples import Samples
+from fricmodels.report.figures.style import LIGHT, Figure, graph_objects, styled, words
+
+if TYPE_CHECKING:
+    from fricmodels.diagnosis.diagnose import Comparison
+
+Array = NDArray[np.float64]
+Unit = Literal["torque", "standard errors"]
+
+CELLS = 36
+"""Most cells along each axis."""
+AGAINST = ("position", "acceleration", "load_torque", "temperature", "time")
+"""Channels over which, with the velocity, the residual is mapped."""
+_EXCERPT = 2**16
+_OUTER = 0.001
+
+
+@dataclass(frozen=True)
+class Cells:
+    """Binned residual.
+
+    Attributes:
+        x_edges, y_edges: borders of the cells.
+        mean: mean residual [N m or N], shape (rows, columns), NaN where there is no sample.
+        standard_error: of the mean, from the scatter within cells and the time for which residuals stay alike.
+        count: samples in each cell.
+    """
+
+    x_edges: Array
+    y_edges: Array
+    mean: Array
+    standard_error: Array
+    count: NDArray[np.int64]
+
+
+def binned_mean(x: Array, y: Array, values: Array, piece: NDArray[np.int64], cells: int = CELLS) -> Cells:
+    r"""Return the mean of values in the cells of a grid over x and y.
+
+    The standard error of a mean of n samples is :math:`s\sqrt{T/n}` with the pooled standard deviation s within the
+    cells and the number T of samples over which what is left beside the cells' means is correlated.
+
+    Args:
+        x, y: where each sample lies, shape (N,).
+        values: in order of time, shape (N,).
+        piece: uninterrupted pieces of the samples.
+        cells: along each axis.
+    """
+    edges = [_edges(each, cells) for each in (x, y)]
+    places = [
+        np.clip(np.searchsorted(edge, each, side="right") - 1, 0, len(edge) - 2)
+        for edge, each in zip(edges, (x, y), strict=True)
+    ]
+    columns, rows = len(edges[0]) - 1, len(edges[1]) - 1
+    cell = places[1] * columns + places[0]
+    count = np.bincount(cell, minlength=rows * columns)
+    total = np.bincount(cell, weights=values, minlength=rows * columns)
+    mean = np.divide(total, count, out=np.full(rows * columns, np.nan), where=count > 0)
+    rest = values - mean[cell]
+    freedom = max(1, len(values) - int(np.count_nonzero(count)))
+    deviation = float(np.sqrt(np.sum(rest**2) / freedom))
+    alike = correlation_length(rest, piece)
+    error = np.divide(deviation * np.sqrt(alike), np.sqrt(count), out=np.full(len(count), np.nan), where=count > 0)
+    shape = (rows, columns)
+    return Cells(edges[0], edges[1], mean.reshape(shape), error.reshape(shape), count.reshape(shape))
+
+
+def _edges(values: Array, cells: int) -> Array:
+    """Return even borders of cells; what lies beyond all but a thousandth falls into the outer ones."""
+    low, high = (float(q) for q in np.quantile(values, [_OUTER / 2, 1 - _OUTER / 2]))
+    if not high > low:
+        low, high = float(values.min()), float(values.max())
+    if not high > low:
+        low, high = low - 0.5, high + 0.5
+    return np.linspace(low, high, cells + 1)
+
+
+def correlation_length(values: Array, piece: NDArray[np.int64]) -> float:
+    """Return over how many samples a signal resembles itself: the sum of its autocorrelation up to its first zero.
+
+    From the longest piece, or its beginning.
+    """
+    starts = np.flatnonzero(np.concatenate([[True], np.diff(piece) != 0]))
+    sizes = np.diff(np.append(starts, len(values)))
+    longest = int(np.argmax(sizes))
+    part = values[starts[longest] : starts[longest] + min(int(sizes[longest]), _EXCERPT)]
+    part = part - part.mean()
+    count = len(part)
+    power = np.abs(np.fft.rfft(part, 2 * count)) ** 2
+    correlation = np.fft.irfft(power)[:count]
+    if not correlation[0] > 0:
+        return 1.0
+    correlation = correlation / correlation[0]
+    below = np.flatnonzero(correlation <= 0)
+    stop = int(below[0]) if len(below) else count
+    return float(max(1.0, 1.0 + 2.0 * np.sum(correlation[1:stop])))
+
+
+def residual_map(comparison: Comparison, x: str = "velocity", y: str = "position", unit: Unit = "torque") -> Figure:
+    """Draw the mean residual over two channels: blue where the model asks for too much torque, orange for too little.
+
+    Cells with less than one independent value are left empty.
+
+    Args:
+        comparison: a model and a recording.
+        x, y: channels of the recording.
+        unit: mean residual as torque, or in units of its own standard error.
+
+    Raises:
+        InputError: when the recording lacks one of the channels, or it never changes.
+    """
+    samples = Samples.of(comparison)
+    places = [_channel(samples, name) for name in (x, y)]
+    cells = binned_mean(places[0], places[1], samples.error, samples.recording.run)
+    scatter = float(np.nanmin(np.where(cells.count > 0, cells.standard_error * np.sqrt(cells.count), np.nan)))
+    whole = float(np.sqrt(np.mean((samples.error - samples.error.mean()) ** 2)))
+    known = cells.standard_error <= max(whole, scatter / np.sqrt(len(samples.error)))
+    ratio = np.where(known, cells.mean / cells.standard_error, np.nan)
+    mean = np.where(known, cells.mean, np.nan)
+    shown = mean if unit == "torque" else ratio
+    limit = float(np.nanquantile(np.abs(shown), 0.98)) if np.any(known) else 1.0
+    title = samples.torque_axis("mean residual") if unit == "torque" else "mean residual [standard errors]"
+    figure = graph_objects().Figure(
+        graph_objects().Heatmap(
+            x=(cells.x_edges[:-1] + cells.x_edges[1:]) / 2,
+            y=(cells.y_edges[:-1] + cells.y_edges[1:]) / 2,
+            z=shown.astype(np.float32),
+            customdata=np.dstack([mean, ratio, cells.count]).astype(np.float32),
+            zmin=-limit,
+            zmax=limit,
+            colorscale=[
+                [0, LIGHT["below_far"]],
+                [0.25, LIGHT["below"]],
+                [0.5, LIGHT["none"]],
+                [0.75, LIGHT["above"]],
+                [1, LIGHT["above_far"]],
+            ],
+            hoverongaps=False,
+            colorbar={
+                "orientation": "h",
+                "thickness": 10,
+                "len": 1,
+                "x": 0.5,
+                "y": 1.0,
+                "yanchor": "bottom",
+                "title": {"text": title, "side": "top", "font": {"size": 12}},
+                "tickfont": {"size": 11},
+                "exponentformat": "power",
+                "outlinewidth": 0,
+            },
+            hovertemplate=(
+                f"%{{customdata[0]:.3g}} {samples.torque_unit}<br>%{{customdata[1]:.1f}} standard errors<br>"
+                "%{customdata[2]:.0f} samples<extra></extra>"
+            ),
+        )
+    )
+    figure.update_xaxes(title_text=samples.axis(x))
+    figure.update_yaxes(title_text=samples.axis(y))
+    name = f"Residual over {words(x, samples.motion)} and {words(y, samples.motion)}"
+    styled(figure, name, samples.subtitle, height=480)
+    figure.update_layout(margin_t=120)
+    return figure
+
+
+def residual_maps(comparison: Comparison, unit: Unit = "torque") -> dict[str, Figure]:
+    """Return the maps of the residual over velocity and every other channel that changes, by name of the channel."""
+    recording = Samples.of(comparison).recording
+    changing = [name for name in AGAINST if name in recording and float(np.ptp(recording[name])) > 0]
+    return {name: residual_map(comparison, "velocity", name, unit) for name in changing}
+
+
+def _channel(samples: Samples, name: str) -> Array:
+    values = samples.velocity if name == "velocity" else samples.recording[name]
+    if not float(np.ptp(values)) > 0:
+        raise InputError(f"the channel '{name}' of recording '{samples.recording.name}' never changes; map another")
+    return values

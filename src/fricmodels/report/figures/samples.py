@@ -1,0 +1,178 @@
+"""What the figures of a comparison share: every sample in order, its error, and its friction torque."""
+
+from __future__ import annotations
+
+import weakref
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fricmodels.dimension import FORCE, Motion
+from fricmodels.recording import Recording
+from fricmodels.report.figures.style import label, unit_of, words
+
+if TYPE_CHECKING:
+    from fricmodels.diagnosis.diagnose import Comparison
+    from fricmodels.drive import Drive
+
+Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+
+_known: dict[int, tuple[weakref.ref[Comparison], Samples]] = {}
+
+
+@dataclass(frozen=True)
+class Samples:
+    """Samples of a comparison, what was fitted and what was kept back together.
+
+    Attributes:
+        comparison: where they come from.
+        recording: all channels, in order; ``run`` numbers uninterrupted pieces.
+        place: time on the axis of a figure; runs whose times overlap stand one after another.
+        consecutive: whether they do.
+        kept_back: which samples took no part in the fit.
+        error: torque error, filtered as it is scored; see :func:`fricmodels.score.filtered_torque_error`.
+        velocity: smoothed with the same filter, zero at rest.
+        resting: samples at rest.
+    """
+
+    comparison: Comparison
+    recording: Recording
+    place: Array
+    consecutive: bool
+    kept_back: Mask
+    error: Array
+    velocity: Array
+    resting: Mask
+
+    @classmethod
+    def of(cls, comparison: Comparison) -> Samples:
+        """Evaluate the samples of a comparison, once for all its figures."""
+        known = _known.get(id(comparison))
+        if known is not None and known[0]() is comparison:
+            return known[1]
+        key = id(comparison)
+        samples = _evaluated(comparison)
+        # The samples hold what they need of the comparison, not the comparison itself, or it would never be freed.
+        _known[key] = (weakref.ref(comparison, lambda _: _known.pop(key, None)), samples)
+        return samples
+
+    @property
+    def drive(self) -> Drive:
+        """The model and its motion."""
+        return self.comparison.drive
+
+    @property
+    def parameters(self) -> Mapping[str, float]:
+        """Estimated parameters by key."""
+        return self.comparison.estimate.parameters
+
+    @property
+    def motion(self) -> Motion:
+        """Rotary or linear."""
+        return self.recording.motion
+
+    @property
+    def subtitle(self) -> str:
+        """Model and recording in words."""
+        return f"{self.drive.model.name}, {self.recording.name}"
+
+    @cached_property
+    def friction_drive(self) -> Drive:
+        """The part of the model that is friction: the law, and the effects whose equation has the velocity in it."""
+        from fricmodels.diagnosis.problem import NoFriction
+        from fricmodels.drive import Drive
+        from fricmodels.model import Model
+
+        model = self.drive.model
+        kept = [effect for effect in model.effects if "velocity" in Model(NoFriction(), [effect]).needs]
+        return Drive(Model(model.law, kept), self.drive.inertia, self.drive.motion)
+
+    @cached_property
+    def modelled_friction(self) -> Array:
+        """Friction torque of the model at every sample; at rest the one nearest to what is applied."""
+        drive = self.friction_drive
+        moving = self.recording.with_channels(velocity=self.velocity)
+        friction = drive.friction(moving, self.parameters)
+        if self.resting.any():
+            least, greatest = drive.sticking_interval(moving, self.parameters)
+            applied = moving.torque - moving.load_torque
+            friction = np.where(self.resting, np.clip(applied, least, greatest), friction)
+        return friction
+
+    @property
+    def measured_friction(self) -> Array:
+        """Measured torque less every part of the model that is not friction: the model's friction plus the error.
+
+        Known in regression as partial residuals (component plus residual). The error is filtered alike on both sides
+        of the torque equation, so that no differentiated noise and no smeared reversal is added.
+        """
+        return np.asarray(self.modelled_friction + self.error)
+
+    @property
+    def torque_unit(self) -> str:
+        """``N m`` or ``N``."""
+        return unit_of(FORCE, self.motion)
+
+    def axis(self, channel: str) -> str:
+        """Return the title of an axis that shows a channel."""
+        return label(words(channel, self.motion), unit_of(channel, self.motion))
+
+    def torque_axis(self, what: str) -> str:
+        """Return the title of an axis that shows a torque: ``friction torque [N m]``, ``friction force [N]``."""
+        return label(words(what, self.motion), self.torque_unit)
+
+    @property
+    def time_axis(self) -> str:
+        """Title of the axis of :attr:`place`."""
+        return label("time, runs one after another" if self.consecutive else "time", "s")
+
+
+def _evaluated(comparison: Comparison) -> Samples:
+    from fricmodels.score.torque import filtered_torque_error, sliding_half_width
+    from fricmodels.signals import lanczos_derivative, resting
+
+    width = sliding_half_width(comparison.train)
+    drive, parameters = comparison.drive, comparison.estimate.parameters
+    errors, velocities, rests = [], [], []
+    for part in (comparison.train, comparison.test):
+        errors.append(filtered_torque_error(drive, parameters, part, width))
+        rest = resting(part)
+        smooth, _ = lanczos_derivative(part.time, part.velocity, width, part.run)
+        velocities.append(np.where(rest, 0.0, smooth))
+        rests.append(rest)
+    recording, kept_back, order, place, consecutive = _joined(comparison.train, comparison.test)
+    error, velocity, rest = (np.concatenate(parts)[order] for parts in (errors, velocities, rests))
+    return Samples(
+        replace(comparison), recording, place, consecutive, kept_back, error, velocity, np.asarray(rest, dtype=bool)
+    )
+
+
+def _joined(train: Recording, test: Recording) -> tuple[Recording, Mask, NDArray[np.int64], Array, bool]:
+    """Put two parts of a recording together again, by time where that says the order."""
+    from fricmodels.signals import stretches
+
+    parts = [*((train, piece) for piece in stretches(train.time, train.run))]
+    parts += [(test, piece) for piece in stretches(test.time, test.run)]
+    starts = np.array([part.time[piece.start] for part, piece in parts])
+    stops = np.array([part.time[piece.stop - 1] for part, piece in parts])
+    by_time = np.argsort(starts, kind="stable")
+    consecutive = bool(np.any(starts[by_time][1:] < stops[by_time][:-1]))
+    offsets = np.concatenate([[0], np.cumsum([piece.stop - piece.start for _, piece in parts])])
+    chosen = np.arange(len(parts)) if consecutive else by_time
+    order = np.concatenate([np.arange(offsets[i], offsets[i + 1]) for i in chosen])
+    sizes = np.diff(offsets)[chosen]
+    channels = {name: np.concatenate([train[name], test[name]])[order] for name in train.channels if name in test}
+    recording = Recording(
+        train.name, train.motion, channels, np.repeat(np.arange(len(parts)), sizes), derived=train.derived
+    )
+    kept_back = np.arange(len(order)) >= len(train)
+    place = recording.time
+    if consecutive:
+        lengths = stops - starts + train.interval
+        place = place + np.repeat(np.cumsum(lengths) - lengths - starts, sizes)
+    return recording, kept_back[order], order, place, consecutive

@@ -1,0 +1,103 @@
+"""Torque and its parts over time."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from fricmodels.report.figures.downsample import line
+from fricmodels.report.figures.samples import Samples
+from fricmodels.report.figures.style import LIGHT, POINTS, Figure, graph_objects, styled, subplots, words
+
+if TYPE_CHECKING:
+    from fricmodels.diagnosis.diagnose import Comparison
+
+_MOST_SHADES = 60
+
+
+def overlay(comparison: Comparison, between: tuple[float, float] | None = None) -> Figure:
+    """Draw the torque as measured and as modelled over time, and the residual below it.
+
+    What was kept back from the fit is shaded. The dotted lines about zero are two standard deviations of what the
+    noise of the sensors alone would leave.
+
+    Args:
+        comparison: a model and a recording.
+        between: first and last time [s] to show; everything if not given.
+    """
+    go, samples = graph_objects(), Samples.of(comparison)
+    torque = words("torque", samples.motion)
+    figure = subplots()(rows=2, cols=1, shared_xaxes=True, row_heights=[0.66, 0.34], vertical_spacing=0.06)
+    chosen = slice(None)
+    if between is not None:
+        chosen = slice(*np.searchsorted(samples.place, between).tolist())
+    place, piece = samples.place[chosen], samples.recording.run[chosen]
+    measured, error = samples.recording.torque[chosen], samples.error[chosen]
+    drawn = (
+        (1, f"{torque} measured", measured, "measured", "solid", 1.6),
+        (1, f"{torque} modelled", measured - error, "vermillion", "4px,2px", 1.4),
+        (2, "residual", error, "blue", "solid", 1.0),
+    )
+    for row, name, values, colour, dash, width in drawn:
+        thin = line(place, values, piece, POINTS)
+        figure.add_trace(
+            go.Scatter(
+                x=thin.x,
+                y=thin.y,
+                name=name,
+                mode="lines",
+                line={"color": LIGHT[colour], "width": width, "dash": dash},
+                hovertemplate=f"{name} %{{y:.4g}} {samples.torque_unit}<br>at %{{x:.4g}} s<extra></extra>",
+            ),
+            row=row,
+            col=1,
+        )
+    _shade(figure, samples, between)
+    noise = 2 * comparison.noise_floor_percent / 100 * float(np.sqrt(np.mean(comparison.train.torque**2)))
+    for i, level in enumerate((noise, -noise)):
+        figure.add_trace(
+            go.Scatter(
+                x=place[[0, -1]],
+                y=[level, level],
+                name="sensor noise alone (±2σ)",
+                legendgroup="noise",
+                showlegend=i == 0,
+                mode="lines",
+                line={"color": LIGHT["muted"], "width": 1.2, "dash": "dot"},
+                hoverinfo="skip",
+            ),
+            row=2,
+            col=1,
+        )
+    figure.update_yaxes(title_text=samples.torque_axis("torque"), row=1, col=1)
+    figure.update_yaxes(title_text=samples.torque_axis("residual"), row=2, col=1)
+    figure.update_xaxes(title_text=samples.time_axis, row=2, col=1)
+    return styled(figure, f"{torque.capitalize()} over time, measured and modelled", samples.subtitle, height=520)
+
+
+def _shade(figure: Figure, samples: Samples, between: tuple[float, float] | None) -> None:
+    """Shade what was kept back, and say so in the legend."""
+    go = graph_objects()
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], samples.kept_back.astype(np.int8), [0]])))
+    spans = [(float(samples.place[a]), float(samples.place[b - 1])) for a, b in edges.reshape(-1, 2)]
+    if between is not None:
+        spans = [(max(a, between[0]), min(b, between[1])) for a, b in spans if a < between[1] and b > between[0]]
+    for a, b in spans[:_MOST_SHADES]:
+        for reference in ("y domain", "y2 domain"):
+            figure.add_shape(
+                type="rect", x0=a, x1=b, y0=0, y1=1, xref="x", yref=reference, layer="below",
+                fillcolor=LIGHT["shade"], line_width=0,
+            )  # fmt: skip
+    if spans:
+        figure.add_trace(
+            go.Scatter(
+                x=[None],
+                y=[None],
+                name="kept back from the fit",
+                mode="markers",
+                marker={"symbol": "square", "size": 14, "color": LIGHT["shade"], "line_width": 0},
+            ),
+            row=1,
+            col=1,
+        )
