@@ -1,0 +1,38 @@
+"""The friction laws M1 to M6 of Duclusaud, Passault, Padois and Ly (2025), as plugins of fricmodels."""
+
+from __future__ import annotations
+
+from fricmodels import Law, hookimpl
+from fricmodels_bam.m1 import CoulombViscous
+from fricmodels_bam.m2 import Stribeck
+from fricmodels_bam.m3 import LoadDependent
+from fricmodels_bam.m4 import StribeckLoadDependent
+from fricmodels_bam.m5 import Directional
+from fricmodels_bam.m6 import Quadratic
+
+__all__ = [
+    "LAWS",
+    "CoulombViscous",
+    "Directional",
+    "LoadDependent",
+    "Quadratic",
+    "Stribeck",
+    "StribeckLoadDependent",
+    "fricmodels_laws",
+]
+
+LAWS: tuple[type[CoulombViscous], ...] = (
+    CoulombViscous,
+    Stribeck,
+    LoadDependent,
+    StribeckLoadDependent,
+    Directional,
+    Quadratic,
+)
+"""M1 to M6, in order."""
+
+
+@hookimpl
+def fricmodels_laws() -> list[type[Law]]:
+    """Return the laws of this distribution."""
+    return list(LAWS)
