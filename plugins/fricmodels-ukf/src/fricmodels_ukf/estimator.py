@@ -31,8 +31,8 @@ class UnscentedKalmanSettings(EstimatorSettings):
     """Settings; what is left out comes from the data, as for ``ekf``."""
 
     alpha: float = Field(1.0, gt=0, description="spread of the sigma points")
-    beta: float = Field(0.0, ge=0, description="weight of the middle point in the covariance; 2 for a small alpha")
-    kappa: float = Field(0.0, ge=0, description="a further spread; with 0 and alpha 1 the middle point has no weight")
+    beta: float = Field(2.0, ge=0, description="weight of the middle point in the covariance; 2 for a Gaussian state")
+    kappa: float = Field(0.0, ge=0, description="a further spread")
     velocity_noise: float | None = Field(None, gt=0, description="standard deviation of the velocity noise, SI")
     model_noise: float | None = Field(None, ge=0, description="white torque error of a sample over the RMS torque")
     drift: float = Field(0.0, ge=0, description="random walk of each parameter in a cycle, over its initial deviation")
@@ -130,7 +130,7 @@ def run(problem: FilterProblem, recording: Recording, settings: UnscentedKalmanS
                     continue
                 sample += 1
                 kalman.update(np.array([measured]))
-            except (np.linalg.LinAlgError, ValueError):  # from the root of a covariance that is none
+            except np.linalg.LinAlgError:
                 diverged = int(where[min(sample + (weight > 0), len(where) - 1)])
                 break
             kalman.x = projected(kalman.x, kalman.P, lower, upper, problem.drive)

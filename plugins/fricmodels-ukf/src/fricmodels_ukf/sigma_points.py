@@ -13,6 +13,35 @@ Array = NDArray[np.float64]
 Propagate = Callable[..., Array]
 
 
+_ROUNDING = 1e-13
+_NEGATIVE = 1e-6
+"""Pivot of a Cholesky factorisation over its own variance: zero but for rounding, and below zero beyond rounding."""
+
+
+def upper_root(covariance: Array) -> Array:
+    """Return U with P = UᵀU, upper triangular, for a covariance that may be singular.
+
+    A drive that sticks at every sigma point has a velocity without variance, and one that starts from there has a
+    velocity which its parameters determine. Where a pivot is zero so is its row, which leaves the others as they are.
+
+    Raises:
+        numpy.linalg.LinAlgError: where P is not finite or has a negative variance.
+    """
+    if not np.all(np.isfinite(covariance)):
+        raise np.linalg.LinAlgError("the covariance is not finite")
+    try:
+        return np.asarray(np.linalg.cholesky(covariance).T)
+    except np.linalg.LinAlgError:
+        left, root = covariance.copy(), np.zeros_like(covariance)
+    for i, variance in enumerate(np.diag(covariance)):
+        if left[i, i] < -_NEGATIVE * variance or variance < 0:
+            raise np.linalg.LinAlgError("the covariance has a negative variance")
+        if left[i, i] > _ROUNDING * variance:
+            root[i, i:] = left[i, i:] / np.sqrt(left[i, i])
+            left -= np.outer(root[i], root[i])
+    return root
+
+
 class BatchedUnscentedFilter(UnscentedKalmanFilter):  # type: ignore[misc]
     """Unscented Kalman filter whose transition takes all 2n + 1 sigma points at once.
 
@@ -36,7 +65,7 @@ class BatchedUnscentedFilter(UnscentedKalmanFilter):  # type: ignore[misc]
         beta: float = 0.0,
         kappa: float = 0.0,
     ) -> None:
-        points = MerweScaledSigmaPoints(order, alpha, beta, kappa)
+        points = MerweScaledSigmaPoints(order, alpha, beta, kappa, sqrt_method=upper_root)
         super().__init__(dim_x=order, dim_z=observed, dt=1.0, hx=observe, fx=None, points=points)
         self._propagate = propagate
 
