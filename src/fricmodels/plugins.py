@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib
 import importlib.metadata
+import platform
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import lru_cache
@@ -88,6 +89,22 @@ class Plugins:
     def registries(self) -> dict[str, Registry[Any]]:
         """The registry of each kind: ``law``, ``effect``, ``estimator``, ``reader``."""
         return {"law": self.laws, "effect": self.effects, "estimator": self.estimators, "reader": self.readers}
+
+
+_DECISIVE = ("casadi", "numpy", "scipy", "numba", "pandas", "filterpy")
+
+
+def versions() -> dict[str, str]:
+    """Return the versions of what takes part in a result: Python, this package, what it computes with, plugins."""
+    registries = load().registries.values()
+    distributions = {registry.entry(name).distribution for registry in registries for name in registry}
+    found = {"python": platform.python_version()}
+    for name in ("fricmodels", *_DECISIVE, *sorted(distributions - {"fricmodels"})):
+        try:
+            found[name] = importlib.metadata.version(name)
+        except importlib.metadata.PackageNotFoundError:
+            continue  # a module that no distribution brought
+    return found
 
 
 _HOOKS = {

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -151,6 +151,25 @@ def compare_model(
         start: nonlinear parameters to begin from.
     """
     problem, found = estimate(drive, train, start)
+    return _compared(problem, found, train, test)
+
+
+def compare_fit(
+    train: Recording, test: Recording, drive: Drive, parameters: Mapping[str, float], errors: Mapping[str, float]
+) -> Comparison:
+    """Say where a model fails whose parameters are known already.
+
+    Args:
+        train, test: prepared; see :func:`ready` and :func:`kept_back`.
+        drive: the model, and its inertia or ``None``.
+        parameters, errors: value of every parameter by key, the inertia among them, and standard errors.
+    """
+    problem = Problem.of(drive, train, parameters)
+    return _compared(replace(problem, estimated=dict(parameters)), Estimate(parameters, errors), train, test)
+
+
+def _compared(problem: Problem, found: Estimate, train: Recording, test: Recording) -> Comparison:
+    drive = problem.drive
     half_width = sliding_half_width(train)
     error = filtered_torque_error(drive, found.parameters, train, half_width)
     held_out = filtered_torque_error(drive, found.parameters, test, half_width)

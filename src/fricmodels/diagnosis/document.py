@@ -9,7 +9,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from fricmodels.diagnosis.diagnose import Diagnosis, Finding
+from fricmodels import plugins
+from fricmodels.diagnosis.diagnose import Comparison, Diagnosis, Finding
 from fricmodels.diagnosis.explain import explain, sentence
 from fricmodels.diagnosis.ladder import Ladder, added
 from fricmodels.dimension import Motion
@@ -70,9 +71,30 @@ def document(diagnosis: Diagnosis, ladder: Ladder | None = None) -> dict[str, An
         },
         "explanation": explain(diagnosis, ladder),
         "ladder": _ladder(diagnosis, ladder),
+        "recording": described(comparison),
+        "versions": plugins.versions(),
     }
     finite: dict[str, Any] = _finite(data)
     return finite
+
+
+def described(comparison: Comparison) -> dict[str, Any]:
+    """Return what was compared: the file with its checksum and how it was read, samples, channels."""
+    train, test = comparison.train, comparison.test
+    known = train.provenance
+    columns = known.get("columns", {})
+    return {
+        "source": known.get("source"),
+        "sha256": known.get("sha256"),
+        "reader": known.get("reader"),
+        "columns": [columns[channel] for channel in sorted(columns)],
+        "torque_constant": known.get("torque_constant"),
+        "channels": [name for name in train.channels if name not in train.derived],
+        "derived": sorted(train.derived),
+        "samples": {"fitted": len(train), "kept_back": len(test)},
+        "interval": train.interval,
+        "true_model": known.get("true_model"),
+    }
 
 
 def _effect(finding: Finding, motion: Motion) -> dict[str, Any]:

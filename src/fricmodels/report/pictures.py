@@ -1,0 +1,229 @@
+"""Figures of a comparison, each with its message in words and its table."""
+
+from __future__ import annotations
+
+import html
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fricmodels.dimension import Motion
+from fricmodels.errors import InputError
+from fricmodels.report.page import Picture, Table, table
+from fricmodels.report.wording import listed, number, percent
+
+if TYPE_CHECKING:
+    from plotly.graph_objects import Figure
+
+    from fricmodels.diagnosis.diagnose import Comparison
+
+Array = NDArray[np.float64]
+
+_ROWS = 25
+"""Rows of a table that stands for a figure."""
+_GRID = 8
+"""Rows and columns of a table that stands for a map."""
+_MOSTLY = 0.5
+"""A map changes mostly with one quantity when that alone makes this share of its variance."""
+
+
+def model_against_measurement(comparison: Comparison) -> list[Picture]:
+    """Return torque over time, and friction against velocity."""
+    from fricmodels.report import figures
+
+    errors = comparison.errors
+    worst = where_words(comparison)
+    name = comparison.drive.model.name
+    overlay = figures.overlay(comparison)
+    curve = figures.friction_curve(comparison)
+    return [
+        Picture(
+            f"{name}: torque over time",
+            f"RMS error {percent(errors.percent)} of the RMS torque on what was fitted, "
+            f"{percent(errors.held_out_percent)} on what was kept back (shaded). {worst}",
+            overlay,
+            points_of(overlay),
+        ),
+        Picture(
+            f"{name}: friction against velocity",
+            "The cloud is what was measured, less everything in the model that is not friction; the line is the "
+            "model. Where the cloud leaves the line, friction is not what the model says.",
+            curve,
+            points_of(curve),
+        ),
+    ]
+
+
+def failures(comparison: Comparison) -> list[Picture]:
+    """Return where the error sits: regimes, maps, spectrum, reversals; what the recording cannot show is left out."""
+    from fricmodels.report import figures
+
+    name = comparison.drive.model.name
+    found = [
+        Picture(f"{name}: error by regime", where_words(comparison, most=3), figures.error_shares(comparison), regimes(comparison))
+    ]
+    maps = figures.residual_maps(comparison)
+    kinds = {words_of(key, comparison): figure for key, figure in maps.items()}
+    found += [
+        Picture(f"{name}: residual over velocity and {kind}", map_words(figure), figure, cells_of(figure))
+        for kind, figure in kinds.items()
+    ]
+    found.append(_drawn(f"{name}: spectrum of the residual", spectrum_words, figures.residual_spectrum(comparison)))
+    try:
+        loops = figures.hysteresis(comparison)
+    except InputError:
+        return found  # a drive that never reverses has no loops
+    found.append(_drawn(f"{name}: friction around reversals", loop_words, loops))
+    return found
+
+
+def regimes(comparison: Comparison) -> Table:
+    """Return the table of regimes, the one with the largest excess of error first."""
+    unit = "N m" if comparison.drive.motion is Motion.ROTARY else "N"
+    titles = {"regime": False, "squared error": True, "samples": True, f"RMS error [{unit}]": True}
+    rows = [
+        (
+            row.regime,
+            f"{100 * row.share_of_squared_error:.1f} %",
+            f"{100 * row.share_of_samples:.1f} %",
+            number(row.rms_torque_error),
+        )
+        for row in comparison.where
+    ]
+    return table("Share of the squared error and of the samples, by regime of motion", titles, rows)
+
+
+def words_of(channel: str, comparison: Comparison) -> str:
+    """Return the name of a channel in words; a torque is a force on a linear axis."""
+    text = channel.replace("_", " ")
+    return text if comparison.drive.motion is Motion.ROTARY else text.replace("torque", "force")
+
+
+def where_words(comparison: Comparison, most: int = 1) -> str:
+    """Say in which regimes the error exceeds their share of the samples."""
+    rows = [row for row in comparison.where if row.share_of_squared_error > row.share_of_samples][:most]
+    parts = [
+        f"{row.regime} ({100 * row.share_of_squared_error:.0f} % of the squared error in "
+        f"{100 * row.share_of_samples:.0f} % of the samples)"
+        for row in rows
+    ]
+    return f"The error is concentrated at {listed(parts)}." if parts else "The error is spread evenly."
+
+
+def map_words(figure: Figure) -> str:
+    """Say with which of its two axes a map changes."""
+    grid = np.asarray(figure.data[0].z, dtype=float)
+    known = np.isfinite(grid)
+    if not known.any():
+        return "There is too little motion for a map."
+    total = float(np.var(grid[known]))
+    titles = [_title(axis) for axis in (figure.layout.xaxis, figure.layout.yaxis)]
+    shares = [_explained(grid, known, axis) / total if total else 0.0 for axis in (0, 1)]
+    least, most = float(grid[known].min()), float(grid[known].max())
+    spread = f"The mean residual of a cell lies between {number(least)} and {number(most)} {_unit(figure)}"
+    best = int(np.argmax(shares))
+    if shares[best] > _MOSTLY:
+        return f"{spread}, and changes mostly with {titles[best]}, whatever the {titles[1 - best]}."
+    return f"{spread}; neither {titles[0]} nor {titles[1]} alone explains it."
+
+
+def _explained(grid: Array, known: NDArray[np.bool_], axis: int) -> float:
+    """Return the variance that the means along one axis explain."""
+    count = known.sum(axis=axis)
+    mean = np.where(known, grid, 0.0).sum(axis=axis) / np.maximum(count, 1)
+    return float(np.sum(count * (mean - grid[known].mean()) ** 2) / known.sum())
+
+
+def spectrum_words(figure: Figure) -> str:
+    """Say where a spectrum has its greatest line."""
+    curves = [(np.asarray(t.x, dtype=float), np.asarray(t.y, dtype=float), str(t.name)) for t in figure.data if len(t.x)]
+    if not curves:
+        return "The recording is too short for a spectrum."
+    x, y, name = max(curves, key=lambda curve: float(curve[1].max()))
+    top = int(np.argmax(y))
+    text = f"The strongest line, {name}, stands at {number(float(x[top]))} {_unit(figure, 'xaxis')}"
+    over_position = "order" in _title(figure.layout.xaxis)
+    meaning = " A sharp line at a fixed order turns with the drive: poles, slots, teeth, an eccentric wheel."
+    return f"{text}, with an amplitude of {number(float(y[top]))} {_unit(figure)}.{meaning if over_position else ''}"
+
+
+def loop_words(figure: Figure) -> str:
+    """Say how to read the loops at reversals."""
+    return (
+        "Friction before and after changes of direction, and how it builds up along the way. Where the two branches "
+        "measured part and those modelled do not, friction remembers: over a fixed distance it is presliding, over a "
+        "fixed time it is lag."
+    )
+
+
+def _drawn(title: str, words: Callable[[Figure], str], figure: Figure) -> Picture:
+    return Picture(title, words(figure), figure, points_of(figure))
+
+
+def points_of(figure: Figure) -> Table | None:
+    """Return a few points of each curve of a figure as a table; the greatest value of a curve is among them."""
+    curves = [
+        trace
+        for trace in figure.data
+        if trace.type == "scatter" and trace.fill is None and trace.x is not None and trace.x[0] is not None
+    ]
+    rows = []
+    for trace in curves:
+        x, y = np.asarray(trace.x, dtype=float), np.asarray(trace.y, dtype=float)
+        finite = np.flatnonzero(np.isfinite(x) & np.isfinite(y))
+        if not len(finite):
+            continue
+        few = np.linspace(0, len(finite) - 1, min(len(finite), max(4, _ROWS // len(curves)))).round().astype(int)
+        chosen = np.union1d(finite[few], finite[[int(np.argmax(np.abs(y[finite])))]])
+        axes = [figure.layout[(getattr(trace, f"{axis}axis") or axis).replace(axis, f"{axis}axis")] for axis in "xy"]
+        units = [_unit_of(axis) for axis in axes]
+        rows += [
+            (html.unescape(str(trace.name)), f"{number(float(x[i]))} {units[0]}".strip(), f"{number(float(y[i]))} {units[1]}".strip())
+            for i in chosen
+        ]
+    across, up = _title(_lowest(figure)), _title(figure.layout.yaxis)
+    return table("Some points of the curves", {"curve": False, across: True, up: True}, rows) if rows else None
+
+
+def cells_of(figure: Figure) -> Table | None:
+    """Return a map as a coarse table: means of its cells, rows from the top."""
+    trace = figure.data[0]
+    grid = np.asarray(trace.z, dtype=float)
+    rows, columns = (np.array_split(np.arange(size), min(size, _GRID)) for size in grid.shape)
+    x, y = np.asarray(trace.x, dtype=float), np.asarray(trace.y, dtype=float)
+    titles = {f"{_title(figure.layout.yaxis)} ↓ {_title(figure.layout.xaxis)} →": True}
+    titles |= {number(float(x[part].mean())): True for part in columns}
+    body = [
+        (number(float(y[part].mean())), *(_mean(grid[np.ix_(part, other)]) for other in columns)) for part in rows[::-1]
+    ]
+    return table(f"Mean residual [{_unit(figure)}]", titles, body)
+
+
+def _mean(cells: Array) -> str:
+    known = cells[np.isfinite(cells)]
+    return number(float(known.mean()), 2) if len(known) else "–"
+
+
+def _lowest(figure: Figure) -> Any:
+    """Return the horizontal axis that has a title: of panels above each other, that of the lowest."""
+    axes = [figure.layout[name] for name in figure.layout if str(name).startswith("xaxis")]
+    return next((axis for axis in axes if axis.title.text), figure.layout.xaxis)
+
+
+def _title(axis: Any) -> str:
+    """Return the title of an axis without its unit."""
+    return html.unescape(str(axis.title.text or "")).partition(" [")[0]
+
+
+def _unit_of(axis: Any) -> str:
+    return html.unescape(str(axis.title.text or "")).partition(" [")[2].removesuffix("]")
+
+
+def _unit(figure: Figure, axis: str = "") -> str:
+    """Return the unit of an axis, or of what a figure shows: that of the colours of a map, of the curves' heights."""
+    if axis:
+        return _unit_of(figure.layout[axis])
+    trace = figure.data[0]
+    return _unit_of(trace.colorbar) if trace.type == "heatmap" else _unit_of(figure.layout.yaxis)

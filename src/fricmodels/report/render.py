@@ -1,0 +1,108 @@
+"""A page as one HTML file that needs nothing else: style, program, plotting library and figures are inside.
+
+All text goes through Jinja's autoescape. Figures and the plotting library are gzip in base64, an alphabet that can end
+no element; a content security policy admits the two programs of the page by their checksums and forbids all traffic.
+"""
+
+from __future__ import annotations
+
+import base64
+import gzip
+import hashlib
+import json
+from collections.abc import Iterable, Iterator
+from functools import lru_cache
+from importlib import resources
+from typing import TYPE_CHECKING, Any
+
+from fricmodels.report.formula import mathml, symbol
+from fricmodels.report.page import Block, Fold, Page, Picture
+
+if TYPE_CHECKING:
+    from plotly.graph_objects import Figure
+
+_HEIGHT = 420
+
+
+def render(page: Page) -> str:
+    """Return a page as HTML; equal pages give equal text."""
+    from jinja2 import Environment, StrictUndefined
+    from markupsafe import Markup
+
+    pictures = [*_pictures(block for section in page.sections for block in section.blocks)]
+    names = {id(picture): f"figure-{number}" for number, picture in enumerate(pictures, start=1)}
+    program, style = asset("report.js"), asset("report.css")
+    environment = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
+    environment.filters["mathml"] = lambda text: [Markup(line) for line in mathml(text)]
+    environment.filters["symbol"] = lambda text: Markup(symbol(text))
+    environment.filters["height"] = lambda picture: int(picture.figure.layout.height or _HEIGHT)
+    html = environment.from_string(asset("report.html")).render(
+        page=page,
+        names=names,
+        loop_key=id,
+        style=Markup(style),
+        program=Markup(program),
+        policy=_policy([program, *([plotly_script()] if pictures else [])]),
+        plotly=_packed_plotly() if pictures else "",
+        looks=_packed(_style()) if pictures else "",
+        figures=[(names[id(picture)], _packed(_content(picture.figure))) for picture in pictures],
+    )
+    return html.strip() + "\n"
+
+
+@lru_cache(maxsize=8)
+def asset(name: str) -> str:
+    """Return the text of a file of the page."""
+    return (resources.files("fricmodels.report") / "assets" / name).read_text(encoding="utf-8")
+
+
+@lru_cache(maxsize=1)
+def plotly_script() -> str:
+    """Return the plotting library as plotly packs it."""
+    from plotly.offline import get_plotlyjs
+
+    return str(get_plotlyjs())
+
+
+@lru_cache(maxsize=1)
+def _packed_plotly() -> str:
+    return _packed(plotly_script())
+
+
+def _packed(text: str) -> str:
+    return base64.b64encode(gzip.compress(text.encode(), compresslevel=9, mtime=0)).decode("ascii")
+
+
+def _policy(programs: Iterable[str]) -> str:
+    digests = (base64.b64encode(hashlib.sha256(text.encode()).digest()).decode("ascii") for text in programs)
+    scripts = " ".join(f"'sha256-{digest}'" for digest in digests)
+    return (
+        f"default-src 'none'; script-src {scripts}; style-src 'unsafe-inline'; img-src data: blob:; "
+        "form-action 'none'; base-uri 'none'"
+    )
+
+
+def _pictures(blocks: Iterable[Block]) -> Iterator[Picture]:
+    for block in blocks:
+        if isinstance(block, Picture):
+            yield block
+        elif isinstance(block, Fold):
+            yield from _pictures(block.blocks)
+
+
+def _content(figure: Figure) -> str:
+    content = figure.to_dict()
+    content["layout"].pop("template", None)
+    return _json(content)
+
+
+def _style() -> str:
+    from fricmodels.report.figures import style
+
+    return _json({"template": style.template(), "light": style.recolouring(style.LIGHT), "dark": style.recolouring(style.DARK)})
+
+
+def _json(content: Any) -> str:
+    from plotly.utils import PlotlyJSONEncoder
+
+    return json.dumps(content, cls=PlotlyJSONEncoder, separators=(",", ":"))

@@ -1,0 +1,139 @@
+"""The report on one recording: what is missing in a model, and what the recording could not show."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, cast
+
+from fricmodels.report import sections
+from fricmodels.report.page import Page, Picture, Section, Tile, Verdict
+from fricmodels.report.provenance import recording_section
+from fricmodels.report.wording import listed, percent
+
+if TYPE_CHECKING:
+    from fricmodels.diagnosis.diagnose import Comparison, Diagnosis
+    from fricmodels.diagnosis.ladder import Ladder, Rung
+
+Data = Mapping[str, Any]
+_FAR_ABOVE = 5
+"""An error so many times the noise floor is not explained by noise."""
+
+
+def of_ladder(ladder: Ladder, options: Sequence[str] = ()) -> Page:
+    """Return the report on a ladder."""
+    from fricmodels.diagnosis.document import document
+
+    return page(document(ladder.first, ladder), ladder.rungs, "improve", options)
+
+
+def of_diagnosis(diagnosis: Diagnosis, options: Sequence[str] = ()) -> Page:
+    """Return the report on a diagnosis."""
+    from fricmodels.diagnosis.document import document
+    from fricmodels.diagnosis.ladder import Rung
+
+    return page(document(diagnosis), [Rung(diagnosis.comparison)], "diagnose", options)
+
+
+def page(data: Data, rungs: Sequence[Rung], command: str, options: Sequence[str] = ()) -> Page:
+    """Return the report on a diagnosis as plain data.
+
+    Args:
+        data: see :mod:`fricmodels.diagnosis.document`.
+        rungs: the models on the way, for the figures; empty where the recording is no longer there.
+        command: that made it.
+        options: of that command.
+    """
+    return Page(
+        title=data["dataset"],
+        kicker="Friction report on a recording",
+        verdict=verdict(data),
+        tiles=tiles(data),
+        sections=story(data, rungs, command, options),
+        made_by=f"fricmodels {data['versions']['fricmodels']}",
+    )
+
+
+def story(data: Data, rungs: Sequence[Rung], command: str, options: Sequence[str] = ()) -> list[Section]:
+    """Return the sections in reading order."""
+    ends = _ends([rung.comparison for rung in rungs])
+    found = [sections.found(data)]
+    if len(data["ladder"]) > 1:
+        found.append(sections.ladder(data, _ladder_picture(data, rungs)))
+    if ends:
+        found += [sections.measured(ends), sections.fails(ends)]
+    return [
+        *found,
+        sections.all_parameters(data),
+        sections.limits(data),
+        recording_section(data, command, options),
+    ]
+
+
+def _ends(comparisons: Sequence[Comparison]) -> list[Comparison]:
+    """Return the first and the last comparison, once where they are the same."""
+    return list(comparisons) if len(comparisons) < 2 else [comparisons[0], comparisons[-1]]
+
+
+def _ladder_picture(data: Data, rungs: Sequence[Rung]) -> Picture | None:
+    from fricmodels.report import figures
+
+    if not rungs:
+        return None
+    return Picture("The error falls", sections.ladder_words(data), figures.ladder(cast("Ladder", _Steps(tuple(rungs)))))
+
+
+@dataclass(frozen=True)
+class _Steps:
+    """All that the figure of a ladder looks at."""
+
+    rungs: tuple[Rung, ...]
+
+
+def verdict(data: Data) -> Verdict:
+    """Return the answer in one sentence, and what follows from it."""
+    model, rungs = data["model"], data["ladder"]
+    held_out = data["rms_torque_error"]["held_out_percent"]
+    noise = data["noise_floor_percent"] or 0.0
+    left = (
+        f"The model leaves an RMS torque error of {percent(held_out)} of the RMS motor torque on data that it was not "
+        f"fitted to; sensor noise alone would leave about {percent(noise)}."
+    )
+    details = [sections.ladder_words(data)] if len(rungs) > 1 else [left]
+    if data["unknown"] is not None and data["effects"]:
+        details.append(sections.unknown_words(data))
+    if data["verdict"] == "adequate":
+        doubt = held_out is not None and held_out > _FAR_ABOVE * max(noise, 1.0)
+        details.append(
+            "Its error is far above the noise all the same: something acts on the drive that is in none of the recorded "
+            "channels, or in the stretches around standstill that are too unclear to be tested."
+            if doubt
+            else "This does not exclude effects that the recording could not have shown; they are listed below."
+        )
+        return Verdict(f"{model} is adequate: nothing that could be predicted is left.", "warn" if doubt else "good", details)
+    if data["verdict"] == "unknown-effect":
+        return Verdict(f"Something is missing from {model} that no known effect explains.", "bad", [left, sections.unknown_words(data)])
+    names = [_named(effect) for effect in data["effects"]]
+    added = [effect["name"] for effect in data["effects"]]
+    sentence = f"{model} lacks {listed(names)}." if len(rungs) > 1 or added else f"{model} lacks something."
+    return Verdict(sentence, "warn", details)
+
+
+def _named(effect: Data) -> str:
+    """Return an effect by name, with those that it cannot be told from."""
+    return listed(effect["class"], "or")
+
+
+def tiles(data: Data) -> list[Tile]:
+    """Return the few figures that carry the verdict."""
+    rungs = data["ladder"]
+    shown = [Tile(percent(rungs[0]["held_out_rms_percent"]), "torque error of the given model, kept back", data["model"])]
+    if len(rungs) > 1:
+        last = rungs[-1]
+        gained = [name for name in last["model"].split("+") if name not in data["model"].split("+")]
+        shown.append(Tile(percent(last["held_out_rms_percent"]), "with what was found, kept back", f"+ {listed(gained)}"))
+    shown.append(Tile(percent(data["noise_floor_percent"]), "sensor noise alone", "estimated from the channels"))
+    samples = data["recording"]["samples"]
+    total = samples["fitted"] + samples["kept_back"]
+    shown.append(Tile(f"{total:,}".replace(",", "\u202f"), "samples", f"{100 * samples['kept_back'] / total:.0f} % kept back"))
+    return shown

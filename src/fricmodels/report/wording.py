@@ -1,0 +1,106 @@
+"""Numbers, units and names as a reader wants them."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+from fricmodels import plugins
+from fricmodels.dimension import Motion
+from fricmodels.model import Model
+from fricmodels.parameter import Parameter
+
+NORMAL_95 = 1.959964
+"""Standard errors on either side of a 95 % interval."""
+_SUPERSCRIPT = str.maketrans("-0123456789/.", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹ᐟ·")
+_UNCERTAIN_DIGITS = 2
+
+
+def percent(value: float | None) -> str:
+    """Return a percentage in three figures; a dash for none."""
+    return "–" if value is None or not math.isfinite(value) else f"{number(value)} %"
+
+
+def number(value: float | None, digits: int = 3) -> str:
+    """Return a number in so many figures, powers of ten as ×10ⁿ; a dash for none."""
+    if value is None or not math.isfinite(value):
+        return "–"
+    if value == 0:
+        return "0"
+    exponent = math.floor(math.log10(abs(value)))
+    if -4 <= exponent < 5:
+        return f"{value:.{max(0, digits - 1 - exponent)}f}".replace("-", "−")
+    mantissa = f"{value / 10.0**exponent:.{digits - 1}f}".replace("-", "−")
+    return f"{mantissa}×10{str(exponent).translate(_SUPERSCRIPT)}"
+
+
+def interval(value: float | None, error: float | None) -> tuple[str, str]:
+    """Return a value and half of its 95 % interval, both to the digit that the interval makes sense of."""
+    if value is None or error is None or not math.isfinite(error) or error <= 0:
+        return number(value, 4), ""
+    half = NORMAL_95 * error
+    size = math.floor(math.log10(max(abs(value), half)))
+    digits = min(8, max(1, size - math.floor(math.log10(half)) + _UNCERTAIN_DIGITS))
+    return number(value, digits), "± " + number(half, _UNCERTAIN_DIGITS)
+
+
+def small(p_value: float | None) -> str:
+    """Return a probability in words that do not pretend: below 10⁻⁶ the number means nothing."""
+    if p_value is None:
+        return "–"
+    return "below one in a million" if p_value < 1e-6 else f"{p_value:.1g}"
+
+
+def unit(text: str) -> str:
+    """Return a unit as it is printed: ``kg m²`` for ``kg m^2``; nothing for ``1``."""
+    printed = re.sub(r"\^\(?(-?[\d/.]+)\)?", lambda match: match[1].translate(_SUPERSCRIPT), text)
+    return "" if printed == "1" else printed
+
+
+def listed(names: Iterable[str], joint: str = "and") -> str:
+    """Return names as in a sentence: ``a, b and c``."""
+    parts = list(names)
+    return parts[0] if len(parts) == 1 else f"{', '.join(parts[:-1])} {joint} {parts[-1]}" if parts else ""
+
+
+def counted(count: int, one: str, many: str = "") -> str:
+    """Return a count with its noun, small numbers in words."""
+    small_numbers = ("no", "one", "two", "three", "four", "five", "six")
+    word = small_numbers[count] if count < len(small_numbers) else f"{count:,}".replace(",", "\u202f")
+    return f"{word} {one if count == 1 else many or one + 's'}"
+
+
+def declared(model: str) -> dict[str, Parameter]:
+    """Return the declared parameters of a model by key; none where a part of it is not installed."""
+    parsed = known_model(model)
+    return {} if parsed is None else {p.key: p.declared for p in parsed.parameters}
+
+
+def known_model(name: str) -> Model | None:
+    """Return a model by its name, or ``None`` where a law or an effect of it is not installed."""
+    registered = plugins.load()
+    law, *effects = name.split("+")
+    if law not in registered.laws or any(effect not in registered.effects for effect in effects):
+        return None
+    return Model.parse(name)
+
+
+def unit_of(key: str, known: Mapping[str, Parameter], motion: Motion) -> str:
+    """Return the printed unit of a parameter of a model, the inertia among them."""
+    if key in known:
+        return unit(known[key].unit_for(motion))
+    return {"J": "kg m²", "M": "kg"}.get(key, "")
+
+
+def meaning_of(key: str, known: Mapping[str, Parameter]) -> str:
+    """Return what a parameter is, in words."""
+    if key in known:
+        return known[key].meaning
+    return {"J": "inertia", "M": "moving mass"}.get(key, "")
+
+
+def physics(term: Any) -> str:
+    """Return the first line of a term's own description, without its full stop."""
+    return (term.__doc__ or "").strip().partition("\n")[0].rstrip(".")
