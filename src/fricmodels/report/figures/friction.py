@@ -57,7 +57,7 @@ def friction_curve(comparison: Comparison) -> Figure:
     figure.add_trace(_density(samples, curve, torque))
     figure.add_trace(
         go.Scatter(
-            x=[None], y=[None], mode="markers", name="measured (darker: more samples)",
+            x=[None], y=[None], mode="markers", name="measured (stronger: more samples)",
             marker={"symbol": "square", "size": 12, "color": LIGHT["some"]},
         )
     )  # fmt: skip

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -17,6 +18,7 @@ if TYPE_CHECKING:
     from fricmodels.diagnosis.diagnose import Comparison
 
 Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
 
 _BINS = 24
 _LEAST = 5
@@ -31,13 +33,28 @@ class Reversals:
         index: of the samples.
         leaving: whether a sample follows its reversal, or leads to it.
         way: displacement since the reversal, or until it [rad or m], not negative.
-        count: number of reversals.
+        turn: number of the reversal that a sample belongs to, from 0.
     """
 
     index: NDArray[np.int64]
     leaving: NDArray[np.bool_]
     way: Array
-    count: int
+    turn: NDArray[np.int64]
+
+    @property
+    def count(self) -> int:
+        """Number of reversals."""
+        return int(self.turn[-1]) + 1 if len(self.turn) else 0
+
+    def common(self, values: Array) -> Mask:
+        """Mark samples whose size is within what half of all reversals reach, so that a mean is not of a few only."""
+        size, reached = np.abs(values), np.zeros(self.count)
+        np.maximum.at(reached, self.turn, size)
+        return np.asarray(size <= np.median(reached[np.unique(self.turn)]))
+
+    def select(self, mask: Mask) -> Reversals:
+        """Return some of the samples."""
+        return Reversals(self.index[mask], self.leaving[mask], self.way[mask], self.turn[mask])
 
 
 def reversals(samples: Samples) -> Reversals:
@@ -56,8 +73,8 @@ def reversals(samples: Samples) -> Reversals:
     borders = np.unique(borders)
     length = int(max(_LEAST, np.median(np.diff(first)) / 4 if len(first) > 1 else len(moving) / 4))
     travelled = _travelled(samples)
-    index, leaving, way = [], [], []
-    for before, after in zip(last.tolist(), first.tolist(), strict=True):
+    index, leaving, way, turn = [], [], [], []
+    for number, (before, after) in enumerate(zip(last.tolist(), first.tolist(), strict=True)):
         begin = max(before - length, int(borders[np.searchsorted(borders, before) - 1]))
         end = min(after + length, int(borders[np.searchsorted(borders, after, side="right")]))
         for part, leaves, origin in (
@@ -67,7 +84,9 @@ def reversals(samples: Samples) -> Reversals:
             index.append(part)
             leaving.append(np.full(len(part), leaves))
             way.append(np.abs(travelled[part] - travelled[origin]))
-    return Reversals(np.concatenate(index), np.concatenate(leaving), np.concatenate(way), len(turns))
+            turn.append(np.full(len(part), number))
+    found = Reversals(np.concatenate(index), np.concatenate(leaving), np.concatenate(way), np.concatenate(turn))
+    return found.select(~samples.resting[found.index] & (samples.velocity[found.index] != 0))
 
 
 def _travelled(samples: Samples) -> Array:
@@ -89,72 +108,62 @@ def hysteresis(comparison: Comparison) -> Figure:
     """
     samples = Samples.of(comparison)
     near = reversals(samples)
-    figure = subplots()(rows=1, cols=2, shared_yaxes=True, horizontal_spacing=0.05)
-    velocity, side = samples.velocity[near.index], np.sign(samples.velocity[near.index])
+    figure = subplots()(rows=2, cols=1, vertical_spacing=0.16)
     for name, torque, colour in (
-        ("measured", samples.measured_friction[near.index], "measured"),
-        ("modelled", samples.modelled_friction[near.index], "vermillion"),
+        ("measured", samples.measured_friction, "measured"),
+        ("modelled", samples.modelled_friction, "vermillion"),
     ):
-        _loops(figure, name, velocity, torque, near.leaving, LIGHT[colour])
-        _build_up(figure, name, near.way[near.leaving], (side * torque)[near.leaving], LIGHT[colour])
-    displacement = label("way since reversal", unit_of(DISPLACEMENT, samples.motion))
-    figure.update_xaxes(title_text=samples.axis("velocity"), row=1, col=1)
-    figure.update_xaxes(title_text=displacement, row=1, col=2)
-    figure.update_yaxes(title_text=samples.torque_axis("friction torque"), row=1, col=1)
+        dash = "solid" if name == "measured" else "4px,2px"
+        for leaves, when in ((False, "before"), (True, "after")):
+            x, y = _branch(samples, near.select(near.leaving == leaves), torque)
+            width = 1.8 if leaves else 1.2
+            style = {"color": LIGHT[colour], "width": width, "dash": dash}
+            _add(figure, 1, x, y, f"{name}, {when}", style, "circle" if leaves else "circle-open")
+        after = near.select(near.leaving)
+        after = after.select(after.common(after.way))
+        opposing = np.sign(samples.velocity[after.index]) * torque[after.index]
+        style = {"color": LIGHT[colour], "width": 1.8, "dash": dash}
+        _add(figure, 2, *_binned(after.way, opposing), f"{name}, after", style, "circle")
     torque_name = words("friction torque", samples.motion)
+    figure.update_xaxes(title_text=samples.axis("velocity"), row=1, col=1)
+    figure.update_yaxes(title_text=samples.torque_axis("friction torque"), row=1, col=1)
+    figure.update_xaxes(
+        title_text=label("way since reversal", unit_of(DISPLACEMENT, samples.motion)), rangemode="tozero", row=2, col=1
+    )
+    figure.update_yaxes(title_text=samples.torque_axis("against the motion"), row=2, col=1)
     title = f"{torque_name.capitalize()} around {near.count} reversal{'s' if near.count > 1 else ''}"
-    return styled(figure, title, samples.subtitle, height=440)
+    return styled(figure, title, samples.subtitle, height=620)
 
 
-def _binned(x: Array, y: Array) -> tuple[Array, Array, Array]:
-    """Return the means of x and of y, and the standard error of the latter, in bins of equal numbers of samples."""
+def _branch(samples: Samples, near: Reversals, torque: Array) -> tuple[Array, Array]:
+    """Return the mean friction torque over velocity on both sides of zero, with a gap between them."""
+    parts = []
+    for side in (-1, 1):
+        own = near.select(np.sign(samples.velocity[near.index]) == side)
+        own = own.select(own.common(samples.velocity[own.index]))
+        parts.append(_binned(samples.velocity[own.index], torque[own.index]))
+    (left, low), (right, high) = parts
+    return np.concatenate([left, [np.nan], right]), np.concatenate([low, [np.nan], high])
+
+
+def _binned(x: Array, y: Array) -> tuple[Array, Array]:
+    """Return the means of x and of y in bins of as many samples each."""
     order = np.argsort(x, kind="stable")
-    count = min(_BINS, len(order) // _LEAST)
-    if count < 2:
-        return x[order], y[order], np.zeros(len(order))
-    parts = np.array_split(order, count)
-    means = np.array([[x[part].mean(), y[part].mean(), y[part].std() / np.sqrt(len(part))] for part in parts]).T
-    return means[0], means[1], means[2]
+    parts = np.array_split(order, max(1, min(_BINS, len(order) // _LEAST))) if len(order) else []
+    return np.array([x[part].mean() for part in parts]), np.array([y[part].mean() for part in parts])
 
 
-def _loops(figure: Any, name: str, velocity: Array, torque: Array, leaving: NDArray[np.bool_], colour: str) -> None:
-    """Add the branches that lead to reversals and those that leave them, on each side of zero."""
-    dash = "solid" if name == "measured" else "4px,2px"
-    for leaves, words_, symbol in ((False, "before", "circle-open"), (True, "after", "circle")):
-        branches = []
-        for negative in (True, False):
-            part = (leaving == leaves) & ((velocity < 0) == negative)
-            branches.append(_binned(velocity[part], torque[part]))
-        x = np.concatenate([branches[0][0], [np.nan], branches[1][0]])
-        y = np.concatenate([branches[0][1], [np.nan], branches[1][1]])
-        figure.add_trace(
-            graph_objects().Scatter(
-                x=x,
-                y=y.astype(np.float32),
-                name=f"{name}, {words_}",
-                mode="lines+markers",
-                line={"color": colour, "width": 1.8 if leaves else 1.2, "dash": dash},
-                marker={"symbol": symbol, "size": 5, "color": colour},
-            ),
-            row=1,
-            col=1,
-        )
-
-
-def _build_up(figure: Any, name: str, way: Array, torque: Array, colour: str) -> None:
-    """Add the friction torque, in the sense that opposes the motion, over the way since the reversal."""
-    x, y, _ = _binned(way, torque)
-    dash = "solid" if name == "measured" else "4px,2px"
+def _add(figure: Figure, row: int, x: Array, y: Array, name: str, style: Mapping[str, Any], symbol: str) -> None:
     figure.add_trace(
         graph_objects().Scatter(
             x=x,
             y=y.astype(np.float32),
-            name=f"{name}, after",
-            showlegend=False,
+            name=name,
+            showlegend=row == 1,
             mode="lines+markers",
-            line={"color": colour, "width": 1.8, "dash": dash},
-            marker={"symbol": "circle", "size": 5, "color": colour},
+            line=style,
+            marker={"symbol": symbol, "size": 5, "color": style["color"]},
         ),
-        row=1,
-        col=2,
+        row=row,
+        col=1,
     )

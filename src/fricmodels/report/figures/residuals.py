@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 Unit = Literal["torque", "standard errors"]
 
-CELLS = 36
+CELLS = 48
 """Most cells along each axis."""
 AGAINST = ("position", "acceleration", "load_torque", "temperature", "time")
 """Channels over which, with the velocity, the residual is mapped."""
@@ -151,9 +151,10 @@ def residual_map(comparison: Comparison, x: str = "velocity", y: str = "position
                 "thickness": 10,
                 "len": 1,
                 "x": 0.5,
-                "y": 1.0,
+                "y": 0,
                 "yanchor": "bottom",
-                "title": {"text": title, "side": "top", "font": {"size": 12}},
+                "yref": "container",
+                "title": {"text": title, "side": "bottom", "font": {"size": 12}},
                 "tickfont": {"size": 11},
                 "exponentformat": "power",
                 "outlinewidth": 0,
@@ -168,7 +169,7 @@ def residual_map(comparison: Comparison, x: str = "velocity", y: str = "position
     figure.update_yaxes(title_text=samples.axis(y))
     name = f"Residual over {words(x, samples.motion)} and {words(y, samples.motion)}"
     styled(figure, name, samples.subtitle, height=480)
-    figure.update_layout(margin_t=120)
+    figure.update_layout(margin_b=112)
     return figure
 
 

@@ -36,7 +36,12 @@ def error_shares(comparison: Comparison) -> Figure:
                 y=names,
                 name=title,
                 mode="markers",
-                marker={"color": LIGHT[colour], "symbol": symbol, "size": 10, "line": {"width": 2}},
+                marker={
+                    "color": LIGHT[colour],
+                    "symbol": symbol,
+                    "size": 10,
+                    "line": {"width": 2, "color": LIGHT[colour]},
+                },
                 hovertemplate=f"%{{y}}: {title} %{{x:.1f}} %<extra></extra>",
             )
         )

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from fricmodels.dimension import Motion
 from fricmodels.report.figures.downsample import extremes
 from fricmodels.report.figures.samples import Samples
-from fricmodels.report.figures.style import LIGHT, Figure, graph_objects, label, styled
+from fricmodels.report.figures.style import LIGHT, Figure, graph_objects, label, logarithmic, styled
 
 if TYPE_CHECKING:
     from fricmodels.diagnosis.diagnose import Comparison
@@ -97,6 +97,6 @@ def residual_spectrum(comparison: Comparison) -> Figure:
                 hovertemplate=f"%{{y:.3g}} {samples.torque_unit} at %{{x:.4g}}<extra>{words_}</extra>",
             )
         )
-    figure.update_xaxes(title_text=axis, type="log")
+    figure.update_xaxes(title_text=axis, **logarithmic(float(x) for trace in figure.data for x in trace.x[[0, -1]]))
     figure.update_yaxes(title_text=samples.torque_axis("amplitude of the residual"), rangemode="tozero")
     return styled(figure, f"Periodic parts of the residual, {name}", samples.subtitle, height=420)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from fricmodels.report.figures.style import LIGHT, Figure, escaped, graph_objects, styled
+from fricmodels.report.figures.style import LIGHT, Figure, escaped, graph_objects, logarithmic, styled
 
 if TYPE_CHECKING:
     from fricmodels.diagnosis.ladder import Ladder, Rung
@@ -36,9 +36,14 @@ def ladder(ladder: Ladder) -> Figure:
             )
         )
     figure.update_xaxes(
-        title_text="step", tickvals=steps, ticktext=[_step(rung) for rung in rungs], range=[-0.4, len(rungs) - 0.6]
+        title_text="step",
+        tickvals=steps,
+        ticktext=[_step(rung) for rung in rungs],
+        range=[-0.4, len(rungs) - 0.6],
+        zeroline=False,
     )
-    figure.update_yaxes(title_text="torque error [% of the RMS torque]", type="log", dtick="D2")
+    shown = [value for trace in figure.data for value in trace.y]
+    figure.update_yaxes(title_text="torque error [% of the RMS torque]", **logarithmic(shown))
     first = rungs[0].comparison
     return styled(figure, "The error falls", f"{first.drive.model.name}, {first.train.name}", height=440)
 

@@ -7,8 +7,9 @@ page is dark. What differs in colour differs in dash or marker too, so that a pr
 from __future__ import annotations
 
 import html
+import math
 import re
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from fricmodels.dimension import Dimension, Motion
@@ -163,6 +164,19 @@ def label(text: str, unit: str) -> str:
     return f"{text} [{unit}]"
 
 
+def logarithmic(values: Iterable[float]) -> dict[str, Any]:
+    """Return a logarithmic axis around positive values, labelled at 1, 2 and 5 times powers of ten, or sparser."""
+    positive = [value for value in values if value > 0] or [1.0]
+    low, high = math.log10(min(positive)), math.log10(max(positive))
+    margin = 0.06 * (high - low) or 0.3
+    low, high = low - margin, high + margin
+    digits = (1, 2, 5) if high - low < 3.5 else (1,)
+    powers = range(math.floor(low), math.ceil(high) + 1)
+    ticks = [digit * 10.0**power for power in powers for digit in digits]
+    shown = [tick for tick in ticks if low <= math.log10(tick) <= high]
+    return {"type": "log", "range": [low, high], "tickvals": shown, "ticktext": [f"{tick:g}" for tick in shown]}
+
+
 def template() -> Any:
     """Return the template of all figures: transparent, legend below, colours of :data:`LIGHT`."""
     go = graph_objects()
@@ -209,7 +223,7 @@ def template() -> Any:
             "x": 0,
             "xanchor": "left",
             "xref": "container",
-            "pad": {"l": 12, "t": 10},
+            "pad": {"l": 12, "t": 16},
             "y": 1,
             "yanchor": "top",
             "yref": "container",

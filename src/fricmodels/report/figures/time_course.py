@@ -13,7 +13,8 @@ from fricmodels.report.figures.style import LIGHT, POINTS, Figure, graph_objects
 if TYPE_CHECKING:
     from fricmodels.diagnosis.diagnose import Comparison
 
-_MOST_SHADES = 60
+_PIXEL = 1 / 500
+"""Share of the axis by which two shaded spans must be apart to be shown apart."""
 
 
 def overlay(comparison: Comparison, between: tuple[float, float] | None = None) -> Figure:
@@ -83,7 +84,7 @@ def _shade(figure: Figure, samples: Samples, between: tuple[float, float] | None
     spans = [(float(samples.place[a]), float(samples.place[b - 1])) for a, b in edges.reshape(-1, 2)]
     if between is not None:
         spans = [(max(a, between[0]), min(b, between[1])) for a, b in spans if a < between[1] and b > between[0]]
-    for a, b in spans[:_MOST_SHADES]:
+    for a, b in _merged(spans, _PIXEL * float(np.ptp(samples.place))):
         for reference in ("y domain", "y2 domain"):
             figure.add_shape(
                 type="rect", x0=a, x1=b, y0=0, y1=1, xref="x", yref=reference, layer="below",
@@ -101,3 +102,14 @@ def _shade(figure: Figure, samples: Samples, between: tuple[float, float] | None
             row=1,
             col=1,
         )
+
+
+def _merged(spans: list[tuple[float, float]], apart: float) -> list[tuple[float, float]]:
+    """Join spans that are closer to each other than can be seen."""
+    joined: list[tuple[float, float]] = []
+    for a, b in spans:
+        if joined and a - joined[-1][1] < apart:
+            joined[-1] = (joined[-1][0], b)
+        else:
+            joined.append((a, b))
+    return joined

@@ -25,7 +25,8 @@ class Entry:
     """One model with one estimator, over recordings and seeds.
 
     Attributes:
-        low, middle, high: quartiles of the torque error [%]; infinite where fits failed.
+        low, middle, high: quartiles of the torque error [%]; where as many fits failed, the median is infinite, and
+            the upper quartile is the worst that did not fail.
         fits, failed: how many there are.
     """
 
@@ -48,8 +49,10 @@ def entries(rows: Sequence[Mapping[Any, Any]], column: str) -> dict[tuple[str, s
         groups.setdefault((row["model"], row["estimator"]), []).append(float(value) if good else math.inf)
     found = {}
     for key, values in groups.items():
-        low, middle, high = (float(np.quantile(values, q, method="nearest")) for q in (0.25, 0.5, 0.75))
-        found[key] = Entry(low, middle, high, len(values), sum(math.isinf(value) for value in values))
+        ordered, failed = sorted(values), sum(math.isinf(value) for value in values)
+        low, middle, high = (_quantile(ordered, share) for share in (0.25, 0.5, 0.75))
+        worst = ordered[len(ordered) - failed - 1] if failed < len(ordered) else math.inf
+        found[key] = Entry(low, middle, min(high, worst), len(values), failed)
     return found
 
 
@@ -78,18 +81,18 @@ def leaderboard(rows: Sequence[Mapping[str, Any]] | pd.DataFrame) -> Figure:
         shown = [(n, found[model, estimator]) for n, model in enumerate(models) if (model, estimator) in found]
         shown = [(n, entry) for n, entry in shown if math.isfinite(entry.middle)]
         middle = [entry.middle for _, entry in shown]
-        shift = 0.5 * (i - (len(estimators) - 1) / 2) / max(1, len(estimators))
+        shift = 0.45 * (i - (len(estimators) - 1) / 2) / len(estimators)
         figure.add_trace(
             go.Scatter(
                 x=middle,
-                y=[n + shift + 0.15 for n, _ in shown],
+                y=[n + 0.18 + shift for n, _ in shown],
                 name=escaped(estimator),
                 mode="markers",
                 marker={"color": colour, "symbol": symbol, "size": 9},
                 error_x={
                     "type": "data",
                     "symmetric": False,
-                    "array": [_finite(entry.high, entry.middle) - entry.middle for _, entry in shown],
+                    "array": [entry.high - entry.middle for _, entry in shown],
                     "arrayminus": [entry.middle - entry.low for _, entry in shown],
                     "color": colour,
                     "thickness": 1.5,
@@ -103,21 +106,35 @@ def leaderboard(rows: Sequence[Mapping[str, Any]] | pd.DataFrame) -> Figure:
                 ),
             )
         )
+    fits = {model: [entry for (m, _), entry in found.items() if m == model] for model in models}
+    failures = {model: sum(entry.failed for entry in fits[model]) for model in models}
     for n, model in enumerate(models):
-        failed = [
-            f"{escaped(e)} {found[model, e].failed} of {found[model, e].fits}"
-            for e in estimators
-            if (model, e) in found and found[model, e].failed
-        ]
-        note = f" <i>(no result: {', '.join(failed)})</i>" if failed else ""
+        text = f"{n + 1}. {escaped(model)}"
+        if failures[model]:
+            text += f"<br>    <i>no result: {failures[model]} of {sum(entry.fits for entry in fits[model])} fits</i>"
         figure.add_annotation(
-            x=0, xref="paper", xanchor="left", y=n - 0.35, yref="y", yanchor="middle", showarrow=False, align="left",
-            text=f"{n + 1}. {escaped(model)}{note}", font={"size": 12, "color": LIGHT["text"]},
+            x=0, xref="paper", xanchor="left", y=n - 0.54, yref="y", yanchor="top", showarrow=False, align="left",
+            text=text, font={"size": 12, "color": LIGHT["text"]},
         )  # fmt: skip
+    for n in range(1, len(models)):
+        figure.add_hline(y=n - 0.56, line={"color": LIGHT["grid"], "width": 1}, layer="below")
     kind = "kept back" if column == HELD_OUT else "fitted"
     figure.update_xaxes(title_text=f"torque error, {kind} [% of the RMS torque]", rangemode="tozero")
     figure.update_yaxes(range=[len(models) - 0.4, -0.6], showticklabels=False, showgrid=False, ticks="", zeroline=False)
-    return styled(figure, "Leaderboard", "median and quartiles over recordings and seeds", 150 + 58 * len(models))
+    return styled(
+        figure,
+        "Leaderboard",
+        "median and quartiles over recordings and seeds",
+        150 + (74 if any(failures.values()) else 58) * len(models),
+    )
+
+
+def _quantile(ordered: Sequence[float], share: float) -> float:
+    """Return a quantile of sorted values, interpolated; between a finite and an infinite one it is infinite."""
+    position = share * (len(ordered) - 1)
+    below = ordered[math.floor(position)]
+    above = ordered[math.ceil(position)]
+    return below if below == above else below + (position - math.floor(position)) * (above - below)
 
 
 def _records(rows: Sequence[Mapping[str, Any]] | pd.DataFrame) -> Sequence[Mapping[Any, Any]]:
@@ -128,10 +145,6 @@ def _records(rows: Sequence[Mapping[str, Any]] | pd.DataFrame) -> Sequence[Mappi
 
 def _number(value: Any) -> bool:
     return value is not None and math.isfinite(value)
-
-
-def _finite(value: float, otherwise: float) -> float:
-    return value if math.isfinite(value) else otherwise
 
 
 def confusion(table: pd.DataFrame) -> Figure:
@@ -151,11 +164,11 @@ def confusion(table: pd.DataFrame) -> Figure:
             z=np.where(counts > 0, share, np.nan).astype(np.float32),
             text=[[f"{value:.0f}" if value else "" for value in row] for row in counts],
             texttemplate="%{text}",
-            textfont={"size": 10},
+            textfont={"size": 9, "color": LIGHT["text"]},
             customdata=counts.astype(np.float32),
             zmin=0,
             zmax=100,
-            colorscale=[[0, LIGHT["few"]], [0.5, LIGHT["some"]], [1, LIGHT["many"]]],
+            colorscale=[[0, LIGHT["few"]], [1, LIGHT["some"]]],
             showscale=False,
             xgap=1,
             ygap=1,
@@ -163,6 +176,6 @@ def confusion(table: pd.DataFrame) -> Figure:
             hovertemplate="hidden: %{y}<br>named: %{x}<br>%{customdata:.0f} times, %{z:.0f} %<extra></extra>",
         )
     )
-    figure.update_xaxes(title_text="named effect [count]", tickangle=-90, showgrid=False, dtick=1)
+    figure.update_xaxes(title_text="named effect [count]", tickangle=-90, showgrid=False)
     figure.update_yaxes(title_text="hidden effect", autorange="reversed", showgrid=False, dtick=1)
-    return styled(figure, "Hidden effects, and what they were taken for", "", 220 + 22 * len(hidden))
+    return styled(figure, "What hidden effects were named", "", 220 + 22 * len(hidden))
