@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import itertools
+from collections.abc import Mapping
+from typing import Any
+
 import numpy as np
 import pytest
 from numpy.typing import NDArray
@@ -9,10 +13,15 @@ from scipy.integrate import solve_ivp
 
 from fricmodels.dimension import Motion
 from fricmodels.drive import Drive
+from fricmodels.effects import Presliding
+from fricmodels.expressions import maximum, minimum, sign, where
+from fricmodels.laws import CoulombViscous
 from fricmodels.memory import trace
 from fricmodels.model import Model
+from fricmodels.parameter import Parameter, State
 from fricmodels.recording import Recording
-from fricmodels.term import SIGNALS
+from fricmodels.simulation import simulate
+from fricmodels.term import SIGNALS, Effect
 
 Array = NDArray[np.float64]
 
@@ -160,3 +169,54 @@ def test_several_memories_do_not_disturb_each_other() -> None:
     alone = states("presliding", {"x_s": 0.03}, time, velocity=signals["velocity"])
     alone += states("rising-stiction", {"T": 0.3, "x_s": 0.05}, time, velocity=signals["velocity"])
     np.testing.assert_allclose(both, alone, rtol=1e-12, atol=1e-14)
+
+
+class SpringAndSlider(Effect):
+    """A spring in series with dry friction: it sticks, or slips at full torque."""
+
+    name = "spring-and-slider"
+    F = Parameter("F", unit="N m", lower=0.0)
+    x_s = Parameter("x_s", unit="rad", initial=0.01, lower=1e-9, scan=(0.01,))
+    z = State("z")
+
+    def torque(self, s: Any, p: Any) -> Any:
+        return p.F * s.z
+
+    def rates(self, s: Any, p: Any) -> Mapping[str, Any]:
+        return {"z": where(sign(s.velocity) * s.z >= 1, 0, s.velocity / p.x_s)}
+
+    def advance(self, s: Any, later: Any, h: Any, p: Any) -> Mapping[str, Any]:
+        return {"z": maximum(-1, minimum(1, s.z + h * (s.velocity + later.velocity) / 2 / p.x_s))}
+
+
+def test_a_switching_contact_is_advanced_by_its_own_formula() -> None:
+    """However long the step, it breaks away without overshoot; a memory beside it is integrated as ever."""
+    time = np.arange(81) * 0.05
+    velocity = np.where((time // 1.0) % 2 == 0, 1.0, -0.5)
+    signals = {**{name: np.zeros(81) for name in SIGNALS}, "velocity": velocity}
+    run = np.zeros(81, dtype=np.int64)
+    model = Model(CoulombViscous(), [Presliding(), SpringAndSlider()])
+    values = [{"presliding.x_s": 0.03, "spring-and-slider.x_s": 0.2}.get(p.key, 1.0) for p in model.parameters]
+    bent, z = trace(model, signals, time, run, values, 1e-9)
+    expected = [0.0]
+    for before, after in itertools.pairwise(velocity):
+        expected.append(float(np.clip(expected[-1] + 0.05 * (before + after) / 2 / 0.2, -1, 1)))
+    np.testing.assert_allclose(z, expected, atol=1e-12)
+    assert (z.min(), z.max()) == (-1.0, 1.0)
+    (alone,) = states("presliding", {"x_s": 0.03}, time, velocity=velocity)
+    np.testing.assert_allclose(bent, alone, rtol=1e-12)
+
+
+@pytest.mark.parametrize("push", [0.5, 2.0])
+def test_a_switching_contact_in_motion(push: float) -> None:
+    """Below its torque it is a spring, ω = √(k/J); above it, a constant torque."""
+    drive = Drive(Model(CoulombViscous(), [SpringAndSlider()]), 0.01)
+    values = {"K_v": 0.0, "K_c": 0.0, "spring-and-slider.F": 1.0, "spring-and-slider.x_s": 0.1}
+    time = np.linspace(0, 1, 2001)
+    push = 0.9 * push / 2 if push < 1 else push
+    found = simulate(drive, values, time, np.full(2001, push), substeps=4, with_position=True)
+    natural = np.sqrt(1.0 / 0.1 / 0.01)
+    if push < 1:
+        assert np.max(np.abs(found["position"] - push * 0.1 * (1 - np.cos(natural * time)))) < 1e-5
+    else:
+        assert np.polyfit(time[time > 0.5], found.velocity[time > 0.5], 1)[0] == pytest.approx((push - 1) / 0.01)

@@ -35,7 +35,8 @@ def trace(
         (I - \gamma h F) k_2 &= f(z_n + h k_1, t_{n+1}) - 2 k_1 - \gamma\,[f(z_n, t_{n+1}) - f(z_n, t_n)] \\
         z_{n+1} &= z_n + \tfrac h2 (3 k_1 + k_2), \qquad \gamma = 1 - 1/\sqrt2
 
-    which is L-stable: a contact that bends within less than a sample settles at once instead of ringing.
+    which is L-stable: a contact that bends within less than a sample settles at once instead of ringing. States that a
+    term advances itself (:meth:`fricmodels.term.Term.advance`) follow its formula.
 
     Args:
         model: the model with memory.
@@ -75,13 +76,23 @@ def _scan(model: Model) -> Scan:
     def at(expression: Any, states: Any, ends: Any) -> Any:
         return casadi.substitute(expression, casadi.vertcat(e.states, signals), casadi.vertcat(states, ends))
 
-    before, after = at(e.rates, e.states, begin), at(e.rates, e.states, end)
-    slope = casadi.jacobian(e.rates, e.states)
-    matrix = casadi.SX.eye(e.states.numel()) - _GAMMA * h * (at(slope, e.states, begin) + at(slope, e.states, end)) / 2
-    change = _GAMMA * (after - before)
-    k1 = casadi.solve(matrix, before + change)
-    k2 = casadi.solve(matrix, at(e.rates, e.states + h * k1, end) - 2 * k1 - change)
-    following = e.states + h / 2 * (3 * k1 + k2)
+    following = casadi.SX(e.states)
+    integrated = [i for i in range(e.states.numel()) if i not in e.advanced]
+    if integrated:
+        states, rates = e.states[integrated], e.rates[integrated]
+        before, after = at(rates, e.states, begin), at(rates, e.states, end)
+        slope = casadi.jacobian(rates, states)
+        mean_slope = (at(slope, e.states, begin) + at(slope, e.states, end)) / 2
+        matrix = casadi.SX.eye(len(integrated)) - _GAMMA * h * mean_slope
+        change = _GAMMA * (after - before)
+        k1 = casadi.solve(matrix, before + change)
+        moved = casadi.SX(e.states)
+        moved[integrated] = states + h * k1
+        k2 = casadi.solve(matrix, at(rates, moved, end) - 2 * k1 - change)
+        following[integrated] = states + h / 2 * (3 * k1 + k2)
+    given = casadi.vertcat(signals, *e.later.values(), e.step)
+    for i, expression in e.advanced.items():
+        following[i] = casadi.substitute(expression, given, casadi.vertcat(begin, end, h))
     constants = casadi.vertcat(e.parameters, e.width)
     step = casadi.Function("memory", [e.states, casadi.vertcat(h, begin, end), constants], [following, following])
     return Scan(step)

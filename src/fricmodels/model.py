@@ -25,6 +25,8 @@ class ModelExpression:
         width: the width of rest [velocity].
         torque: the friction torque τ_F.
         rates: column of d/dt of the states.
+        advanced: by index into the states, those that a term advances itself, a time ``step`` later; they depend on the
+            signals, the states and the signals at the end of the step, ``later``.
     """
 
     signals: Mapping[str, Expression]
@@ -33,6 +35,9 @@ class ModelExpression:
     width: Expression
     torque: Expression
     rates: Expression
+    later: Mapping[str, Expression]
+    step: Expression
+    advanced: Mapping[int, Expression]
 
 
 @dataclass(frozen=True)
@@ -119,7 +124,9 @@ class Model:
         import casadi
 
         signals = {name: casadi.SX.sym(name) for name in SIGNALS}
-        width = casadi.SX.sym("width")
+        later = {name: casadi.SX.sym(f"later_{name}") for name in SIGNALS}
+        width, step = casadi.SX.sym("width"), casadi.SX.sym("step")
+        advanced: dict[int, Any] = {}
         parameters: list[Any] = []
         states: list[Any] = []
         rates: list[Any] = []
@@ -137,6 +144,12 @@ class Model:
                     if missing:
                         raise InputError(f"'{term.name}' gives no rate for its state '{sorted(missing)[0]}'")
                     rates.extend(changes[symbol] for symbol in memory)
+                    end = Signals(later, {})
+                    following = term.advance(s, end, step, p)
+                    if following and set(following) != set(memory):
+                        raise InputError(f"'{term.name}' advances some of its states only; give all of them, or none")
+                    advanced |= {len(states) + list(memory).index(symbol): x for symbol, x in following.items()}
+                    touched |= end.touched
                 parameters.extend(own.values())
                 states.extend(memory.values())
                 touched |= s.touched
@@ -147,6 +160,9 @@ class Model:
             width,
             torque,
             casadi.vertcat(*rates),
+            later,
+            step,
+            advanced,
         )
         return built, frozenset(touched)
 
@@ -161,9 +177,10 @@ class Model:
 
         e = self.expression()
         symbols = casadi.vertsplit(e.parameters) if self.parameters else []
+        memory = casadi.vertcat(e.rates, *e.advanced.values())
         slopes = [casadi.jacobian(e.torque, symbol) for symbol in symbols]
         linear = [
-            slope.nnz() > 0 and not casadi.depends_on(slope, symbol) and not casadi.depends_on(e.rates, symbol)
+            slope.nnz() > 0 and not casadi.depends_on(slope, symbol) and not casadi.depends_on(memory, symbol)
             for slope, symbol in zip(slopes, symbols, strict=True)
         ]
         while True:

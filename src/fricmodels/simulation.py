@@ -261,6 +261,9 @@ class _Motion:
         resting = casadi.substitute(e.rates, acceleration, 0) if self.n_states else e.rates
         self._sliding = casadi.Function("sliding", [*arguments, *given], [sliding])
         self._resting = casadi.Function("resting", [*arguments, *given], [resting])
+        ends = [e.later["velocity"], e.later["position"], *(e.later[name] for name in _inputs(drive)), e.step]
+        self._advanced = list(e.advanced)
+        self._advance = casadi.Function("advance", [*arguments, *ends, *given], [casadi.vertcat(*e.advanced.values())])
         self._given = given
 
     def excess(self, direction: Any, position: Any, states: Any, inputs: list[Any]) -> Any:
@@ -293,7 +296,7 @@ class _Motion:
         """Advance ``x`` (velocity, internal states) and the position by the trapezium rule.
 
         Newton's matrix takes no credit for friction that falls with speed: where the law pushes, an iteration is a
-        plain fixed-point one, and the rule is Heun's.
+        plain fixed-point one, and the rule is Heun's. States that a term advances itself follow its formula.
         """
         import casadi
 
@@ -302,12 +305,19 @@ class _Motion:
         arrived = position + length / 2 * (x[0] + unknown[0])
         last = self._change(unknown, direction, arrived, end, moving=moving)
         residual = unknown - x - length / 2 * (first + last)
+        speeds = [direction * casadi.fmax(direction * v, 0) if moving else 0 for v in (x[0], unknown[0])]
+        advanced = self._advance(speeds[0], position, x[1:], *begin, speeds[1], arrived, *end, length, *self._given)
+        for row, i in enumerate(self._advanced):
+            residual[1 + i] = unknown[1 + i] - advanced[row]
         matrix = casadi.jacobian(residual, unknown)
         matrix[0, 0] = casadi.fmax(matrix[0, 0], 1)
         improved = unknown - casadi.solve(matrix, residual)
         guess = x + length * first
         for _ in range(_NEWTON_STEPS):
             guess = casadi.substitute(improved, unknown, guess)
+        exact = casadi.substitute(advanced, unknown, guess)
+        for row, i in enumerate(self._advanced):
+            guess[1 + i] = exact[row]
         return guess, position + length / 2 * (x[0] + guess[0])
 
 

@@ -127,6 +127,18 @@ class Term(ABC):
         """Return d/dt of each declared state, by symbol. Only terms with memory write this."""
         return {}
 
+    def advance(self, s: Signals, later: Signals, h: Expression, p: Parameters) -> Mapping[str, Expression]:
+        """Return every declared state a time ``h`` later, by symbol, where a formula is exact; else nothing.
+
+        Only terms whose states switch write this (a contact that either sticks or slips): a step of finite length
+        overshoots the switch. Recordings are then followed, and drives simulated, by this in place of the rates.
+
+        Args:
+            s: signals and states at the beginning of the step; later: signals at its end, the velocity changing
+                linearly between; h: its length [s]; p: the parameters.
+        """
+        return {}
+
     def __repr__(self) -> str:
         return f"<{type(self).__name__} '{self.name}'>"
 

@@ -31,6 +31,11 @@ from math import (acos, asin, atan, atan2, ceil, copysign, cos, cosh, erf, exp, 
 from numba import njit
 
 
+@njit(cache=True)
+def where(condition, value):
+    return value if condition else 0.0
+
+
 @njit(cache=True, error_model="numpy", nogil=True, fastmath={"contract"})
 def scan(state, inputs, constants, stride, outputs):
 '''

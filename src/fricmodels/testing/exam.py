@@ -106,6 +106,10 @@ class TermExam:
         """An effect of size zero changes nothing."""
         term_checks.check_neutral(self.subject)
 
+    def test_advance(self) -> None:
+        """States advanced by a formula: a short step agrees with the rates."""
+        term_checks.check_advance(self.subject)
+
     def test_identifiable(self) -> None:
         """A rich motion determines every parameter."""
         check_identifiable(self.subject, self.truth)

@@ -275,6 +275,31 @@ def check_neutral(s: Subject) -> None:
             )
 
 
+def check_advance(s: Subject) -> None:
+    """Where states are advanced by a formula, a short step agrees with the rates, in either direction."""
+    import casadi
+
+    e = s.model.expression()
+    if not e.advanced:
+        raise SkipTest("no state is advanced by a formula: the rates are integrated")
+    given = casadi.vertcat(*e.signals.values(), e.parameters, e.states, e.width)
+    following = casadi.vertcat(*(e.advanced[i] for i in range(e.states.numel())))
+    step = casadi.substitute(following, casadi.vertcat(*e.later.values()), casadi.vertcat(*e.signals.values()))
+    by_states = casadi.jacobian(e.torque, e.states)
+    change = casadi.substitute(e.torque, e.states, step) - e.torque
+    both = casadi.Function("advance", [given, e.step], [change / e.step, casadi.mtimes(by_states, e.rates)])
+    rng = np.random.default_rng(10)
+    for direction in (1, -1) * 20:
+        column = s.column(rng, velocity=direction * float(rng.uniform(0.1, 2)))
+        fast = float(np.max(np.abs(s.values(column)[1:])))
+        advanced, rate = (float(value) for value in both(column, 1e-6 / max(fast, 1.0)))
+        if not abs(advanced - rate) <= 1e-3 * abs(rate) + 1e-6 * max(fast, 1.0):
+            raise Fault(
+                f"over a short step advance() changes the torque by {advanced:.4g} a second, rates() by {rate:.4g} "
+                f"({s.written(column)}); write the same law in both: the step's length is h, signals at its end later"
+            )
+
+
 def check_needs(s: Subject) -> None:
     """A law is built on the velocity, and nobody uses what an estimator cannot give."""
     import casadi
