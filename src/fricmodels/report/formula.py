@@ -21,6 +21,13 @@ _TOKEN = re.compile(
     r"|(?P<power>[⁰¹²³⁴-⁹]+)|(?P<space>\s+)|(?P<sign>.)"
 )
 
+_GREEK = dict(
+    zip(
+        "alpha beta gamma delta epsilon zeta eta theta kappa lambda mu nu xi rho sigma tau phi chi psi omega".split(),
+        "αβγδεζηθκλμνξρστφχψω",
+        strict=True,
+    )
+)
 _LONGEST = 400
 """A longer formula is shown as it stands."""
 
@@ -32,20 +39,21 @@ def mathml(formula: str) -> list[str]:
 
     Example:
         >>> mathml("τ_0")
-        ['<math display="block" aria-label="τ_0"><msub><mi>τ</mi><mn>0</mn></msub></math>']
+        ['<math displaystyle="true" aria-label="τ_0"><msub><mi>τ</mi><mn>0</mn></msub></math>']
     """
     if len(formula) > _LONGEST:
-        return [f'<math display="block"><mtext>{escape(formula)}</mtext></math>']
+        return [f'<math><mtext>{escape(formula)}</mtext></math>']
     equations = [part.strip() for part in re.split(r";\s+", formula) if part.strip()]
     return [
-        f'<math display="block" aria-label="{escape(text)}">{"".join(_Reader(text).sequence())}</math>'
+        f'<math displaystyle="true" aria-label="{escape(text)}">{"".join(_Reader(text).sequence())}</math>'
         for text in equations
     ]
 
 
 def symbol(name: str) -> str:
     """Return a parameter's symbol as inline MathML; of a key such as ``cogging.a`` the part after the dot."""
-    text = name.rpartition(".")[2]
+    base, line, index = name.rpartition(".")[2].partition("_")
+    text = _GREEK.get(base, base) + line + _GREEK.get(index, index)
     return f'<math aria-label="{escape(text)}">{"".join(_Reader(text).sequence())}</math>'
 
 

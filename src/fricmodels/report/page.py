@@ -32,12 +32,11 @@ class Points:
 
 
 @dataclass(frozen=True)
-class Equation:
-    """A formula in plain text, set as mathematics, with what it is of."""
+class Equations:
+    """Formulas in plain text, set as mathematics, each with its meaning in words."""
 
-    kind: ClassVar[str] = "equation"
-    formula: str
-    meaning: str = ""
+    kind: ClassVar[str] = "equations"
+    lines: Sequence[tuple[str, str]]
 
 
 @dataclass(frozen=True)
@@ -74,6 +73,14 @@ class Picture:
 
 
 @dataclass(frozen=True)
+class Gallery:
+    """Pictures beside each other where there is room."""
+
+    kind: ClassVar[str] = "gallery"
+    blocks: Sequence[Picture]
+
+
+@dataclass(frozen=True)
 class Code:
     """Text to copy: commands, configuration."""
 
@@ -100,7 +107,7 @@ class Heading:
     remark: str = ""
 
 
-Block = Words | Points | Equation | Table | Picture | Code | Fold | Heading
+Block = Words | Points | Equations | Table | Picture | Gallery | Code | Fold | Heading
 
 
 @dataclass(frozen=True)

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import html
-from collections.abc import Callable
+from contextlib import suppress
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -18,6 +19,7 @@ if TYPE_CHECKING:
     from plotly.graph_objects import Figure
 
     from fricmodels.diagnosis.diagnose import Comparison
+    from fricmodels.term import Effect
 
 Array = NDArray[np.float64]
 
@@ -29,54 +31,97 @@ _MOSTLY = 0.5
 """A map changes mostly with one quantity when that alone makes this share of its variance."""
 
 
-def model_against_measurement(comparison: Comparison) -> list[Picture]:
-    """Return torque over time, and friction against velocity."""
+def over_time(comparison: Comparison) -> Picture:
+    """Return torque over time, measured and modelled."""
     from fricmodels.report import figures
 
     errors = comparison.errors
-    worst = where_words(comparison)
-    name = comparison.drive.model.name
-    overlay = figures.overlay(comparison)
-    curve = figures.friction_curve(comparison)
-    return [
-        Picture(
-            f"{name}: torque over time",
-            f"RMS error {percent(errors.percent)} of the RMS torque on what was fitted, "
-            f"{percent(errors.held_out_percent)} on what was kept back (shaded). {worst}",
-            overlay,
-            points_of(overlay),
-        ),
-        Picture(
-            f"{name}: friction against velocity",
-            "The cloud is what was measured, less everything in the model that is not friction; the line is the "
-            "model. Where the cloud leaves the line, friction is not what the model says.",
-            curve,
-            points_of(curve),
-        ),
-    ]
+    figure = figures.overlay(comparison)
+    words = (
+        f"RMS error {percent(errors.percent)} of the RMS torque on what was fitted, {percent(errors.held_out_percent)} "
+        f"on what was kept back (shaded). {where_words(comparison)}"
+    )
+    return Picture(f"{words_of('torque', comparison).capitalize()} over time", words, figure, points_of(figure))
 
 
-def failures(comparison: Comparison) -> list[Picture]:
-    """Return where the error sits: regimes, maps, spectrum, reversals; what the recording cannot show is left out."""
+def curve(comparison: Comparison, title: str = "Friction against velocity") -> Picture:
+    """Return friction against velocity, measured and modelled."""
     from fricmodels.report import figures
 
-    name = comparison.drive.model.name
-    found = [
-        Picture(f"{name}: error by regime", where_words(comparison, most=3), figures.error_shares(comparison), regimes(comparison))
-    ]
-    maps = figures.residual_maps(comparison)
-    kinds = {words_of(key, comparison): figure for key, figure in maps.items()}
-    found += [
-        Picture(f"{name}: residual over velocity and {kind}", map_words(figure), figure, cells_of(figure))
-        for kind, figure in kinds.items()
-    ]
-    found.append(_drawn(f"{name}: spectrum of the residual", spectrum_words, figures.residual_spectrum(comparison)))
+    figure = figures.friction_curve(comparison)
+    words = (
+        "The cloud is what was measured, less everything in the model that is not friction; the line is the model. Where "
+        "the cloud leaves the line, friction is not what the model says."
+    )
+    return Picture(title, words, figure, points_of(figure))
+
+
+def by_regime(comparison: Comparison) -> Picture:
+    """Return in which regimes of motion the error lies."""
+    from fricmodels.report import figures
+
+    words = where_words(comparison, most=3)
+    return Picture("Error by regime", words, figures.error_shares(comparison), regimes(comparison))
+
+
+def marks(comparison: Comparison) -> list[Picture]:
+    """Return the residual over pairs of channels, its spectrum and the reversals; what was not recorded is left out."""
+    from fricmodels.report import figures
+
+    found = [mark(comparison, channel) for channel in figures.residual_maps(comparison)]
+    spectrum = figures.residual_spectrum(comparison)
+    found.append(Picture("Spectrum of the residual", spectrum_words(spectrum), spectrum, points_of(spectrum)))
     try:
         loops = figures.hysteresis(comparison)
     except InputError:
         return found  # a drive that never reverses has no loops
-    found.append(_drawn(f"{name}: friction around reversals", loop_words, loops))
-    return found
+    return [*found, Picture("Friction around reversals", _LOOPS, loops, points_of(loops))]
+
+
+def mark(comparison: Comparison, channel: str) -> Picture:
+    """Return the map of the residual over velocity and another channel."""
+    from fricmodels.report import figures
+
+    figure = figures.residual_map(comparison, "velocity", channel)
+    return Picture(f"Residual over velocity and {words_of(channel, comparison)}", map_words(figure), figure, cells_of(figure))
+
+
+def evidence(comparison: Comparison, effect: Effect) -> Picture:
+    """Return the picture in which the mark of a missing effect is seen best.
+
+    Periodic effects show in the spectrum, others over the signal that they depend on, and what depends on the velocity
+    alone in the friction curve.
+
+    Args:
+        comparison: the model without the effect.
+        effect: what is missing.
+    """
+    from fricmodels.diagnosis.problem import NoFriction
+    from fricmodels.model import Model
+    from fricmodels.recording import SIGNAL_CHANNEL
+    from fricmodels.report import figures
+
+    model = Model(NoFriction(), [effect])
+    name = comparison.drive.model.name
+    if any(p.periodic for p in effect.parameters):
+        spectrum = figures.residual_spectrum(comparison)
+        return Picture(f"Its mark: the spectrum of what {name} leaves over", spectrum_words(spectrum), spectrum, points_of(spectrum))
+    if model.states:
+        with suppress(InputError):
+            loops = figures.hysteresis(comparison)
+            return Picture(f"Its mark: friction around reversals beside {name}", _LOOPS, loops, points_of(loops))
+    mapped = figures.residual_maps(comparison)
+    channel = next((SIGNAL_CHANNEL[s] for s in sorted(model.needs - {"velocity"}) if SIGNAL_CHANNEL[s] in mapped), None)
+    if channel is None:
+        return curve(comparison, f"Its mark: friction against velocity beside {name}")
+    found = mark(comparison, channel)
+    return replace(found, title=f"Its mark: what {name} leaves over velocity and {words_of(channel, comparison)}")
+
+
+_LOOPS = (
+    "Friction before and after changes of direction, and how it builds up along the way. Where the branches measured "
+    "part and those modelled do not, friction remembers: over a fixed distance it is presliding, over a fixed time lag."
+)
 
 
 def regimes(comparison: Comparison) -> Table:
@@ -106,7 +151,7 @@ def where_words(comparison: Comparison, most: int = 1) -> str:
     rows = [row for row in comparison.where if row.share_of_squared_error > row.share_of_samples][:most]
     parts = [
         f"{row.regime} ({100 * row.share_of_squared_error:.0f} % of the squared error in "
-        f"{100 * row.share_of_samples:.0f} % of the samples)"
+        f"{100 * row.share_of_samples:.0f}\u00a0% of the samples)"
         for row in rows
     ]
     return f"The error is concentrated at {listed(parts)}." if parts else "The error is spread evenly."
@@ -118,22 +163,26 @@ def map_words(figure: Figure) -> str:
     known = np.isfinite(grid)
     if not known.any():
         return "There is too little motion for a map."
-    total = float(np.var(grid[known]))
     titles = [_title(axis) for axis in (figure.layout.xaxis, figure.layout.yaxis)]
-    shares = [_explained(grid, known, axis) / total if total else 0.0 for axis in (0, 1)]
     least, most = float(grid[known].min()), float(grid[known].max())
     spread = f"The mean residual of a cell lies between {number(least)} and {number(most)} {_unit(figure)}"
+    shares = [_explained(grid, known, axis) for axis in (0, 1)]
     best = int(np.argmax(shares))
-    if shares[best] > _MOSTLY:
+    if shares[best] > _MOSTLY and shares[1 - best] < _MOSTLY:
         return f"{spread}, and changes mostly with {titles[best]}, whatever the {titles[1 - best]}."
-    return f"{spread}; neither {titles[0]} nor {titles[1]} alone explains it."
+    return f"{spread}."
 
 
 def _explained(grid: Array, known: NDArray[np.bool_], axis: int) -> float:
-    """Return the variance that the means along one axis explain."""
+    """Return the share of a map's variance that means along one axis explain, beyond what as many of anything would."""
     count = known.sum(axis=axis)
     mean = np.where(known, grid, 0.0).sum(axis=axis) / np.maximum(count, 1)
-    return float(np.sum(count * (mean - grid[known].mean()) ** 2) / known.sum())
+    rest = np.where(known, grid - np.expand_dims(mean, axis), 0.0)
+    cells, used = int(known.sum()), int(np.count_nonzero(count))
+    total = float(np.var(grid[known]))
+    if cells <= used or total == 0:
+        return 0.0
+    return 1.0 - float(np.sum(rest**2)) / total * (cells - 1) / (cells - used) / cells
 
 
 def spectrum_words(figure: Figure) -> str:
@@ -147,19 +196,6 @@ def spectrum_words(figure: Figure) -> str:
     over_position = "order" in _title(figure.layout.xaxis)
     meaning = " A sharp line at a fixed order turns with the drive: poles, slots, teeth, an eccentric wheel."
     return f"{text}, with an amplitude of {number(float(y[top]))} {_unit(figure)}.{meaning if over_position else ''}"
-
-
-def loop_words(figure: Figure) -> str:
-    """Say how to read the loops at reversals."""
-    return (
-        "Friction before and after changes of direction, and how it builds up along the way. Where the two branches "
-        "measured part and those modelled do not, friction remembers: over a fixed distance it is presliding, over a "
-        "fixed time it is lag."
-    )
-
-
-def _drawn(title: str, words: Callable[[Figure], str], figure: Figure) -> Picture:
-    return Picture(title, words(figure), figure, points_of(figure))
 
 
 def points_of(figure: Figure) -> Table | None:

@@ -7,7 +7,6 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from fricmodels.report.page import Block, Code, Section, Table, table
-from fricmodels.report.wording import number
 
 Data = Mapping[str, Any]
 
@@ -20,7 +19,7 @@ def recording_section(data: Data, command: str, options: Sequence[str] = ()) -> 
         command: ``compare``, ``diagnose`` or ``improve``.
         options: more options of that command.
     """
-    blocks: list[Block] = [recording(data), versions(data["versions"])]
+    blocks: list[Block] = [recording(data)]
     if data["recording"]["source"]:
         blocks.append(Code("To do it again", commands(data, command, options)))
     return Section("provenance", "Where this comes from", blocks)
@@ -38,19 +37,20 @@ def recording(data: Data) -> Table:
         ("channels", ", ".join(name.replace("_", " ") for name in known["channels"])),
         ("derived", ", ".join(name.replace("_", " ") for name in known["derived"]) or "none"),
         ("samples", f"{samples['fitted']} fitted, {samples['kept_back']} kept back"),
-        ("sampling", f"every {number(1000 * known['interval'], 4)} ms"),
+        ("sampling", f"every {1000 * known['interval']:.6g} ms"),
         ("motion", data["motion"]),
-        ("inertia", f"{number(data['inertia']['value'], 4)} {data['inertia']['unit'].replace('^2', '²')}, "
+        ("inertia", f"{data['inertia']['value']:.6g} {data['inertia']['unit'].replace('^2', '²')}, "
          + ("estimated" if data["inertia"]["estimated"] else "given")),
     ]  # fmt: skip
     if known["true_model"]:
         rows.append(("simulated with", known["true_model"]))
-    return table("The recording", {"": False, "what": False}, rows)
+    rows.append(("versions", versions(data["versions"])))
+    return table("Recording and programs", {"property": False, "value": False}, rows)
 
 
-def versions(known: Mapping[str, str]) -> Table:
-    """Return the versions of everything that took part."""
-    return table("Versions", {"program": False, "version": False}, list(known.items()))
+def versions(known: Mapping[str, str]) -> str:
+    """Return the versions of everything that took part, in words."""
+    return ", ".join(f"{name} {version}" for name, version in known.items())
 
 
 def commands(data: Data, command: str, options: Sequence[str] = ()) -> str:

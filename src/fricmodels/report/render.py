@@ -16,7 +16,7 @@ from importlib import resources
 from typing import TYPE_CHECKING, Any
 
 from fricmodels.report.formula import mathml, symbol
-from fricmodels.report.page import Block, Fold, Page, Picture
+from fricmodels.report.page import Block, Fold, Gallery, Page, Picture
 
 if TYPE_CHECKING:
     from plotly.graph_objects import Figure
@@ -86,7 +86,7 @@ def _pictures(blocks: Iterable[Block]) -> Iterator[Picture]:
     for block in blocks:
         if isinstance(block, Picture):
             yield block
-        elif isinstance(block, Fold):
+        elif isinstance(block, Fold | Gallery):
             yield from _pictures(block.blocks)
 
 

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 from fricmodels import plugins
 from fricmodels.dimension import Motion
-from fricmodels.report.page import Block, Equation, Fold, Heading, Picture, Points, Section, Table, Words, table
+from fricmodels.parameter import Parameter
+from fricmodels.report.page import Block, Equations, Fold, Gallery, Heading, Picture, Points, Section, Table, Words, table
 from fricmodels.report.wording import (
     NORMAL_95,
     counted,
@@ -20,24 +22,32 @@ from fricmodels.report.wording import (
     percent,
     physics,
     small,
+    symbols_in,
     unit,
     unit_of,
 )
 
 if TYPE_CHECKING:
     from fricmodels.diagnosis.diagnose import Comparison
+    from fricmodels.diagnosis.ladder import Rung
 
 Data = Mapping[str, Any]
 """A diagnosis as plain data; see :mod:`fricmodels.diagnosis.document`."""
 
 
-def found(data: Data) -> Section:
-    """Say which effects are missing: the physics, the equation, the size, the evidence, and what looks alike."""
+def found(data: Data, rungs: Sequence[Rung]) -> Section:
+    """Say which effects are missing: the physics, the equation, the size, the evidence, and what looks alike.
+
+    Args:
+        data: the diagnosis.
+        rungs: the models on the way, for the pictures; empty where the recording is no longer there.
+    """
+    before = {rung.added: earlier.comparison for earlier, rung in pairwise(rungs)}
     blocks: list[Block] = []
     if not data["effects"]:
         blocks.append(Words(data["explanation"]))
     for effect in data["effects"]:
-        blocks += _effect(effect, data)
+        blocks += _effect(effect, data, before.get(effect["name"], rungs[0].comparison if rungs else None))
     if data["unknown"] is not None and (len(data["effects"]) or data["verdict"] == "unknown-effect"):
         blocks += [Heading("Something else"), Words(unknown_words(data))]
     return Section("missing", "What is missing" if data["effects"] else "The verdict", blocks)
@@ -53,33 +63,38 @@ def unknown_words(data: Data) -> str:
     )
 
 
-def _effect(effect: Data, data: Data) -> list[Block]:
-    entry = plugins.load().effects
-    term = entry[effect["name"]] if effect["name"] in entry else None
+def _effect(effect: Data, data: Data, before: Comparison | None) -> list[Block]:
+    from fricmodels.report.pictures import evidence
+
+    known = plugins.load().effects
+    term = known[effect["name"]] if effect["name"] in known else None
     blocks: list[Block] = [Heading(effect["name"], remark="" if term is None else physics(term))]
-    if term is not None and term.signature:
-        blocks.append(Words(f"Its mark in the residual: {term.signature}."))
-    blocks.append(Equation(effect["equation"], "added to the friction torque of the model"))
-    blocks.append(
+    share, gain = percent(100 * effect["share_of_residual"]), percent(100 * effect["held_out_gain"])
+    mark = f"Its mark in the residual: {term.signature}. " if term is not None and term.signature else ""
+    blocks += [
+        Equations([(effect["equation"], "" if term is None else symbols_in(term))]),
         Words(
-            f"It explains {percent(100 * effect['share_of_residual'])} of the residual of the model before it and lowers "
-            f"that residual by {percent(100 * effect['held_out_gain'])} on blocks that were not used for fitting. The "
-            f"chance of that without such an effect is {small(effect['p_value'])}, corrected for all effects tested."
-        )
-    )
+            f"{mark}It explains {share} of what the model before it leaves over, and lowers that by {gain} on blocks that "
+            f"were not used for fitting. The chance of this without such an effect is {small(effect['p_value'])}, "
+            "corrected for all effects tested."
+        ),
+    ]
     if len(effect["class"]) > 1:
-        others = listed((name for name in effect["class"] if name != effect["name"]), "and")
+        others = listed(name for name in effect["class"] if name != effect["name"])
         blocks.append(
             Words(f"This recording cannot tell it from {others}. What would tell them apart: {effect['separated_by']}.")
         )
     last = data["ladder"][-1]
     values = {key: value for key, value in last.get("parameters", {}).items() if key.startswith(f"{effect['name']}.")}
     if values:
-        blocks.append(parameters(last["model"], values, last["standard_errors"], Motion(data["motion"]), "Its parameters"))
+        motion = Motion(data["motion"])
+        blocks.append(parameters(last["model"], values, last["standard_errors"], motion, f"Parameters of {effect['name']}"))
     elif effect["parameters"]:
         rows = [(key, number(value, 4), unit(effect["units"].get(key, ""))) for key, value in effect["parameters"].items()]
         titles = {"parameter": False, "value": True, "unit": False}
         blocks.append(table("Its parameters, as far as the test found them", titles, rows, symbols=True))
+    if term is not None and before is not None:
+        blocks.append(evidence(before, term()))
     return blocks
 
 
@@ -94,19 +109,20 @@ def parameters(
     """Return parameters with 95 % intervals, units and meaning; beside them the truth, where it is known."""
     known = declared(model)
     rows = []
+    effects = len({key.rpartition(".")[0] for key in values})
     for key, value in values.items():
         middle, half = interval(value, errors.get(key))
         if not half:
             half = "given" if errors.get(key) is None and key in ("J", "M") else "not determined"
         own = (number(truth[key], 4) if key in truth else "–",) if truth else ()
-        rows.append((key, middle, half, *own, unit_of(key, known, motion), _meaning(key, known)))
+        rows.append((key, middle, half, *own, unit_of(key, known, motion), _meaning(key, known, effects > 1)))
     titles = {"parameter": False, "value": True, "95 % interval": True} | ({"truth": True} if truth else {})
     return table(caption, titles | {"unit": False, "meaning": False}, rows, symbols=True)
 
 
-def _meaning(key: str, known: Mapping[str, Any]) -> str:
+def _meaning(key: str, known: Mapping[str, Parameter], named: bool) -> str:
     effect = key.rpartition(".")[0]
-    return f"{meaning_of(key, known)} ({effect})" if effect else meaning_of(key, known)
+    return f"{meaning_of(key, known)} ({effect})" if effect and named else meaning_of(key, known)
 
 
 def ladder(data: Data, picture: Picture | None) -> Section:
@@ -138,36 +154,38 @@ def ladder_words(data: Data) -> str:
     rungs = data["ladder"]
     parts = [f"to {percent(rung['held_out_rms_percent'])} with {rung['added']}" for rung in rungs[1:] if rung["added"]]
     return (
-        f"On data kept back the error falls from {percent(rungs[0]['held_out_rms_percent'])} {listed(parts, 'then')}. "
+        f"On data kept back the error falls from {percent(rungs[0]['held_out_rms_percent'])} {listed(parts, 'and')}. "
         f"Sensor noise alone would leave about {percent(data['noise_floor_percent'])}."
     )
 
 
 def measured(comparisons: Sequence[Comparison]) -> Section:
     """Show each model against the measurement."""
-    from fricmodels.report.pictures import model_against_measurement
+    from fricmodels.report.pictures import curve, over_time
 
     blocks: list[Block] = []
     for i, comparison in enumerate(comparisons):
         if len(comparisons) > 1:
             blocks.append(Heading(comparison.drive.model.name, remark=("as given", "with what was found")[min(i, 1)]))
-        blocks += model_against_measurement(comparison)
+        blocks += [over_time(comparison), curve(comparison)]
     return Section("measured", "Model against measurement", blocks)
 
 
 def fails(comparisons: Sequence[Comparison]) -> Section:
     """Show where the first model fails; on demand, what is left of that in the last."""
-    from fricmodels.report.pictures import failures
+    from fricmodels.report.pictures import by_regime, marks
 
+    first, last = comparisons[0], comparisons[-1]
     blocks: list[Block] = [
         Words(
-            "The residual is the measured torque less the modelled. What a model lacks leaves its mark there: stripes "
-            "over one quantity, a line at one order, a loop after reversals."
+            f"What {first.drive.model.name} lacks leaves its mark in the residual, the measured torque less the modelled: "
+            "stripes over one quantity, a line at one order, a loop around reversals."
         ),
-        *failures(comparisons[0]),
+        by_regime(first),
+        Gallery(marks(first)),
     ]
     if len(comparisons) > 1:
-        blocks.append(Fold(f"The same of the last model, {comparisons[-1].drive.model.name}", failures(comparisons[-1])))
+        blocks.append(Fold(f"The same of {last.drive.model.name}", [by_regime(last), Gallery(marks(last))]))
     return Section("fails", "Where the model fails", blocks)
 
 
@@ -195,13 +213,14 @@ def equations(model: str) -> list[Block]:
     known = known_model(model)
     if known is None:
         return []
-    total = " + ".join(["τ_law", *(f"τ_{i}" for i in range(1, len(known.effects) + 1))])
-    terms = [("τ_law", known.law), *((f"τ_{i}", effect) for i, effect in enumerate(known.effects, start=1))]
-    blocks: list[Block] = [Equation(f"J·dω/dt = τ_m − τ_L − τ_F;  τ_F = {total}", "motor torque less load less friction")]
-    for name, term in terms:
-        own = term.formula.partition(" = ")[2]
-        blocks.append(Equation(f"{name} = {own}", f"{term.name}: {physics(type(term))}"))
-    return blocks
+    parts = [known.law, *known.effects]
+    names = ["τ_law", *(f"τ_{i}" for i in range(1, len(parts)))]
+    lines = [
+        (f"J·dω/dt = τ_m − τ_L − τ_F;  τ_F = {' + '.join(names)}", "inertia × acceleration = motor torque − load − friction")
+    ]
+    for name, term in zip(names, parts, strict=True):
+        lines.append((f"{name} = {term.formula.partition(' = ')[2]}", f"{term.name}: {physics(type(term))}"))
+    return [Equations(lines)]
 
 
 def limits(data: Data) -> Section:
@@ -211,14 +230,15 @@ def limits(data: Data) -> Section:
     blind = {name: row["missing"] for name, row in data["could_have_been_seen"].items() if row["missing"]}
     if seen:
         unit_text = "N m" if data["motion"] == Motion.ROTARY else "N"
-        rows = [
-            (name, percent(row["smallest_percent"]), number(row["smallest_torque"])) for name, row in seen.items()
-        ]
-        titles = {"effect": False, "of the RMS torque": True, f"RMS torque [{unit_text}]": True}
+        sizes: dict[tuple[str, str], list[str]] = {}
+        for name, row in sorted(seen.items(), key=lambda item: item[1]["smallest_percent"] or 0.0):
+            size = (percent(row["smallest_percent"]), number(row["smallest_torque"]))
+            sizes.setdefault(size, []).append(name)
+        titles = {"of the RMS torque": True, f"RMS torque [{unit_text}]": True, "effects": False}
         blocks += [
             Heading("Looked for and not found"),
-            Words(f"This recording would have shown {counted(len(seen), 'other effect')}, each from this size on."),
-            table("Smallest effect that would have been found", titles, rows),
+            Words(f"This recording would have shown {counted(len(seen), 'other effect')}, each from some size on."),
+            table("Smallest effect that would have been found", titles, [(*s, ", ".join(names)) for s, names in sizes.items()]),
         ]
     if blind:
         rows_blind = [(name, *_reason(text)) for name, text in blind.items()]

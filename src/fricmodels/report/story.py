@@ -6,10 +6,11 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, cast
 
+from fricmodels import plugins
 from fricmodels.report import sections
 from fricmodels.report.page import Page, Picture, Section, Tile, Verdict
 from fricmodels.report.provenance import recording_section
-from fricmodels.report.wording import listed, percent
+from fricmodels.report.wording import counted, listed, percent, physics
 
 if TYPE_CHECKING:
     from fricmodels.diagnosis.diagnose import Comparison, Diagnosis
@@ -57,7 +58,7 @@ def page(data: Data, rungs: Sequence[Rung], command: str, options: Sequence[str]
 def story(data: Data, rungs: Sequence[Rung], command: str, options: Sequence[str] = ()) -> list[Section]:
     """Return the sections in reading order."""
     ends = _ends([rung.comparison for rung in rungs])
-    found = [sections.found(data)]
+    found = [sections.found(data, rungs)]
     if len(data["ladder"]) > 1:
         found.append(sections.ladder(data, _ladder_picture(data, rungs)))
     if ends:
@@ -110,18 +111,23 @@ def verdict(data: Data) -> Verdict:
             if doubt
             else "This does not exclude effects that the recording could not have shown; they are listed below."
         )
-        return Verdict(f"{model} is adequate: nothing that could be predicted is left.", "warn" if doubt else "good", details)
+        return Verdict(f"The model {model} is adequate: nothing that could be predicted is left.", "warn" if doubt else "good", details)
     if data["verdict"] == "unknown-effect":
-        return Verdict(f"Something is missing from {model} that no known effect explains.", "bad", [left, sections.unknown_words(data)])
+        return Verdict(f"Something is missing from the model {model} that no known effect explains.", "bad", [left, sections.unknown_words(data)])
     names = [_named(effect) for effect in data["effects"]]
-    added = [effect["name"] for effect in data["effects"]]
-    sentence = f"{model} lacks {listed(names)}." if len(rungs) > 1 or added else f"{model} lacks something."
-    return Verdict(sentence, "warn", details)
+    sentence = f"The model {model} lacks {counted(len(names), 'effect')}: {listed(names)}."
+    return Verdict(sentence, "warn", [*details, *_physics(data)])
 
 
 def _named(effect: Data) -> str:
     """Return an effect by name, with those that it cannot be told from."""
     return listed(effect["class"], "or")
+
+
+def _physics(data: Data) -> list[str]:
+    """Return each missing effect in one line of plain words."""
+    known = plugins.load().effects
+    return [f"{name}: {physics(known[name])}." for effect in data["effects"] if (name := effect["name"]) in known]
 
 
 def tiles(data: Data) -> list[Tile]:

@@ -16,11 +16,21 @@ NORMAL_95 = 1.959964
 """Standard errors on either side of a 95 % interval."""
 _SUPERSCRIPT = str.maketrans("-0123456789/.", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹ᐟ·")
 _UNCERTAIN_DIGITS = 2
+_SIGNALS = {
+    "ω(?!_)": "ω velocity",
+    "q": "q position",
+    "dω/dt": "dω/dt acceleration",
+    "τ_m": "τ_m motor torque",
+    "τ_L": "τ_L load torque",
+    "ϑ": "ϑ temperature",
+    r"\bt\b(?!_)": "t time",
+}
+"""How equations write the signals of a recording."""
 
 
 def percent(value: float | None) -> str:
     """Return a percentage in three figures; a dash for none."""
-    return "–" if value is None or not math.isfinite(value) else f"{number(value)} %"
+    return "–" if value is None or not math.isfinite(value) else f"{number(value)}\u00a0%"
 
 
 def number(value: float | None, digits: int = 3) -> str:
@@ -104,3 +114,8 @@ def meaning_of(key: str, known: Mapping[str, Parameter]) -> str:
 def physics(term: Any) -> str:
     """Return the first line of a term's own description, without its full stop."""
     return (term.__doc__ or "").strip().partition("\n")[0].rstrip(".")
+
+
+def symbols_in(term: Any) -> str:
+    """Return the symbols of the signals in a term's equation, with their names: ``q position, ω velocity``."""
+    return ", ".join(text for sign, text in _SIGNALS.items() if re.search(sign, term.formula))
