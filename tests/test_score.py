@@ -150,3 +150,13 @@ def test_last_cycles() -> None:
     assert torque_amplitude(r) == pytest.approx(0.028)
     with pytest.raises(InputError, match="cycles"):
         last_cycles(r.select(np.arange(150)), 2)
+
+
+def test_even_and_uneven_time_stamps_are_averaged_alike():
+    from fricmodels.score import torque
+
+    rng = np.random.default_rng(0)
+    time = 0.002 * np.arange(400)
+    error = rng.standard_normal(399)
+    jittered = time + np.where(np.arange(400) == 200, 3e-6, 0.0)
+    assert torque._window_mean(error, time, 12) == pytest.approx(torque._window_mean(error, jittered, 12), abs=1e-3)

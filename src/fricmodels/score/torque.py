@@ -151,10 +151,17 @@ def _share_before_zero(velocity: Array) -> Array:
 
 def _window_mean(error: Array, time: Array, half_width: int) -> Array:
     """Average over the intervals of each sample's window with the weights of Lanczos's differentiator."""
+    from fricmodels.signals import is_even
+
     samples = len(time)
     width = min(half_width, (samples - 1) // 2)
     if width < 1:
         return np.append(error, error[-1])
+    if is_even(time):
+        offset = np.arange(2 * width) + 0.5 - width
+        weight = (width + 0.5) ** 2 - offset**2
+        inner = np.convolve(error, weight / weight.sum(), mode="valid")
+        return np.asarray(inner[np.clip(np.arange(samples) - width, 0, len(inner) - 1)])
     windows = np.lib.stride_tricks.sliding_window_view
     steps, middle = windows(np.diff(time), 2 * width), windows(_mean(time), 2 * width)
     errors, centre = windows(error, 2 * width), time[width : samples - width]
