@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,10 +23,16 @@ _STAGES = 3
 
 @dataclass(frozen=True)
 class Estimate:
-    """Parameters of a model by key, the inertia among them, with standard errors."""
+    """Parameters of a model by key, the inertia among them, with standard errors.
+
+    Attributes:
+        parameters, standard_errors: by key; what was given has no standard error.
+        covariance: of what was estimated, in the order of :attr:`standard_errors`; ``None`` where only those are known.
+    """
 
     parameters: Mapping[str, float]
     standard_errors: Mapping[str, float]
+    covariance: Array | None = field(default=None, compare=False)
 
 
 def estimate(drive: Drive, recording: Recording, start: Mapping[str, float] | None = None) -> tuple[Problem, Estimate]:
@@ -98,7 +104,9 @@ def _fit(problem: Problem, start: Mapping[str, float]) -> Estimate:
     best = walk(lambda values: -at(values)[0], tuple(point), declared, ratios) if point else ()
     _, theta = at(best)
     values = _named(problem, theta, best)
-    return Estimate(values, _errors(problem, values))
+    keys, covariance = _covariance(problem, values)
+    errors = dict(zip(keys, np.sqrt(np.diag(covariance)).tolist(), strict=True))
+    return Estimate(values, errors, covariance)
 
 
 def _stack(problem: Problem, nonlinear: tuple[float, ...]) -> tuple[Array, Array]:
@@ -139,8 +147,8 @@ def _named(problem: Problem, theta: Array, nonlinear: tuple[float, ...]) -> dict
     return values
 
 
-def _errors(problem: Problem, values: Mapping[str, float]) -> dict[str, float]:
-    """Return standard errors from the long-run variance of the scores; 0 for what is not determined."""
+def _covariance(problem: Problem, values: Mapping[str, float]) -> tuple[list[str], Array]:
+    """Return the estimated keys and their covariance from the long-run variance of the scores; 0 if not determined."""
     drive = problem.drive
     base = problem.base(values)
     linear = [p.key for p in drive.model_parameters if p.linear]
@@ -153,5 +161,7 @@ def _errors(problem: Problem, values: Mapping[str, float]) -> dict[str, float]:
     inverse = np.linalg.pinv(unit @ unit.T, rcond=1e-10, hermitian=True)
     residual = problem.target - (inverse @ (unit @ problem.target)) @ unit
     meat = long_run_sum(unit * residual, cosine_terms(problem.independent, problem.rows))
-    spread = np.sqrt(np.clip(np.diag(inverse @ meat @ inverse), 0, None)) / np.where(size > 0, size, 1.0)
-    return dict(zip(keys, (float(s) for s in spread[: len(keys)]), strict=True))
+    scale = 1.0 / np.where(size > 0, size, 1.0)
+    covariance = (inverse @ meat @ inverse * np.outer(scale, scale))[: len(keys), : len(keys)]
+    covariance[np.diag_indices(len(keys))] = np.clip(np.diag(covariance), 0, None)
+    return keys, np.asarray(covariance)

@@ -174,7 +174,14 @@ def _from_samples(samples: Samples) -> _Curve:
 def _uncertainty(samples: Samples, points: Recording) -> Array:
     """Return the standard error of the friction torque from those of the parameters, to first order."""
     drive = samples.friction_drive
-    errors = samples.comparison.estimate.standard_errors
-    deviation = np.array([errors.get(p.key, 0.0) for p in drive.model.parameters])
-    slopes = drive.jacobian(points, samples.parameters)
-    return np.asarray(np.sqrt(np.sum((deviation[:, None] * slopes) ** 2, axis=0)))
+    estimate = samples.comparison.estimate
+    known = list(estimate.standard_errors)
+    covariance = estimate.covariance
+    if covariance is None:
+        covariance = np.diag(np.square(list(estimate.standard_errors.values())))
+    slopes = np.zeros((len(known), len(points)))
+    for parameter, slope in zip(drive.model.parameters, drive.jacobian(points, samples.parameters), strict=True):
+        if parameter.key in known:
+            slopes[known.index(parameter.key)] = slope
+    variance = np.sum(slopes * (covariance @ slopes), axis=0)
+    return np.asarray(np.sqrt(np.clip(variance, 0.0, None)))
