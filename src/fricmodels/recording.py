@@ -52,7 +52,7 @@ SIGNAL_CHANNEL: Mapping[str, str] = {
 """Signal of a term → channel that measures it."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Recording(Shown):
     """Measured (or simulated) motion of one drive under a known torque.
 

@@ -10,7 +10,7 @@ if TYPE_CHECKING:
 
 
 class Shown:
-    """A result that shows itself: HTML in a notebook, and its figures as tables.
+    """A result that shows itself: HTML in a notebook, text where it is printed, and its figures as tables.
 
     What it looks like is decided in :mod:`fricmodels.notebook`, which knows every kind of result and is imported when
     one is first shown; results know nothing of their looks.
@@ -27,6 +27,9 @@ class Shown:
         """Return every table of the result by title, the one that sums it up first."""
         tables: dict[str, pd.DataFrame] = _notebook().tables(self)
         return tables
+
+    def __repr__(self) -> str:
+        return str(_notebook().text(self))
 
     def _repr_html_(self) -> str:
         return str(_notebook().html(self))

@@ -55,7 +55,7 @@ class Finding:
     separated_by: str
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Comparison(Shown):
     """A model fitted to a recording, and where it fails.
 
@@ -77,7 +77,7 @@ class Comparison(Shown):
     problem: Problem
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Diagnosis(Shown):
     """What is missing in a model, as far as a recording can tell.
 
@@ -131,7 +131,7 @@ def surest_velocity(recording: Recording) -> Recording:
     left = float(np.sqrt(np.mean((velocity - scale * derived) ** 2)))
     if abs(scale - 1) > 0.01 or left > 1.5 * float(np.hypot(own, error)):
         return recording
-    return recording.with_channels(velocity=derived)
+    return recording.with_channels(derived=True, velocity=derived)
 
 
 def kept_back(prepared: Recording) -> tuple[Recording, Recording]:

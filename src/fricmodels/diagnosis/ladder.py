@@ -38,7 +38,7 @@ class Rung:
         return self.comparison.drive.model.name
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Ladder(Shown):
     """From the model that was given to the best one.
 

@@ -20,7 +20,7 @@ FILE = "leaderboard.json"
 HELD_OUT = "held_out_rms_torque_error_percent"
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Leaderboard(Shown):
     """Rows in order of rank; those without a result come last, with their reason."""
 

@@ -1,0 +1,174 @@
+"""The tables of each kind of result, as DataFrames."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from functools import singledispatch
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from fricmodels.diagnosis import Comparison, Diagnosis, Ladder
+from fricmodels.diagnosis.diagnose import Finding
+from fricmodels.diagnosis.ladder import added
+from fricmodels.dimension import DIMENSIONLESS, FORCE, INERTIA
+from fricmodels.export.columns import frame
+from fricmodels.fit import Fit
+from fricmodels.recording import CHANNELS, Recording
+from fricmodels.tournament import Leaderboard
+
+Tables = dict[str, pd.DataFrame]
+
+_OTHER_UNITS = {"current": "A", "temperature": "°C"}
+
+
+@singledispatch
+def tables(result: object) -> Tables:
+    """Return the tables of a result by title, the one that sums it up first.
+
+    Raises:
+        TypeError: for what is no result.
+    """
+    raise TypeError(f"{type(result).__name__} has no tables")
+
+
+@tables.register
+def _(recording: Recording) -> Tables:
+    rows = {
+        name: {
+            "unit": _OTHER_UNITS.get(name) or CHANNELS.get(name, DIMENSIONLESS).unit(recording.motion),
+            "least": float(np.min(values)),
+            "greatest": float(np.max(values)),
+            "RMS": float(np.sqrt(np.mean(values**2))),
+            "derived": name in recording.derived,
+        }
+        for name, values in recording.channels.items()
+    }
+    return {"Channels": _frame(rows, "channel")}
+
+
+@tables.register
+def _(fit: Fit) -> Tables:
+    errors = fit.standard_errors
+    rows = {
+        key: {
+            "value": value,
+            "standard error": errors.get(key, float("nan")),
+            "remark": fit.not_identified.get(key, "" if key in errors else "given"),
+        }
+        for key, value in fit.parameters.items()
+    }
+    return {"Parameters": _frame(rows, "parameter", ("value", "standard error", "remark"))}
+
+
+@tables.register
+def _(comparison: Comparison) -> Tables:
+    drive, errors, unit = comparison.drive, comparison.errors, FORCE.unit(comparison.drive.motion)
+    units = {p.key: p.declared.unit_for(drive.motion) for p in drive.parameters}
+    units.setdefault(drive.inertia_key, INERTIA.unit(drive.motion))
+    parameters = {
+        key: {
+            "value": value,
+            "standard error": comparison.estimate.standard_errors.get(key, float("nan")),
+            "unit": units[key],
+            "remark": "" if key in comparison.estimate.standard_errors else "given",
+        }
+        for key, value in comparison.estimate.parameters.items()
+    }
+    error = {
+        "fitted": {f"RMS [{unit}]": errors.SI, "% of RMS torque": errors.percent},
+        "kept back": {"% of RMS torque": errors.held_out_percent},
+        "noise alone": {"% of RMS torque": comparison.noise_floor_percent},
+    }
+    where = {
+        row.regime: {
+            "share of squared error [%]": 100 * row.share_of_squared_error,
+            "share of samples [%]": 100 * row.share_of_samples,
+            "samples": row.samples,
+            f"RMS error [{unit}]": row.rms_torque_error,
+        }
+        for row in comparison.where
+    }
+    return {
+        "Parameters": _frame(parameters, "parameter"),
+        "Torque error": _frame(error, "data"),
+        "Where it fails": _frame(where, "regime"),
+    }
+
+
+@tables.register
+def _(diagnosis: Diagnosis) -> Tables:
+    return _of_diagnosis(diagnosis.findings, diagnosis)
+
+
+@tables.register
+def _(ladder: Ladder) -> Tables:
+    steps = {
+        number: {
+            "model": rung.model,
+            "added": rung.added,
+            "removed": rung.removed,
+            "error fitted [%]": rung.comparison.errors.percent,
+            "error kept back [%]": rung.comparison.errors.held_out_percent,
+        }
+        for number, rung in enumerate(ladder.rungs)
+    }
+    estimates = [rung.comparison.estimate for rung in ladder.rungs]
+    keys = dict.fromkeys(key for estimate in estimates for key in estimate.parameters)
+    parameters = {
+        key: {f"step {number}": estimate.parameters.get(key) for number, estimate in enumerate(estimates)}
+        for key in keys
+    }
+    return {
+        "The ladder": _frame(steps, "step"),
+        "Parameters from step to step": _frame(parameters, "parameter").astype(float),
+        **_of_diagnosis(added(ladder), ladder.last),
+    }
+
+
+@tables.register
+def _(board: Leaderboard) -> Tables:
+    return {"Leaderboard": frame(board)}
+
+
+def _of_diagnosis(findings: Sequence[Finding], final: Diagnosis) -> Tables:
+    motion = final.comparison.drive.motion
+    found = {
+        finding.tested.name: {
+            "explains of the residual [%]": 100 * finding.tested.evidence.explained,
+            "lowers error kept back [%]": 100 * finding.tested.evidence.gain,
+            "p value, corrected": finding.tested.adjusted,
+            "cannot be told from": ", ".join(finding.names[1:]),
+            "equation": finding.tested.effect.formula,
+        }
+        for finding in findings
+    }
+    headings = ("explains of the residual [%]", "lowers error kept back [%]", "p value, corrected")
+    sizes = {
+        f"{finding.tested.name}.{p.symbol}": {
+            "value": finding.tested.parameters[p.symbol],
+            "unit": p.unit_for(motion),
+            "meaning": p.meaning,
+        }
+        for finding in findings
+        for p in finding.tested.effect.parameters
+    }
+    seen = {
+        name: {"% of RMS torque": row.smallest_percent, f"RMS torque [{FORCE.unit(motion)}]": row.smallest_torque}
+        for name, row in final.visibility.items()
+        if not row.missing
+    }
+    blind = {name: {"why": row.missing} for name, row in final.visibility.items() if row.missing}
+    return {
+        "What was found": _frame(found, "effect", headings),
+        **({"Its size on the residual": _frame(sizes, "parameter")} if sizes else {}),
+        **({"Not found, though it would have been from this size on": _frame(seen, "effect")} if seen else {}),
+        **({"Could not have been seen in this recording": _frame(blind, "effect")} if blind else {}),
+    }
+
+
+def _frame(rows: Mapping[Any, Mapping[str, Any]], index: str, columns: Sequence[str] = ()) -> pd.DataFrame:
+    table = pd.DataFrame.from_dict(dict(rows), orient="index") if rows else pd.DataFrame(columns=list(columns))
+    table.index.name = index
+    return table
