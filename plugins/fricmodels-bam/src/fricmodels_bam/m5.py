@@ -18,9 +18,7 @@ class Directional(Stribeck):
     """
 
     name = "bam-m5"
-    formula = (
-        "τ_F = K_v·ω + (K_c + |K_m·τ_m + K_e·τ_L| + S·(K_cs + |K_ms·τ_m + K_es·τ_L|))·sgn ω, S = exp(−|ω/ω_s|^α)"
-    )
+    formula = "τ_F = K_v·ω + (K_c + |K_m·τ_m + K_e·τ_L| + S·(K_cs + |K_ms·τ_m + K_es·τ_L|))·sgn ω, S = exp(−|ω/ω_s|^α)"
     K_m = Parameter("K_m", lower=0.0, meaning="friction torque per motor torque", scan=(0.05, 0.3))
     K_e = Parameter("K_e", lower=0.0, meaning="friction torque per load torque", scan=(0.05, 0.3))
     K_ms = Parameter("K_ms", lower=0.0, meaning="that of the motor torque, extra at rest", scan=(0.1,))
