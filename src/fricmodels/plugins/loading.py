@@ -1,0 +1,165 @@
+"""Imports plugins, calls their hooks, and keeps what can be used."""
+
+from __future__ import annotations
+
+import importlib
+import importlib.metadata
+import platform
+from functools import lru_cache
+from importlib.metadata import EntryPoint
+from typing import Any
+
+import pluggy
+
+from fricmodels import hookspecs
+from fricmodels.errors import InputError
+from fricmodels.plugins import probe
+from fricmodels.plugins.registry import GROUP, Failure, Plugins, Registered, Registry
+
+_OWN = "fricmodels"
+_DECISIVE = ("casadi", "numpy", "scipy", "numba", "pandas", "filterpy")
+_HOOKS = {
+    "law": "fricmodels_laws",
+    "effect": "fricmodels_effects",
+    "estimator": "fricmodels_estimators",
+    "reader": "fricmodels_readers",
+}
+_BASES = {
+    "law": ("fricmodels.term", "Law"),
+    "effect": ("fricmodels.term", "Effect"),
+    "estimator": ("fricmodels.estimator", "Estimator"),
+    "reader": ("fricmodels.readers.base", "Reader"),
+}
+
+
+@lru_cache(maxsize=1)
+def load() -> Plugins:
+    """Load every entry point of the group ``fricmodels``, once.
+
+    A plugin that fails to import, or whose hook fails, is recorded as a :class:`Failure`; the rest goes on. One that
+    would hang or kill the interpreter is not imported at all: it was found out in a process of its own, see
+    :mod:`fricmodels.plugins.probe`.
+    """
+    manager = _manager()
+    failures: list[Failure] = []
+    found: dict[str, dict[str, Registered[object]]] = {kind: {} for kind in _HOOKS}
+    points = sorted(importlib.metadata.entry_points(group=GROUP), key=_built_in_first)
+    if probe.under_way():
+        points = [point for point in points if _is_built_in(point)]
+    deadly = probe.deadly([point for point in points if not _is_built_in(point)])
+    for point in points:
+        distribution = _distribution(point)
+        reason = deadly.get((distribution, point.name))
+        offers, problems = offered(point, manager) if reason is None else ([], [reason])
+        for kind, cls in offers:
+            problem = _registered(found[kind], kind, cls, distribution)
+            if problem is not None:
+                problems.append(problem)
+        failures.extend(Failure(point.name, distribution, problem) for problem in problems)
+    kept = tuple(failures)
+    return Plugins(
+        laws=Registry("law", found["law"], kept),  # type: ignore[arg-type]
+        effects=Registry("effect", found["effect"], kept),  # type: ignore[arg-type]
+        estimators=Registry("estimator", found["estimator"], kept),  # type: ignore[arg-type]
+        readers=Registry("reader", found["reader"], kept),  # type: ignore[arg-type]
+        failures=kept,
+    )
+
+
+def versions() -> dict[str, str]:
+    """Return the versions of what takes part in a result: Python, this package, what it computes with, plugins."""
+    registries = load().registries.values()
+    distributions = {registry.entry(name).distribution for registry in registries for name in registry}
+    found = {"python": platform.python_version()}
+    for name in (_OWN, *_DECISIVE, *sorted(distributions - {_OWN})):
+        try:
+            found[name] = importlib.metadata.version(name)
+        except importlib.metadata.PackageNotFoundError:
+            continue  # a module that no distribution brought
+    return found
+
+
+def offered(point: EntryPoint, manager: pluggy.PluginManager) -> tuple[list[tuple[str, type[Any]]], list[str]]:
+    """Import a plugin and call its hooks; return kind and class of what can be used, and what is wrong besides."""
+    try:
+        module = point.load()
+        manager.register(module, name=f"{_distribution(point)}:{point.name}")
+    except (Exception, SystemExit) as error:
+        return [], [f"{type(error).__name__}: {error}"]
+    offers: list[tuple[str, type[Any]]] = []
+    problems = []
+    for kind, hook in _HOOKS.items():
+        implementation = getattr(module, hook, None)
+        if implementation is None:
+            continue
+        try:
+            classes = list(implementation())
+        except (Exception, SystemExit) as error:
+            problems.append(f"{hook}: {type(error).__name__}: {error}")
+            continue
+        for cls in classes:
+            problem = _problem(kind, cls) or (None if _is_built_in(point) else _unmakeable(kind, cls))
+            if problem is None:
+                offers.append((kind, cls))
+            else:
+                problems.append(problem)
+    return offers, problems
+
+
+def survive(name: str, value: str) -> None:
+    """Do in a process of its own what loading a plugin does, whatever becomes of it."""
+    offered(EntryPoint(name, value, GROUP), _manager())
+
+
+def _manager() -> pluggy.PluginManager:
+    manager = pluggy.PluginManager(GROUP)
+    manager.add_hookspecs(hookspecs)
+    return manager
+
+
+def _distribution(point: EntryPoint) -> str:
+    return point.dist.name if point.dist is not None else "unknown"
+
+
+def _is_built_in(point: EntryPoint) -> bool:
+    return _distribution(point) == _OWN
+
+
+def _built_in_first(point: EntryPoint) -> tuple[bool, str, str]:
+    return (not _is_built_in(point), _distribution(point), point.name)
+
+
+def _registered(entries: dict[str, Registered[object]], kind: str, cls: type[Any], distribution: str) -> str | None:
+    """Register a class, or return why its name cannot be had."""
+    if cls.name in entries:
+        return f"{kind} '{cls.name}' is already provided by {entries[cls.name].distribution}"
+    entries[cls.name] = Registered(cls, distribution)
+    return None
+
+
+def _problem(kind: str, cls: type[Any]) -> str | None:
+    """Return what keeps a class from being listed and used, or ``None``."""
+    name = getattr(cls, "name", None)
+    if not isinstance(name, str):
+        return f"{cls!r} is a {kind} without a name"
+    abstract: frozenset[str] = getattr(cls, "__abstractmethods__", frozenset())
+    if abstract:
+        return f"{kind} '{name}' does not write {', '.join(sorted(abstract))}"
+    home, base = _BASES[kind]
+    if not (isinstance(cls, type) and issubclass(cls, getattr(importlib.import_module(home), base))):
+        return f"{kind} '{name}' is not derived from {home}.{base}"
+    for declared in (*getattr(cls, "parameters", ()), *getattr(cls, "states", ())):
+        try:
+            _ = declared.dimension
+        except (InputError, ValueError, ArithmeticError) as error:
+            return f"{kind} '{name}' declares {declared.symbol}: {error}"
+    return None
+
+
+def _unmakeable(kind: str, cls: type[Any]) -> str | None:
+    """Return why a class cannot be made without arguments, as every command makes it, or ``None``."""
+    try:
+        cls()
+    except (Exception, SystemExit) as error:
+        return f"{kind} '{cls.name}' cannot be made: {type(error).__name__}: {error}"
+    return None

@@ -1,0 +1,205 @@
+"""Finds out, in a process of its own, whether a plugin lets the interpreter live.
+
+Code that hangs or ends the process when it is imported cannot be caught by whoever imports it. So each entry point of
+another distribution is first loaded by a child process with a time limit: import, hooks, one instance of each class.
+What the child does not survive is not imported here. Both verdicts are kept in the cache directory, for as long as the
+plugin's files, its distribution and the installed distributions beside it stay what they are: a start with nothing new
+costs a few look-ups. A cache that cannot be read or written means that plugins are tried again, no more.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import importlib.machinery
+import importlib.util
+import json
+import os
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from collections import deque
+from collections.abc import Iterator, Sequence
+from importlib.metadata import EntryPoint
+from pathlib import Path
+
+from fricmodels.errors import InputError
+
+LIMIT = "FRICMODELS_PLUGIN_TIMEOUT"
+"""Environment variable: seconds that a plugin may take to be loaded the first time."""
+_DEFAULT_LIMIT = 20.0
+_UNDER_WAY = "FRICMODELS_PLUGIN_PROBE"
+_SURVIVED = 73
+_CODES = tuple(importlib.machinery.all_suffixes())
+_CHILD = """\
+import json, sys
+sys.path[:] = json.loads(sys.argv[1])
+from fricmodels.plugins.loading import survive
+survive(*sys.argv[2:])
+sys.exit({code})
+"""
+
+
+def under_way() -> bool:
+    """Whether this process is a child that tries a plugin; it loads no other."""
+    return _UNDER_WAY in os.environ
+
+
+def deadly(points: Sequence[EntryPoint]) -> dict[tuple[str, str], str]:
+    """Return distribution and name of the entry points that must not be imported, each with the reason.
+
+    Raises:
+        InputError: where the environment variable of the time limit is no positive number.
+    """
+    installed = [point for point in points if isinstance(point, EntryPoint) and point.dist is not None]
+    if not installed or not sys.executable:
+        return {}
+    limit = _limit()
+    prints = {point: _fingerprint(point, limit) for point in installed}
+    verdicts = {point: _recalled(point, prints[point]) for point in installed}
+    unknown = [point for point, verdict in verdicts.items() if verdict is None]
+    for point, reason in _tried(unknown, limit):
+        verdicts[point] = reason
+        _remember(point, prints[point], reason)
+    return {(point.dist.name, point.name): reason for point, reason in verdicts.items() if reason and point.dist}
+
+
+def _limit() -> float:
+    given = os.environ.get(LIMIT)
+    try:
+        limit = float(given) if given else _DEFAULT_LIMIT
+    except ValueError:
+        limit = 0.0
+    if not 0 < limit < float("inf"):
+        raise InputError(f"{LIMIT} is '{given}'; it is the seconds that a plugin may take to load, such as 60")
+    return limit
+
+
+def _fingerprint(point: EntryPoint, limit: float) -> str:
+    """Return a hash that changes when the plugin, or what is installed beside it, does."""
+    assert point.dist is not None
+    beside = Path(str(point.dist.locate_file("")))
+    parts = [point.name, point.value, point.dist.version, sys.version, str(limit), str(beside), *_stamps([beside])]
+    parts += _stamps(_files(point.module.partition(".")[0]))
+    return hashlib.sha256("\n".join(parts).encode()).hexdigest()
+
+
+def _files(package: str) -> Iterator[Path]:
+    """Yield the files with code of a top-level package or module, found without importing it."""
+    try:
+        spec = importlib.util.find_spec(package)
+    except (ImportError, AttributeError, ValueError):
+        return
+    if spec is None:
+        return
+    if spec.origin is not None:
+        yield Path(spec.origin)
+    for folder in spec.submodule_search_locations or ():
+        for where, folders, names in os.walk(folder):
+            folders[:] = sorted(name for name in folders if name != "__pycache__")
+            yield from (Path(where, name) for name in sorted(names) if name.endswith(_CODES))
+
+
+def _stamps(paths: Sequence[Path] | Iterator[Path]) -> Iterator[str]:
+    for path in paths:
+        try:
+            status = path.stat()
+        except OSError:
+            continue
+        yield f"{path} {status.st_mtime_ns} {status.st_size}"
+
+
+def _tried(points: Sequence[EntryPoint], limit: float) -> Iterator[tuple[EntryPoint, str]]:
+    """Load each entry point in a child, as many at a time as there are processors; yield the reason, or nothing."""
+    waiting = deque(points)
+    running: dict[EntryPoint, tuple[subprocess.Popen[bytes], float]] = {}
+    try:
+        while waiting or running:
+            while waiting and len(running) < (os.cpu_count() or 1):
+                point = waiting.popleft()
+                try:
+                    running[point] = (_started(point), time.monotonic() + limit)
+                except OSError:  # nothing can be started here; a tournament would fail to, and says so
+                    continue
+            for point, (process, deadline) in list(running.items()):
+                code = process.poll()
+                if code is None and time.monotonic() < deadline:
+                    continue
+                del running[point]
+                _end(process)
+                yield point, _reason(code, limit)
+            time.sleep(0.005)
+    finally:
+        for process, _ in running.values():
+            _end(process)
+
+
+def _started(point: EntryPoint) -> subprocess.Popen[bytes]:
+    command = [sys.executable, "-c", _CHILD.format(code=_SURVIVED), json.dumps(sys.path), point.name, point.value]
+    return subprocess.Popen(
+        command,
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
+        env={**os.environ, _UNDER_WAY: "1"},
+        start_new_session=True,
+    )
+
+
+def _end(process: subprocess.Popen[bytes]) -> None:
+    """End a child and all that it started."""
+    try:
+        if hasattr(os, "killpg"):
+            os.killpg(process.pid, signal.SIGKILL)
+        else:
+            process.kill()
+    except (ProcessLookupError, PermissionError):
+        pass
+    process.wait()
+
+
+def _reason(code: int | None, limit: float) -> str:
+    again = "it is tried again when its files change"
+    if code is None:
+        return f"importing it does not end within {limit:g} s ({LIMIT} sets the limit); {again}"
+    if code == _SURVIVED:
+        return ""
+    if code < 0:
+        name = signal.Signals(-code).name if -code in {*signal.Signals} else f"signal {-code}"
+        return f"importing it kills the interpreter ({name}); {again}"
+    return f"importing it ends the interpreter with exit code {code}; {again}"
+
+
+def _verdict_file(point: EntryPoint) -> Path:
+    """Return where the verdict on an entry point of this environment is kept."""
+    from fricmodels.kernels.scan import cache_directory
+
+    assert point.dist is not None
+    what = f"{sys.executable}\n{point.dist.locate_file('')}\n{point.dist.name}\n{point.name}"
+    return cache_directory() / f"plugin-{hashlib.sha256(what.encode()).hexdigest()[:24]}.json"
+
+
+def _recalled(point: EntryPoint, fingerprint: str) -> str | None:
+    """Return the reason that was found for these very files, empty for none, or ``None`` where they are new."""
+    try:
+        kept = json.loads(_verdict_file(point).read_text(encoding="utf-8"))
+    except (OSError, ValueError, RecursionError):
+        return None
+    if not isinstance(kept, dict) or kept.get("fingerprint") != fingerprint:
+        return None
+    reason = kept.get("reason")
+    return reason if isinstance(reason, str) else None
+
+
+def _remember(point: EntryPoint, fingerprint: str, reason: str) -> None:
+    text = json.dumps({"plugin": point.name, "fingerprint": fingerprint, "reason": reason})
+    try:
+        path = _verdict_file(point)
+        path.parent.mkdir(parents=True, exist_ok=True)
+        handle, temporary = tempfile.mkstemp(dir=path.parent, suffix=".tmp")
+        with os.fdopen(handle, "w", encoding="utf-8") as stream:
+            stream.write(text)
+        os.replace(temporary, path)
+    except OSError:
+        return

@@ -1,0 +1,96 @@
+"""What is registered, by kind and name, and what is left out."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Generic, TypeVar
+
+from fricmodels.errors import InputError, suggestion
+
+if TYPE_CHECKING:
+    from fricmodels.estimator import Estimator
+    from fricmodels.readers.base import Reader
+    from fricmodels.term import Effect, Law
+
+GROUP = "fricmodels"
+"""The group of entry points."""
+
+T = TypeVar("T")
+
+
+class LeftOut(InputError):
+    """An unknown name where a plugin is left out, which may be the one that has it; the message says why it is."""
+
+
+@dataclass(frozen=True)
+class Failure:
+    """A plugin, or a class of it, that could not be used, and why."""
+
+    plugin: str
+    distribution: str
+    reason: str
+
+    def __str__(self) -> str:
+        return f"plugin '{self.plugin}' of {self.distribution} is left out: {self.reason}"
+
+
+@dataclass(frozen=True)
+class Registered(Generic[T]):
+    """A registered class and the distribution that it came from."""
+
+    cls: type[T]
+    distribution: str
+
+
+class Registry(Generic[T]):
+    """The classes of one kind, by name."""
+
+    def __init__(self, kind: str, entries: dict[str, Registered[T]], failures: tuple[Failure, ...] = ()) -> None:
+        self.kind = kind
+        self._entries = entries
+        self._failures = failures
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._entries)
+
+    def __contains__(self, name: object) -> bool:
+        return name in self._entries
+
+    def __len__(self) -> int:
+        return len(self._entries)
+
+    def entry(self, name: str) -> Registered[T]:
+        """Return the class and its origin.
+
+        Raises:
+            LeftOut: where a plugin is left out that may be the one which has the name.
+            InputError: naming the nearest known name.
+        """
+        try:
+            return self._entries[name]
+        except KeyError:
+            unknown = f"unknown {self.kind} '{name}'{suggestion(name, self._entries)}"
+        if not self._failures:
+            raise InputError(unknown)
+        named = [failure for failure in self._failures if f"'{name}'" in failure.reason]
+        raise LeftOut(f"{unknown} ({'; '.join(map(str, named or self._failures))})")
+
+    def __getitem__(self, name: str) -> type[T]:
+        return self.entry(name).cls
+
+
+@dataclass(frozen=True)
+class Plugins:
+    """All that is registered, and what failed to register."""
+
+    laws: Registry[Law]
+    effects: Registry[Effect]
+    estimators: Registry[Estimator]
+    readers: Registry[Reader]
+    failures: tuple[Failure, ...]
+
+    @property
+    def registries(self) -> dict[str, Registry[Any]]:
+        """The registry of each kind: ``law``, ``effect``, ``estimator``, ``reader``."""
+        return {"law": self.laws, "effect": self.effects, "estimator": self.estimators, "reader": self.readers}
