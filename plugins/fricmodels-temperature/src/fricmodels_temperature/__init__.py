@@ -1,0 +1,14 @@
+"""Load- and temperature-dependent friction of robot joints (Bittencourt and Gunnarsson 2012) for fricmodels."""
+
+from __future__ import annotations
+
+from fricmodels import Law, hookimpl
+from fricmodels_temperature.law import BittencourtGunnarsson
+
+__all__ = ["BittencourtGunnarsson", "fricmodels_laws"]
+
+
+@hookimpl
+def fricmodels_laws() -> list[type[Law]]:
+    """Return the law of this distribution."""
+    return [BittencourtGunnarsson]
