@@ -26,16 +26,18 @@ def extremes(x: Array, values: Array, points: int = POINTS) -> NDArray[np.int64]
     if count <= points:
         return np.arange(count)
     buckets = points // 2 - 1
-    span = float(x[-1] - x[0])
-    place = np.arange(count) / count if span <= 0 else (x - x[0]) / span
-    bucket = np.minimum((place * buckets).astype(np.int64), buckets - 1)
-    starts = np.flatnonzero(np.concatenate([[True], np.diff(bucket) > 0]))
-    sizes = np.diff(np.append(starts, count))
+    if x[-1] > x[0]:
+        starts = np.searchsorted(x, np.linspace(x[0], x[-1], buckets, endpoint=False))
+    else:
+        starts = np.linspace(0, count, buckets, endpoint=False).astype(np.int64)
+    starts = np.unique(starts)
+    stops = np.append(starts[1:], count)
     chosen = [np.array([0, count - 1])]
     for least_or_greatest in (np.fmin, np.fmax):
         extreme = least_or_greatest.reduceat(values, starts)
-        hits = np.flatnonzero(values == np.repeat(extreme, sizes))
-        chosen.append(hits[np.unique(bucket[hits], return_index=True)[1]])
+        hits = np.flatnonzero(values == np.repeat(extreme, stops - starts))
+        first = np.append(hits, count)[np.searchsorted(hits, starts)]
+        chosen.append(first[first < stops])
     return np.unique(np.concatenate(chosen))
 
 
