@@ -205,6 +205,8 @@ def _check_models(config: Config, document: Document) -> None:
                     plugins.load().effects.entry(effect)
             else:
                 Model.parse(name)
+        except plugins.LeftOut:
+            continue  # its rows say why, and the other models go on
         except InputError as error:
             raise document.error(("models", index), f"key 'models': {error}") from None
 
@@ -223,6 +225,8 @@ def _check_estimators(config: Config, document: Document) -> None:
             continue
         try:
             estimator = registered[entrant.name]
+        except plugins.LeftOut:
+            continue
         except InputError as error:
             raise document.error((*place, "name"), f"key 'estimators': {error}") from None
         try:

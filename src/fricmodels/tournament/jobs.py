@@ -127,9 +127,12 @@ def jobs(config: Config, sources: list[Source], digests: Mapping[Source, str]) -
 
 @lru_cache(maxsize=256)
 def _code(model: str) -> str:
-    """Return a hash of the source of a model's terms and the versions of where they came from."""
+    """Return a hash of a model's terms and the versions of where they came from, or why it is left out."""
     registered = plugins.load()
-    parsed = Model.parse(model)
+    try:
+        parsed = Model.parse(model)
+    except plugins.LeftOut as reason:
+        return str(reason)
     entries: list[Any] = [registered.laws.entry(parsed.law.name)]
     entries += [registered.effects.entry(effect.name) for effect in parsed.effects]
     texts = [_source(entry.cls) + _version(entry.distribution) for entry in entries]
@@ -138,8 +141,11 @@ def _code(model: str) -> str:
 
 @lru_cache(maxsize=256)
 def estimator_version(name: str) -> str:
-    """Return a hash of the source of an estimator's whole package, and the version of its distribution."""
-    entry = plugins.load().estimators.entry(name)
+    """Return a hash of an estimator's whole package and the version of its distribution, or why it is left out."""
+    try:
+        entry = plugins.load().estimators.entry(name)
+    except plugins.LeftOut as reason:
+        return str(reason)
     package = sys.modules[entry.cls.__module__.partition(".")[0]]
     folders = [Path(folder) for folder in getattr(package, "__path__", ())]
     code = _tree(folders[0]) if folders else _source(entry.cls)
