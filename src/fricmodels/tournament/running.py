@@ -52,19 +52,23 @@ def plan(config: Config, directory: str | Path = ".") -> Plan:
         if titles.setdefault(entrant.title, content) != content:
             raise InputError(f"two estimators are called '{entrant.title}'; give one of them another 'label'")
     listed, left_out = sources(config, Path(directory))
-    models = [model for model in map(Model.parse, config.model_names) if _is_built_in(model)]
+    models = [model for name in config.model_names if (model := _built_in(name)) is not None]
     digests = {source: _check(source, models) for source in listed if source.values["kind"] == "files"}
     if not plugins.load().estimators:
         raise InputError("no estimator is registered; install the distribution that has them")
     return Plan(config, tuple(jobs(config, listed, digests)), tuple(left_out))
 
 
-def _is_built_in(model: Model) -> bool:
-    """Whether no part of a model comes from a plugin, whose code runs in workers only: it may fail, hang or crash."""
+def _built_in(name: str) -> Model | None:
+    """Return a model of which no part comes from a plugin, whose code runs in workers only: it may hang or crash."""
+    try:
+        model = Model.parse(name)
+    except plugins.LeftOut:
+        return None
     registered = plugins.load()
     entries: list[plugins.Registered[Any]] = [registered.laws.entry(model.law.name)]
     entries += [registered.effects.entry(effect.name) for effect in model.effects]
-    return all(entry.distribution == "fricmodels" for entry in entries)
+    return model if all(entry.distribution == "fricmodels" for entry in entries) else None
 
 
 def _check(source: Source, models: list[Model]) -> str:
