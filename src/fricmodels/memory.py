@@ -94,5 +94,7 @@ def _scan(model: Model) -> Scan:
     for i, expression in e.advanced.items():
         following[i] = casadi.substitute(expression, given, casadi.vertcat(begin, end, h))
     constants = casadi.vertcat(e.parameters, e.width)
-    step = casadi.Function("memory", [e.states, casadi.vertcat(h, begin, end), constants], [following, following])
+    step = casadi.Function(
+        "memory", [e.states, casadi.vertcat(h, begin, end), constants], [following, following], {"cse": True}
+    )
     return Scan(step)

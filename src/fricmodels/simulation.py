@@ -301,24 +301,24 @@ class _Motion:
         import casadi
 
         first = self._change(x, direction, position, begin, moving=moving)
-        unknown = casadi.SX.sym("x", x.numel())
+        solved = [0, *(1 + i for i in range(self.n_states) if i not in self._advanced)]
+        unknown = casadi.SX.sym("x", len(solved))
         arrived = position + length / 2 * (x[0] + unknown[0])
-        last = self._change(unknown, direction, arrived, end, moving=moving)
-        residual = unknown - x - length / 2 * (first + last)
-        speeds = [direction * casadi.fmax(direction * v, 0) if moving else 0 for v in (x[0], unknown[0])]
-        advanced = self._advance(speeds[0], position, x[1:], *begin, speeds[1], arrived, *end, length, *self._given)
-        for row, i in enumerate(self._advanced):
-            residual[1 + i] = unknown[1 + i] - advanced[row]
+        following = casadi.SX(x)
+        following[solved] = unknown
+        if self._advanced:
+            speeds = [direction * casadi.fmax(direction * v, 0) if moving else 0 for v in (x[0], unknown[0])]
+            advanced = self._advance(speeds[0], position, x[1:], *begin, speeds[1], arrived, *end, length, *self._given)
+            following[[1 + i for i in self._advanced]] = advanced
+        last = self._change(following, direction, arrived, end, moving=moving)
+        residual = (following - x - length / 2 * (first + last))[solved]
         matrix = casadi.jacobian(residual, unknown)
         matrix[0, 0] = casadi.fmax(matrix[0, 0], 1)
         improved = unknown - casadi.solve(matrix, residual)
-        guess = x + length * first
+        guess = (x + length * first)[solved]
         for _ in range(_NEWTON_STEPS):
             guess = casadi.substitute(improved, unknown, guess)
-        exact = casadi.substitute(advanced, unknown, guess)
-        for row, i in enumerate(self._advanced):
-            guess[1 + i] = exact[row]
-        return guess, position + length / 2 * (x[0] + guess[0])
+        return casadi.substitute(following, unknown, guess), position + length / 2 * (x[0] + guess[0])
 
 
 def _step(drive: Drive) -> Any:
