@@ -20,6 +20,7 @@ COMMANDS = {
     "compare": "Compare a model with a recording: where does it fail?",
     "diagnose": "Name the effect that a model is missing.",
     "improve": "Add what is missing, refit, repeat: watch the error fall.",
+    "report": "Write it all as one HTML page: verdict, figures, parameters, provenance.",
     "simulate": "Make a recording with hidden effects from a rig file.",
     "new": "Write a plugin: a law, an effect, an estimator or a reader, ready to install.",
     "check": "Let a law, an effect, an estimator or a reader sit its exam.",

@@ -2,7 +2,18 @@
 
 from __future__ import annotations
 
-from fricmodels.cli.measurement import Column, Data, Format, Inertia, Linear, ModelName, Out, TorqueConstant, load
+from fricmodels.cli.measurement import (
+    Column,
+    Data,
+    Format,
+    Inertia,
+    Linear,
+    ModelName,
+    Out,
+    Report,
+    TorqueConstant,
+    load,
+)
 
 
 def command(
@@ -14,6 +25,7 @@ def command(
     reader: Format = None,
     linear: Linear = False,
     out: Out = None,
+    report: Report = None,
 ) -> None:
     """Fit a model to a recording and show where it fails."""
     recording, chosen = load(data, model, column, torque_constant, reader, linear)
@@ -30,3 +42,8 @@ def command(
     show_comparison(console, comparison)
     if out is not None:
         console.print(f"wrote {write_overlay(comparison, out)}")
+    if report is not None:
+        from fricmodels.report import story
+        from fricmodels.report import write as write_report
+
+        console.print(f"wrote {write_report(story.of_comparison(comparison), report)}")

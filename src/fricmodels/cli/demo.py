@@ -50,6 +50,7 @@ def _hidden_effects(out: Path, jobs: int | None) -> None:
     from fricmodels.diagnosis.document import document, write
     from fricmodels.diagnosis.present import show_comparison, show_diagnosis, show_ladder
     from fricmodels.model import Model
+    from fricmodels.readers import read
     from fricmodels.rig import write as write_recording
     from fricmodels.rig.demonstration import hidden
     from fricmodels.tournament import run
@@ -58,8 +59,8 @@ def _hidden_effects(out: Path, jobs: int | None) -> None:
     print()
     print("2. A robot joint, modelled by Coulomb and viscous friction. Its truth is hidden from the program.")
     rig = hidden()
-    recording = rig.simulate()
-    data, truth = write_recording(recording, out / "joint.csv")
+    data, truth = write_recording(rig.simulate(), out / "joint.csv")
+    recording = read(data, name=rig.name)
     console = Console()
     with console.status("looking for what is missing") as status:
         ladder = improve(recording, Model.parse("coulomb-viscous"), rig.inertia, progress=status.update)
@@ -75,3 +76,17 @@ def _hidden_effects(out: Path, jobs: int | None) -> None:
     show(board, config.ranking)
     path = write(document(ladder.first, ladder), out)
     print(f"written to {path}; the same on your data: fricmodels improve DATA --model coulomb-viscous --inertia J")
+    page = _report(out)
+    if page is not None:
+        print(f"4. All of it on one page, for any browser: {page}")
+
+
+def _report(out: Path) -> Path | None:
+    """Write the report, where the packages for it are installed."""
+    from importlib.util import find_spec
+
+    if find_spec("plotly") is None or find_spec("jinja2") is None:
+        return None
+    from fricmodels.report import of_run, write
+
+    return write(of_run(out), out / "report.html")

@@ -11,6 +11,7 @@ from fricmodels.cli.measurement import (
     Linear,
     ModelName,
     Out,
+    Report,
     TorqueConstant,
     load,
 )
@@ -26,6 +27,7 @@ def command(
     linear: Linear = False,
     leave_out: LeaveOut = None,
     out: Out = None,
+    report: Report = None,
 ) -> None:
     """Name the effect that a model is missing, with its evidence, or say that the data cannot tell."""
     recording, chosen = load(data, model, column, torque_constant, reader, linear, leave_out)
@@ -42,3 +44,9 @@ def command(
     show_diagnosis(console, diagnosis)
     if out is not None:
         console.print(f"wrote {write(document(diagnosis), out)}")
+    if report is not None:
+        from fricmodels.report import story
+        from fricmodels.report import write as write_report
+
+        options = [part for name in leave_out or () for part in ("--leave-out", name)]
+        console.print(f"wrote {write_report(story.of_diagnosis(diagnosis, options), report)}")

@@ -11,6 +11,7 @@ from fricmodels.cli.measurement import (
     Linear,
     ModelName,
     Out,
+    Report,
     TorqueConstant,
     load,
 )
@@ -26,6 +27,7 @@ def command(
     linear: Linear = False,
     leave_out: LeaveOut = None,
     out: Out = None,
+    report: Report = None,
 ) -> None:
     """Add the missing effect, refit everything, and repeat until nothing is missing: the ladder."""
     recording, chosen = load(data, model, column, torque_constant, reader, linear, leave_out)
@@ -44,3 +46,9 @@ def command(
     show_comparison(console, ladder.rungs[-1].comparison)
     if out is not None:
         console.print(f"wrote {write(document(ladder.first, ladder), out)}")
+    if report is not None:
+        from fricmodels.report import story
+        from fricmodels.report import write as write_report
+
+        options = [part for name in leave_out or () for part in ("--leave-out", name)]
+        console.print(f"wrote {write_report(story.of_ladder(ladder, options), report)}")

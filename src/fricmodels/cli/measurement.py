@@ -26,6 +26,9 @@ TorqueConstant = Annotated[
 Format = Annotated[str | None, typer.Option("--reader", help="Read the file as this format.")]
 Linear = Annotated[bool, typer.Option("--linear", help="A linear axis: forces and metres.")]
 Out = Annotated[Path | None, typer.Option("--out", metavar="DIR", help="Write diagnosis.json there.")]
+Report = Annotated[
+    Path | None, typer.Option("--report", metavar="FILE.html", help="Write the report there: one page, with figures.")
+]
 LeaveOut = Annotated[
     list[str] | None, typer.Option("--leave-out", metavar="EFFECT", help="Do not consider; repeatable.")
 ]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
@@ -10,32 +11,31 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from fricmodels.export.columns import Column
+    from fricmodels.terminal import Column
     from fricmodels.tournament.running import Report
 
 
-def console(*, errors: bool = False) -> Console:
-    """Return where to print; wide enough for a table when the output is no terminal."""
+_NO_TERMINAL = 80
+_NO_TERMINAL_NAMES = 180
+
+
+def console(*, errors: bool = False, otherwise: int = _NO_TERMINAL) -> Console:
+    """Return where to print: as wide as the terminal or the variable COLUMNS says, ``otherwise`` if neither does."""
     from rich.console import Console
 
-    stream = sys.stderr if errors else sys.stdout
-    return Console(file=stream, width=None if stream.isatty() else 180, highlight=False, soft_wrap=False)
+    known = "COLUMNS" in os.environ or any(s.isatty() for s in (sys.stdin, sys.stdout, sys.stderr) if s is not None)
+    return Console(stderr=errors, highlight=False, width=None if known else otherwise)
 
 
 def print_table(columns: Sequence[Column], title: str = "") -> None:
-    """Print columns as a table; text from files is not taken for markup."""
-    from rich import box
-    from rich.table import Table
-    from rich.text import Text
+    """Print columns as a table; text from files is not taken for markup.
 
-    table = Table(title=title or None, title_justify="left", box=box.SIMPLE_HEAD, pad_edge=False)
-    for column in columns:
-        fixed = column.number or column.title in ("status", "estimator")
-        table.add_column(column.title, justify="right" if column.number else "left", overflow="fold", no_wrap=fixed)
-    for cells in zip(*(column.cells for column in columns), strict=True):
-        failed = any(c.title == "status" and cell != "ok" for c, cell in zip(columns, cells, strict=True))
-        table.add_row(*(Text(cell) for cell in cells), style="dim" if failed else None)
-    console().print(table)
+    Without numbers it is a list of names, wide where there is no terminal, so that other programs find them whole.
+    """
+    from fricmodels.terminal import show_table
+
+    names = not any(column.number for column in columns)
+    show_table(console(otherwise=_NO_TERMINAL_NAMES if names else _NO_TERMINAL), columns, title)
 
 
 def warn(lines: Iterable[object]) -> None:

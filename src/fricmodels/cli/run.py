@@ -13,6 +13,10 @@ def command(
     out: Annotated[Path | None, typer.Option(help="Directory for the results; runs/NAME by default.")] = None,
     executor: Annotated[str, typer.Option(help="local, dask or serial")] = "local",
     jobs: Annotated[int | None, typer.Option(min=1, help="Processes; one a core by default.")] = None,
+    report_file: Annotated[
+        Path | None,
+        typer.Option("--report", metavar="FILE.html", help="Write the report there: one page, with figures."),
+    ] = None,
     retry: Annotated[bool, typer.Option("--retry", help="Do again what did not end well.")] = False,
 ) -> None:
     """Run a tournament and rank models and estimators.
@@ -31,6 +35,19 @@ def command(
     warn(planned.left_out)
     target = out if out is not None else Path("runs") / loaded.name
     with progress_of_fits() as report:
-        board = run(loaded, target, executor=executor, processes=jobs, retry=retry, report=report, planned=planned)
+        board = run(
+            loaded,
+            target,
+            executor=executor,
+            processes=jobs,
+            retry=retry,
+            report=report,
+            planned=planned,
+            config_file=config,
+        )
     show(board, loaded.ranking)
     print(f"written to {target / 'leaderboard.json'}")
+    if report_file is not None:
+        from fricmodels.report import of_run, write
+
+        print(f"wrote {write(of_run(target / 'leaderboard.json'), report_file)}")

@@ -25,10 +25,37 @@ def document(diagnosis: Diagnosis, ladder: Ladder | None = None) -> dict[str, An
     remains on the last rung that no known effect explains is ``unknown``.
     """
     comparison = diagnosis.comparison
-    drive = comparison.drive
+    motion = comparison.drive.motion
     findings = diagnosis.findings if ladder is None else added(ladder)
     view = diagnosis.view if ladder is None else ladder.last.view
-    data: dict[str, Any] = {
+    data = {
+        **facts(comparison),
+        "verdict": diagnosis.verdict,
+        "effects": [_effect(finding, motion) for finding in findings],
+        "unknown": None
+        if view is None
+        else {"channels": view.channels, "p_value": view.p_value, "held_out_gain": view.evidence.gain},
+        "could_have_been_seen": {
+            name: {
+                "smallest_percent": row.smallest_percent,
+                "smallest_torque": row.smallest_torque,
+                "missing": row.missing,
+            }
+            for name, row in (diagnosis if ladder is None else ladder.last).visibility.items()
+        },
+        "explanation": explain(diagnosis, ladder),
+        "ladder": _ladder(diagnosis, ladder),
+        "recording": described(comparison),
+        "versions": plugins.versions(),
+    }
+    finite: dict[str, Any] = _finite(data)
+    return finite
+
+
+def facts(comparison: Comparison) -> dict[str, Any]:
+    """Return a comparison as plain data: the model and its parameters, the errors, and where they lie."""
+    drive = comparison.drive
+    return {
         "schema": SCHEMA,
         "dataset": comparison.train.name,
         "model": drive.model.name,
@@ -56,26 +83,7 @@ def document(diagnosis: Diagnosis, ladder: Ladder | None = None) -> dict[str, An
             }
             for row in comparison.where
         ],
-        "verdict": diagnosis.verdict,
-        "effects": [_effect(finding, drive.motion) for finding in findings],
-        "unknown": None
-        if view is None
-        else {"channels": view.channels, "p_value": view.p_value, "held_out_gain": view.evidence.gain},
-        "could_have_been_seen": {
-            name: {
-                "smallest_percent": row.smallest_percent,
-                "smallest_torque": row.smallest_torque,
-                "missing": row.missing,
-            }
-            for name, row in (diagnosis if ladder is None else ladder.last).visibility.items()
-        },
-        "explanation": explain(diagnosis, ladder),
-        "ladder": _ladder(diagnosis, ladder),
-        "recording": described(comparison),
-        "versions": plugins.versions(),
     }
-    finite: dict[str, Any] = _finite(data)
-    return finite
 
 
 def described(comparison: Comparison) -> dict[str, Any]:

@@ -10,7 +10,7 @@ if TYPE_CHECKING:
 
 
 def write(page: Page, path: str | Path) -> Path:
-    """Write a page as one HTML file, whole or not at all.
+    """Write a page as one HTML file, whole or not at all; its directory is made.
 
     Raises:
         InputError: when Plotly or Jinja2 is not installed, or the file cannot be written.
@@ -18,4 +18,18 @@ def write(page: Page, path: str | Path) -> Path:
     from fricmodels.report.render import render
     from fricmodels.tournament.files import write_text
 
-    return write_text(Path(path), render(page))
+    target = Path(path)
+    html = render(page)
+    target.parent.mkdir(parents=True, exist_ok=True)
+    return write_text(target, html)
+
+
+def of_run(directory: str | Path) -> Page:
+    """Return the report on a folder that ``run``, ``diagnose`` or ``improve`` wrote, or on all of it.
+
+    Raises:
+        InputError: when there is neither ``leaderboard.json`` nor ``diagnosis.json``.
+    """
+    from fricmodels.report.folder import page
+
+    return page(Path(directory))

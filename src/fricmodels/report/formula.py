@@ -10,7 +10,8 @@ import re
 from collections.abc import Iterator
 from html import escape
 
-_FUNCTIONS = frozenset("abs acos asin atan cos cosh exp ln log max min sgn sign sin sinh sqrt tan tanh".split())
+_FUNCTIONS = frozenset(("abs", "acos", "asin", "atan", "cos", "cosh", "exp", "ln", "log", "max", "min", "sgn", "sign"))
+_FUNCTIONS |= {"sin", "sinh", "sqrt", "tan", "tanh"}
 _SUBSCRIPTS = str.maketrans("₀₁₂₃₄₅₆₇₈₉", "0123456789")
 _SUPERSCRIPTS = str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹", "0123456789")
 _CLOSING = {"(": ")", "[": "]", "|": "|"}
@@ -21,13 +22,28 @@ _TOKEN = re.compile(
     r"|(?P<power>[⁰¹²³⁴-⁹]+)|(?P<space>\s+)|(?P<sign>.)"
 )
 
-_GREEK = dict(
-    zip(
-        "alpha beta gamma delta epsilon zeta eta theta kappa lambda mu nu xi rho sigma tau phi chi psi omega".split(),
-        "αβγδεζηθκλμνξρστφχψω",
-        strict=True,
-    )
-)
+_GREEK = {
+    "alpha": "α",
+    "beta": "β",
+    "gamma": "γ",
+    "delta": "δ",
+    "epsilon": "ε",
+    "zeta": "ζ",
+    "eta": "η",
+    "theta": "θ",
+    "kappa": "κ",
+    "lambda": "λ",
+    "mu": "μ",
+    "nu": "ν",
+    "xi": "ξ",
+    "rho": "ρ",
+    "sigma": "σ",
+    "tau": "τ",
+    "phi": "φ",
+    "chi": "χ",
+    "psi": "ψ",
+    "omega": "ω",
+}
 _LONGEST = 400
 """A longer formula is shown as it stands."""
 
@@ -42,7 +58,7 @@ def mathml(formula: str) -> list[str]:
         ['<math displaystyle="true" aria-label="τ_0"><msub><mi>τ</mi><mn>0</mn></msub></math>']
     """
     if len(formula) > _LONGEST:
-        return [f'<math><mtext>{escape(formula)}</mtext></math>']
+        return [f"<math><mtext>{escape(formula)}</mtext></math>"]
     equations = [part.strip() for part in re.split(r";\s+", formula) if part.strip()]
     return [
         f'<math displaystyle="true" aria-label="{escape(text)}">{"".join(_Reader(text).sequence())}</math>'

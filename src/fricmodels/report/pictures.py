@@ -31,17 +31,24 @@ _MOSTLY = 0.5
 """A map changes mostly with one quantity when that alone makes this share of its variance."""
 
 
-def over_time(comparison: Comparison) -> Picture:
-    """Return torque over time, measured and modelled."""
+def over_time(comparison: Comparison, *, kept_back: bool = True) -> Picture:
+    """Return torque over time, measured and modelled.
+
+    Args:
+        comparison: a model and a recording.
+        kept_back: whether part of the recording took no part in fitting; where not, its second part is the first again.
+    """
     from fricmodels.report import figures
 
     errors = comparison.errors
-    figure = figures.overlay(comparison)
-    words = (
-        f"RMS error {percent(errors.percent)} of the RMS torque on what was fitted, {percent(errors.held_out_percent)} "
-        f"on what was kept back (shaded). {where_words(comparison)}"
-    )
-    return Picture(f"{words_of('torque', comparison).capitalize()} over time", words, figure, points_of(figure))
+    words = f"RMS error {percent(errors.percent)} of the RMS torque on what was fitted"
+    if kept_back:
+        figure = figures.overlay(comparison)
+        words += f", {percent(errors.held_out_percent)} on what was kept back (shaded)"
+    else:
+        figure = figures.overlay(replace(comparison, test=comparison.test.select(np.arange(0))))
+    title = f"{words_of('torque', comparison).capitalize()} over time"
+    return Picture(title, f"{words}. {where_words(comparison)}", figure, points_of(figure))
 
 
 def curve(comparison: Comparison, title: str = "Friction against velocity") -> Picture:
@@ -50,8 +57,8 @@ def curve(comparison: Comparison, title: str = "Friction against velocity") -> P
 
     figure = figures.friction_curve(comparison)
     words = (
-        "The cloud is what was measured, less everything in the model that is not friction; the line is the model. Where "
-        "the cloud leaves the line, friction is not what the model says."
+        "The cloud is what was measured, less everything in the model that is not friction; the line is the model. "
+        "Where the cloud leaves the line, friction is not what the model says."
     )
     return Picture(title, words, figure, points_of(figure))
 
@@ -83,7 +90,9 @@ def mark(comparison: Comparison, channel: str) -> Picture:
     from fricmodels.report import figures
 
     figure = figures.residual_map(comparison, "velocity", channel)
-    return Picture(f"Residual over velocity and {words_of(channel, comparison)}", map_words(figure), figure, cells_of(figure))
+    return Picture(
+        f"Residual over velocity and {words_of(channel, comparison)}", map_words(figure), figure, cells_of(figure)
+    )
 
 
 def evidence(comparison: Comparison, effect: Effect) -> Picture:
@@ -105,7 +114,12 @@ def evidence(comparison: Comparison, effect: Effect) -> Picture:
     name = comparison.drive.model.name
     if any(p.periodic for p in effect.parameters):
         spectrum = figures.residual_spectrum(comparison)
-        return Picture(f"Its mark: the spectrum of what {name} leaves over", spectrum_words(spectrum), spectrum, points_of(spectrum))
+        return Picture(
+            f"Its mark: the spectrum of what {name} leaves over",
+            spectrum_words(spectrum),
+            spectrum,
+            points_of(spectrum),
+        )
     if model.states:
         with suppress(InputError):
             loops = figures.hysteresis(comparison)
@@ -187,7 +201,9 @@ def _explained(grid: Array, known: NDArray[np.bool_], axis: int) -> float:
 
 def spectrum_words(figure: Figure) -> str:
     """Say where a spectrum has its greatest line."""
-    curves = [(np.asarray(t.x, dtype=float), np.asarray(t.y, dtype=float), str(t.name)) for t in figure.data if len(t.x)]
+    curves = [
+        (np.asarray(t.x, dtype=float), np.asarray(t.y, dtype=float), str(t.name)) for t in figure.data if len(t.x)
+    ]
     if not curves:
         return "The recording is too short for a spectrum."
     x, y, name = max(curves, key=lambda curve: float(curve[1].max()))
@@ -216,7 +232,11 @@ def points_of(figure: Figure) -> Table | None:
         axes = [figure.layout[(getattr(trace, f"{axis}axis") or axis).replace(axis, f"{axis}axis")] for axis in "xy"]
         units = [_unit_of(axis) for axis in axes]
         rows += [
-            (html.unescape(str(trace.name)), f"{number(float(x[i]))} {units[0]}".strip(), f"{number(float(y[i]))} {units[1]}".strip())
+            (
+                html.unescape(str(trace.name)),
+                f"{number(float(x[i]))} {units[0]}".strip(),
+                f"{number(float(y[i]))} {units[1]}".strip(),
+            )
             for i in chosen
         ]
     across, up = _title(_lowest(figure)), _title(figure.layout.yaxis)

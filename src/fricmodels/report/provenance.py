@@ -65,4 +65,6 @@ def commands(data: Data, command: str, options: Sequence[str] = ()) -> str:
         parts += ["--torque-constant", repr(known["torque_constant"])]
     if data["motion"] == "linear":
         parts.append("--linear")
-    return "\n".join([f"sha256sum {shlex.quote(str(known['source']))}", shlex.join([*parts, *options, "--report", "report.html"])])
+    return "\n".join(
+        [f"sha256sum {shlex.quote(str(known['source']))}", shlex.join([*parts, *options, "--report", "report.html"])]
+    )

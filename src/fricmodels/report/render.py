@@ -99,7 +99,9 @@ def _content(figure: Figure) -> str:
 def _style() -> str:
     from fricmodels.report.figures import style
 
-    return _json({"template": style.template(), "light": style.recolouring(style.LIGHT), "dark": style.recolouring(style.DARK)})
+    return _json(
+        {"template": style.template(), "light": style.recolouring(style.LIGHT), "dark": style.recolouring(style.DARK)}
+    )
 
 
 def _json(content: Any) -> str:

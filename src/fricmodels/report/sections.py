@@ -9,7 +9,19 @@ from typing import TYPE_CHECKING, Any
 from fricmodels import plugins
 from fricmodels.dimension import Motion
 from fricmodels.parameter import Parameter
-from fricmodels.report.page import Block, Equations, Fold, Gallery, Heading, Picture, Points, Section, Table, Words, table
+from fricmodels.report.page import (
+    Block,
+    Equations,
+    Fold,
+    Gallery,
+    Heading,
+    Picture,
+    Points,
+    Section,
+    Table,
+    Words,
+    table,
+)
 from fricmodels.report.wording import (
     NORMAL_95,
     counted,
@@ -67,15 +79,15 @@ def _effect(effect: Data, data: Data, before: Comparison | None) -> list[Block]:
     from fricmodels.report.pictures import evidence
 
     known = plugins.load().effects
-    term = known[effect["name"]] if effect["name"] in known else None
+    term = known[effect["name"]] if effect["name"] in known else None  # noqa: SIM401
     blocks: list[Block] = [Heading(effect["name"], remark="" if term is None else physics(term))]
     share, gain = percent(100 * effect["share_of_residual"]), percent(100 * effect["held_out_gain"])
     mark = f"Its mark in the residual: {term.signature}. " if term is not None and term.signature else ""
     blocks += [
         Equations([(effect["equation"], "" if term is None else symbols_in(term))]),
         Words(
-            f"{mark}It explains {share} of what the model before it leaves over, and lowers that by {gain} on blocks that "
-            f"were not used for fitting. The chance of this without such an effect is {small(effect['p_value'])}, "
+            f"{mark}It explains {share} of what the model before it leaves over, and lowers that by {gain} on blocks "
+            f"that were not used for fitting. The chance of this without such an effect is {small(effect['p_value'])}, "
             "corrected for all effects tested."
         ),
     ]
@@ -88,9 +100,13 @@ def _effect(effect: Data, data: Data, before: Comparison | None) -> list[Block]:
     values = {key: value for key, value in last.get("parameters", {}).items() if key.startswith(f"{effect['name']}.")}
     if values:
         motion = Motion(data["motion"])
-        blocks.append(parameters(last["model"], values, last["standard_errors"], motion, f"Parameters of {effect['name']}"))
+        blocks.append(
+            parameters(last["model"], values, last["standard_errors"], motion, f"Parameters of {effect['name']}")
+        )
     elif effect["parameters"]:
-        rows = [(key, number(value, 4), unit(effect["units"].get(key, ""))) for key, value in effect["parameters"].items()]
+        rows = [
+            (key, number(value, 4), unit(effect["units"].get(key, ""))) for key, value in effect["parameters"].items()
+        ]
         titles = {"parameter": False, "value": True, "unit": False}
         blocks.append(table("Its parameters, as far as the test found them", titles, rows, symbols=True))
     if term is not None and before is not None:
@@ -178,8 +194,8 @@ def fails(comparisons: Sequence[Comparison]) -> Section:
     first, last = comparisons[0], comparisons[-1]
     blocks: list[Block] = [
         Words(
-            f"What {first.drive.model.name} lacks leaves its mark in the residual, the measured torque less the modelled: "
-            "stripes over one quantity, a line at one order, a loop around reversals."
+            f"What {first.drive.model.name} lacks leaves its mark in the residual, the measured torque less the "
+            "modelled: stripes over one quantity, a line at one order, a loop around reversals."
         ),
         by_regime(first),
         Gallery(marks(first)),
@@ -194,8 +210,9 @@ def all_parameters(data: Data) -> Section:
     motion = Motion(data["motion"])
     last = data["ladder"][-1] if "parameters" in data["ladder"][-1] else data
     note = (
-        f"The intervals are the estimate ± {NORMAL_95:.2f} standard errors; these hold for residuals that are correlated "
-        "in time. They say how well this recording determines a parameter of this model, not whether the model is right."
+        f"The intervals are the estimate ± {NORMAL_95:.2f} standard errors; these hold for residuals that are "
+        "correlated in time. They say how well this recording determines a parameter of this model, not whether the "
+        "model is right."
     )
     blocks: list[Block] = [*equations(last["model"]), *fitted(last, motion), Words(note)]
     if len(data["ladder"]) > 1:
@@ -216,7 +233,10 @@ def equations(model: str) -> list[Block]:
     parts = [known.law, *known.effects]
     names = ["τ_law", *(f"τ_{i}" for i in range(1, len(parts)))]
     lines = [
-        (f"J·dω/dt = τ_m − τ_L − τ_F;  τ_F = {' + '.join(names)}", "inertia × acceleration = motor torque − load − friction")
+        (
+            f"J·dω/dt = τ_m − τ_L − τ_F;  τ_F = {' + '.join(names)}",
+            "inertia × acceleration = motor torque − load − friction",
+        )
     ]
     for name, term in zip(names, parts, strict=True):
         lines.append((f"{name} = {term.formula.partition(' = ')[2]}", f"{term.name}: {physics(type(term))}"))
@@ -238,14 +258,20 @@ def limits(data: Data) -> Section:
         blocks += [
             Heading("Looked for and not found"),
             Words(f"This recording would have shown {counted(len(seen), 'other effect')}, each from some size on."),
-            table("Smallest effect that would have been found", titles, [(*s, ", ".join(names)) for s, names in sizes.items()]),
+            table(
+                "Smallest effect that would have been found",
+                titles,
+                [(*s, ", ".join(names)) for s, names in sizes.items()],
+            ),
         ]
     if blind:
         rows_blind = [(name, *_reason(text)) for name, text in blind.items()]
         blocks += [
             Heading("Could not have been seen"),
             Words("These may act on the drive all the same; nothing here speaks for or against them."),
-            table("Effects that this recording cannot show", {"effect": False, "why": False, "record": False}, rows_blind),
+            table(
+                "Effects that this recording cannot show", {"effect": False, "why": False, "record": False}, rows_blind
+            ),
         ]
     return Section("limits", "What cannot be known from this recording", blocks)
 
@@ -269,9 +295,11 @@ def _identified(data: Data) -> list[Block]:
         points.append(f"Not determined by this recording: {listed(loose)}.")
     if weak:
         points.append(f"Not told from zero: {listed(weak)}; the 95 % interval includes it.")
-    for effect in data["effects"]:
-        if len(effect["class"]) > 1:
-            points.append(f"Not told apart: {listed(effect['class'])}. What would: {effect['separated_by']}.")
+    points += [
+        f"Not told apart: {listed(effect['class'])}. What would: {effect['separated_by']}."
+        for effect in data["effects"]
+        if len(effect["class"]) > 1
+    ]
     if not points:
         points.append("Every parameter of the final model is determined, and every effect in it has no look-alike.")
     return [Heading("Identified or not"), Points(points)]

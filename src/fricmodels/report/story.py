@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, cast
 from fricmodels import plugins
 from fricmodels.report import sections
 from fricmodels.report.page import Page, Picture, Section, Tile, Verdict
+from fricmodels.report.pictures import where_words
 from fricmodels.report.provenance import recording_section
 from fricmodels.report.wording import counted, listed, percent, physics
 
@@ -36,6 +37,27 @@ def of_diagnosis(diagnosis: Diagnosis, options: Sequence[str] = ()) -> Page:
     return page(document(diagnosis), [Rung(diagnosis.comparison)], "diagnose", options)
 
 
+def of_comparison(comparison: Comparison) -> Page:
+    """Return the report on a comparison: the model against the measurement and where it fails, without a diagnosis."""
+    from fricmodels.diagnosis.document import described, facts
+    from fricmodels.plugins import versions
+
+    own = facts(comparison)
+    errors = own["rms_torque_error"]
+    step = {"model": own["model"], "rms_percent": errors["percent"], "held_out_rms_percent": errors["held_out_percent"]}
+    data = {**own, "ladder": [step], "effects": [], "recording": described(comparison), "versions": versions()}
+    advice = "What is missing in it is another question: fricmodels diagnose, with the same options, answers that."
+    sentence = f"The model {own['model']} leaves a torque error of {percent(errors['held_out_percent'])}."
+    found = [
+        sections.measured([comparison]),
+        sections.fails([comparison]),
+        sections.all_parameters(data),
+        recording_section(data, "compare"),
+    ]
+    details = [_left(data), where_words(comparison, most=3), advice]
+    return _page(data, Verdict(sentence, "plain", details), found)
+
+
 def page(data: Data, rungs: Sequence[Rung], command: str, options: Sequence[str] = ()) -> Page:
     """Return the report on a diagnosis as plain data.
 
@@ -45,12 +67,16 @@ def page(data: Data, rungs: Sequence[Rung], command: str, options: Sequence[str]
         command: that made it.
         options: of that command.
     """
+    return _page(data, verdict(data), story(data, rungs, command, options))
+
+
+def _page(data: Data, answer: Verdict, found: Sequence[Section]) -> Page:
     return Page(
         title=data["dataset"],
         kicker="Friction report on a recording",
-        verdict=verdict(data),
+        verdict=answer,
         tiles=tiles(data),
-        sections=story(data, rungs, command, options),
+        sections=found,
         made_by=f"fricmodels {data['versions']['fricmodels']}",
     )
 
@@ -96,27 +122,40 @@ def verdict(data: Data) -> Verdict:
     model, rungs = data["model"], data["ladder"]
     held_out = data["rms_torque_error"]["held_out_percent"]
     noise = data["noise_floor_percent"] or 0.0
-    left = (
-        f"The model leaves an RMS torque error of {percent(held_out)} of the RMS motor torque on data that it was not "
-        f"fitted to; sensor noise alone would leave about {percent(noise)}."
-    )
+    left = _left(data)
     details = [sections.ladder_words(data)] if len(rungs) > 1 else [left]
     if data["unknown"] is not None and data["effects"]:
         details.append(sections.unknown_words(data))
     if data["verdict"] == "adequate":
         doubt = held_out is not None and held_out > _FAR_ABOVE * max(noise, 1.0)
         details.append(
-            "Its error is far above the noise all the same: something acts on the drive that is in none of the recorded "
-            "channels, or in the stretches around standstill that are too unclear to be tested."
+            "Its error is far above the noise all the same: something acts on the drive that is in none of the "
+            "recorded channels, or in the stretches around standstill that are too unclear to be tested."
             if doubt
             else "This does not exclude effects that the recording could not have shown; they are listed below."
         )
-        return Verdict(f"The model {model} is adequate: nothing that could be predicted is left.", "warn" if doubt else "good", details)
+        return Verdict(
+            f"The model {model} is adequate: nothing that could be predicted is left.",
+            "warn" if doubt else "good",
+            details,
+        )
     if data["verdict"] == "unknown-effect":
-        return Verdict(f"Something is missing from the model {model} that no known effect explains.", "bad", [left, sections.unknown_words(data)])
+        return Verdict(
+            f"Something is missing from the model {model} that no known effect explains.",
+            "bad",
+            [left, sections.unknown_words(data)],
+        )
     names = [_named(effect) for effect in data["effects"]]
     sentence = f"The model {model} lacks {counted(len(names), 'effect')}: {listed(names)}."
     return Verdict(sentence, "warn", [*details, *_physics(data)])
+
+
+def _left(data: Data) -> str:
+    held_out = percent(data["rms_torque_error"]["held_out_percent"])
+    return (
+        f"On data that it was not fitted to the RMS torque error is {held_out} of the RMS motor torque; sensor noise alone "
+        f"would leave about {percent(data['noise_floor_percent'])}."
+    )
 
 
 def _named(effect: Data) -> str:
@@ -133,13 +172,19 @@ def _physics(data: Data) -> list[str]:
 def tiles(data: Data) -> list[Tile]:
     """Return the few figures that carry the verdict."""
     rungs = data["ladder"]
-    shown = [Tile(percent(rungs[0]["held_out_rms_percent"]), "torque error of the given model, kept back", data["model"])]
+    shown = [
+        Tile(percent(rungs[0]["held_out_rms_percent"]), "torque error of the given model, kept back", data["model"])
+    ]
     if len(rungs) > 1:
         last = rungs[-1]
         gained = [name for name in last["model"].split("+") if name not in data["model"].split("+")]
-        shown.append(Tile(percent(last["held_out_rms_percent"]), "with what was found, kept back", f"+ {listed(gained)}"))
+        shown.append(
+            Tile(percent(last["held_out_rms_percent"]), "with what was found, kept back", f"+ {listed(gained)}")
+        )
     shown.append(Tile(percent(data["noise_floor_percent"]), "sensor noise alone", "estimated from the channels"))
     samples = data["recording"]["samples"]
     total = samples["fitted"] + samples["kept_back"]
-    shown.append(Tile(f"{total:,}".replace(",", "\u202f"), "samples", f"{100 * samples['kept_back'] / total:.0f} % kept back"))
+    shown.append(
+        Tile(f"{total:,}".replace(",", "\u202f"), "samples", f"{100 * samples['kept_back'] / total:.0f} % kept back")
+    )
     return shown

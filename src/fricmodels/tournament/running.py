@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from contextlib import closing
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +15,7 @@ from fricmodels.tournament.config import Config, load_config
 from fricmodels.tournament.execution import EXECUTORS, results
 from fricmodels.tournament.jobs import Job, Row, jobs
 from fricmodels.tournament.leaderboard import Leaderboard
+from fricmodels.tournament.origin import write_origin
 from fricmodels.tournament.sources import Source, load, sources
 from fricmodels.tournament.store import Store
 
@@ -34,6 +35,7 @@ class Plan:
     config: Config
     jobs: tuple[Job, ...]
     left_out: tuple[str, ...]
+    digests: Mapping[Source, str] = field(default_factory=dict)
 
 
 def plan(config: Config, directory: str | Path = ".") -> Plan:
@@ -56,7 +58,7 @@ def plan(config: Config, directory: str | Path = ".") -> Plan:
     digests = {source: _check(source, models) for source in listed if source.values["kind"] == "files"}
     if not plugins.load().estimators:
         raise InputError("no estimator is registered; install the distribution that has them")
-    return Plan(config, tuple(jobs(config, listed, digests)), tuple(left_out))
+    return Plan(config, tuple(jobs(config, listed, digests)), tuple(left_out), digests)
 
 
 def _built_in(name: str) -> Model | None:
@@ -90,8 +92,9 @@ def run(
     retry: bool = False,
     report: Report | None = None,
     planned: Plan | None = None,
+    config_file: str | Path | None = None,
 ) -> Leaderboard:
-    """Run a tournament and write ``leaderboard.json`` into ``out``.
+    """Run a tournament and write ``leaderboard.json`` into ``out``, and beside it ``run.json``, what it was made of.
 
     Results are kept in ``out/results.sqlite`` as they come; running again does only what is missing.
 
@@ -104,6 +107,7 @@ def run(
         retry: do again what did not end well.
         report: called after each job with how many are done, how many there are, the job and its row.
         planned: the result of :func:`plan`, when it is there already.
+        config_file: where the configuration was read from, for the record.
 
     Raises:
         InputError: for bad input, before anything is written.
@@ -142,6 +146,7 @@ def run(
             ) from None
     board = Leaderboard.ranked((_named(rows[job.key], job) for job in ready.jobs), config.ranking)
     board.write(target)
+    write_origin(target, ready, config_file)
     return board
 
 

@@ -1,0 +1,50 @@
+"""``fricmodels report``: everything as one HTML page."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from fricmodels.cli.measurement import Column, Format, Inertia, LeaveOut, Linear, TorqueConstant, load
+
+
+def command(
+    target: Annotated[
+        Path, typer.Argument(metavar="RUN|DATA", help="Directory of results, or a recording.", show_default=False)
+    ],
+    model: Annotated[
+        str, typer.Option("--model", metavar="LAW+EFFECT+…", help="Model to improve on a recording.")
+    ] = "coulomb-viscous",
+    inertia: Inertia = None,
+    column: Column = None,
+    torque_constant: TorqueConstant = None,
+    reader: Format = None,
+    linear: Linear = False,
+    leave_out: LeaveOut = None,
+    out: Annotated[
+        Path | None,
+        typer.Option("--out", metavar="FILE.html", help="File to write; RUN/report.html or DATA.html by default."),
+    ] = None,
+) -> None:
+    """Write it all as one HTML page: verdict, figures, parameters, provenance.
+
+    RUN is what `run`, `diagnose` or `improve` wrote with --out. DATA is a recording; it is diagnosed and the model
+    improved as by `improve`. The page needs no network and no other file.
+    """
+    from fricmodels.report import of_run, story, write
+
+    if target.is_dir() or target.suffix == ".json":
+        folder = target if target.is_dir() else target.parent
+        print(f"wrote {write(of_run(target), out or folder / 'report.html')}")
+        return
+    recording, chosen = load(target, model, column, torque_constant, reader, linear, leave_out)
+    from rich.console import Console
+
+    from fricmodels.diagnosis import improve
+
+    with Console(stderr=True).status("improving") as status:
+        ladder = improve(recording, chosen, inertia, leave_out=leave_out or (), progress=status.update)
+    options = [part for name in leave_out or () for part in ("--leave-out", name)]
+    print(f"wrote {write(story.of_ladder(ladder, options), out or Path(f'{target.stem}.html'))}")

@@ -1,0 +1,126 @@
+"""The report on a folder of results: a tournament, a diagnosis, or both."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from fricmodels.dimension import Motion
+from fricmodels.errors import FricmodelsError, InputError
+from fricmodels.report import story, tournament
+from fricmodels.report.page import Page, Section, Words
+from fricmodels.report.wording import known_model
+from fricmodels.tournament.leaderboard import FILE as LEADERBOARD
+from fricmodels.tournament.leaderboard import Leaderboard
+from fricmodels.tournament.origin import read_origin
+
+if TYPE_CHECKING:
+    from fricmodels.diagnosis.ladder import Rung
+
+DIAGNOSIS = "diagnosis.json"
+
+
+def page(directory: Path) -> Page:
+    """Return the report on a folder with ``leaderboard.json``, ``diagnosis.json`` or both, or on one of these files.
+
+    Raises:
+        InputError: when neither is there, or one cannot be read.
+    """
+    folder = directory if directory.is_dir() else directory.parent
+    wanted = {directory.name} if not directory.is_dir() else {LEADERBOARD, DIAGNOSIS}
+    diagnosis = _of_diagnosis(folder) if DIAGNOSIS in wanted and (folder / DIAGNOSIS).exists() else None
+    if LEADERBOARD not in wanted or not (folder / LEADERBOARD).exists():
+        if diagnosis is None:
+            raise InputError(
+                f"{directory}: there is neither {LEADERBOARD} nor {DIAGNOSIS}; make one with: fricmodels run "
+                "CONFIG.yaml --out DIR, or fricmodels improve DATA --model M --out DIR"
+            )
+        return diagnosis
+    board, origin = Leaderboard.read(folder), read_origin(folder)
+    if diagnosis is None:
+        return tournament.page(board, origin, folder)
+    found = tournament.sections(board, origin, folder)
+    taken = {section.name for section in diagnosis.sections}
+    renamed = [_renamed(section) if section.name in taken else section for section in found]
+    return replace(
+        diagnosis,
+        kicker="Friction report on a recording and a tournament",
+        verdict=replace(
+            diagnosis.verdict,
+            details=[*diagnosis.verdict.details, f"In the tournament, {tournament.verdict(board).sentence}"],
+        ),
+        sections=[*diagnosis.sections, *renamed],
+    )
+
+
+def _renamed(section: Section) -> Section:
+    return replace(section, name=f"tournament-{section.name}")
+
+
+def _of_diagnosis(folder: Path) -> Page:
+    data = _read(folder / DIAGNOSIS)
+    command = "improve" if len(data["ladder"]) > 1 else "diagnose"
+    try:
+        rungs = _rungs(data, folder)
+    except FricmodelsError as error:
+        found = story.page(data, [], command)
+        first, *rest = found.sections
+        note = Words(f"There are no figures: {error}.")
+        return replace(found, sections=[replace(first, blocks=[note, *first.blocks]), *rest])
+    return story.page(data, rungs, command)
+
+
+def _read(path: Path) -> Mapping[str, Any]:
+    from fricmodels.diagnosis.document import SCHEMA
+
+    try:
+        data = json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, UnicodeDecodeError, json.JSONDecodeError) as error:
+        raise InputError(f"{path}: cannot be read as a diagnosis: {' '.join(str(error).split())}") from None
+    if not isinstance(data, dict) or data.get("schema") != SCHEMA:
+        raise InputError(f"{path}: is no diagnosis of schema '{SCHEMA}'; run fricmodels improve again")
+    if "recording" not in data or "versions" not in data:
+        raise InputError(f"{path}: is of an older version; run fricmodels improve DATA --model M --out DIR again")
+    return data
+
+
+def _rungs(data: Mapping[str, Any], folder: Path) -> list[Rung]:
+    """Return the models of a ladder against the recording, as they were fitted."""
+    from fricmodels.diagnosis import compare_fit, kept_back, ready
+    from fricmodels.diagnosis.ladder import Rung
+    from fricmodels.drive import Drive
+    from fricmodels.readers import read
+
+    known = data["recording"]
+    if not known["source"]:
+        raise FricmodelsError("the recording was not read from a file")
+    path = Path(known["source"])
+    path = path if path.exists() else folder / path
+    motion = Motion(data["motion"])
+    recording = read(
+        path,
+        columns=known["columns"],
+        motion=motion,
+        name=data["dataset"],
+        reader=known["reader"],
+        torque_constant=known["torque_constant"],
+    )
+    if recording.provenance["sha256"] != known["sha256"]:
+        raise FricmodelsError(f"{path} has changed since the diagnosis")
+    train, test = kept_back(ready(recording))
+    inertia = None if data["inertia"]["estimated"] else data["inertia"]["value"]
+    rungs = []
+    for step in data["ladder"]:
+        own = step if "parameters" in step else data
+        model = known_model(step["model"])
+        if model is None:
+            raise FricmodelsError(f"a part of the model '{step['model']}' is not installed here")
+        drive = Drive(model, inertia, motion)
+        errors = {key: value or 0.0 for key, value in own["standard_errors"].items()}
+        rungs.append(
+            Rung(compare_fit(train, test, drive, own["parameters"], errors), step["added"], step.get("removed", ""))
+        )
+    return rungs

@@ -1,0 +1,383 @@
+"""The report on a tournament: who came first, how well, where it fails, and what did not work."""
+
+from __future__ import annotations
+
+import json
+import math
+import shlex
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from fricmodels.dimension import Motion
+from fricmodels.errors import FricmodelsError
+from fricmodels.export.columns import concise, summary
+from fricmodels.report.page import (
+    Block,
+    Code,
+    Fold,
+    Gallery,
+    Heading,
+    Page,
+    Picture,
+    Section,
+    Table,
+    Tile,
+    Verdict,
+    Words,
+    table,
+)
+from fricmodels.report.provenance import versions
+from fricmodels.report.sections import equations, parameters
+from fricmodels.report.wording import counted, listed, percent
+from fricmodels.tournament.leaderboard import HELD_OUT, Leaderboard
+from fricmodels.tournament.origin import Origin
+
+if TYPE_CHECKING:
+    from fricmodels.diagnosis.diagnose import Comparison
+    from fricmodels.tournament.sources import Loaded, Source
+
+Row = Mapping[str, Any]
+
+MOST_ROWS = 200
+"""Rows of the leaderboard that are printed; all of them are in its file."""
+MOST_RECORDINGS = 8
+"""Recordings that are drawn."""
+MOST_MODELS = 2
+"""Models that are drawn beside the best, on each recording."""
+FITTED = "rms_torque_error_percent"
+
+
+@dataclass(frozen=True)
+class Entrant:
+    """A model with an estimator, over recordings and seeds; errors in percent, infinite where fits failed."""
+
+    model: str
+    estimator: str
+    low: float
+    middle: float
+    high: float
+
+
+def page(board: Leaderboard, origin: Origin | None, directory: Path) -> Page:
+    """Return the report on a tournament.
+
+    Args:
+        board: its leaderboard.
+        origin: what it was made of; without it there are no figures of recordings.
+        directory: where it is kept, for the commands.
+    """
+    name = str(origin.config.get("name", directory.name)) if origin is not None else directory.name
+    return Page(
+        title=name,
+        kicker="Friction report on a tournament",
+        verdict=verdict(board),
+        tiles=tiles(board),
+        sections=sections(board, origin, directory),
+        made_by=f"fricmodels {origin.versions['fricmodels']}" if origin is not None else "fricmodels",
+    )
+
+
+def sections(board: Leaderboard, origin: Origin | None, directory: Path) -> list[Section]:
+    """Return the sections in reading order."""
+    found = [leaderboard(board)]
+    best = best_of_each(board)
+    if origin is not None:
+        found.append(recordings(board, best, origin))
+    found.append(best_parameters(best))
+    if any(row.get("not_identified") for row in board.rows):
+        found.append(not_identified(board))
+    if board.failures:
+        found.append(failed(board))
+    return [*found, made_of(origin, directory)]
+
+
+def entrants(board: Leaderboard) -> list[Entrant]:
+    """Return every model with every estimator, the smallest median error first."""
+    from fricmodels.report.figures.tournament import entries
+
+    found = [
+        Entrant(model, estimator, entry.low, entry.middle, entry.high)
+        for (model, estimator), entry in entries(board.rows, board.figure).items()
+    ]
+    return sorted(found, key=lambda each: each.middle)
+
+
+def verdict(board: Leaderboard) -> Verdict:
+    """Return who came first, in one sentence, and by how much."""
+    ok = len(board.rows) - len(board.failures)
+    if not ok:
+        return Verdict("No fit gave a result.", "bad", ["The reasons stand below."])
+    ranked = [each for each in entrants(board) if math.isfinite(each.middle)]
+    datasets = len({row["dataset"] for row in board.rows})
+    over = "on the recording" if len(_recordings(board)) == 1 else "in the median over all recordings"
+    kind = "data that took no part in fitting" if board.figure == HELD_OUT else "what was fitted"
+    if not ranked:
+        return Verdict(
+            "No model gave a result on half of the recordings.", "bad", [f"{ok} of {len(board.rows)} fits did."]
+        )
+    first = ranked[0]
+    sentence = f"{first.model} comes first: {percent(first.middle)} torque error {over}, with {first.estimator}."
+    details = [f"The error is that of {kind}, in % of the RMS motor torque."]
+    others = [each for each in ranked if each.model != first.model]
+    if others:
+        details.append(
+            f"The next model, {others[0].model} with {others[0].estimator}, leaves {percent(others[0].middle)}."
+        )
+    if datasets > 1:
+        winners = {row["dataset"]: row["model"] for row in reversed(board.rows) if row["status"] == "ok"}
+        same = sum(model == first.model for model in winners.values())
+        details.append(f"It is the best on {same} of {counted(datasets, 'dataset')}.")
+    if board.failures:
+        details.append(
+            f"{counted(len(board.failures), 'fit')} of {len(board.rows)} gave no result; the reasons stand below."
+        )
+    return Verdict(sentence, "warn" if board.failures else "good", details)
+
+
+def tiles(board: Leaderboard) -> list[Tile]:
+    """Return the few figures that carry the verdict."""
+    ok = len(board.rows) - len(board.failures)
+    models = {row["model"] for row in board.rows}
+    estimators = {row["estimator"] for row in board.rows}
+    finite = [each.middle for each in entrants(board) if math.isfinite(each.middle)]
+    return [
+        Tile(percent(finite[0]) if finite else "–", "smallest median torque error", "of all models and estimators"),
+        Tile(
+            str(len(models)), "models" if len(models) > 1 else "model", f"with {counted(len(estimators), 'estimator')}"
+        ),
+        Tile(
+            str(len(_recordings(board))),
+            "recordings",
+            f"in {counted(len({r['dataset'] for r in board.rows}), 'dataset')}",
+        ),
+        Tile(f"{ok} of {len(board.rows)}", "fits with a result"),
+    ]
+
+
+def _recordings(board: Leaderboard) -> list[str]:
+    return list(dict.fromkeys(_recording(row) for row in board.rows))
+
+
+def _recording(row: Row) -> str:
+    """Return which recording a row is of, as one text."""
+    return json.dumps([row["dataset"], row["tags"]], sort_keys=True)
+
+
+def leaderboard(board: Leaderboard) -> Section:
+    """Show the leaderboard: picture, table, and medians with quartiles where there are several seeds."""
+    from fricmodels.report import figures
+
+    blocks: list[Block] = []
+    ranked = [each for each in entrants(board) if math.isfinite(each.middle)]
+    if ranked:
+        rows = [
+            (each.model, each.estimator, percent(each.middle), f"{percent(each.low)} to {percent(each.high)}")
+            for each in ranked[:MOST_ROWS]
+        ]
+        titles = {"model": False, "estimator": False, "median": True, "quartiles": True}
+        over = "Marks are medians, bars quartiles, over recordings and seeds"
+        words = f"{over}. The smaller, the better; {ranked[0].model} with {ranked[0].estimator} leads."
+        shown = table(f"{over}; a fit without a result counts as infinitely bad", titles, rows)
+        blocks.append(Picture("Torque error by model and estimator", words, figures.leaderboard(board.rows), shown))
+    if len({row["tags"].get("seed") for row in board.rows}) > 1:
+        blocks.append(Table("Median and quartiles over seeds, torque error in %", summary(board.summary()[:MOST_ROWS])))
+        blocks.append(Fold("Every fit", _every_fit(board)))
+    else:
+        blocks += _every_fit(board)
+    return Section("leaderboard", "Leaderboard", blocks)
+
+
+def _every_fit(board: Leaderboard) -> list[Block]:
+    shown = Leaderboard(board.rows[:MOST_ROWS])
+    found: list[Block] = [Table("Every fit, the best first", concise(shown))]
+    if len(board.rows) > MOST_ROWS:
+        found.append(Words(f"The first {MOST_ROWS} of {len(board.rows)}; all of them are in leaderboard.json."))
+    return found
+
+
+def best_of_each(board: Leaderboard) -> dict[str, list[Row]]:
+    """Return, for each dataset, the best fit of every model on the recording that the best of all was fitted to."""
+    found: dict[str, list[Row]] = {}
+    for row in board.rows:
+        if row["status"] != "ok":
+            continue
+        own = found.setdefault(row["dataset"], [])
+        if not own or (row["tags"] == own[0]["tags"] and all(row["model"] != other["model"] for other in own)):
+            own.append(row)
+    return found
+
+
+def recordings(board: Leaderboard, best: Mapping[str, list[Row]], origin: Origin) -> Section:
+    """Show the best model against each recording, and where it fails."""
+    known = {_identity(source.dataset, source.tags): source for source in origin.sources}
+    blocks: list[Block] = []
+    for number, (dataset, rows) in enumerate(best.items()):
+        if number == MOST_RECORDINGS:
+            rest = len(best) - MOST_RECORDINGS
+            blocks.append(
+                Words(f"{counted(rest, 'more dataset')} in the leaderboard: {listed([*best][MOST_RECORDINGS:])}.")
+            )
+            break
+        blocks += _dataset(dataset, rows, known.get(_identity(dataset, rows[0]["tags"])), origin, alone=len(best) == 1)
+    without = [name for name in dict.fromkeys(row["dataset"] for row in board.rows) if name not in best]
+    if without:
+        blocks.append(Words(f"No model gave a result on {listed(without)}."))
+    return Section("measured", "Best models against measurements", blocks)
+
+
+def _identity(dataset: str, tags: Mapping[str, Any]) -> str:
+    return _recording({"dataset": dataset, "tags": dict(tags)})
+
+
+def _dataset(dataset: str, rows: Sequence[Row], source: Source | None, origin: Origin, *, alone: bool) -> list[Block]:
+    from fricmodels.report.pictures import by_regime, curve, marks, over_time
+
+    first = rows[0]
+    figure = HELD_OUT if first.get(HELD_OUT) is not None else FITTED
+    tags = ", ".join(f"{key.replace('_', ' ')} {value}" for key, value in first["tags"].items())
+    others = [f"{row['model']} {percent(row.get(figure))}" for row in rows[1:4]]
+    words = f"Best here: {first['model']} with {first['estimator']}, {percent(first.get(figure))} torque error"
+    blocks: list[Block] = [
+        Heading(dataset, remark=tags),
+        Words(f"{words}; then {listed(others)}." if others else f"{words}."),
+    ]
+    try:
+        loaded = _loaded(source, origin)
+        comparison = compared(loaded, source, first)
+    except FricmodelsError as error:
+        return [*blocks, Words(f"There are no figures of this recording: {error}.")]
+    kept_back = loaded.prepared_test is not None
+    blocks += [over_time(comparison, kept_back=kept_back), curve(comparison), by_regime(comparison)]
+    blocks.append(Fold(f"What {first['model']} leaves over, by signal", [Gallery(marks(comparison))]))
+    inner: list[Block] = []
+    for row in rows[1 : 1 + (MOST_MODELS if alone else 1)]:
+        other = compared(loaded, source, row)
+        inner += [
+            Heading(row["model"], remark=f"with {row['estimator']}"),
+            over_time(other, kept_back=kept_back),
+            curve(other),
+        ]
+    if inner:
+        blocks.append(Fold("The next best model" if len(inner) == 3 else "The next best models", inner))
+    return blocks
+
+
+def _loaded(source: Source | None, origin: Origin) -> Loaded:
+    from fricmodels.tournament.sources import load
+
+    if source is None:
+        raise FricmodelsError("the run does not say where it came from")
+    loaded = load(source)
+    if origin.digests.get(source, loaded.digest) != loaded.digest:
+        raise FricmodelsError("its file has changed since the tournament")
+    return loaded
+
+
+def compared(loaded: Loaded, source: Source | None, row: Row) -> Comparison:
+    """Return a row of the leaderboard as a comparison with its recording, as it was scored.
+
+    Where all of a recording was fitted, that takes the place of what was kept back.
+    """
+    from fricmodels.diagnosis import compare_fit
+    from fricmodels.diagnosis.diagnose import Errors
+    from fricmodels.drive import Drive
+    from fricmodels.model import Model
+
+    train = loaded.prepared_train
+    test = loaded.prepared_test if loaded.prepared_test is not None else train
+    drive = Drive(Model.parse(row["model"]), None if source is None else source.inertia, train.motion)
+    found = compare_fit(train, test, drive, row["parameters"], _numbers(row["standard_errors"]))
+    held_out = row.get(HELD_OUT)
+    return replace(
+        found,
+        errors=Errors(
+            found.errors.SI if row.get("rms_torque_error") is None else row["rms_torque_error"],
+            row[FITTED],
+            math.nan if held_out is None else held_out,
+        ),
+    )
+
+
+def _numbers(values: Mapping[str, float | None]) -> dict[str, float]:
+    return {key: 0.0 if value is None else value for key, value in values.items()}
+
+
+def best_parameters(best: Mapping[str, list[Row]]) -> Section:
+    """List the parameters of the best model on each recording."""
+    blocks: list[Block] = []
+    described: set[str] = set()
+    for dataset, rows in best.items():
+        row = rows[0]
+        blocks.append(Heading(dataset, remark=f"{row['model']} with {row['estimator']}"))
+        if row["model"] not in described:
+            blocks += equations(row["model"])
+            described.add(row["model"])
+        motion = Motion.LINEAR if "M" in row["parameters"] else Motion.ROTARY
+        truth = row.get("true_parameters")
+        shown = parameters(row["model"], row["parameters"], row["standard_errors"], motion, "Parameters", truth)
+        blocks.append(shown)
+    if not blocks:
+        blocks.append(Words("No fit gave a result."))
+    return Section("parameters", "Parameters of the best models", blocks)
+
+
+def not_identified(board: Leaderboard) -> Section:
+    """List which parameters the recordings do not determine, with the reason."""
+    reasons: dict[tuple[str, str, str], list[str]] = {}
+    for row in board.rows:
+        for key, reason in (row.get("not_identified") or {}).items():
+            reasons.setdefault((row["model"], row["dataset"], reason), []).append(key)
+    rows = [
+        (model, dataset, ", ".join(dict.fromkeys(keys)), reason) for (model, dataset, reason), keys in reasons.items()
+    ]
+    titles = {"model": False, "dataset": False, "parameters": False, "why": False}
+    blocks: list[Block] = [
+        Words("A fit may converge and still not determine each parameter. These values mean nothing by themselves."),
+        table("Parameters that the recordings do not determine", titles, rows[:MOST_ROWS]),
+    ]
+    return Section("not-identified", "What was not identifiable", blocks)
+
+
+def failed(board: Leaderboard) -> Section:
+    """List the fits without a result, with their reasons."""
+    counts: dict[tuple[str, str, str, str, str], int] = {}
+    for row in board.failures:
+        message = " ".join(str(row["message"]).split())
+        key = (row["model"], row["estimator"], row["dataset"], row["status"], message)
+        counts[key] = counts.get(key, 0) + 1
+    titles = {"model": False, "estimator": False, "dataset": False, "status": False, "why": False, "fits": True}
+    rows = [(*key, str(count)) for key, count in counts.items()]
+    blocks: list[Block] = [table("Fits without a result", titles, rows[:MOST_ROWS])]
+    return Section("failures", "What failed, and why", blocks)
+
+
+def made_of(origin: Origin | None, directory: Path) -> Section:
+    """Say what the tournament was made of, and how to do it again."""
+    where = shlex.quote(str(directory))
+    lines = [f"fricmodels leaderboard {where}", f"fricmodels report {where}"]
+    if origin is None:
+        note = "The run does not say what it was made of; a run of this version does."
+        return Section("made-of", "Where this comes from", [Words(note), Code("To show it again", "\n".join(lines))])
+    import yaml
+
+    text = yaml.safe_dump(dict(origin.config), sort_keys=False, allow_unicode=True, width=100)
+    rows = [(_described(source), origin.digests.get(source, "")) for source in origin.sources[:MOST_ROWS]]
+    titles = {"recording": False, "checksum of its samples": False}
+    blocks: list[Block] = [
+        table("Recordings", titles, [(name, digest or "made from the configuration") for name, digest in rows]),
+        Words(f"Made with {versions(origin.versions)}."),
+    ]
+    if origin.left_out:
+        blocks.append(Words(f"Left out: {'; '.join(origin.left_out)}."))
+    blocks.append(Code("Configuration", text))
+    if origin.config_file:
+        lines.insert(0, f"fricmodels run {shlex.quote(origin.config_file)} --out {where}")
+    blocks.append(Code("To do it again", "\n".join(lines)))
+    return Section("made-of", "Where the tournament comes from", blocks)
+
+
+def _described(source: Source) -> str:
+    tags = ", ".join(f"{key.replace('_', ' ')} {value}" for key, value in source.tags.items())
+    return f"{source.dataset} ({tags})" if tags else source.dataset

@@ -1,0 +1,114 @@
+"""What a tournament was made of: configuration, recordings with their checksums, versions; the file ``run.json``."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from fricmodels import plugins
+from fricmodels.errors import InputError
+from fricmodels.tournament.files import write_text
+from fricmodels.tournament.sources import Source
+
+if TYPE_CHECKING:
+    from fricmodels.tournament.running import Plan
+
+SCHEMA = "fricmodels/run/1"
+FILE = "run.json"
+
+
+@dataclass(frozen=True)
+class Origin:
+    """What a run was made of.
+
+    Attributes:
+        config: the configuration, as it was given.
+        config_file: where it was read from; empty where it was made in a program.
+        sources: every recording.
+        digests: checksum of each recording that was read from a file.
+        versions: of all programs that took part.
+        left_out: optional datasets that were not there.
+    """
+
+    config: Mapping[str, Any]
+    config_file: str
+    sources: tuple[Source, ...]
+    digests: Mapping[Source, str]
+    versions: Mapping[str, str]
+    left_out: tuple[str, ...]
+
+
+def write_origin(directory: Path, plan: Plan, config_file: str | Path | None) -> Path:
+    """Write ``run.json`` beside the leaderboard."""
+    sources = dict.fromkeys(job.source for job in plan.jobs)
+    content = {
+        "schema": SCHEMA,
+        "config": plan.config.model_dump(mode="json", exclude_unset=True, by_alias=True),
+        "config_file": "" if config_file is None else str(config_file),
+        "working_directory": str(Path.cwd()),
+        "versions": plugins.versions(),
+        "left_out": list(plan.left_out),
+        "sources": [
+            {
+                "dataset": source.dataset,
+                "tags": dict(source.tags),
+                "inertia": source.inertia,
+                "description": source.description,
+                "digest": plan.digests.get(source, ""),
+            }
+            for source in sources
+        ],
+    }
+    text = json.dumps(content, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
+    return write_text(directory / FILE, text)
+
+
+def read_origin(directory: Path) -> Origin | None:
+    """Read ``run.json`` of a finished run; ``None`` where there is none, as in runs of old versions.
+
+    Relative paths of recordings are taken from where the run was started, unless they are there from here.
+
+    Raises:
+        InputError: when the file cannot be read, or is of another kind.
+    """
+    path = directory / FILE
+    try:
+        content = json.loads(path.read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        return None
+    except (OSError, UnicodeDecodeError, json.JSONDecodeError) as error:
+        raise InputError(f"{path}: cannot be read: {' '.join(str(error).split())}; run the tournament again") from None
+    if not isinstance(content, dict) or content.get("schema") != SCHEMA:
+        raise InputError(f"{path}: is no record of a run of schema '{SCHEMA}'; run the tournament again")
+    started = Path(content["working_directory"])
+    sources, digests = [], {}
+    for each in content["sources"]:
+        source = Source(each["dataset"], each["tags"], each["inertia"], _found(each["description"], started))
+        sources.append(source)
+        if each["digest"]:
+            digests[source] = each["digest"]
+    return Origin(
+        content["config"],
+        content["config_file"],
+        tuple(sources),
+        digests,
+        content["versions"],
+        tuple(content["left_out"]),
+    )
+
+
+def _found(description: str, started: Path) -> str:
+    """Return a description whose files are looked for where the run was started."""
+    values = json.loads(description)
+
+    def place(file: str) -> str:
+        return file if Path(file).exists() else str(started / file)
+
+    if "file" in values:
+        values["file"] = place(values["file"])
+    if "test_files" in values:
+        values["test_files"] = [place(file) for file in values["test_files"]]
+    return json.dumps(values, sort_keys=True)
