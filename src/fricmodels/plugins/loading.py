@@ -55,7 +55,9 @@ def load() -> Plugins:
             problem = _registered(found[kind], kind, cls, distribution)
             if problem is not None:
                 problems.append(problem)
-        failures.extend(Failure(point.name, distribution, problem) for problem in problems)
+        names = [(kind, cls.name) for kind, cls in offers]
+        lost = () if _is_built_in(point) else probe.lost(point, names, whole=not problems)
+        failures.extend(Failure(point.name, distribution, problem, lost) for problem in problems)
     kept = tuple(failures)
     return Plugins(
         laws=Registry("law", found["law"], kept),  # type: ignore[arg-type]

@@ -4,7 +4,8 @@ Code that hangs or ends the process when it is imported cannot be caught by whoe
 another distribution is first loaded by a child process with a time limit: import, hooks, one instance of each class.
 What the child does not survive is not imported here. Both verdicts are kept in the cache directory, for as long as the
 plugin's files, its distribution and the installed distributions beside it stay what they are: a start with nothing new
-costs a few look-ups. A cache that cannot be read or written means that plugins are tried again, no more.
+costs a few look-ups. A cache that cannot be read or written means that plugins are tried again, no more. The names that
+a plugin offered are kept beside its verdict: once it breaks, they are known to be its own.
 """
 
 from __future__ import annotations
@@ -20,9 +21,10 @@ import sys
 import tempfile
 import time
 from collections import deque
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from importlib.metadata import EntryPoint
 from pathlib import Path
+from typing import Any
 
 from fricmodels.errors import InputError
 
@@ -61,8 +63,31 @@ def deadly(points: Sequence[EntryPoint]) -> dict[tuple[str, str], str]:
     unknown = [point for point, verdict in verdicts.items() if verdict is None]
     for point, reason in _tried(unknown, limit):
         verdicts[point] = reason
-        _remember(point, prints[point], reason)
+        _remember(point, fingerprint=prints[point], reason=reason)
     return {(point.dist.name, point.name): reason for point, reason in verdicts.items() if reason and point.dist}
+
+
+def lost(point: EntryPoint, offers: Collection[tuple[str, str]], *, whole: bool) -> tuple[tuple[str, str], ...]:
+    """Return kind and name of what a plugin offered when it was last whole and does not any more.
+
+    Args:
+        point: its entry point.
+        offers: kind and name of what it offers now.
+        whole: whether that is all that it has; then it is what is compared with from now on.
+    """
+    if not isinstance(point, EntryPoint) or point.dist is None:
+        return ()
+    listed = _read(point).get("offers")
+    before = [tuple(pair) for pair in listed if _is_pair(pair)] if isinstance(listed, list) else []
+    if whole:
+        if before != list(offers):
+            _remember(point, offers=list(offers))
+        return ()
+    return tuple((kind, name) for kind, name in before if (kind, name) not in offers)
+
+
+def _is_pair(value: Any) -> bool:
+    return isinstance(value, list) and len(value) == 2 and all(isinstance(part, str) for part in value)
 
 
 def _limit() -> float:
@@ -180,20 +205,23 @@ def _verdict_file(point: EntryPoint) -> Path:
     return cache_directory() / f"plugin-{hashlib.sha256(what.encode()).hexdigest()[:24]}.json"
 
 
-def _recalled(point: EntryPoint, fingerprint: str) -> str | None:
-    """Return the reason that was found for these very files, empty for none, or ``None`` where they are new."""
+def _read(point: EntryPoint) -> dict[str, Any]:
     try:
         kept = json.loads(_verdict_file(point).read_text(encoding="utf-8"))
     except (OSError, ValueError, RecursionError):
-        return None
-    if not isinstance(kept, dict) or kept.get("fingerprint") != fingerprint:
-        return None
-    reason = kept.get("reason")
+        return {}
+    return kept if isinstance(kept, dict) else {}
+
+
+def _recalled(point: EntryPoint, fingerprint: str) -> str | None:
+    """Return the reason that was found for these very files, empty for none, or ``None`` where they are new."""
+    kept = _read(point)
+    reason = kept.get("reason") if kept.get("fingerprint") == fingerprint else None
     return reason if isinstance(reason, str) else None
 
 
-def _remember(point: EntryPoint, fingerprint: str, reason: str) -> None:
-    text = json.dumps({"plugin": point.name, "fingerprint": fingerprint, "reason": reason})
+def _remember(point: EntryPoint, **news: Any) -> None:
+    text = json.dumps({**_read(point), "plugin": point.name, **news})
     try:
         path = _verdict_file(point)
         path.parent.mkdir(parents=True, exist_ok=True)

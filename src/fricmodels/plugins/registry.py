@@ -25,11 +25,16 @@ class LeftOut(InputError):
 
 @dataclass(frozen=True)
 class Failure:
-    """A plugin, or a class of it, that could not be used, and why."""
+    """A plugin, or a class of it, that could not be used, and why.
+
+    Attributes:
+        lost: kind and name of what the plugin offered when it was last whole and does not any more.
+    """
 
     plugin: str
     distribution: str
     reason: str
+    lost: tuple[tuple[str, str], ...] = ()
 
     def __str__(self) -> str:
         return f"plugin '{self.plugin}' of {self.distribution} is left out: {self.reason}"
@@ -60,6 +65,12 @@ class Registry(Generic[T]):
     def __len__(self) -> int:
         return len(self._entries)
 
+    @property
+    def lost(self) -> tuple[str, ...]:
+        """Names that plugins had when they were last whole; asking for one says why it is gone."""
+        names = [name for failure in self._failures for kind, name in failure.lost if kind == self.kind]
+        return tuple(name for name in dict.fromkeys(names) if name not in self._entries)
+
     def entry(self, name: str) -> Registered[T]:
         """Return the class and its origin.
 
@@ -71,10 +82,12 @@ class Registry(Generic[T]):
             return self._entries[name]
         except KeyError:
             unknown = f"unknown {self.kind} '{name}'{suggestion(name, self._entries)}"
-        if not self._failures:
-            raise InputError(unknown)
-        named = [failure for failure in self._failures if f"'{name}'" in failure.reason]
-        raise LeftOut(f"{unknown} ({'; '.join(map(str, named or self._failures))})")
+        own = [f for f in self._failures if (self.kind, name) in f.lost or f"{self.kind} '{name}'" in f.reason]
+        if own:
+            raise LeftOut(f"{self.kind} '{name}' cannot be used: {own[0]}")
+        if self._failures:
+            raise LeftOut(f"{unknown} ({'; '.join(map(str, self._failures))})")
+        raise InputError(unknown)
 
     def __getitem__(self, name: str) -> type[T]:
         return self.entry(name).cls

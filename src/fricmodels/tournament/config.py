@@ -165,17 +165,18 @@ class Config(Closed):
         registered = plugins.load().estimators
         listed: list[Entrant] = []
         for entrant in self.estimators:
-            names = list(registered) if entrant.name == ALL else [entrant.name]
+            names = [*registered, *registered.lost] if entrant.name == ALL else [entrant.name]
             listed.extend(entrant.model_copy(update={"name": name}) for name in names)
         return tuple({(e.title, e.model_dump_json()): e for e in listed}.values())
 
     @property
     def model_names(self) -> tuple[str, ...]:
-        """The models that take part, ``all`` spelled out as every law."""
+        """The models that take part, ``all`` spelled out as every law, those of plugins that broke included."""
+        registered = plugins.load().laws
         listed: list[str] = []
         for name in self.models:
             first, *effects = name.split("+")
-            laws = list(plugins.load().laws) if first.strip() == ALL else [first.strip()]
+            laws = [*registered, *registered.lost] if first.strip() == ALL else [first.strip()]
             listed.extend("+".join([law, *(effect.strip() for effect in effects)]) for law in laws)
         return tuple(dict.fromkeys(listed))
 
