@@ -6,11 +6,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from fricmodels.dimension import Motion
 from fricmodels.errors import InputError
 from fricmodels.recording import Recording
 from fricmodels.report import figures
+from fricmodels.report.figures.grid import even_edges
 from fricmodels.report.figures.hysteresis import reversals
 from fricmodels.report.figures.residuals import binned_mean, correlation_length
 from fricmodels.report.figures.samples import Samples
@@ -270,3 +273,33 @@ def test_shares_are_those_of_the_comparison(comparison):
         assert squared.x[at] == pytest.approx(100 * row.share_of_squared_error)
         assert samples.x[at] == pytest.approx(100 * row.share_of_samples)
     assert squared.y[-1] == comparison.where[0].regime
+
+
+def test_noise_alone_has_no_peaks_and_a_ripple_within_noise_has_one():
+    found, first = 0, []
+    place = np.linspace(0, 12, 20_000)
+    for seed in range(40):
+        noise = np.random.default_rng(seed).standard_normal(len(place))
+        found += len(spectrum(place, noise, 200.0).peaks()) > 0
+        heard = spectrum(place, noise + 0.15 * np.cos(2 * np.pi * 23 * place), 200.0)
+        first.append(heard.order[heard.peaks()[0]])
+    assert found <= 4
+    assert first == pytest.approx([23.0] * 40, abs=0.05)
+
+
+# ---- cells ---------------------------------------------------------------------------------------------------------
+
+
+@given(st.floats(-1e3, 1e3), st.floats(-1e3, 1e3), st.integers(2, 60))
+def test_cells_are_even_cover_all_and_have_a_border_at_zero(one, other, cells):
+    low, high = min(one, other), max(one, other)
+    if high - low < 1e-6:
+        high = low
+    edges = even_edges(low, high, cells)
+    assert len(edges) == cells + 1
+    assert edges[0] <= low + 1e-9 * abs(low)
+    assert edges[-1] >= high - 1e-9 * abs(high)
+    assert np.diff(edges) == pytest.approx(np.full(cells, (edges[-1] - edges[0]) / cells), rel=1e-6)
+    if low < 0 < high:
+        assert np.min(np.abs(edges)) == 0
+        assert edges[-1] - edges[0] <= cells / (cells - 1) * (high - low) * (1 + 1e-9)

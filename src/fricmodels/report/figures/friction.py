@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fricmodels.recording import Recording
+from fricmodels.report.figures.grid import even_edges
 from fricmodels.report.figures.samples import Samples
 from fricmodels.report.figures.style import LIGHT, Figure, graph_objects, styled, words
 
@@ -109,9 +110,11 @@ def _density(samples: Samples, curve: _Curve, name: str) -> Figure:
     low, high = (float(q) for q in np.quantile(torque, [_OUTER / 2, 1 - _OUTER / 2]))
     low, high = min(low, float(curve.torque.min())), max(high, float(curve.torque.max()))
     margin = 0.04 * (high - low)
-    counts, across, up = np.histogram2d(
-        velocity, torque, bins=CELLS, range=[[velocity.min(), velocity.max()], [low - margin, high + margin]]
-    )
+    edges = [
+        even_edges(float(velocity.min()), float(velocity.max()), CELLS),
+        even_edges(low - margin, high + margin, CELLS),
+    ]
+    counts, across, up = np.histogram2d(velocity, torque, bins=edges)
     share = counts.T
     shown = np.full(share.shape, np.nan, dtype=np.float32)
     shown[share > 0] = np.log10(share[share > 0])

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fricmodels.errors import InputError
+from fricmodels.report.figures.grid import even_edges
 from fricmodels.report.figures.samples import Samples
 from fricmodels.report.figures.style import LIGHT, Figure, graph_objects, styled, words
 
@@ -80,9 +81,7 @@ def _edges(values: Array, cells: int) -> Array:
     low, high = (float(q) for q in np.quantile(values, [_OUTER / 2, 1 - _OUTER / 2]))
     if not high > low:
         low, high = float(values.min()), float(values.max())
-    if not high > low:
-        low, high = low - 0.5, high + 0.5
-    return np.linspace(low, high, cells + 1)
+    return even_edges(low, high, cells)
 
 
 def correlation_length(values: Array, piece: NDArray[np.int64]) -> float:

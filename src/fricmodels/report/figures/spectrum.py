@@ -21,6 +21,8 @@ Array = NDArray[np.float64]
 _MOST_BINS = 2**15
 _PADDING = 4
 _LEAST_PERIODS = 1.5
+_CHANCE = 0.01
+_LEVEL_POINTS = 400
 
 
 @dataclass(frozen=True)
@@ -34,6 +36,34 @@ class Spectrum:
 
     order: Array
     amplitude: Array
+
+    def level(self) -> Array:
+        r"""Return the amplitude that noise alone exceeds anywhere with a probability of one percent.
+
+        The amplitudes of noise are Rayleigh distributed; their scale is taken from the median within half an octave to
+        either side, which a few peaks do not move: :math:`a_{50}\sqrt{\ln(M/0.01)/\ln 2}` with M independent orders.
+        """
+        if not len(self.order):
+            return np.zeros(0)
+        octave = np.log2(self.order)
+        centres = np.arange(octave[0], octave[-1] + 0.25, 0.25)
+        starts, stops = np.searchsorted(octave, centres - 0.5), np.searchsorted(octave, centres + 0.5, side="right")
+        medians = np.array([np.median(self.amplitude[a:b]) for a, b in zip(starts, stops, strict=True)])
+        independent = max(2.0, len(self.order) / _PADDING)
+        factor = np.sqrt(np.log(independent / _CHANCE) / np.log(2.0))
+        return np.asarray(factor * np.interp(octave, centres, medians))
+
+    def peaks(self, most: int = 3) -> list[int]:
+        """Return where the highest peaks stand that rise above :meth:`level`, highest above it first."""
+        amplitude, level = self.amplitude, self.level()
+        inner = np.flatnonzero((amplitude[1:-1] >= amplitude[:-2]) & (amplitude[1:-1] > amplitude[2:])) + 1
+        above = inner[amplitude[inner] > level[inner]]
+        ranked = above[np.argsort(level[above] / amplitude[above])]
+        chosen: list[int] = []
+        for peak in ranked.tolist():
+            if len(chosen) < most and all(abs(np.log2(self.order[peak] / self.order[c])) > 0.3 for c in chosen):
+                chosen.append(peak)
+        return chosen
 
 
 def spectrum(place: Array, values: Array, finest: float) -> Spectrum:
@@ -61,11 +91,27 @@ def spectrum(place: Array, values: Array, finest: float) -> Spectrum:
     return Spectrum(order[inside], amplitude[inside])
 
 
+def _add(
+    figure: Figure, order: Array, amplitude: Array, name: str, samples: Samples, colour: str, dash: str, width: float
+) -> None:
+    figure.add_trace(
+        graph_objects().Scatter(
+            x=order.astype(np.float32),
+            y=amplitude.astype(np.float32),
+            name=name,
+            mode="lines",
+            line={"color": LIGHT[colour], "width": width, "dash": dash},
+            hovertemplate=f"{name}: %{{y:.3g}} {samples.torque_unit} at %{{x:.4g}}<extra></extra>",
+        )
+    )
+
+
 def residual_spectrum(comparison: Comparison) -> Figure:
     """Draw the amplitude of the residual by order per turn, or per metre; by frequency where no position was measured.
 
     One line is what acts the same in both directions, as cogging does; the other what opposes the motion, as friction
-    that varies with the position does.
+    that varies with the position does. The orders of up to three peaks of each that noise does not explain are written
+    beside them.
     """
     go, samples = graph_objects(), Samples.of(comparison)
     moving = ~samples.resting
@@ -84,19 +130,24 @@ def residual_spectrum(comparison: Comparison) -> Figure:
         lines = (("residual", error),)
         axis, name = label("frequency", "Hz"), "by frequency"
     finest = 0.25 / (speed * samples.comparison.train.interval)
-    for (words_, values), (colour, dash) in zip(lines, (("blue", "solid"), ("vermillion", "4px,2px")), strict=False):
-        found = spectrum(place, values, finest)
-        index = extremes(np.log(found.order), found.amplitude)
-        figure.add_trace(
-            go.Scatter(
-                x=found.order[index].astype(np.float32),
-                y=found.amplitude[index].astype(np.float32),
-                name=words_,
-                mode="lines",
-                line={"color": LIGHT[colour], "width": 1.4, "dash": dash},
-                hovertemplate=f"%{{y:.3g}} {samples.torque_unit} at %{{x:.4g}}<extra>{words_}</extra>",
+    found = [spectrum(place, values, finest) for _, values in lines]
+    styles = (("blue", "solid"), ("vermillion", "4px,2px"))
+    for (what, _), each, (colour, dash) in zip(lines, found, styles, strict=False):
+        index = extremes(np.log(each.order), each.amplitude)
+        _add(figure, each.order[index], each.amplitude[index], what, samples, colour, dash, 1.4)
+    level = np.max([each.level() for each in found], axis=0)
+    few = np.unique(np.linspace(0, len(level) - 1, _LEVEL_POINTS).astype(int))
+    _add(figure, found[0].order[few], level[few], "noise exceeds this once in 100", samples, "muted", "dot", 1.2)
+    for each in found:
+        for peak in each.peaks():
+            figure.add_annotation(
+                x=np.log10(each.order[peak]),
+                y=each.amplitude[peak],
+                text=f"{each.order[peak]:.3g}",
+                showarrow=False,
+                yshift=9,
+                font={"size": 12, "color": LIGHT["text"]},
             )
-        )
     figure.update_xaxes(title_text=axis, **logarithmic(float(x) for trace in figure.data for x in trace.x[[0, -1]]))
     figure.update_yaxes(title_text=samples.torque_axis("amplitude of the residual"), rangemode="tozero")
     return styled(figure, f"Periodic parts of the residual, {name}", samples.subtitle, height=420)
