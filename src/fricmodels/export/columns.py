@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
+
+from fricmodels.terminal import Column as Column
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -13,15 +14,6 @@ if TYPE_CHECKING:
 
 Row = Mapping[str, Any]
 _NESTED = ("tags", "parameters", "standard_errors", "true_parameters", "not_identified", "settings")
-
-
-@dataclass(frozen=True)
-class Column:
-    """A column of a printed table: its title, its cells as text, and whether they are numbers."""
-
-    title: str
-    cells: tuple[str, ...]
-    number: bool = False
 
 
 def concise(board: Leaderboard) -> list[Column]:

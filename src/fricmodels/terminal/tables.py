@@ -57,21 +57,26 @@ def _parts(columns: Sequence[Column], width: int) -> list[list[Column]]:
         return []
     key, *others = columns
     parts = [[key]]
-    room = width - _least(key)
+    room = width - _least(key, width, key=True)
     for column in others:
-        needed = _GAP + _least(column)
+        needed = _GAP + _least(column, width)
         if needed > room and len(parts[-1]) > 1:
             parts.append([key])
-            room = width - _least(key)
+            room = width - _least(key, width, key=True)
         parts[-1].append(column)
         room -= needed
     return parts
 
 
-def _least(column: Column) -> int:
-    """Return the width below which a column becomes unreadable."""
+def _least(column: Column, width: int, *, key: bool = False) -> int:
+    """Return the width below which a column becomes unreadable, or a name can no longer be copied."""
     natural = max([_longest_word(column.title), *(_width(cell) for cell in column.cells)])
-    return natural if column.number else min(natural, max(_LEAST_TEXT, _longest_word(column.title)))
+    if column.number:
+        return min(natural, width)
+    names = key or not any(" " in cell for cell in column.cells)
+    longest = natural if key else max(map(_longest_word, column.cells), default=0)
+    enough = max(_LEAST_TEXT, _longest_word(column.title), min(longest, width * 2 // 5) if names else 0)
+    return min(natural, enough, width)
 
 
 def _longest_word(text: str) -> int:
@@ -103,17 +108,25 @@ def _table(columns: Sequence[Column], width: int) -> Any:
 
 def _widths(columns: Sequence[Column], width: int) -> list[int]:
     """Return the width of each column: the least, then as wide as cells and titles ask for while there is room."""
-    widths = [min(_least(column), width) for column in columns]
+    widths = [_least(column, width, key=number == 0) for number, column in enumerate(columns)]
     spare = width - sum(widths) - _GAP * (len(columns) - 1)
     longest = [max((_width(cell) for cell in column.cells), default=0) for column in columns]
     titles = [_width(column.title) for column in columns]
     for wanted in (longest, [math.ceil(title / 2) + 2 for title in titles], titles):
-        # The column that lacks least is served first, so that a long text takes only what is left.
-        for i in sorted(range(len(columns)), key=lambda i: wanted[i] - widths[i]):
-            more = min(max(wanted[i] - widths[i], 0), max(spare, 0))
-            widths[i] += more
-            spare -= more
+        spare -= _widen(widths, wanted, spare)
     return widths
+
+
+def _widen(widths: list[int], wanted: Sequence[int], spare: int) -> int:
+    """Widen the columns that lack room, all by the same until they have what they want; return how much it took."""
+    before = sum(widths)
+    while lacking := [i for i, width in enumerate(widths) if width < wanted[i]]:
+        share = (spare - (sum(widths) - before)) // len(lacking)
+        if share < 1:
+            break
+        for i in lacking:
+            widths[i] += min(share, wanted[i] - widths[i])
+    return sum(widths) - before
 
 
 def fold(text: str, width: int) -> str:
