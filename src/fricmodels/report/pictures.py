@@ -202,7 +202,9 @@ def _explained(grid: Array, known: NDArray[np.bool_], axis: int) -> float:
 def spectrum_words(figure: Figure) -> str:
     """Say where a spectrum has its greatest line."""
     curves = [
-        (np.asarray(t.x, dtype=float), np.asarray(t.y, dtype=float), str(t.name)) for t in figure.data if len(t.x)
+        (np.asarray(trace.x, dtype=float), np.asarray(trace.y, dtype=float), str(trace.name))
+        for trace in figure.data
+        if len(trace.x) and "noise" not in str(trace.name)
     ]
     if not curves:
         return "The recording is too short for a spectrum."

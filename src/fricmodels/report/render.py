@@ -22,6 +22,8 @@ if TYPE_CHECKING:
     from plotly.graph_objects import Figure
 
 _HEIGHT = 420
+_LONG_WORD = 44
+"""A longer name is broken to fit its column."""
 
 
 def render(page: Page) -> str:
@@ -36,6 +38,7 @@ def render(page: Page) -> str:
     environment.filters["mathml"] = lambda text: [Markup(line) for line in mathml(text)]
     environment.filters["symbol"] = lambda text: Markup(symbol(text))
     environment.filters["height"] = lambda picture: int(picture.figure.layout.height or _HEIGHT)
+    environment.filters["one_word"] = lambda text: len(text) <= _LONG_WORD and not any(map(str.isspace, text))
     html = environment.from_string(asset("report.html")).render(
         page=page,
         names=names,

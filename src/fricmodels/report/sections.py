@@ -230,14 +230,12 @@ def equations(model: str) -> list[Block]:
     known = known_model(model)
     if known is None:
         return []
+    motion = ("J·dω/dt = τ_m − τ_L − τ_F", "inertia × acceleration = motor torque − load − friction")
+    if not known.effects:
+        return [Equations([motion, (known.law.formula, f"{known.law.name}: {physics(type(known.law))}")])]
     parts = [known.law, *known.effects]
     names = ["τ_law", *(f"τ_{i}" for i in range(1, len(parts)))]
-    lines = [
-        (
-            f"J·dω/dt = τ_m − τ_L − τ_F;  τ_F = {' + '.join(names)}",
-            "inertia × acceleration = motor torque − load − friction",
-        )
-    ]
+    lines = [motion, (f"τ_F = {' + '.join(names)}", "friction of the law and of each effect")]
     for name, term in zip(names, parts, strict=True):
         lines.append((f"{name} = {term.formula.partition(' = ')[2]}", f"{term.name}: {physics(type(term))}"))
     return [Equations(lines)]

@@ -153,8 +153,8 @@ def verdict(data: Data) -> Verdict:
 def _left(data: Data) -> str:
     held_out = percent(data["rms_torque_error"]["held_out_percent"])
     return (
-        f"On data that it was not fitted to the RMS torque error is {held_out} of the RMS motor torque; sensor noise alone "
-        f"would leave about {percent(data['noise_floor_percent'])}."
+        f"On data that it was not fitted to the RMS torque error is {held_out} of the RMS motor torque; sensor noise "
+        f"alone would leave about {percent(data['noise_floor_percent'])}."
     )
 
 

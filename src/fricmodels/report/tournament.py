@@ -46,6 +46,9 @@ MOST_RECORDINGS = 8
 """Recordings that are drawn."""
 MOST_MODELS = 2
 """Models that are drawn beside the best, on each recording."""
+FIRST_ROWS = 20
+"""Rows that are shown before all of them."""
+_WHO = ("model", "estimator", "dataset")
 FITTED = "rms_torque_error_percent"
 
 
@@ -172,6 +175,7 @@ def leaderboard(board: Leaderboard) -> Section:
     blocks: list[Block] = []
     ranked = [each for each in entrants(board) if math.isfinite(each.middle)]
     if ranked:
+        with_result = {each.model for each in ranked}
         rows = [
             (each.model, each.estimator, percent(each.middle), f"{percent(each.low)} to {percent(each.high)}")
             for each in ranked[:MOST_ROWS]
@@ -180,21 +184,35 @@ def leaderboard(board: Leaderboard) -> Section:
         over = "Marks are medians, bars quartiles, over recordings and seeds"
         words = f"{over}. The smaller, the better; {ranked[0].model} with {ranked[0].estimator} leads."
         shown = table(f"{over}; a fit without a result counts as infinitely bad", titles, rows)
-        blocks.append(Picture("Torque error by model and estimator", words, figures.leaderboard(board.rows), shown))
+        figure = figures.leaderboard([row for row in board.rows if row["model"] in with_result])
+        blocks.append(Picture("Torque error by model and estimator", words, figure, shown))
     if len({row["tags"].get("seed") for row in board.rows}) > 1:
         blocks.append(Table("Median and quartiles over seeds, torque error in %", summary(board.summary()[:MOST_ROWS])))
-        blocks.append(Fold("Every fit", _every_fit(board)))
+        blocks.append(Fold("Every fit", every_fit(board)))
+    elif len(board.rows) <= FIRST_ROWS:
+        blocks += every_fit(board)
     else:
-        blocks += _every_fit(board)
+        first = Leaderboard(board.rows[:FIRST_ROWS])
+        blocks.append(_fits(first, f"The best {FIRST_ROWS} fits"))
+        blocks.append(Fold(f"All {len(board.rows)} fits", every_fit(board)))
     return Section("leaderboard", "Leaderboard", blocks)
 
 
-def _every_fit(board: Leaderboard) -> list[Block]:
-    shown = Leaderboard(board.rows[:MOST_ROWS])
-    found: list[Block] = [Table("Every fit, the best first", concise(shown))]
+def every_fit(board: Leaderboard) -> list[Block]:
+    """Return the table of all fits, or of the first of them where there are many."""
+    found: list[Block] = [_fits(Leaderboard(board.rows[:MOST_ROWS]), "Every fit, the best first")]
     if len(board.rows) > MOST_ROWS:
         found.append(Words(f"The first {MOST_ROWS} of {len(board.rows)}; all of them are in leaderboard.json."))
     return found
+
+
+def _fits(board: Leaderboard, caption: str) -> Table:
+    """Return the leaderboard without what is the same in all rows; reasons of failures stand in a section of theirs."""
+    columns = [column for column in concise(board) if column.title != "reason"]
+    same = {column.title: column.cells[0] for column in columns if len({*column.cells}) == 1 and len(column.cells) > 1}
+    kept = [column for column in columns if column.title not in same or column.title not in ("dataset", "status")]
+    note = f", on {same['dataset']}" if "dataset" in same else ""
+    return Table(f"{caption}{note}; torque errors in % of the RMS motor torque", kept)
 
 
 def best_of_each(board: Leaderboard) -> dict[str, list[Row]]:
@@ -342,13 +360,14 @@ def not_identified(board: Leaderboard) -> Section:
 
 def failed(board: Leaderboard) -> Section:
     """List the fits without a result, with their reasons."""
-    counts: dict[tuple[str, str, str, str, str], int] = {}
+    groups: dict[tuple[str, str], list[Row]] = {}
     for row in board.failures:
-        message = " ".join(str(row["message"]).split())
-        key = (row["model"], row["estimator"], row["dataset"], row["status"], message)
-        counts[key] = counts.get(key, 0) + 1
+        groups.setdefault((" ".join(str(row["message"]).split()), row["status"]), []).append(row)
     titles = {"model": False, "estimator": False, "dataset": False, "status": False, "why": False, "fits": True}
-    rows = [(*key, str(count)) for key, count in counts.items()]
+    rows = [
+        (*(", ".join(dict.fromkeys(row[key] for row in own)) for key in _WHO), status, message, str(len(own)))
+        for (message, status), own in groups.items()
+    ]
     blocks: list[Block] = [table("Fits without a result", titles, rows[:MOST_ROWS])]
     return Section("failures", "What failed, and why", blocks)
 
