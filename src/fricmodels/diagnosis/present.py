@@ -40,9 +40,10 @@ def show_comparison(console: Console, comparison: Comparison) -> None:
     _heading(console, f"{drive.model.name} on {comparison.train.name}")
     _say(
         console,
-        f"RMS torque error: {errors.SI:.4g} {'N m' if rotary else 'N'}, {errors.percent:.4g} % of the RMS motor "
-        f"torque; on data kept back {errors.held_out_percent:.4g} %; noise alone would leave about "
-        f"{comparison.noise_floor_percent:.3g} %.",
+        f"{len(comparison.train)} samples fitted, {len(comparison.test)} kept back, one each "
+        f"{comparison.train.interval:.4g} s. RMS torque error: {errors.SI:.4g} {'N m' if rotary else 'N'}, "
+        f"{errors.percent:.4g} % of the RMS motor torque; on data kept back {errors.held_out_percent:.4g} %; noise "
+        f"alone would leave about {comparison.noise_floor_percent:.3g} %.",
     )
     console.print()
     show_parameters(console, comparison)
