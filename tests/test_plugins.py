@@ -141,3 +141,34 @@ def test_an_unknown_name_is_answered_with_the_nearest_one() -> None:
 def test_registries_are_loaded_once() -> None:
     assert plugins.load() is plugins.load()
     assert len(plugins.load().laws) == len(list(plugins.load().laws))
+
+
+def test_a_name_that_a_left_out_plugin_may_have_is_told_apart_from_a_mistake(
+    monkeypatch: pytest.MonkeyPatch, fresh: None
+) -> None:
+    """Where a whole plugin is left out any unknown name may be its own; where one class is, only that name is."""
+    one = provided(monkeypatch, bad=module_with(fricmodels_effects=lambda: [Unfinished]))
+    with pytest.raises(
+        plugins.LeftOut, match="effect 'unfinished' cannot be used: plugin 'bad' of dist-bad is left out"
+    ):
+        _ = one.effects["unfinished"]
+    with pytest.raises(InputError, match="did you mean 'cogging'") as mistaken:
+        _ = one.effects["coging"]
+    assert not isinstance(mistaken.value, plugins.LeftOut)
+    plugins.load.cache_clear()
+
+    def broken() -> ModuleType:
+        raise ModuleNotFoundError("No module named 'tyres'")
+
+    with pytest.raises(plugins.LeftOut, match=r"unknown effect 'tread'.*No module named 'tyres'"):
+        _ = provided(monkeypatch, bad=broken).effects["tread"]
+
+
+def test_a_class_that_cannot_be_made_is_left_out(monkeypatch: pytest.MonkeyPatch, fresh: None) -> None:
+    def refuse(self: Any) -> None:
+        raise OSError("no licence")
+
+    costly = type("Costly", (Rubber,), {"name": "costly", "__init__": refuse})
+    registered = provided(monkeypatch, bad=module_with(fricmodels_laws=lambda: [costly, Rubber]))
+    assert registered.failures[0].reason == "law 'costly' cannot be made: OSError: no licence"
+    assert "rubber" in registered.laws

@@ -7,7 +7,7 @@ import importlib.metadata
 import platform
 from functools import lru_cache
 from importlib.metadata import EntryPoint
-from typing import Any
+from typing import Any, NamedTuple
 
 import pluggy
 
@@ -50,14 +50,14 @@ def load() -> Plugins:
     for point in points:
         distribution = _distribution(point)
         reason = deadly.get((distribution, point.name))
-        offers, problems = offered(point, manager) if reason is None else ([], [reason])
+        offers, problems = offered(point, manager) if reason is None else ([], [Problem(reason)])
         for kind, cls in offers:
-            problem = _registered(found[kind], kind, cls, distribution)
-            if problem is not None:
-                problems.append(problem)
+            reason = _registered(found[kind], kind, cls, distribution)
+            if reason is not None:
+                problems.append(Problem(reason, (kind, cls.name)))
         names = [(kind, cls.name) for kind, cls in offers]
         lost = () if _is_built_in(point) else probe.lost(point, names, whole=not problems)
-        failures.extend(Failure(point.name, distribution, problem, lost) for problem in problems)
+        failures.extend(Failure(point.name, distribution, p.reason, p.concerns, lost) for p in problems)
     kept = tuple(failures)
     return Plugins(
         laws=Registry("law", found["law"], kept),  # type: ignore[arg-type]
@@ -81,15 +81,22 @@ def versions() -> dict[str, str]:
     return found
 
 
-def offered(point: EntryPoint, manager: pluggy.PluginManager) -> tuple[list[tuple[str, type[Any]]], list[str]]:
+class Problem(NamedTuple):
+    """Why something cannot be used, and the kind and name of the class where it is one class."""
+
+    reason: str
+    concerns: tuple[str, str] | None = None
+
+
+def offered(point: EntryPoint, manager: pluggy.PluginManager) -> tuple[list[tuple[str, type[Any]]], list[Problem]]:
     """Import a plugin and call its hooks; return kind and class of what can be used, and what is wrong besides."""
     try:
         module = point.load()
         manager.register(module, name=f"{_distribution(point)}:{point.name}")
     except (Exception, SystemExit) as error:
-        return [], [f"{type(error).__name__}: {error}"]
+        return [], [Problem(f"{type(error).__name__}: {error}")]
     offers: list[tuple[str, type[Any]]] = []
-    problems = []
+    problems: list[Problem] = []
     for kind, hook in _HOOKS.items():
         implementation = getattr(module, hook, None)
         if implementation is None:
@@ -97,14 +104,14 @@ def offered(point: EntryPoint, manager: pluggy.PluginManager) -> tuple[list[tupl
         try:
             classes = list(implementation())
         except (Exception, SystemExit) as error:
-            problems.append(f"{hook}: {type(error).__name__}: {error}")
+            problems.append(Problem(f"{hook}: {type(error).__name__}: {error}"))
             continue
         for cls in classes:
-            problem = _problem(kind, cls) or (None if _is_built_in(point) else _unmakeable(kind, cls))
-            if problem is None:
+            reason = _unusable(kind, cls) or (None if _is_built_in(point) else _unmakeable(kind, cls))
+            if reason is None:
                 offers.append((kind, cls))
             else:
-                problems.append(problem)
+                problems.append(Problem(reason, (kind, str(getattr(cls, "name", "")))))
     return offers, problems
 
 
@@ -139,7 +146,7 @@ def _registered(entries: dict[str, Registered[object]], kind: str, cls: type[Any
     return None
 
 
-def _problem(kind: str, cls: type[Any]) -> str | None:
+def _unusable(kind: str, cls: type[Any]) -> str | None:
     """Return what keeps a class from being listed and used, or ``None``."""
     name = getattr(cls, "name", None)
     if not isinstance(name, str):

@@ -28,12 +28,14 @@ class Failure:
     """A plugin, or a class of it, that could not be used, and why.
 
     Attributes:
+        concerns: kind and name of the class that cannot be used; ``None`` where that is not known.
         lost: kind and name of what the plugin offered when it was last whole and does not any more.
     """
 
     plugin: str
     distribution: str
     reason: str
+    concerns: tuple[str, str] | None = None
     lost: tuple[tuple[str, str], ...] = ()
 
     def __str__(self) -> str:
@@ -82,11 +84,13 @@ class Registry(Generic[T]):
             return self._entries[name]
         except KeyError:
             unknown = f"unknown {self.kind} '{name}'{suggestion(name, self._entries)}"
-        own = [f for f in self._failures if (self.kind, name) in f.lost or f"{self.kind} '{name}'" in f.reason]
+        asked = (self.kind, name)
+        own = [failure for failure in self._failures if asked == failure.concerns or asked in failure.lost]
         if own:
             raise LeftOut(f"{self.kind} '{name}' cannot be used: {own[0]}")
-        if self._failures:
-            raise LeftOut(f"{unknown} ({'; '.join(map(str, self._failures))})")
+        whole = [failure for failure in self._failures if failure.concerns is None]
+        if whole:
+            raise LeftOut(f"{unknown} ({'; '.join(map(str, whole))})")
         raise InputError(unknown)
 
     def __getitem__(self, name: str) -> type[T]:
