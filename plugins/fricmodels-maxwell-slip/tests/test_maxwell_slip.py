@@ -129,7 +129,7 @@ def test_presliding_has_nonlocal_memory(seed: int) -> None:
     rng = np.random.default_rng(seed)
     turning_points = list(np.cumsum(2e-6 * rng.uniform(1, 20, 40) * np.array([1, -1] * 20)))
     time, velocity, _ = along(turning_points)
-    np.testing.assert_allclose(friction(time, velocity, r=1.0, K_v=0.0), masing(turning_points), atol=1e-9)
+    np.testing.assert_allclose(friction(time, velocity, r=1.0, K_v=0.0), masing(turning_points), atol=1e-12)
 
 
 def test_inner_loops_return_to_the_outer_loop() -> None:
@@ -169,7 +169,7 @@ def test_frictional_lag() -> None:
             return 1.55e-3 - 1.45e-3 * np.cos(frequency * t)
 
         force = friction(time, velocity(time))
-        assert np.max(np.abs(force - published(time, velocity, 10))) < 0.01
+        assert np.max(np.abs(force - published(time, velocity, 10))) < 2e-3
         last = time >= 4 * np.pi / frequency
         areas.append(float(np.trapezoid(force[last], velocity(time[last]))))
     assert areas[0] > 0
@@ -183,7 +183,7 @@ def test_transition_curves() -> None:
         time = np.linspace(0.0, np.sqrt(2e-4 / acceleration), 1501)
         force = friction(time, acceleration * time)
         expected = published(time, lambda t, a=acceleration: a * t, 10)
-        assert np.max(np.abs(force - expected)) < 0.01
+        assert np.max(np.abs(force - expected)) < 1e-4
         peaks.append(float(force.max()))
     assert np.all(np.diff(peaks) < 0)
     assert peaks[0] > 1.45
@@ -197,7 +197,7 @@ def test_reversals_at_speed_are_those_of_the_published_elements() -> None:
         return 2e-3 * np.sin(2 * np.pi * 1.3 * t) + 1e-3 * np.sin(2 * np.pi * 3.1 * t + 1.0)
 
     force, expected = friction(time, velocity(time)), published(time, velocity, 8)
-    assert np.sqrt(np.mean((force - expected) ** 2)) < 0.01 * np.sqrt(np.mean(expected**2))
+    assert np.sqrt(np.mean((force - expected) ** 2)) < 1e-3 * np.sqrt(np.mean(expected**2))
 
 
 def test_simulated_motion_is_that_of_the_published_elements() -> None:
@@ -214,17 +214,22 @@ def test_simulated_motion_is_that_of_the_published_elements() -> None:
             friction_force = elements.step(velocity, dt)
             velocity += dt * (before + rise * dt * (part + 0.5) - friction_force)
         expected.append(velocity)
-    assert np.max(np.abs(found.velocity - np.array(expected))) < 0.02 * np.max(np.abs(expected))
+    assert np.max(np.abs(found.velocity - np.array(expected))) < 1e-3 * np.max(np.abs(expected))
 
 
 def test_hidden_presliding(tmp_path: Path) -> None:
-    """On a drive with hidden presliding the error falls."""
+    """On a drive with hidden presliding the error falls to a tenth or less, and the drawn values are near."""
     folder = Path(__file__).parents[1]
     board = run(load_config(folder / "tournament.yaml"), tmp_path, directory=folder, executor="serial")
     assert [row["status"] for row in board.rows] == ["ok"] * 3, [row["message"] for row in board.rows]
     rows = {row["model"]: row for row in board.rows}
     error = "held_out_rms_torque_error_percent"
-    assert rows["maxwell-slip"][error] < 0.2 * rows["coulomb-viscous"][error]
+    assert rows["maxwell-slip"][error] < 0.1 * rows["coulomb-viscous"][error]
+    found = rows["maxwell-slip"]["parameters"]
+    coulomb = sum(found[f"F_{i}"] for i in range(1, 5))
+    assert coulomb == pytest.approx(0.4, rel=0.05)
+    assert coulomb * found["r"] == pytest.approx(0.55, rel=0.05)
+    assert found["x_s"] == pytest.approx(0.02, rel=0.1)
 
 
 class TestExam(LawExam):

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from fricmodels import Law, Parameter, hookimpl
-from fricmodels.expressions import Expression, absolute, exp, sign, where
+from fricmodels.expressions import Expression, absolute, exp, maximum, sign, where
 from fricmodels.parameter import State
 from fricmodels.term import Parameters, Signals
 
@@ -13,6 +13,9 @@ __all__ = ["SPREAD", "GeneralisedMaxwellSlip", "fricmodels_laws"]
 
 SPREAD = (0.125, 0.25, 0.5, 1.0)
 """Displacement at which each element breaks away from rest, over that of the last one."""
+
+_TINY = 1e-100
+"""Keeps nothing over nothing at nothing."""
 
 
 class GeneralisedMaxwellSlip(Law):
@@ -96,7 +99,7 @@ class GeneralisedMaxwellSlip(Law):
         changes: dict[str, Expression] = {}
         for i, (phi, slips) in enumerate(_elements(s), start=1):
             along = direction * phi
-            slipping = where(along > 0, where(along >= level, 1, slips > 0.5), 0)
+            slipping = (along > 0) * maximum(along >= level, slips > 0.5)
             slip = direction * (1 - along / level) / p.T
             changes[f"phi_{i}"] = where(slipping, slip, s.velocity * p.r / (SPREAD[i - 1] * p.x_s))
             changes[f"slips_{i}"] = 0 * phi
@@ -106,14 +109,13 @@ class GeneralisedMaxwellSlip(Law):
         """Return the states after a step in which the velocity changes linearly; where it turns, in two parts."""
         first, last = s.velocity, later.velocity
         turns = first * last < 0
-        share = where(turns, first / where(turns, first - last, 1), 1)
+        share = where(turns, absolute(first) / maximum(absolute(first) + absolute(last), _TINY), 1)
         stop = where(turns, 0, last)
         following: dict[str, Expression] = {}
         for i, (phi, slips) in enumerate(_elements(s), start=1):
             stiffness = p.r / (SPREAD[i - 1] * p.x_s)
             there, slipped = _slide(phi, slips, first, stop, share * h, stiffness, p)
-            back, slipped_back = _slide(there, 0, 0, last, (1 - share) * h, stiffness, p)
-            following[f"phi_{i}"] = where(turns, back, there)
+            following[f"phi_{i}"], slipped_back = _slide(there, 0, 0, last, (1 - share) * h, stiffness, p)
             following[f"slips_{i}"] = where(turns, slipped_back, slipped)
         return following
 
@@ -138,7 +140,8 @@ def _slide(
 ) -> tuple[Expression, Expression]:
     """Move one element in one direction, the velocity going linearly from ``first`` to ``last``.
 
-    It sticks up to the point at which its torque meets the curve, and slips for the rest of the time.
+    It sticks up to the point at which its torque meets the curve, and slips for the rest of the time. In no time
+    nothing changes.
 
     Returns:
         The element's state, and 1 if it slips at the end, else 0.
@@ -146,19 +149,15 @@ def _slide(
     direction = sign(first + last)
     begin, end = absolute(first), absolute(last)
     along = direction * phi
-    slipping = where(begin > 0, where(along > 0, slips > 0.5, 0), 0)
+    slipping = (slips > 0.5) * (along > 0) * (begin > 0)
     reached = along + stiffness * duration * (begin + end) / 2
     curve = (_curve(begin, p), _curve(end, p))
-    before, after = along - curve[0], reached - curve[1]
-    meets = where(before >= 0, 1, after >= 0)
-    sticks_for = where(before >= 0, 0, where(after >= 0, -before / where(after >= 0, after - before, 1), 1))
-    sticks_for = where(slipping, 0, sticks_for)
+    gap, climb = maximum(curve[0] - along, 0), maximum(reached - curve[1] + curve[0] - along, 0)
+    sticks_for = (1 - slipping) * gap / maximum(maximum(gap, climb), _TINY)
     broken = along + sticks_for * (reached - along)
     level = curve[0] + (1 + sticks_for) / 2 * (curve[1] - curve[0])
     slid = level + (broken - level) * exp(-(1 - sticks_for) * duration / (p.T * level))
-    slips_now = where(slipping, 1, meets)
-    moves = begin + end > 0
-    return where(moves, direction * where(slips_now, slid, reached), phi), where(moves, where(end > 0, slips_now, 0), 0)
+    return direction * slid, (end > 0) * maximum(slipping, maximum(along - curve[0], reached - curve[1]) >= 0)
 
 
 @hookimpl
