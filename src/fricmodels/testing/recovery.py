@@ -61,7 +61,7 @@ def suggested_truth(subject: Subject) -> dict[str, float]:
     """Return values of a term's parameters that matter in the rich motion.
 
     A nonlinear one is in the middle of its scan, a wave number near its initial value; a linear one makes up for its
-    share of the torque over a motion that the term takes no part in.
+    share of the torque over a motion that the term takes no part in, and at its peak not for more than all of it.
     """
     reference = _reference()
     terms = subject.term.parameters
@@ -69,11 +69,13 @@ def suggested_truth(subject: Subject) -> dict[str, float]:
     values = {p.symbol: _nonlinear_value(p, reference) for p in terms if not linear[p.symbol]}
     drive = Drive(subject.model, INERTIA)
     columns, _ = drive.regressors(reference, [values[p.symbol] for p in terms if not linear[p.symbol]])
-    sizes = np.maximum(np.sqrt(np.mean(np.square(columns), axis=1)), _SHARE * np.max(np.abs(columns), axis=1))
+    sizes = np.sqrt(np.mean(np.square(columns), axis=1))
     torque = float(np.sqrt(np.mean(reference.torque**2)))
+    most = torque / np.maximum(np.max(np.abs(columns), axis=1), np.finfo(float).tiny)
     solved = [p for p in terms if linear[p.symbol]]
     for i, (p, size) in enumerate(zip(solved, sizes, strict=True)):
-        values[p.symbol] = _SHARE * (1.0 + 0.3 * (i % 3)) / len(solved) ** 0.5 * torque / (size or 1.0)
+        share = _SHARE * (1.0 + 0.3 * (i % 3)) / len(solved) ** 0.5 * torque / (size or 1.0)
+        values[p.symbol] = min(share, float(most[i]))
     for p in in_order(terms):
         if p.at_least is not None:
             values[p.symbol] = max(values[p.symbol], 1.6 * values[p.at_least])
