@@ -10,7 +10,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from fricmodels.dimension import Motion
+from fricmodels.drive import Drive
 from fricmodels.errors import InputError
+from fricmodels.model import Model
 from fricmodels.recording import Recording
 from fricmodels.report import figures
 from fricmodels.report.figures.grid import even_edges
@@ -18,6 +20,7 @@ from fricmodels.report.figures.hysteresis import reversals
 from fricmodels.report.figures.residuals import binned_mean, correlation_length
 from fricmodels.report.figures.samples import Samples
 from fricmodels.report.figures.spectrum import spectrum
+from fricmodels.simulation import simulate
 
 from .conftest import COULOMB, INERTIA, ORDER, RIPPLE, SAMPLES, VISCOUS, moved
 
@@ -134,13 +137,13 @@ def test_measured_friction_is_the_torque_less_all_that_is_not_friction(compared)
 
 def test_friction_that_depends_on_more_than_velocity_has_a_spread(compared):
     figure = figures.friction_curve(compared(moved(), "coulomb-viscous+load-friction"))
-    median, low, high = (
-        trace(figure, "modelled (median)"),
+    mean, low, high = (
+        trace(figure, "modelled (mean)"),
         *(t for t in figure.data if t.name == "nine tenths of the model's samples"),
     )
-    assert np.all(low.y <= median.y)
-    assert np.all(median.y <= high.y)
-    assert np.all(np.diff(median.x) > 0)
+    assert np.all(low.y <= mean.y)
+    assert np.all(mean.y <= high.y)
+    assert np.all(np.diff(mean.x) > 0)
 
 
 # ---- residual ------------------------------------------------------------------------------------------------------
@@ -303,3 +306,17 @@ def test_cells_are_even_cover_all_and_have_a_border_at_zero(one, other, cells):
     if low < 0 < high:
         assert np.min(np.abs(edges)) == 0
         assert edges[-1] - edges[0] <= cells / (cells - 1) * (high - low) * (1 + 1e-9)
+
+
+def test_friction_that_builds_up_over_a_distance_shows_as_a_loop(compared):
+    """A drive that bends its contact before it slides: the torque turns over within three times x_s."""
+    drive = Drive(Model.parse("coulomb-viscous+presliding"), INERTIA)
+    values = {"K_v": 0.5, "K_c": 3.0, "presliding.F": 3.0, "presliding.D": 0.0, "presliding.x_s": 0.01}
+    time = 0.002 * np.arange(6000)
+    torque = 6.0 * np.sin(3 * time) + 4.0 * np.sin(7.1 * time)
+    recording = simulate(drive, values, time, torque, with_position=True, noise=0.1)
+    for model in ("coulomb-viscous", "coulomb-viscous+presliding"):
+        figure = figures.hysteresis(compared(recording, model))
+        built_up = next(each for each in figure.data if each.name == "measured, after" and not each.showlegend)
+        assert built_up.y[0] < -1.5
+        assert np.interp(0.03, built_up.x, built_up.y) > 2.0

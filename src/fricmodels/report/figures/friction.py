@@ -49,7 +49,7 @@ def friction_curve(comparison: Comparison) -> Figure:
 
     Measured is the torque less every part of the model that is not friction. The narrow band is two standard errors of
     the curve, from those of the parameters. Where the friction depends on position, load, temperature, time or the
-    past too, the curve is the median at each velocity, and the dotted lines hold nine tenths of the samples.
+    past too, the curve is the mean at each velocity, and the dotted lines hold nine tenths of the samples.
     """
     go, samples = graph_objects(), Samples.of(comparison)
     curve = _curve(samples)
@@ -94,7 +94,7 @@ def friction_curve(comparison: Comparison) -> Figure:
             y=curve.torque.astype(np.float32),
             mode="lines",
             line={"color": LIGHT["vermillion"], "width": 2.4},
-            name="modelled" if curve.spread is None else "modelled (median)",
+            name="modelled" if curve.spread is None else "modelled (mean)",
             hovertemplate=f"model: %{{y:.4g}} {samples.torque_unit}<br>at %{{x:.4g}}<extra></extra>",
         )
     )
@@ -168,8 +168,11 @@ def _from_samples(samples: Samples) -> _Curve:
     error[kept] = _uncertainty(samples, chosen)[moving[kept]]
     known = np.zeros(len(moving), dtype=bool)
     known[kept] = True
-    low, middle, high = np.array([np.quantile(torque[part], [0.05, 0.5, 0.95]) for part in bins]).T
-    spread = np.array([float(np.median(error[part[known[part]]])) if known[part].any() else np.nan for part in bins])
+    middle = np.array([torque[part].mean() for part in bins])
+    low, high = np.array([np.quantile(torque[part], [0.05, 0.95]) for part in bins]).T
+    spread = np.array(
+        [float(np.sqrt(np.mean(error[part[known[part]]] ** 2))) if known[part].any() else np.nan for part in bins]
+    )
     centre = np.array([float(np.median(velocity[part])) for part in bins])
     return _Curve(centre, middle, spread, (low, high))
 

@@ -89,7 +89,7 @@ def parameter_history(fit: Fit, drive: Drive | None = None, true: Mapping[str, f
         figure.update_yaxes(title_text=title, range=_settled(values, spread, known), row=row, col=1)
     figure.update_xaxes(title_text="time [s]" if restart[-1] == 0 else "sample [1]", row=len(keys), col=1)
     title = "Parameters while they are being estimated"
-    return styled(figure, title, f"{fit.estimator}: {fit.model}, {fit.dataset}", height=140 + 120 * len(keys))
+    return styled(figure, title, f"{fit.dataset}: {fit.model}, {fit.estimator}", height=140 + 120 * len(keys))
 
 
 def _settled(values: Array, spread: Array | None, known: Sequence[float]) -> list[float] | None:

@@ -25,6 +25,8 @@ AGAINST = ("position", "acceleration", "load_torque", "temperature", "time")
 """Channels over which, with the velocity, the residual is mapped."""
 _EXCERPT = 2**16
 _OUTER = 0.001
+_COLOURED = 0.98
+"""Share of the cells whose colour is not at the end of the scale."""
 
 
 @dataclass(frozen=True)
@@ -36,6 +38,7 @@ class Cells:
         mean: mean residual [N m or N], shape (rows, columns), NaN where there is no sample.
         standard_error: of the mean, from the scatter within cells and the time for which residuals stay alike.
         count: samples in each cell.
+        independent: about how many independent values that is.
     """
 
     x_edges: Array
@@ -43,6 +46,7 @@ class Cells:
     mean: Array
     standard_error: Array
     count: NDArray[np.int64]
+    independent: Array
 
 
 def binned_mean(x: Array, y: Array, values: Array, piece: NDArray[np.int64], cells: int = CELLS) -> Cells:
@@ -71,9 +75,12 @@ def binned_mean(x: Array, y: Array, values: Array, piece: NDArray[np.int64], cel
     freedom = max(1, len(values) - int(np.count_nonzero(count)))
     deviation = float(np.sqrt(np.sum(rest**2) / freedom))
     alike = correlation_length(rest, piece)
-    error = np.divide(deviation * np.sqrt(alike), np.sqrt(count), out=np.full(len(count), np.nan), where=count > 0)
+    independent = count / alike
+    error = np.divide(deviation, np.sqrt(independent), out=np.full(len(count), np.nan), where=count > 0)
     shape = (rows, columns)
-    return Cells(edges[0], edges[1], mean.reshape(shape), error.reshape(shape), count.reshape(shape))
+    return Cells(
+        edges[0], edges[1], mean.reshape(shape), error.reshape(shape), count.reshape(shape), independent.reshape(shape)
+    )
 
 
 def _edges(values: Array, cells: int) -> Array:
@@ -121,13 +128,13 @@ def residual_map(comparison: Comparison, x: str = "velocity", y: str = "position
     samples = Samples.of(comparison)
     places = [_channel(samples, name) for name in (x, y)]
     cells = binned_mean(places[0], places[1], samples.error, samples.recording.run)
-    scatter = float(np.nanmin(np.where(cells.count > 0, cells.standard_error * np.sqrt(cells.count), np.nan)))
-    whole = float(np.sqrt(np.mean((samples.error - samples.error.mean()) ** 2)))
-    known = cells.standard_error <= max(whole, scatter / np.sqrt(len(samples.error)))
-    ratio = np.where(known, cells.mean / cells.standard_error, np.nan)
+    known = cells.independent >= 1
+    scattered = known & (cells.standard_error > 0)
+    ratio = np.divide(cells.mean, cells.standard_error, out=np.full(known.shape, np.nan), where=scattered)
     mean = np.where(known, cells.mean, np.nan)
     shown = mean if unit == "torque" else ratio
-    limit = float(np.nanquantile(np.abs(shown), 0.98)) if np.any(known) else 1.0
+    finite = np.abs(shown[np.isfinite(shown)])
+    limit = float(np.quantile(finite, _COLOURED)) if np.any(finite > 0) else 1.0
     title = samples.torque_axis("mean residual") if unit == "torque" else "mean residual [standard errors]"
     figure = graph_objects().Figure(
         graph_objects().Heatmap(

@@ -78,8 +78,8 @@ class Samples:
 
     @property
     def subtitle(self) -> str:
-        """Model and recording in words."""
-        return f"{self.drive.model.name}, {self.recording.name}"
+        """Recording and model."""
+        return f"{self.recording.name}: {self.drive.model.name}"
 
     @cached_property
     def friction_drive(self) -> Drive:

@@ -48,5 +48,5 @@ def error_shares(comparison: Comparison) -> Figure:
     figure.update_xaxes(title_text="share [%]", rangemode="tozero")
     figure.update_yaxes(title_text="", showgrid=True)
     drive = comparison.drive
-    subtitle = f"{drive.model.name}, {comparison.train.name}"
+    subtitle = f"{comparison.train.name}: {drive.model.name}"
     return styled(figure, "Where the error lies", subtitle, height=150 + 24 * len(rows))

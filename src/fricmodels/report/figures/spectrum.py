@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -22,7 +23,11 @@ _MOST_BINS = 2**15
 _PADDING = 4
 _LEAST_PERIODS = 1.5
 _CHANCE = 0.01
+_LEAST_NEIGHBOURS = 8
 _LEVEL_POINTS = 400
+_NAMED = 4
+_APART = 0.5
+"""Octaves between orders that are written."""
 
 
 @dataclass(frozen=True)
@@ -40,30 +45,29 @@ class Spectrum:
     def level(self) -> Array:
         r"""Return the amplitude that noise alone exceeds anywhere with a probability of one percent.
 
-        The amplitudes of noise are Rayleigh distributed; their scale is taken from the median within half an octave to
-        either side, which a few peaks do not move: :math:`a_{50}\sqrt{\ln(M/0.01)/\ln 2}` with M independent orders.
+        The amplitudes of noise are Rayleigh distributed, and of M independent ones the greatest exceeds
+        :math:`a_{50}\sqrt{\ln(M/0.01)/\ln 2}` once in a hundred times. The median :math:`a_{50}`, which a few peaks do
+        not move, is that within half an octave, and at least eight independent orders, to either side.
         """
         if not len(self.order):
             return np.zeros(0)
         octave = np.log2(self.order)
         centres = np.arange(octave[0], octave[-1] + 0.25, 0.25)
-        starts, stops = np.searchsorted(octave, centres - 0.5), np.searchsorted(octave, centres + 0.5, side="right")
+        at, least = np.searchsorted(octave, centres), _LEAST_NEIGHBOURS * _PADDING
+        starts = np.maximum(np.minimum(np.searchsorted(octave, centres - 0.5), at - least), 0)
+        stops = np.maximum(np.searchsorted(octave, centres + 0.5, side="right"), at + least)
         medians = np.array([np.median(self.amplitude[a:b]) for a, b in zip(starts, stops, strict=True)])
         independent = max(2.0, len(self.order) / _PADDING)
         factor = np.sqrt(np.log(independent / _CHANCE) / np.log(2.0))
         return np.asarray(factor * np.interp(octave, centres, medians))
 
-    def peaks(self, most: int = 3) -> list[int]:
-        """Return where the highest peaks stand that rise above :meth:`level`, highest above it first."""
+    def peaks(self) -> list[int]:
+        """Return where peaks stand that rise above :meth:`level`, the highest first."""
         amplitude, level = self.amplitude, self.level()
         inner = np.flatnonzero((amplitude[1:-1] >= amplitude[:-2]) & (amplitude[1:-1] > amplitude[2:])) + 1
         above = inner[amplitude[inner] > level[inner]]
-        ranked = above[np.argsort(level[above] / amplitude[above])]
-        chosen: list[int] = []
-        for peak in ranked.tolist():
-            if len(chosen) < most and all(abs(np.log2(self.order[peak] / self.order[c])) > 0.3 for c in chosen):
-                chosen.append(peak)
-        return chosen
+        ranked: list[int] = above[np.argsort(-amplitude[above])].tolist()
+        return ranked
 
 
 def spectrum(place: Array, values: Array, finest: float) -> Spectrum:
@@ -106,12 +110,29 @@ def _add(
     )
 
 
+def _name_peaks(figure: Figure, found: Sequence[Spectrum]) -> None:
+    """Write the order beside the highest peaks that noise does not explain, where there is room for it."""
+    peaks = [(each.amplitude[peak], each.order[peak]) for each in found for peak in each.peaks()]
+    named: list[float] = []
+    for amplitude, order in sorted(peaks, reverse=True):
+        if len(named) < _NAMED and all(abs(np.log2(order / other)) > _APART for other in named):
+            named.append(order)
+            figure.add_annotation(
+                x=np.log10(order),
+                y=amplitude,
+                text=f"{order:.{max(0, 2 - int(np.log10(order)))}f}",
+                showarrow=False,
+                yshift=9,
+                font={"size": 12, "color": LIGHT["text"]},
+            )
+
+
 def residual_spectrum(comparison: Comparison) -> Figure:
     """Draw the amplitude of the residual by order per turn, or per metre; by frequency where no position was measured.
 
     One line is what acts the same in both directions, as cogging does; the other what opposes the motion, as friction
-    that varies with the position does. The orders of up to three peaks of each that noise does not explain are written
-    beside them.
+    that varies with the position does. The orders of the highest peaks that noise does not explain are written beside
+    them.
     """
     go, samples = graph_objects(), Samples.of(comparison)
     moving = ~samples.resting
@@ -121,7 +142,7 @@ def residual_spectrum(comparison: Comparison) -> Figure:
     if "position" in samples.recording and float(np.ptp(samples.recording["position"])) > 0:
         turn = 2 * np.pi if samples.motion is Motion.ROTARY else 1.0
         place = samples.recording["position"][moving] / turn
-        speed = float(np.median(np.abs(samples.velocity[moving]))) / turn
+        speed = float(np.sqrt(np.mean(samples.velocity[moving] ** 2))) / turn
         lines = (("the same in both directions", error), ("along the motion", side * error))
         axis = label("order", "1/turn") if samples.motion is Motion.ROTARY else label("order", "1/m")
         name = "per turn" if samples.motion is Motion.ROTARY else "per metre"
@@ -138,16 +159,7 @@ def residual_spectrum(comparison: Comparison) -> Figure:
     level = np.max([each.level() for each in found], axis=0)
     few = np.unique(np.linspace(0, len(level) - 1, _LEVEL_POINTS).astype(int))
     _add(figure, found[0].order[few], level[few], "noise exceeds this once in 100", samples, "muted", "dot", 1.2)
-    for each in found:
-        for peak in each.peaks():
-            figure.add_annotation(
-                x=np.log10(each.order[peak]),
-                y=each.amplitude[peak],
-                text=f"{each.order[peak]:.3g}",
-                showarrow=False,
-                yshift=9,
-                font={"size": 12, "color": LIGHT["text"]},
-            )
+    _name_peaks(figure, found)
     figure.update_xaxes(title_text=axis, **logarithmic(float(x) for trace in figure.data for x in trace.x[[0, -1]]))
     figure.update_yaxes(title_text=samples.torque_axis("amplitude of the residual"), rangemode="tozero")
     return styled(figure, f"Periodic parts of the residual, {name}", samples.subtitle, height=420)

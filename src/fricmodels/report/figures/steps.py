@@ -45,7 +45,7 @@ def ladder(ladder: Ladder) -> Figure:
     shown = [value for trace in figure.data for value in trace.y]
     figure.update_yaxes(title_text="torque error [% of the RMS torque]", **logarithmic(shown))
     first = rungs[0].comparison
-    return styled(figure, "The error falls", f"{first.drive.model.name}, {first.train.name}", height=440)
+    return styled(figure, "The error falls", f"{first.train.name}: {first.drive.model.name}", height=440)
 
 
 def _step(rung: Rung) -> str:
