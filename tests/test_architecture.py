@@ -26,10 +26,10 @@ LAYERS = (
     {"estimator"},
     {"signals", "simulation", "readers", "split", "description", "laws", "effects", "rig"},
     {"score"},
-    {"tournament", "diagnosis"},
+    {"tournament", "diagnosis", "testing"},
     {"export", "report"},
     {"notebook"},
-    {"testing", "scaffold"},
+    {"scaffold"},
     {"cli", "__main__"},
 )
 LEVEL = {room: level for level, rooms in enumerate(LAYERS) for room in rooms}

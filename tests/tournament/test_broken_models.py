@@ -68,6 +68,14 @@ class Exits(Base):
         raise SystemExit(3)
 
 
+class WrongUnit(Law):
+    name = "wrong-unit"
+    K = Parameter("K", unit="N m s/rad", lower=0.0, meaning="Coulomb friction torque")
+
+    def torque(self, s, p):
+        return p.K * sign(s.velocity)
+
+
 class NoUnit(Law):
     name = "no-unit"
     K = Parameter("K", unit="furlong", meaning="a unit that is none")
@@ -89,9 +97,9 @@ class NoLaw:
 
 @hookimpl
 def fricmodels_laws():
-    return [Raises, WrongShape, NotFinite, Endless, Kills, Exits, NoUnit, Taken, NoLaw]
+    return [Raises, WrongShape, NotFinite, Endless, Kills, Exits, WrongUnit, NoUnit, Taken, NoLaw]
 """
-BROKEN = ["raises", "wrong-shape", "not-finite", "endless", "kills", "exits"]
+BROKEN = ["raises", "wrong-shape", "not-finite", "endless", "kills", "exits", "wrong-unit"]
 CONFIG = """\
 datasets:
   - {{name: motor, files: motor.csv, inertia: 4.87e-6}}
@@ -134,19 +142,28 @@ def write_log(path: Path) -> None:
 def test_rows_say_what_happened_and_the_others_go_on(site: Path, tmp_path: Path) -> None:
     write_log(tmp_path / "motor.csv")
     config = tmp_path / "config.yaml"
-    config.write_text(CONFIG.format(models=", ".join([*BROKEN, "coulomb-viscous", "square-root"])))
+    config.write_text(CONFIG.format(models=", ".join([*BROKEN, "no-unit", "coulomb-viscous", "square-root"])))
     board = run(load_config(config), tmp_path / "out", directory=tmp_path, processes=1)
     found = {row["model"]: (row["status"], row["message"]) for row in board.rows}
-    assert set(found) == {*BROKEN, "coulomb-viscous", "square-root"}
+    assert set(found) == {*BROKEN, "no-unit", "coulomb-viscous", "square-root"}
     assert [row["model"] for row in board.rows[:2]] == ["coulomb-viscous", "square-root"]
     assert found["coulomb-viscous"][0] == found["square-root"][0] == "ok"
     assert found["raises"][0] == "failed"
     assert "there is no parameter 'K_w'" in found["raises"][1]
-    assert found["wrong-shape"][0] == "failed"
-    assert found["not-finite"][0] in ("failed", "diverged")
+    assert found["wrong-shape"] == (
+        "failed",
+        "'wrong-shape': torque() has the wrong shape 2×1; return one scalar, the torque at one sample",
+    )
+    assert found["not-finite"][0] == "failed"
+    assert "the torque is not finite at rest" in found["not-finite"][1]
+    assert found["wrong-unit"][0] == found["no-unit"][0] == "failed"
+    assert "K has the wrong unit 'N m s/rad': the torque equation needs 'N m'" in found["wrong-unit"][1]
+    assert "law 'no-unit' cannot be used" in found["no-unit"][1]
+    assert "unknown symbol 'furlong'" in found["no-unit"][1]
     assert found["endless"] == ("timeout", "took longer than 10 s")
     assert found["kills"] == ("crashed", "its process died with exit code 7")
-    assert found["exits"] == ("failed", "SystemExit: 3")
+    assert found["exits"][0] == "failed"
+    assert "SystemExit: 3" in found["exits"][1]
     assert all(message for status, message in found.values() if status != "ok")
 
 

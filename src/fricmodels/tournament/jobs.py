@@ -188,6 +188,37 @@ def _drive(model: str, inertia: float | None, motion: Motion) -> Drive:
     return Drive(Model.parse(model), inertia, motion)
 
 
+@lru_cache(maxsize=256)
+def _check_plugins(model: str) -> None:
+    """Refuse a term of a plugin whose torque cannot be evaluated, or is not true in the units that it declares.
+
+    Estimators scale by these units: one that is wrong does not fail, it gives other numbers.
+
+    Raises:
+        FricmodelsError: saying what to change, as the exam does.
+    """
+    from fricmodels.testing.faults import Fault
+    from fricmodels.testing.subject import subject
+    from fricmodels.testing.term_checks import check_finite
+    from fricmodels.testing.units import check_units
+
+    registered = plugins.load()
+    parsed = Model.parse(model)
+    for term in parsed.terms:
+        registry = registered.laws if term is parsed.law else registered.effects
+        if registry.entry(term.name).distribution == "fricmodels":
+            continue
+        try:
+            made = subject(type(term))
+            try:
+                check_units(made)
+            except Fault:
+                check_finite(made)  # what is no number is never the same in other units
+                raise
+        except Fault as fault:
+            raise FricmodelsError(f"'{term.name}': {fault}") from None
+
+
 def execute(job: Job) -> Row:
     """Do one job and return its row. An estimator that fails gives a row that says so; it never raises for that."""
     begin = time.perf_counter()
@@ -206,6 +237,7 @@ def execute(job: Job) -> Row:
 def _fit_and_score(job: Job) -> Row:
     from fricmodels.score import score
 
+    _check_plugins(job.model)
     loaded = load(job.source)
     drive = _drive(job.model, job.source.inertia, loaded.train.motion)
     estimator = plugins.load().estimators[job.estimator](json.loads(job.settings))
