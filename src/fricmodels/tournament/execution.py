@@ -16,6 +16,10 @@ from fricmodels.tournament.jobs import Job, Row, execute
 
 Results = Iterator[tuple[Job, Row]]
 EXECUTORS = ("local", "dask", "serial")
+_UNGUARDED = (
+    "the processes of the tournament cannot start; in a script, which each of them imports, put run(…) under "
+    "if __name__ == '__main__': or pass executor='serial'"
+)
 
 
 def results(jobs: list[Job], *, executor: str, processes: int | None, timeout: float) -> Results:
@@ -35,6 +39,8 @@ def results(jobs: list[Job], *, executor: str, processes: int | None, timeout: f
     if executor == "dask":
         return _dask(jobs, processes, timeout)
     if executor == "local":
+        if getattr(multiprocessing.current_process(), "_inheriting", False):
+            raise InputError(_UNGUARDED)
         return _local(jobs, min(processes or available_cores(), max(len(jobs), 1)), timeout)
     raise InputError(f"unknown executor '{executor}'; known: {', '.join(EXECUTORS)}")
 
@@ -78,7 +84,10 @@ def _local(jobs: list[Job], processes: int, timeout: float) -> Results:
     def start(worker: int) -> None:
         job = queue.next(worker)
         if job is not None:
-            running[pools[worker].schedule(execute, args=[job], timeout=timeout)] = (worker, job)
+            try:
+                running[pools[worker].schedule(execute, args=[job], timeout=timeout)] = (worker, job)
+            except RuntimeError:  # the pool is broken: its process could not even start
+                raise InputError(_UNGUARDED) from None
 
     try:
         for worker in range(processes):
