@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fricmodels.errors import InputError
-from fricmodels.report.figures.style import LIGHT, Figure, escaped, graph_objects, series, styled
+from fricmodels.report.figures.style import LIGHT, Figure, escaped, graph_objects, logarithmic, series, styled
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -18,6 +18,10 @@ if TYPE_CHECKING:
 HELD_OUT = "held_out_rms_torque_error_percent"
 FITTED = "rms_torque_error_percent"
 _MOST_MODELS = 30
+_LABEL, _LINE, _GAP = 17, 13, 15
+"""Pixels of a name, of the line of an estimator, and between models."""
+_WIDE = 15.0
+"""Ratio of errors from which the axis is logarithmic."""
 
 
 @dataclass(frozen=True)
@@ -65,68 +69,85 @@ def leaderboard(rows: Sequence[Mapping[str, Any]] | pd.DataFrame) -> Figure:
     Raises:
         InputError: when there are no rows.
     """
-    go = graph_objects()
     listed = _records(rows)
     if not listed:
         raise InputError("the leaderboard has no rows; run a tournament with at least one model")
     column = HELD_OUT if any(_number(row.get(HELD_OUT)) for row in listed) else FITTED
     found = entries(listed, column)
-    models = sorted(
-        {model for model, _ in found}, key=lambda m: min(entry.middle for key, entry in found.items() if key[0] == m)
-    )[:_MOST_MODELS]
+    best = {model: min(entry.middle for (m, _), entry in found.items() if m == model) for model, _ in found}
+    models = sorted(best, key=lambda model: best[model])[:_MOST_MODELS]
     estimators = list(dict.fromkeys(row["estimator"] for row in listed))
-    figure = go.Figure()
+    figure = graph_objects().Figure()
+    below = 0.0
+    tops = {}
+    for rank, model in enumerate(models, start=1):
+        tops[model] = below + _name(figure, rank, model, below, [e for (m, _), e in found.items() if m == model])
+        below = tops[model] + _LINE * len(estimators) + _GAP
+        if rank < len(models):
+            figure.add_hline(y=below - _GAP / 3, line={"color": LIGHT["grid"], "width": 1}, layer="below")
     for i, estimator in enumerate(estimators):
-        colour, _, symbol = series(i)
-        shown = [(n, found[model, estimator]) for n, model in enumerate(models) if (model, estimator) in found]
-        shown = [(n, entry) for n, entry in shown if math.isfinite(entry.middle)]
-        middle = [entry.middle for _, entry in shown]
-        shift = 0.45 * (i - (len(estimators) - 1) / 2) / len(estimators)
-        figure.add_trace(
-            go.Scatter(
-                x=middle,
-                y=[n + 0.18 + shift for n, _ in shown],
-                name=escaped(estimator),
-                mode="markers",
-                marker={"color": colour, "symbol": symbol, "size": 9},
-                error_x={
-                    "type": "data",
-                    "symmetric": False,
-                    "array": [entry.high - entry.middle for _, entry in shown],
-                    "arrayminus": [entry.middle - entry.low for _, entry in shown],
-                    "color": colour,
-                    "thickness": 1.5,
-                    "width": 4,
-                },
-                customdata=[[escaped(models[n]), entry.fits, entry.failed] for n, entry in shown],
-                hovertemplate=(
-                    "%{customdata[0]}<br>"
-                    + escaped(estimator)
-                    + ": %{x:.3g} %<br>%{customdata[1]} fits, %{customdata[2]} without result<extra></extra>"
-                ),
-            )
-        )
-    fits = {model: [entry for (m, _), entry in found.items() if m == model] for model in models}
-    failures = {model: sum(entry.failed for entry in fits[model]) for model in models}
-    for n, model in enumerate(models):
-        text = f"{n + 1}. {escaped(model)}"
-        if failures[model]:
-            text += f"<br>    <i>no result: {failures[model]} of {sum(entry.fits for entry in fits[model])} fits</i>"
-        figure.add_annotation(
-            x=0, xref="paper", xanchor="left", y=n - 0.54, yref="y", yanchor="top", showarrow=False, align="left",
-            text=text, font={"size": 12, "color": LIGHT["text"]},
-        )  # fmt: skip
-    for n in range(1, len(models)):
-        figure.add_hline(y=n - 0.56, line={"color": LIGHT["grid"], "width": 1}, layer="below")
-    kind = "kept back" if column == HELD_OUT else "fitted"
-    figure.update_xaxes(title_text=f"torque error, {kind} [% of the RMS torque]", rangemode="tozero")
-    figure.update_yaxes(range=[len(models) - 0.4, -0.6], showticklabels=False, showgrid=False, ticks="", zeroline=False)
-    return styled(
-        figure,
-        "Leaderboard",
-        "median and quartiles over recordings and seeds",
-        150 + (74 if any(failures.values()) else 58) * len(models),
+        shown = [(model, found[model, estimator]) for model in models if (model, estimator) in found]
+        shown = [(model, entry) for model, entry in shown if math.isfinite(entry.middle)]
+        _dots(figure, i, estimator, shown, [tops[model] + _LINE * (i + 0.5) for model, _ in shown])
+    ends = [end for entry in found.values() for end in (entry.low, entry.middle, entry.high) if 0 < end < math.inf]
+    wide = bool(ends) and max(ends) > _WIDE * min(ends)
+    figure.update_xaxes(
+        title_text=_measured(listed, column), **(logarithmic(ends) if wide else {"rangemode": "tozero"})
     )
+    figure.update_yaxes(range=[below, 0], showticklabels=False, showgrid=False, ticks="", zeroline=False)
+    figure.update_layout(showlegend=True)
+    several = any(entry.fits > 1 for entry in found.values())
+    about = "median and quartiles over recordings and seeds" if several else "one fit each"
+    if len(best) > len(models):
+        about = f"the best {len(models)} of {len(best)} models; {about}"
+    return styled(figure, "Leaderboard", about, round(140 + below))
+
+
+def _name(figure: Figure, rank: int, model: str, top: float, own: Sequence[Entry]) -> float:
+    """Write the model's name, and how many of its fits gave no result; return the height [pixels] of that."""
+    failed, fits = sum(entry.failed for entry in own), sum(entry.fits for entry in own)
+    note = f"<br>    <i>no result: {failed} of {fits} fits</i>" if failed else ""
+    figure.add_annotation(
+        x=0, xref="paper", xanchor="left", y=top, yref="y", yanchor="top", showarrow=False, align="left",
+        text=f"{rank}. {escaped(model)}{note}", font={"size": 12, "color": LIGHT["text"]},
+    )  # fmt: skip
+    return _LABEL * (2 if failed else 1) + 3
+
+
+def _dots(figure: Figure, index: int, name: str, shown: Sequence[tuple[str, Entry]], places: Sequence[float]) -> None:
+    """Add the medians and quartiles of one estimator."""
+    colour, _, symbol = series(index)
+    figure.add_trace(
+        graph_objects().Scatter(
+            x=[entry.middle for _, entry in shown],
+            y=places,
+            name=escaped(name),
+            mode="markers",
+            marker={"color": colour, "symbol": symbol, "size": 9, "line": {"width": 1, "color": LIGHT["text"]}},
+            error_x={
+                "type": "data",
+                "symmetric": False,
+                "array": [entry.high - entry.middle for _, entry in shown],
+                "arrayminus": [entry.middle - entry.low for _, entry in shown],
+                "color": colour,
+                "thickness": 1.5,
+                "width": 4,
+            },
+            customdata=[[escaped(model), entry.fits, entry.failed] for model, entry in shown],
+            hovertemplate=(
+                f"%{{customdata[0]}}<br>{escaped(name)}: %{{x:.3g}} %<br>"
+                "%{customdata[1]} fits, %{customdata[2]} without result<extra></extra>"
+            ),
+        )
+    )
+
+
+def _measured(rows: Sequence[Mapping[Any, Any]], column: str) -> str:
+    """Return the title of the axis: what the percentages are of."""
+    measures = {row.get("measure") for row in rows} - {None}
+    reference = "K_I" if measures == {"paper"} else "RMS torque"
+    part = "kept back" if column == HELD_OUT else "fitted"
+    return f"torque error, {part} [% of {reference}]"
 
 
 def _quantile(ordered: Sequence[float], share: float) -> float:
