@@ -8,7 +8,7 @@ import os
 import subprocess
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
@@ -58,7 +58,7 @@ simulate: false
 
 
 @pytest.fixture(autouse=True)
-def own_cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+def own_cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
     """Keep verdicts apart from those of the user, the time limit short, and other installed plugins out of the way."""
     every = importlib.metadata.entry_points
 
@@ -71,7 +71,8 @@ def own_cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     monkeypatch.setattr(importlib.metadata, "entry_points", some)
     monkeypatch.setenv("FRICMODELS_CACHE", str(tmp_path / "cache"))
     monkeypatch.setenv(probe.LIMIT, "6")
-    return tmp_path / "cache"
+    yield tmp_path / "cache"
+    plugins.load.cache_clear()
 
 
 def shell(site: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
