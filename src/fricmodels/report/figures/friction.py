@@ -88,11 +88,12 @@ def friction_curve(comparison: Comparison) -> Figure:
                 hoverinfo="skip",
             )
         )
+    drawn = {"x": curve.velocity, "y": curve.torque.astype(np.float32), "mode": "lines"}
+    rim = {"color": LIGHT["surface"], "width": 5}
+    figure.add_trace(go.Scatter(**drawn, line=rim, showlegend=False, hoverinfo="skip"))
     figure.add_trace(
         go.Scatter(
-            x=curve.velocity,
-            y=curve.torque.astype(np.float32),
-            mode="lines",
+            **drawn,
             line={"color": LIGHT["vermillion"], "width": 2.4},
             name="modelled" if curve.spread is None else "modelled (mean)",
             hovertemplate=f"model: %{{y:.4g}} {samples.torque_unit}<br>at %{{x:.4g}}<extra></extra>",

@@ -185,7 +185,7 @@ def confusion(table: pd.DataFrame) -> Figure:
             z=np.where(counts > 0, share, np.nan).astype(np.float32),
             text=[[f"{value:.0f}" if value else "" for value in row] for row in counts],
             texttemplate="%{text}",
-            textfont={"size": 9, "color": LIGHT["text"]},
+            textfont={"size": 10, "color": LIGHT["text"]},
             customdata=counts.astype(np.float32),
             zmin=0,
             zmax=100,
