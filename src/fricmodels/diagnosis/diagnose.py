@@ -163,7 +163,13 @@ def compare_fit(
         train, test: prepared; see :func:`ready` and :func:`kept_back`.
         drive: the model, and its inertia or ``None``.
         parameters, errors: value of every parameter by key, the inertia among them, and standard errors.
+
+    Raises:
+        InputError: when a parameter of the model has no value.
     """
+    for p in drive.parameters:
+        if p.key not in parameters:
+            raise InputError(f"there is no value for '{p.key}' of '{drive.model.name}'; fit it again with this version")
     problem = Problem.of(drive, train, parameters)
     return _compared(replace(problem, estimated=dict(parameters)), Estimate(parameters, errors), train, test)
 

@@ -102,9 +102,12 @@ def _content(figure: Figure) -> str:
 def _style() -> str:
     from fricmodels.report.figures import style
 
-    return _json(
-        {"template": style.template(), "light": style.recolouring(style.LIGHT), "dark": style.recolouring(style.DARK)}
-    )
+    template = style.template()
+    # Each axis makes room on its own side only: a label at the end of a narrow figure would move both in turn.
+    template.layout.xaxis.automargin = "height"
+    template.layout.yaxis.automargin = "width"
+    schemes = {"light": style.recolouring(style.LIGHT), "dark": style.recolouring(style.DARK)}
+    return _json({"template": template, **schemes})
 
 
 def _json(content: Any) -> str:

@@ -55,6 +55,7 @@
       held.looks[scheme()], false,
     );
     const margin = { ...layout.margin };
+    margin.r = Math.max(22, margin.r ?? 0); // half a label beyond the last tick
     margin.t = Math.max(12, (margin.t ?? 58) - 46); // the caption has the title
     return [data, { ...layout, title: undefined, margin, autosize: true, height: place.clientHeight, dragmode: TOUCH ? false : "zoom" }];
   }
@@ -112,7 +113,8 @@
   window.addEventListener("beforeprint", () => places.forEach(draw));
 
   const scrollers = () => document.querySelectorAll(".scroll").forEach((box) => {
-    if (box.scrollWidth > box.clientWidth) box.tabIndex = 0; else box.removeAttribute("tabindex");
+    const hides = box.scrollWidth > box.clientWidth || box.scrollHeight > box.clientHeight;
+    if (hides) box.tabIndex = 0; else box.removeAttribute("tabindex");
   });
   let waiting = 0;
   window.addEventListener("resize", () => {

@@ -1,0 +1,155 @@
+"""A headless Chromium, and pages to look at. Without the browser or its driver these tests are skipped, saying why."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field, replace
+from importlib import resources
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from fricmodels.diagnosis import compare_model, improve, kept_back, ready
+from fricmodels.drive import Drive
+from fricmodels.model import Model
+from fricmodels.report import of_run, story, write
+from fricmodels.rig.demonstration import hidden
+from fricmodels.tournament import run
+from fricmodels.tournament.config import Config
+
+FLAGS = [
+    "--no-sandbox",
+    "--disable-gpu",
+    "--disable-quic",
+    "--no-first-run",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+]
+DRAWN = "[...document.querySelectorAll('.plot')].every(place => place.dataset.drawn)"
+HOSTILE = (
+    """<script>window.hurt = 1</script>"onerror=window.hurt=1 </script>"""
+    """<img src=x onerror='window.hurt = 1'> ${1} {{7*7}}"""
+)
+
+
+@dataclass
+class Seen:
+    """An open page, with what it said and asked for."""
+
+    page: Any
+    console: list[str] = field(default_factory=list)
+    requests: list[str] = field(default_factory=list)
+
+    def draw_everything(self) -> int:
+        """Unfold everything, scroll to each figure, wait until it is drawn; return how many there are."""
+        self.page.evaluate("document.querySelectorAll('details').forEach(each => { each.open = true; })")
+        places = self.page.locator(".plot")
+        for i in range(places.count()):
+            places.nth(i).scroll_into_view_if_needed()
+        for _ in range(200):
+            if self.page.evaluate(DRAWN):
+                return int(places.count())
+            self.page.wait_for_timeout(50)
+        raise AssertionError("a figure was not drawn within ten seconds")
+
+
+Open = Callable[..., Seen]
+
+
+@pytest.fixture(scope="session")
+def chromium() -> Iterator[Any]:
+    playwright = pytest.importorskip("playwright.sync_api", reason="the driver of the browser is not installed")
+    program = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
+    if program is None:
+        pytest.skip("there is no Chromium; install it with: apt-get install chromium")
+    with playwright.sync_playwright() as driver:
+        browser = driver.chromium.launch(executable_path=program, args=FLAGS, headless=True)
+        yield browser
+        browser.close()
+
+
+@pytest.fixture
+def look(chromium: Any) -> Iterator[Open]:
+    """Open a file as a page of its own, from which no request may leave."""
+    contexts = []
+
+    def opened(path: Path, width: int = 1280, scheme: str = "light", **options: Any) -> Seen:
+        context = chromium.new_context(viewport={"width": width, "height": 900}, color_scheme=scheme, **options)
+        contexts.append(context)
+        seen = Seen(context.new_page())
+        seen.page.on("console", lambda message: seen.console.append(message.text))
+        seen.page.on("pageerror", lambda error: seen.console.append(str(error)))
+
+        def held(route: Any) -> None:
+            url = route.request.url
+            if url.startswith("file:"):
+                route.continue_()
+            else:
+                seen.requests.append(url)
+                route.abort()
+
+        seen.page.route("**/*", held)
+        seen.page.goto(path.as_uri())
+        return seen
+
+    yield opened
+    for context in contexts:
+        context.close()
+
+
+@pytest.fixture(scope="session")
+def axe() -> str:
+    """Return the checker of accessibility as a program for a page."""
+    pytest.importorskip("axe_playwright_python", reason="the checker of accessibility is not installed")
+    return (resources.files("axe_playwright_python") / "axe.min.js").read_text(encoding="utf-8")
+
+
+@pytest.fixture(scope="session")
+def story_page(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return the report on a drive with two hidden effects."""
+    rig = hidden()
+    recording = rig.model_copy(update={"samples": 7_500}).simulate()
+    ladder = improve(recording, Model.parse("coulomb-viscous"), rig.inertia)
+    return write(story.of_ladder(ladder), tmp_path_factory.mktemp("story") / "report.html")
+
+
+def _tournament(folder: Path, name: str) -> Path:
+    simulated = {
+        "model": "asymmetric-coulomb-viscous",
+        "parameters": {"K_v1": 1.0e-4, "K_v2": 6.6e-5, "K_c1": 1.0e-2, "K_c2": 6.6e-3},
+        "inertia": 4.87e-6,
+        "amplitude": 0.02,
+        "frequency": 39.54,
+        "noise_percent": 2,
+    }
+    config = Config.model_validate(
+        {
+            "name": name,
+            "datasets": [{"name": f"{name} {which}", "simulate": simulated} for which in ("one", "two")],
+            "models": ["coulomb-viscous", "asymmetric-coulomb-viscous", "coulomb-viscous+thermal"],
+            "estimators": ["rls", {"name": "constant-velocity", "label": f"{name} constant"}],
+            "simulate": False,
+        }
+    )
+    run(config, folder, executor="serial")
+    return write(of_run(folder), folder / "report.html")
+
+
+@pytest.fixture(scope="session")
+def tournament_page(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return the report on a small tournament, some fits of which fail."""
+    return _tournament(tmp_path_factory.mktemp("tournament"), "motor")
+
+
+@pytest.fixture(scope="session")
+def hostile_pages(tmp_path_factory: pytest.TempPathFactory) -> list[Path]:
+    """Return reports in which every name that comes from a user would like to be a program."""
+    folder = tmp_path_factory.mktemp("hostile")
+    rig = hidden()
+    recording = replace(rig.model_copy(update={"samples": 5_000}).simulate(), name=HOSTILE)
+    train, test = kept_back(ready(recording))
+    comparison = compare_model(train, test, Drive(Model.parse("coulomb-viscous"), rig.inertia, recording.motion))
+    return [write(story.of_comparison(comparison), folder / "story.html"), _tournament(folder / "run", HOSTILE)]
