@@ -89,12 +89,12 @@ def friction_curve(comparison: Comparison) -> Figure:
             )
         )
     drawn = {"x": curve.velocity, "y": curve.torque.astype(np.float32), "mode": "lines"}
-    rim = {"color": LIGHT["surface"], "width": 5}
+    rim = {"color": LIGHT["surface"], "width": 3.8}
     figure.add_trace(go.Scatter(**drawn, line=rim, showlegend=False, hoverinfo="skip"))
     figure.add_trace(
         go.Scatter(
             **drawn,
-            line={"color": LIGHT["vermillion"], "width": 2.4},
+            line={"color": LIGHT["vermillion"], "width": 2.2},
             name="modelled" if curve.spread is None else "modelled (mean)",
             hovertemplate=f"model: %{{y:.4g}} {samples.torque_unit}<br>at %{{x:.4g}}<extra></extra>",
         )
