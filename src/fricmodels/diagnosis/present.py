@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import textwrap
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
@@ -114,11 +115,11 @@ def show_where(console: Console, comparison: Comparison) -> None:
     bars = _bars(console, [row.share_of_squared_error for row in rows])
     columns = [
         Column("regime", tuple(row.regime for row in rows)),
-        Column("share of squared error", tuple(f"{100 * row.share_of_squared_error:.4g} %" for row in rows), True),
+        Column("share of squared error", tuple(f"{100 * row.share_of_squared_error:.3g} %" for row in rows), True),
         Column("", bars),
-        Column("share of samples", tuple(f"{100 * row.share_of_samples:.4g} %" for row in rows), True),
+        Column("share of samples", tuple(f"{100 * row.share_of_samples:.3g} %" for row in rows), True),
         Column("samples", tuple(str(row.samples) for row in rows), True),
-        Column(f"RMS error [{unit}]", tuple(f"{row.rms_torque_error:.4g}" for row in rows), True),
+        Column(f"RMS error [{unit}]", tuple(f"{row.rms_torque_error:.3g}" for row in rows), True),
     ]
     show_table(console, columns, "Where it fails: the greatest excess of error over samples first")
 
@@ -140,7 +141,7 @@ def show_diagnosis(console: Console, diagnosis: Diagnosis, ladder: Ladder | None
         _say(
             console,
             f"Whatever the physics, the residual is predicted best from {final.view.channels}: it falls by "
-            f"{100 * final.view.evidence.gain:.4g} % on blocks that were not used for fitting "
+            f"{100 * final.view.evidence.gain:.3g} % on blocks that were not used for fitting "
             f"(p = {final.view.p_value:.3g}).",
         )
         console.print()
@@ -151,8 +152,8 @@ def _show_evidence(console: Console, findings: list[Finding]) -> None:
     tested = [finding.tested for finding in findings]
     columns = [
         Column("effect", tuple(t.name for t in tested)),
-        Column("explains of the residual", tuple(f"{100 * t.evidence.explained:.4g} %" for t in tested), True),
-        Column("lowers error kept back", tuple(f"{100 * t.evidence.gain:.4g} %" for t in tested), True),
+        Column("explains of the residual", tuple(f"{100 * t.evidence.explained:.3g} %" for t in tested), True),
+        Column("lowers error kept back", tuple(f"{100 * t.evidence.gain:.3g} %" for t in tested), True),
         Column("p value, corrected", tuple(f"{t.adjusted:.3g}" for t in tested), True),
     ]
     if any(len(finding.names) > 1 for finding in findings):
@@ -278,6 +279,7 @@ def _title(console: Console, text: str) -> None:
 def _say(console: Console, text: str) -> None:
     from rich.text import Text
 
-    # A number and its percent sign stay on one line.
-    lines = textwrap.wrap(plain(text).replace(" %", "\N{NO-BREAK SPACE}%"), console.width, break_on_hyphens=False)
+    # A number stays on one line with its percent sign, and with what it is the value of.
+    whole = re.sub(r" (?=%)|(?<=[=±]) | (?=[=±])", "\N{NO-BREAK SPACE}", plain(text))
+    lines = textwrap.wrap(whole, console.width, break_on_hyphens=False)
     console.print(Text("\n".join(lines).replace("\N{NO-BREAK SPACE}", " ")))
