@@ -29,6 +29,10 @@ def command(
 ) -> None:
     """Fit a model to a recording and show where it fails."""
     recording, chosen = load(data, model, column, torque_constant, reader, linear)
+    if report is not None:
+        from fricmodels.report import check
+
+        check(report)
     from rich.console import Console
 
     from fricmodels.diagnosis import compare_model, kept_back, ready

@@ -31,6 +31,10 @@ def command(
 ) -> None:
     """Name the effect that a model is missing, with its evidence, or say that the data cannot tell."""
     recording, chosen = load(data, model, column, torque_constant, reader, linear, leave_out)
+    if report is not None:
+        from fricmodels.report import check
+
+        check(report)
     from rich.console import Console
 
     from fricmodels.diagnosis import diagnose

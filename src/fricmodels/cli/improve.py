@@ -31,6 +31,10 @@ def command(
 ) -> None:
     """Add the missing effect, refit everything, and repeat until nothing is missing: the ladder."""
     recording, chosen = load(data, model, column, torque_constant, reader, linear, leave_out)
+    if report is not None:
+        from fricmodels.report import check
+
+        check(report)
     from rich.console import Console
 
     from fricmodels.diagnosis import improve

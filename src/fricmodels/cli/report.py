@@ -33,12 +33,14 @@ def command(
     RUN is what `run`, `diagnose` or `improve` wrote with --out. DATA is a recording; it is diagnosed and the model
     improved as by `improve`. The page needs no network and no other file.
     """
-    from fricmodels.report import of_run, story, write
+    from fricmodels.report import check, of_run, story, write
 
     if target.is_dir() or target.suffix == ".json":
         folder = target if target.is_dir() else target.parent
         print(f"wrote {write(of_run(target), out or folder / 'report.html')}")
         return
+    page = out or Path(f"{target.stem}.html")
+    check(page)
     recording, chosen = load(target, model, column, torque_constant, reader, linear, leave_out)
     from rich.console import Console
 
@@ -47,4 +49,4 @@ def command(
     with Console(stderr=True).status("improving") as status:
         ladder = improve(recording, chosen, inertia, leave_out=leave_out or (), progress=status.update)
     options = [part for name in leave_out or () for part in ("--leave-out", name)]
-    print(f"wrote {write(story.of_ladder(ladder, options), out or Path(f'{target.stem}.html'))}")
+    print(f"wrote {write(story.of_ladder(ladder, options), page)}")

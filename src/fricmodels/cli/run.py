@@ -33,6 +33,10 @@ def command(
     loaded = load_config(config)
     planned = plan(loaded, config.parent)
     warn(planned.left_out)
+    if report_file is not None:
+        from fricmodels.report import check
+
+        check(report_file)
     target = out if out is not None else Path("runs") / loaded.name
     with progress_of_fits() as report:
         board = run(

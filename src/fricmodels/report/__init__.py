@@ -9,6 +9,30 @@ if TYPE_CHECKING:
     from fricmodels.report.page import Page
 
 
+def check(path: str | Path) -> None:
+    """Make sure, before the work begins, that a report can be written there.
+
+    Raises:
+        InputError: when Plotly or Jinja2 is not installed, or there is no such place.
+    """
+    from importlib.util import find_spec
+
+    from fricmodels.errors import InputError
+
+    for needed in ("plotly", "jinja2"):
+        if find_spec(needed) is None:
+            raise InputError(
+                f"reports need {needed}, which is not installed; install it with: pip install 'fricmodels[report]'"
+            )
+    target = Path(path)
+    if target.is_dir():
+        raise InputError(f"{target}: is a directory; name a file in it, such as {target / 'report.html'}")
+    try:
+        target.parent.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError(f"{target}: cannot be written: {error.strerror}") from None
+
+
 def write(page: Page, path: str | Path) -> Path:
     """Write a page as one HTML file, whole or not at all; its directory is made.
 
@@ -18,10 +42,8 @@ def write(page: Page, path: str | Path) -> Path:
     from fricmodels.report.render import render
     from fricmodels.tournament.files import write_text
 
-    target = Path(path)
-    html = render(page)
-    target.parent.mkdir(parents=True, exist_ok=True)
-    return write_text(target, html)
+    check(path)
+    return write_text(Path(path), render(page))
 
 
 def of_run(directory: str | Path) -> Page:

@@ -46,7 +46,11 @@ def over_time(comparison: Comparison, *, kept_back: bool = True) -> Picture:
         figure = figures.overlay(comparison)
         words += f", {percent(errors.held_out_percent)} on what was kept back (shaded)"
     else:
-        figure = figures.overlay(replace(comparison, test=comparison.test.select(np.arange(0))))
+        from fricmodels.report.figures.samples import Samples
+
+        samples = Samples.of(comparison)
+        first = samples.place[~samples.kept_back]
+        figure = figures.overlay(comparison, (float(first[0]), float(first[-1])))
     title = f"{words_of('torque', comparison).capitalize()} over time"
     return Picture(title, f"{words}. {where_words(comparison)}", figure, points_of(figure))
 

@@ -1,0 +1,190 @@
+"""The report on a recording says what the diagnosis found, and says the same when made from the files it left."""
+
+from __future__ import annotations
+
+import json
+import re
+from pathlib import Path
+
+import pytest
+
+from fricmodels.diagnosis import Ladder, compare_model, improve, kept_back, ready
+from fricmodels.diagnosis.document import document
+from fricmodels.diagnosis.document import write as write_document
+from fricmodels.drive import Drive
+from fricmodels.errors import InputError
+from fricmodels.model import Model
+from fricmodels.readers import read
+from fricmodels.report import of_run, story
+from fricmodels.report.page import Block, Code, Equations, Fold, Gallery, Page, Picture, Table
+from fricmodels.report.render import render
+from fricmodels.rig import write as write_recording
+from fricmodels.rig.demonstration import hidden
+
+
+def blocks(page: Page) -> list[Block]:
+    found: list[Block] = []
+
+    def walk(some: object) -> None:
+        for block in some:  # type: ignore[attr-defined]
+            found.append(block)
+            if isinstance(block, Fold | Gallery):
+                walk(block.blocks)
+
+    for section in page.sections:
+        walk(section.blocks)
+    return found
+
+
+def cells(page: Page) -> dict[str, list[tuple[str, ...]]]:
+    return {block.caption: block.rows for block in blocks(page) if isinstance(block, Table)}
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return tmp_path_factory.mktemp("story")
+
+
+@pytest.fixture(scope="module")
+def ladder(folder: Path) -> Ladder:
+    rig = hidden()
+    data, _ = write_recording(rig.model_copy(update={"samples": 7_500}).simulate(), folder / "joint.csv")
+    found = improve(read(data), Model.parse("coulomb-viscous"), rig.inertia)
+    write_document(document(found.first, found), folder)
+    return found
+
+
+@pytest.fixture(scope="module")
+def page(ladder: Ladder) -> Page:
+    return story.of_ladder(ladder)
+
+
+def test_the_verdict_names_what_was_hidden(page: Page) -> None:
+    assert page.verdict.sentence == "The model coulomb-viscous lacks two effects: cogging and stribeck."
+    assert page.verdict.tone == "warn"
+    assert any("poles, slots or teeth" in line for line in page.verdict.details)
+    assert [tile.label for tile in page.tiles][:2] == [
+        "torque error of the given model, kept back",
+        "with what was found, kept back",
+    ]
+
+
+def test_parameters_stand_with_interval_and_unit(page: Page, ladder: Ladder) -> None:
+    rows = {row[0]: row for row in cells(page)["coulomb-viscous+cogging+stribeck"]}
+    parameters = ladder.rungs[-1].comparison.estimate.parameters
+    assert set(rows) == set(parameters)
+    assert rows["J"][1:4] == ("1.800", "given", "kg m²")
+    for key in ("K_c", "stribeck.F_s"):
+        value, half = (float(text.removeprefix("± ")) for text in rows[key][1:3])
+        assert value == pytest.approx(parameters[key], abs=half / 2)
+        assert rows[key][3] == "N m"
+    truth = {"K_v": 6.0, "K_c": 9.0, "stribeck.omega_s": 0.12, "stribeck.delta": 1.5}
+    for key, true in truth.items():
+        value, half = (float(text.removeprefix("± ")) for text in rows[key][1:3])
+        assert abs(value - true) < 3 * half + 0.01 * true
+
+
+def test_what_could_not_be_seen_stands_with_its_reason(page: Page) -> None:
+    rows = {row[0]: row[1:] for row in cells(page)["Effects that this recording cannot show"]}
+    assert rows["thermal"] == ("the recording has no temperature", "a temperature that changes")
+    seen = " ".join(row[-1] for row in cells(page)["Smallest effect that would have been found"])
+    assert "gravity" in seen
+    assert "cogging" not in seen
+
+
+def test_each_figure_has_its_message_and_a_table(page: Page) -> None:
+    pictures = [block for block in blocks(page) if isinstance(block, Picture)]
+    assert len(pictures) > 10
+    assert all(len(picture.message) > 20 for picture in pictures)
+    without = [picture.title for picture in pictures if picture.table is None]
+    assert without == ["The error falls"], "the ladder's table stands below it"
+    marks = [picture for picture in pictures if picture.title.startswith("Its mark")]
+    assert len(marks) == 2
+    line = re.search(r"stands at ([\d.]+) 1/turn", marks[0].message)
+    assert line is not None
+    assert float(line[1]) == pytest.approx(7.3, abs=0.5)
+
+
+def test_the_equations_are_those_of_law_and_effects(page: Page) -> None:
+    lines = [formula for block in blocks(page) if isinstance(block, Equations) for formula, _ in block.lines]
+    assert "τ_law = K_v·ω + K_c·sgn ω" in lines
+    assert "τ_F = τ_law + τ_1 + τ_2" in lines
+
+
+def test_provenance_is_exact(page: Page, folder: Path) -> None:
+    import hashlib
+
+    rows = dict(cells(page)["Recording and programs"])
+    assert rows["SHA-256 of the file"] == hashlib.sha256((folder / "joint.csv").read_bytes()).hexdigest()
+    assert "numpy" in rows["versions"]
+    code = next(block for block in blocks(page) if isinstance(block, Code))
+    assert "fricmodels improve" in code.text
+    assert "--model coulomb-viscous --inertia 1.8" in code.text
+
+
+def test_made_from_the_files_the_page_is_the_same(page: Page, folder: Path) -> None:
+    assert render(of_run(folder)) == render(of_run(folder / "diagnosis.json"))
+    again = of_run(folder)
+    assert again.verdict == page.verdict
+    assert again.tiles == page.tiles
+    assert cells(again).keys() == cells(page).keys()
+    same = ("coulomb-viscous+cogging+stribeck", "RMS torque error, in % of the RMS motor torque")
+    assert all(cells(again)[caption] == cells(page)[caption] for caption in same)
+    assert [section.name for section in again.sections] == [section.name for section in page.sections]
+
+
+def test_without_the_recording_the_words_remain(page: Page, folder: Path, tmp_path: Path) -> None:
+    text = json.loads((folder / "diagnosis.json").read_text(encoding="utf-8"))
+    text["recording"]["source"] = str(tmp_path / "gone.csv")
+    (tmp_path / "diagnosis.json").write_text(json.dumps(text), encoding="utf-8")
+    bare = of_run(tmp_path)
+    assert bare.verdict == page.verdict
+    assert not [block for block in blocks(bare) if isinstance(block, Picture)]
+    assert "There are no figures" in render(bare)
+    assert "gone.csv" in render(bare)
+
+
+def test_a_recording_that_changed_is_not_drawn(folder: Path, ladder: Ladder, tmp_path: Path) -> None:
+    text = json.loads((folder / "diagnosis.json").read_text(encoding="utf-8"))
+    changed = (folder / "joint.csv").read_text(encoding="utf-8") + "\n"
+    (tmp_path / "joint.csv").write_text(changed, encoding="utf-8")
+    text["recording"]["source"] = str(tmp_path / "joint.csv")
+    (tmp_path / "diagnosis.json").write_text(json.dumps(text), encoding="utf-8")
+    assert "has changed since the diagnosis" in render(of_run(tmp_path))
+
+
+def test_a_comparison_says_where_it_fails_and_nothing_more(ladder: Ladder) -> None:
+    first = ladder.first.comparison
+    page = story.of_comparison(first)
+    assert [section.name for section in page.sections] == ["measured", "fails", "parameters", "provenance"]
+    assert "leaves a torque error of" in page.verdict.sentence
+
+
+def test_an_adequate_model_is_called_so(folder: Path, ladder: Ladder) -> None:
+    last = story.of_diagnosis(ladder.last)
+    assert last.verdict.sentence == "The model coulomb-viscous+cogging+stribeck is adequate: " + (
+        "nothing that could be predicted is left."
+    )
+    assert last.verdict.tone == "good"
+
+
+def test_a_linear_axis_has_forces_and_metres() -> None:
+    from dataclasses import replace
+
+    from fricmodels.dimension import Motion
+
+    recording = replace(hidden().model_copy(update={"samples": 5_000}).simulate(), motion=Motion.LINEAR)
+    train, test = kept_back(ready(recording))
+    page = story.of_comparison(compare_model(train, test, Drive(Model.parse("coulomb-viscous"), None, Motion.LINEAR)))
+    rows = {row[0]: row for row in cells(page)["coulomb-viscous"]}
+    assert rows["K_v"][3] == "N s/m"
+    assert rows["M"][3] == "kg"
+    assert "Force over time" in [block.title for block in blocks(page) if isinstance(block, Picture)]
+
+
+@pytest.mark.parametrize("content", [None, "{", '{"schema": "other"}', '{"schema": "fricmodels/diagnosis/1"}'])
+def test_a_folder_without_results_is_refused_in_one_line(content: str | None, tmp_path: Path) -> None:
+    if content is not None:
+        (tmp_path / "diagnosis.json").write_text(content, encoding="utf-8")
+    with pytest.raises(InputError, match=str(tmp_path)):
+        of_run(tmp_path)

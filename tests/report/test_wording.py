@@ -1,0 +1,61 @@
+"""Numbers, intervals and units as they are printed."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from fricmodels.report import wording
+
+
+@pytest.mark.parametrize(
+    ("value", "digits", "expected"),
+    [
+        (0.0, 3, "0"),
+        (15.38, 3, "15.4"),
+        (0.28043, 3, "0.280"),
+        (9.996e-4, 2, "0.0010"),
+        (9.96e-5, 2, "0.00010"),
+        (-3.5e-7, 2, "−3.5×10⁻⁷"),
+        (123456.0, 3, "1.23×10⁵"),
+        (math.nan, 3, "–"),
+        (None, 3, "–"),
+    ],
+)
+def test_numbers(value: float | None, digits: int, expected: str) -> None:
+    assert wording.number(value, digits) == expected
+
+
+@given(st.floats(min_value=1e-12, max_value=1e12), st.integers(min_value=1, max_value=8))
+def test_a_printed_number_is_the_number_to_its_digits(value: float, digits: int) -> None:
+    printed = wording.number(value, digits)
+    mantissa, _, power = printed.partition("×10")
+    exponent = int(power.translate(str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "-0123456789"))) if power else 0
+    assert float(mantissa) * 10.0**exponent == pytest.approx(value, rel=0.5001 * 10.0 ** (1 - digits))
+
+
+def test_an_interval_is_as_precise_as_it_is_certain() -> None:
+    assert wording.interval(1.81514, 0.000541) == ("1.8151", "± 0.0011")
+    assert wording.interval(6.0, 0.4) == ("6.00", "± 0.78")
+    assert wording.interval(1.8, None) == ("1.800", "")
+    assert wording.interval(0.001, 0.5) == ("0.0010", "± 0.98")
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"), [("kg m^2", "kg m²"), ("1", ""), ("N m s^(1/2)/rad^(1/2)", "N m s¹ᐟ²/rad¹ᐟ²")]
+)
+def test_units(text: str, expected: str) -> None:
+    assert wording.unit(text) == expected
+
+
+def test_words() -> None:
+    assert wording.listed(["a", "b", "c"]) == "a, b and c"
+    assert wording.listed([]) == ""
+    assert wording.counted(2, "effect") == "two effects"
+    assert wording.counted(1, "effect") == "one effect"
+    assert wording.small(1e-20) == "below one in a million"
+    assert wording.known_model("no-such-law") is None
+    assert wording.meaning_of("J", {}) == "inertia"
