@@ -120,13 +120,14 @@ def test_a_model_may_be_given_by_name_or_as_it_is(made: Made) -> None:
     assert by_name.comparison.errors == compare(recording, "coulomb-viscous", 2.0).errors
 
 
-def test_a_pipe_gets_plain_text_of_its_width(tmp_path: Path) -> None:
+@pytest.mark.parametrize("encoding", ["utf-8", "ascii"])
+def test_a_pipe_gets_plain_text_of_its_width(encoding: str, tmp_path: Path) -> None:
     rig = hidden().model_copy(update={"samples": 6000})
     data, _ = write(rig.simulate(), tmp_path / "joint.csv")
     command = [sys.executable, "-m", "fricmodels", "diagnose", data.name, "--model", "coulomb-viscous"]
-    environment = {**os.environ, "COLUMNS": "72", "PYTHONIOENCODING": "utf-8"}
+    environment = {**os.environ, "COLUMNS": "72", "PYTHONIOENCODING": encoding}
     done = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, timeout=120, check=True)
-    text = done.stdout.decode("utf-8")
+    text = done.stdout.decode(encoding)
     assert b"\x1b" not in done.stdout + done.stderr
     assert max(len(line) for line in text.splitlines()) <= 72
     assert "Verdict" in text
