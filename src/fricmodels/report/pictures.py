@@ -245,7 +245,7 @@ def points_of(figure: Figure) -> Table | None:
             )
             for i in chosen
         ]
-    across, up = _title(_lowest(figure)), _title(figure.layout.yaxis)
+    across, up = _titles(figure, "x"), _titles(figure, "y")
     return table("Some points of the curves", {"curve": False, across: True, up: True}, rows) if rows else None
 
 
@@ -268,10 +268,10 @@ def _mean(cells: Array) -> str:
     return number(float(known.mean()), 2) if len(known) else "–"
 
 
-def _lowest(figure: Figure) -> Any:
-    """Return the horizontal axis that has a title: of panels above each other, that of the lowest."""
-    axes = [figure.layout[name] for name in figure.layout if str(name).startswith("xaxis")]
-    return next((axis for axis in axes if axis.title.text), figure.layout.xaxis)
+def _titles(figure: Figure, letter: str) -> str:
+    """Return the titles of all horizontal or vertical axes of a figure, each once."""
+    names = sorted(str(name) for name in figure.layout if str(name).startswith(f"{letter}axis"))
+    return " / ".join(dict.fromkeys(title for name in names if (title := _title(figure.layout[name]))))
 
 
 def _title(axis: Any) -> str:
