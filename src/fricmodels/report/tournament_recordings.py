@@ -1,0 +1,135 @@
+"""The best models of a tournament against its recordings."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+from fricmodels.errors import FricmodelsError
+from fricmodels.report.page import Block, Fold, Gallery, Heading, Section, Words
+from fricmodels.report.wording import counted, listed, percent
+from fricmodels.tournament.leaderboard import HELD_OUT, Leaderboard
+from fricmodels.tournament.origin import Origin
+
+if TYPE_CHECKING:
+    from fricmodels.diagnosis.diagnose import Comparison
+    from fricmodels.tournament.sources import Loaded, Source
+
+Row = Mapping[str, Any]
+
+MOST_RECORDINGS = 8
+"""Recordings that are drawn."""
+MOST_MODELS = 2
+"""Models that are drawn beside the best, on each recording."""
+_FITTED = "rms_torque_error_percent"
+
+
+def identity(dataset: str, tags: Mapping[str, Any]) -> str:
+    """Return which recording a row or a source is of, as one text."""
+    return json.dumps([dataset, dict(tags)], sort_keys=True)
+
+
+def best_of_each(board: Leaderboard) -> dict[str, list[Row]]:
+    """Return, for each dataset, the best fit of every model on the recording that the best of all was fitted to."""
+    found: dict[str, list[Row]] = {}
+    for row in board.rows:
+        if row["status"] != "ok":
+            continue
+        own = found.setdefault(row["dataset"], [])
+        if not own or (row["tags"] == own[0]["tags"] and all(row["model"] != other["model"] for other in own)):
+            own.append(row)
+    return found
+
+
+def recordings(board: Leaderboard, best: Mapping[str, list[Row]], origin: Origin) -> Section:
+    """Show the best model against each recording, and where it fails."""
+    known = {identity(source.dataset, source.tags): source for source in origin.sources}
+    blocks: list[Block] = []
+    for number, (dataset, rows) in enumerate(best.items()):
+        if number == MOST_RECORDINGS:
+            rest = len(best) - MOST_RECORDINGS
+            blocks.append(
+                Words(f"{counted(rest, 'more dataset')} in the leaderboard: {listed([*best][MOST_RECORDINGS:])}.")
+            )
+            break
+        blocks += _dataset(dataset, rows, known.get(identity(dataset, rows[0]["tags"])), origin, alone=len(best) == 1)
+    without = [name for name in dict.fromkeys(row["dataset"] for row in board.rows) if name not in best]
+    if without:
+        blocks.append(Words(f"No model gave a result on {listed(without)}."))
+    return Section("measured", "Best models against measurements", blocks)
+
+
+def _dataset(dataset: str, rows: Sequence[Row], source: Source | None, origin: Origin, *, alone: bool) -> list[Block]:
+    from fricmodels.report.pictures import by_regime, curve, marks, over_time
+
+    first = rows[0]
+    figure = HELD_OUT if first.get(HELD_OUT) is not None else _FITTED
+    tags = ", ".join(f"{key.replace('_', ' ')} {value}" for key, value in first["tags"].items())
+    others = [f"{row['model']} {percent(row.get(figure))}" for row in rows[1:4]]
+    words = f"Best here: {first['model']} with {first['estimator']}, {percent(first.get(figure))} torque error"
+    blocks: list[Block] = [
+        Heading(dataset, remark=tags),
+        Words(f"{words}; then {listed(others)}." if others else f"{words}."),
+    ]
+    try:
+        loaded = _loaded(source, origin)
+        comparison = compared(loaded, source, first)
+    except FricmodelsError as error:
+        return [*blocks, Words(f"There are no figures of this recording: {error}.")]
+    kept_back = loaded.prepared_test is not None
+    blocks += [over_time(comparison, kept_back=kept_back), curve(comparison), by_regime(comparison)]
+    blocks.append(Fold(f"What {first['model']} leaves over, by signal", [Gallery(marks(comparison))]))
+    inner: list[Block] = []
+    for row in rows[1 : 1 + (MOST_MODELS if alone else 1)]:
+        other = compared(loaded, source, row)
+        inner += [
+            Heading(row["model"], remark=f"with {row['estimator']}"),
+            over_time(other, kept_back=kept_back),
+            curve(other),
+        ]
+    if inner:
+        blocks.append(Fold("The next best model" if len(inner) == 3 else "The next best models", inner))
+    return blocks
+
+
+def _loaded(source: Source | None, origin: Origin) -> Loaded:
+    from fricmodels.tournament.sources import load
+
+    if source is None:
+        raise FricmodelsError("the run does not say where it came from")
+    loaded = load(source)
+    if origin.digests.get(source, loaded.digest) != loaded.digest:
+        raise FricmodelsError("its file has changed since the tournament")
+    return loaded
+
+
+def compared(loaded: Loaded, source: Source | None, row: Row) -> Comparison:
+    """Return a row of the leaderboard as a comparison with its recording, as it was scored.
+
+    Where all of a recording was fitted, that takes the place of what was kept back.
+    """
+    from fricmodels.diagnosis import compare_fit
+    from fricmodels.diagnosis.diagnose import Errors
+    from fricmodels.drive import Drive
+    from fricmodels.model import Model
+
+    train = loaded.prepared_train
+    test = loaded.prepared_test if loaded.prepared_test is not None else train
+    drive = Drive(Model.parse(row["model"]), None if source is None else source.inertia, train.motion)
+    found = compare_fit(train, test, drive, row["parameters"], _numbers(row["standard_errors"]))
+    held_out = row.get(HELD_OUT)
+    return replace(
+        found,
+        errors=Errors(
+            found.errors.SI if row.get("rms_torque_error") is None else row["rms_torque_error"],
+            row[_FITTED],
+            math.nan if held_out is None else held_out,
+        ),
+    )
+
+
+def _numbers(values: Mapping[str, float | None]) -> dict[str, float]:
+    return {key: 0.0 if value is None else value for key, value in values.items()}
