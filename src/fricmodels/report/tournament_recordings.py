@@ -24,6 +24,8 @@ MOST_RECORDINGS = 8
 """Recordings that are drawn."""
 MOST_MODELS = 2
 """Models that are drawn beside the best, on each recording."""
+MOST_SAMPLES = 1_000_000
+"""Of a longer recording only the best model is drawn."""
 _FITTED = "rms_torque_error_percent"
 
 
@@ -83,7 +85,8 @@ def _dataset(dataset: str, rows: Sequence[Row], source: Source | None, origin: O
     blocks += [over_time(comparison, kept_back=kept_back), curve(comparison), by_regime(comparison)]
     blocks.append(Fold(f"What {first['model']} leaves over, by signal", [Gallery(marks(comparison))]))
     inner: list[Block] = []
-    for row in rows[1 : 1 + (MOST_MODELS if alone else 1)]:
+    others_drawn = 0 if len(comparison.train) > MOST_SAMPLES else MOST_MODELS if alone else 1
+    for row in rows[1 : 1 + others_drawn]:
         other = compared(loaded, source, row)
         inner += [
             Heading(row["model"], remark=f"with {row['estimator']}"),

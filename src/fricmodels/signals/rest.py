@@ -8,6 +8,7 @@ and the acceleration a with which this recording otherwise moves at low speed.
 
 from __future__ import annotations
 
+import weakref
 from collections.abc import Iterator
 
 import numpy as np
@@ -21,15 +22,28 @@ from fricmodels.signals.segments import Array, stretches
 _BAND = 3.0
 """Standard errors from zero within which a velocity is no evidence of motion."""
 
+_known: dict[int, tuple[weakref.ref[Recording], NDArray[np.bool_]]] = {}
+
 
 def resting(recording: Recording) -> NDArray[np.bool_]:
-    """Return where the drive stands still, shape (N,).
+    """Return where the drive stands still, shape (N,); found once for each recording, not to be written to.
 
     From the measured velocity; from the position where the velocity is not there or was derived.
 
     Raises:
         InputError: when the recording has neither.
     """
+    known = _known.get(id(recording))
+    if known is not None and known[0]() is recording:
+        return known[1]
+    mask = _found(recording)
+    mask.setflags(write=False)
+    key = id(recording)
+    _known[key] = (weakref.ref(recording, lambda _: _known.pop(key, None)), mask)
+    return mask
+
+
+def _found(recording: Recording) -> NDArray[np.bool_]:
     velocity, error = smoothed_velocity(recording)
     band = _BAND * error
     if not _from_position(recording):
