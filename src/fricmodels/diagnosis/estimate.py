@@ -10,10 +10,12 @@ from numpy.typing import NDArray
 
 from fricmodels.diagnosis.evidence import cosine_terms, long_run_sum
 from fricmodels.diagnosis.problem import Problem
-from fricmodels.diagnosis.search import walk
+from fricmodels.diagnosis.search import search, walk
+from fricmodels.diagnosis.survey import regression_of
 from fricmodels.drive import Drive
 from fricmodels.errors import InputError
 from fricmodels.recording import Recording, natural_size
+from fricmodels.term import Effect
 
 Array = NDArray[np.float64]
 
@@ -49,21 +51,47 @@ def estimate(drive: Drive, recording: Recording, start: Mapping[str, float] | No
     Raises:
         InputError: when the recording moves too little to fit the model.
     """
+    start = _started(drive, recording, start or {})
     first = Problem.of(drive, recording, _guess(drive, recording, start))
-    found = _fit(first, start or {})
+    found = _fit(first, start)
     # Once the friction is known, so is where the drive may stick at a reversal.
     problem = Problem.of(drive, recording, found.parameters)
-    found = _fit(problem, {**(start or {}), **found.parameters})
+    found = _fit(problem, {**start, **found.parameters})
     if "motor_torque" in drive.model.needs:
         for _ in range(_STAGES):
             problem = replace(problem, estimated=found.parameters)
-            found = _fit(problem, {**(start or {}), **found.parameters})
+            found = _fit(problem, {**start, **found.parameters})
     return replace(problem, law_share=problem.law_has(found.parameters), estimated=found.parameters), found
 
 
-def _guess(drive: Drive, recording: Recording, start: Mapping[str, float] | None) -> dict[str, float]:
+def _started(drive: Drive, recording: Recording, start: Mapping[str, float]) -> Mapping[str, float]:
+    """Return where to begin: what is not given of an effect is searched for in what the model without it leaves over.
+
+    A wave number, a delay or an instant must be near the truth for a fit of the whole model to find it.
+    """
+    keys = {p.key for p in drive.model_parameters if not p.linear and p.key not in start}
+    for effect in reversed(drive.model.effects):
+        wanted = [p.symbol for p in effect.parameters if f"{effect.name}.{p.symbol}" in keys]
+        if not wanted:
+            continue
+        smaller = Drive(drive.model.minus(effect.name), drive.inertia, drive.motion)
+        problem, rest = estimate(smaller, recording, start)
+        found = search(problem, regression_of(problem, rest.parameters), effect, problem.alone(effect))
+        if found is None:
+            return start
+        nonlinear = [p.symbol for p in effect.parameters if not _linear_in(drive, effect, p.symbol)]
+        values = {f"{effect.name}.{s}": value for s, value in zip(nonlinear, found.nonlinear, strict=True)}
+        return {**rest.parameters, **values, **start}
+    return start
+
+
+def _linear_in(drive: Drive, effect: Effect, symbol: str) -> bool:
+    return next(p.linear for p in drive.model_parameters if p.key == f"{effect.name}.{symbol}")
+
+
+def _guess(drive: Drive, recording: Recording, start: Mapping[str, float]) -> dict[str, float]:
     """Return parameters good enough to choose the width of the bumps: only the inertia matters."""
-    values = {p.key: (start or {}).get(p.key, p.declared.initial) for p in drive.model.parameters}
+    values = {p.key: start.get(p.key, p.declared.initial) for p in drive.model.parameters}
     if drive.inertia is None:
         acceleration = np.gradient(recording.velocity, recording.time)
         coarse = np.convolve(acceleration, np.ones(9) / 9, "same")

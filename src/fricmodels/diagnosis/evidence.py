@@ -123,8 +123,14 @@ class Regression:
             residual[block] = self.target[block] - theta @ scaled[:, block]
         return residual
 
-    def test(self, columns: Array) -> Evidence:
-        """Test whether columns, all of them visible, belong to the model."""
+    def test(self, columns: Array, against: Regression | None = None) -> Evidence:
+        """Test whether columns, all of them visible, belong to the model.
+
+        Args:
+            columns: shape (q, M).
+            against: the regression without them, to which residual and loss are compared; this one by default.
+        """
+        without = against or self
         free = self.free(columns)
         scale = np.linalg.norm(free, axis=1)
         unit = free / scale[:, None]
@@ -140,8 +146,8 @@ class Regression:
         statistic = float(theta @ np.linalg.pinv(variance, rcond=1e-12, hermitian=True) @ theta)
         p_value = float(fisher.sf(statistic * freedom / (self.terms * q), q, freedom))
         loss = self.held_out(np.vstack([self.base, columns])) ** 2
-        gain, gain_p = compare(self.loss, loss, self.terms)
-        total = float(self.residual @ self.residual)
+        gain, gain_p = compare(without.loss, loss, self.terms)
+        total = float(without.residual @ without.residual)
         return Evidence(
             theta / scale,
             variance / np.outer(scale, scale),

@@ -100,20 +100,20 @@ class Problem:
         return replace(problem, law_share=problem.law_has(parameters))
 
     def law_has(self, parameters: Mapping[str, float]) -> tuple[float, float]:
-        """Return how much of the model's friction rises with speed [torque/velocity], and how much falls [torque].
+        """Return the most that can rise with speed [torque/velocity] and fall [torque] of the model's friction.
 
-        Each is half as much again as estimated, in the direction that has more of it.
+        Neither part can be more than all of the friction, in the direction that has more of it. How a model divides its
+        friction between them is not known so well, least of all while an effect is missing.
         """
         peak = float(np.max(np.abs(self.recording.velocity)))
         grid = np.concatenate([[1e-9], np.geomspace(1e-4, 1.0, 40)]) * (peak or 1.0)
         few = self.recording.select(np.zeros(len(grid), dtype=np.int64))
-        rise, fall = 0.0, 0.0
-        for side in (1, -1):
-            level = np.abs(self.drive.friction(few, parameters, velocity=side * grid, states=self._at_rest(len(grid))))
-            half = float(np.interp(0.5 * grid[-1], grid, level))
-            rise = max(rise, (float(level[-1]) - half) / (0.5 * grid[-1]))
-            fall = max(fall, float(level[0] - np.min(level)))
-        return 1.5 * rise, 1.5 * fall
+        states = self._at_rest(len(grid))
+        most = max(
+            float(np.max(np.abs(self.drive.friction(few, parameters, velocity=side * grid, states=states))))
+            for side in (1, -1)
+        )
+        return most / (peak or 1.0), most
 
     def _at_rest(self, count: int) -> list[Array]:
         return [np.full(count, state.initial) for state in self.drive.model.states]
@@ -292,16 +292,18 @@ def _hidden_turns(
     Where the velocity could have reached zero between two samples, it passed cleanly only if the torque at both drives
     it on in one direction, beyond what friction holds. Otherwise it may have stuck, or turned twice, in between.
     """
-    first, last = smooth[:-1], smooth[1:]
-    near = np.minimum(np.abs(first), np.abs(last)) < np.abs(last - first)
-    cell = np.flatnonzero((near | (first * last < 0)) & (np.diff(recording.run) == 0))
+    _, error = smoothed_velocity(recording)
+    change = np.abs(np.diff(smooth, prepend=smooth[:1], append=smooth[-1:]))
+    near = np.abs(smooth) < np.maximum(change[:-1], change[1:]) + _CERTAIN * error
+    least, greatest = drive.sticking_interval(recording, parameters)
+    net = recording.torque - recording.load_torque
+    side = np.where(net > greatest, 1, np.where(net < least, -1, 0))
     marked = np.zeros(len(recording), dtype=bool)
-    if len(cell):
-        least, greatest = drive.sticking_interval(recording, parameters)
-        net = recording.torque - recording.load_torque
-        side = np.where(net > greatest, 1, np.where(net < least, -1, 0))
-        hidden = cell[(side[cell] != side[cell + 1]) | (side[cell] == 0)]
-        marked[hidden] = marked[hidden + 1] = True
+    for part in stretches(recording.time, recording.run):
+        edges = np.flatnonzero(np.diff(near[part].astype(np.int8), prepend=0, append=0)) + part.start
+        for start, stop in zip(edges[::2], edges[1::2], strict=True):
+            passage = side[start:stop]
+            marked[start:stop] = passage[0] == 0 or bool(np.any(passage != passage[0]))
     return marked
 
 

@@ -15,18 +15,18 @@ from numpy.typing import NDArray
 
 from fricmodels.diagnosis.evidence import compare
 from fricmodels.diagnosis.survey import Survey, Tested, regression_of, survey
-from fricmodels.diagnosis.unexplained import View, views
-from fricmodels.diagnosis.verdict import LEAST_TORQUE, SIGNIFICANCE, answer, passes
+from fricmodels.diagnosis.unexplained import OWN_PAST, View, views
+from fricmodels.diagnosis.verdict import LEAST_TORQUE, answer, passes
 
 Array = NDArray[np.float64]
 
+_WORSE = 0.05
+"""Significance at which a channel predicts more than an effect."""
 _BEATEN = 0.02
-"""A channel that predicts this share of the squared residual more than an effect shows that the effect is not it, …"""
-_FAR_BEATEN = 0.5
-"""… and so does one that leaves so much less of the RMS than the effect, however little that is."""
-_LEFT_OVER = 0.06
+"""A channel that predicts this share of the squared residual more than an effect shows that the effect is not it."""
+_LEFT_OVER = 0.03
 """Effects together are enough when no channel predicts this share of the squared residual beyond them."""
-_MOST_EFFECTS = 4
+_MOST_EFFECTS = 3
 
 
 def predictable(result: Survey) -> list[View]:
@@ -39,17 +39,21 @@ def beaten(result: Survey, first: Tested, seen: Sequence[View]) -> bool:
     total = float(np.sum(result.regression.loss))
     least = LEAST_TORQUE**2 * float(np.sum(result.problem.driving**2))
     for view in seen:
-        gain, p_value = compare(first.evidence.loss, view.evidence.loss, result.regression.terms)
+        _, p_value = compare(first.evidence.loss, view.evidence.loss, result.regression.terms)
         more = float(np.sum(first.evidence.loss) - np.sum(view.evidence.loss))
-        if p_value < SIGNIFICANCE and more > least and (more > _BEATEN * total or gain > _FAR_BEATEN):
+        if p_value < _WORSE and more > max(least, _BEATEN * total):
             return True
     return False
 
 
 def enough(result: Survey, parameters: Mapping[str, float], leave_out: Iterable[str], seen: Sequence[View]) -> bool:
-    """Whether the effects found one after the other explain more than any channel, and leave nothing to predict."""
+    """Whether the effects found one after the other explain more than any channel, and leave nothing to predict.
+
+    Where one channel alone explains as much as all of them together, one cause is the simpler explanation.
+    """
     total = float(np.sum(result.regression.loss))
-    least = min(float(np.sum(view.evidence.loss)) for view in seen)
+    single = [float(np.sum(view.evidence.loss)) for view in seen if view.channels != OWN_PAST]
+    least = min(single, default=total)
     problem = result.problem
     out = set(leave_out)
     columns = np.zeros((0, problem.rows))
@@ -66,7 +70,7 @@ def enough(result: Survey, parameters: Mapping[str, float], leave_out: Iterable[
             if np.sum(after.regression.loss) - np.sum(v.evidence.loss) > _LEFT_OVER * total
         ]
         if not left:
-            return float(np.sum(after.regression.loss)) <= least
+            return least - float(np.sum(after.regression.loss)) > _BEATEN * total
         result = survey(problem, parameters, leave_out=out, also=columns)
     return False
 

@@ -12,6 +12,7 @@ from fricmodels import plugins
 from fricmodels.diagnosis.evidence import Evidence, Regression, benjamini_yekutieli
 from fricmodels.diagnosis.problem import Problem
 from fricmodels.diagnosis.search import Found, search
+from fricmodels.diagnosis.shifted import ShiftedRegression
 from fricmodels.recording import SIGNAL_CHANNEL
 from fricmodels.term import Effect
 
@@ -192,9 +193,5 @@ def regression_of(
     base = np.vstack([base, problem.sign_change[None]])
     if delayed:
         return Regression(base, problem.target, problem.independent)
-    free = Regression(np.vstack([base, problem.torque_rate[None]]), problem.target, problem.independent)
-    shift = float(Regression(base, problem.target, problem.independent).test(problem.torque_rate[None]).coefficients[0])
-    allowed = problem.recording.interval
-    if abs(shift) <= allowed:
-        return free
-    return Regression(base, problem.target - np.copysign(allowed, shift) * problem.torque_rate, problem.independent)
+    direction, most = problem.torque_rate, problem.recording.interval
+    return ShiftedRegression(base, problem.target, problem.independent, direction, most)

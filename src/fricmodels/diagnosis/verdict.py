@@ -21,8 +21,8 @@ _HELD_OUT = 0.05
 """Significance of the second gate, the gain on held-out blocks."""
 _ALIKE = 0.05
 """Two effects whose held-out residuals differ by less than a twentieth are not told apart by that difference."""
-_NEAR = 0.01
-"""Nor are two that differ by a hundredth of what the base model leaves."""
+_NEAR = 0.02
+"""Nor are two that differ by a fiftieth of what the base model leaves."""
 _FAR_WORSE = 1.5
 """No effect that leaves half as much again as the best one explains the data as well, whatever the test says."""
 _WORSE = 0.05

@@ -10,22 +10,27 @@ from fricmodels.term import Effect, Parameters, Signals
 class PositionFriction(Effect):
     r"""Friction that varies with position: eccentricity, a bent screw, uneven preload; it flips with the direction.
 
-    .. math:: \tau = (a\cos kq + b\sin kq)\operatorname{sgn}\omega
+    .. math:: \tau = (a\cos kq + b\sin kq + a_2\cos 2kq + b_2\sin 2kq)\operatorname{sgn}\omega
 
-    The wave number k [1/rad or 1/m] is searched for; a period need not divide a turn.
+    The wave number k [1/rad or 1/m] is searched for; a period need not divide a turn. Few periodic torques are pure
+    sines, so the second harmonic belongs to them.
 
     Source: Armstrong-Hélouvry, Control of Machines with Friction (1991), ch. 4.
     """
 
     name = "position-friction"
-    formula = "τ = (a·cos kq + b·sin kq)·sgn ω"
+    formula = "τ = (a·cos kq + b·sin kq + a_2·cos 2kq + b_2·sin 2kq)·sgn ω"
     signature = "periodic in position, flipping with the direction"
     needs_motion = "several periods in position"
     symmetry = "odd"
     a = Parameter("a", unit="N m", meaning="cosine amplitude")
     b = Parameter("b", unit="N m", meaning="sine amplitude")
+    a_2 = Parameter("a_2", unit="N m", meaning="cosine amplitude of the second harmonic")
+    b_2 = Parameter("b_2", unit="N m", meaning="sine amplitude of the second harmonic")
     k = Parameter("k", unit="1/rad", initial=1.0, lower=0.0, meaning="wave number over position", periodic=True)
 
     def torque(self, s: Signals, p: Parameters) -> Expression:
-        """Return the periodic torque."""
-        return (p.a * cos(p.k * s.position) + p.b * sin(p.k * s.position)) * sign(s.velocity)
+        """Return both waves of the periodic torque."""
+        first, second = p.k * s.position, 2 * p.k * s.position
+        waves = p.a * cos(first) + p.b * sin(first) + p.a_2 * cos(second) + p.b_2 * sin(second)
+        return waves * sign(s.velocity)

@@ -10,22 +10,27 @@ from fricmodels.term import Effect, Parameters, Signals
 class TorqueRipple(Effect):
     r"""Ripple of commutation and of current gains: periodic in position, in proportion to the motor torque.
 
-    .. math:: \tau = \tau_m\,(a\cos kq + b\sin kq)
+    .. math:: \tau = \tau_m\,(a\cos kq + b\sin kq + a_2\cos 2kq + b_2\sin 2kq)
 
-    The wave number k [1/rad or 1/m] is searched for; a period need not divide a turn.
+    The wave number k [1/rad or 1/m] is searched for; a period need not divide a turn. Few periodic torques are pure
+    sines, so the second harmonic belongs to them.
 
     Source: Jahns and Soong (1996), pulsating torque minimisation.
     """
 
     name = "torque-ripple"
-    formula = "τ = τ_m·(a·cos kq + b·sin kq)"
+    formula = "τ = τ_m·(a·cos kq + b·sin kq + a_2·cos 2kq + b_2·sin 2kq)"
     signature = "periodic in position, in proportion to the motor torque"
     needs_motion = "several periods in position"
     symmetry = "even"
     a = Parameter("a", meaning="cosine amplitude")
     b = Parameter("b", meaning="sine amplitude")
+    a_2 = Parameter("a_2", meaning="cosine amplitude of the second harmonic")
+    b_2 = Parameter("b_2", meaning="sine amplitude of the second harmonic")
     k = Parameter("k", unit="1/rad", initial=1.0, lower=0.0, meaning="wave number over position", periodic=True)
 
     def torque(self, s: Signals, p: Parameters) -> Expression:
-        """Return the periodic torque."""
-        return (p.a * cos(p.k * s.position) + p.b * sin(p.k * s.position)) * s.motor_torque
+        """Return both waves of the periodic torque."""
+        first, second = p.k * s.position, 2 * p.k * s.position
+        waves = p.a * cos(first) + p.b * sin(first) + p.a_2 * cos(second) + p.b_2 * sin(second)
+        return waves * s.motor_torque

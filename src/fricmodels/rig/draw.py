@@ -309,7 +309,7 @@ _DRAWN: Mapping[str, Callable[[np.random.Generator, _Drive, Rig], dict[str, Any]
     "load-friction": lambda r, d, _: {"coefficient": 0.1},
     "directional-efficiency": lambda r, d, _: {
         "driving": 0.2 * r.uniform(0.6, 1),
-        "driven": 0.2 * r.uniform(-0.1, 0.3),
+        "driven": 0.2 * r.uniform(0.0, 0.4),
     },
     "torque-gain": lambda r, d, _: {"error": 0.1 * _sign(r)},
     "inertia-error": lambda r, d, _: {"error": 0.1 * _sign(r)},

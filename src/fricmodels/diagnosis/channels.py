@@ -1,0 +1,186 @@
+"""Flexible sets of shapes in one channel or in what went before, of no particular physics: see :mod:`.unexplained`."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fricmodels.diagnosis.evidence import Regression
+from fricmodels.diagnosis.history import History
+from fricmodels.diagnosis.problem import Problem
+from fricmodels.diagnosis.search import periods
+from fricmodels.signals import noise
+
+Array = NDArray[np.float64]
+Shapes = Mapping[str, Callable[[], Array]]
+"""Words for a set of shapes, and what builds them at the quadrature's samples, shape (k, samples)."""
+
+_HATS = 8
+_WAVES = 6
+_FINE_WAVES = 3
+_EARLIER = 16
+_CLEAN = 0.1
+"""Noise of the motor torque over the RMS residual, both as a bump sees them."""
+
+
+def shapes(problem: Problem, regression: Regression) -> Shapes:
+    """Return the shapes of every channel that a recording has, and of its history."""
+    return {
+        **_of_motion(problem),
+        **_of_position(problem),
+        **_of_load(problem),
+        **_of_history(problem, regression),
+        **_periodic(problem, regression),
+    }
+
+
+def _of_motion(problem: Problem) -> Shapes:
+    points = problem.quadrature.recording
+    velocity, time = points.velocity, points.time
+    speed, side = np.abs(velocity), np.sign(velocity)
+    found: dict[str, Callable[[], Array]] = {
+        "speed, along the motion": lambda: side * _hats(speed, _HATS),
+        "speed, the same in both directions": lambda: _hats(speed, _HATS),
+        "time, along the motion": lambda: side * _hats(time, _HATS),
+        "time, along the motion, and speed": lambda: np.vstack(
+            [side * _hats(time, _HATS), velocity * _hats(time, _HATS)]
+        ),
+        "time, the same in both directions": lambda: _hats(time, _HATS),
+        "motor torque": lambda: _powers(problem.motor_torque),
+        "motor torque, along the motion": lambda: side * np.abs(_powers(problem.motor_torque)),
+        "rate of the motor torque": lambda: np.vstack([points["torque_rate"], side * np.abs(points["torque_rate"])]),
+        "acceleration": lambda: np.vstack([points["acceleration"], side * np.abs(points["acceleration"])]),
+    }
+    if "temperature" in points:
+        warm = points["temperature"] - np.mean(points["temperature"])
+        found["temperature"] = lambda: np.vstack([warm, side * warm, velocity * warm, side * warm**2])
+    return found
+
+
+def _of_position(problem: Problem) -> Shapes:
+    points = problem.quadrature.recording
+    if "position" not in points:
+        return {}
+    side, waves = np.sign(points.velocity), _waves(points["position"])
+    return {
+        "position": lambda: waves,
+        "position, along the motion": lambda: side * waves,
+        "position and motor torque": lambda: problem.motor_torque * waves,
+    }
+
+
+def _of_load(problem: Problem) -> Shapes:
+    points = problem.quadrature.recording
+    if "load_torque" not in points:
+        return {}
+    load, side = points.load_torque, np.sign(points.velocity)
+    return {
+        "load torque": lambda: _powers(load),
+        "load torque, along the motion": lambda: side * np.abs(_powers(load)),
+        "load torque and direction": lambda: np.vstack([load, np.abs(load), side * load, side * np.abs(load)]),
+    }
+
+
+def _of_history(problem: Problem, regression: Regression) -> Shapes:
+    history = History.of(problem)
+    points = problem.quadrature.recording
+    side, acceleration = history.side, points["acceleration"]
+
+    def after_reversal() -> Array:
+        near = _log_hats(history.travelled, _HATS)
+        return np.vstack([side * near, acceleration * near[: _HATS // 2]])
+
+    def after_start(since: Array) -> Array:
+        near = _log_hats(since, _HATS)
+        return side * np.vstack([near, np.log1p(history.dwell / problem.recording.interval) * near])
+
+    recording = problem.recording
+    lags = np.unique(np.arange(1, _EARLIER + 1) * problem.bumps.width // _EARLIER)
+    apart = problem.bumps.width + problem.half_width
+    found: dict[str, Callable[[], Array]] = {
+        "distance since the last reversal": after_reversal,
+        "time since the last reversal": lambda: side * _log_hats(history.turned, _HATS),
+        "distance since motion began, and the rest before": lambda: after_start(history.moved),
+        "time since motion began, and the rest before": lambda: after_start(history.started),
+        # So long before that the noise of the rows is another one.
+        "acceleration shortly before": lambda: _earlier(problem, recording["acceleration"], apart + 2 * lags),
+    }
+    if _clean_torque(problem, regression):
+        found["motor torque shortly before"] = lambda: _earlier(problem, recording.torque, lags)
+    return found
+
+
+def _periodic(problem: Problem, regression: Regression) -> Shapes:
+    """Return waves over position at the wave numbers at which the residual is most periodic."""
+    if "position" not in problem.recording:
+        return {}
+    points = problem.quadrature.recording
+    side = np.sign(points.velocity)
+    count = len(problem.recording)
+    factors = {
+        "position, finely": np.ones(len(side)),
+        "position, finely, along the motion": side,
+        "position, finely, and motor torque": problem.motor_torque,
+    }
+    found: dict[str, Callable[[], Array]] = {}
+    for name, factor in factors.items():
+        strongest = periods(problem, regression, factor[:count], 0.0).strongest[:_FINE_WAVES]
+        if strongest:
+            phases = np.outer(strongest, points["position"])
+            waves = factor * np.vstack([np.cos(phases), np.sin(phases)])
+            found[name] = lambda waves=waves: waves  # type: ignore[misc]
+    return found
+
+
+def _hats(values: Array, count: int) -> Array:
+    return _tents(values, np.quantile(values, np.linspace(0, 1, count)))
+
+
+def _log_hats(values: Array, count: int) -> Array:
+    """Return hats that are the finer the nearer to zero; the last one reaches to the end."""
+    positive = values[values > 0]
+    if not len(positive):
+        return np.zeros((1, len(values)))
+    largest, smallest = np.quantile(positive, [0.9, 0.01])
+    return _tents(values, np.concatenate([[0.0], np.geomspace(smallest, largest, count - 1)]))
+
+
+def _tents(values: Array, knots: Array) -> Array:
+    knots = np.unique(knots)
+    if len(knots) < 2:
+        return np.zeros((1, len(values)))
+    return np.stack([np.interp(values, knots, row) for row in np.eye(len(knots))])
+
+
+def _powers(values: Array) -> Array:
+    scale = float(np.max(np.abs(values))) or 1.0
+    return np.vstack([values / scale, (values / scale) ** 2, (values / scale) ** 3])
+
+
+def _waves(position: Array) -> Array:
+    low, high = float(np.min(position)), float(np.max(position))
+    phase = np.pi * (position - low) / ((high - low) or 1.0)
+    numbers = np.arange(1, _WAVES + 1)[:, None]
+    return np.vstack([np.cos(numbers * phase), np.sin(numbers * phase)])
+
+
+def _earlier(problem: Problem, values: Array, lags: Array) -> Array:
+    """Return a signal as it was some samples before, one row a lag."""
+    recording, cell = problem.recording, problem.quadrature.cell
+    run = recording.run
+    first = np.maximum.accumulate(np.where(np.concatenate([[True], np.diff(run) != 0]), np.arange(len(run)), 0))
+    rows = []
+    for lag in lags:
+        index = np.maximum(np.arange(len(run)) - lag, first)
+        after = index[np.minimum(cell + 1, len(run) - 1)]
+        rows.append(values[np.concatenate([index, index[cell], after])])
+    return np.vstack(rows)
+
+
+def _clean_torque(problem: Problem, regression: Regression) -> bool:
+    """Whether the noise of the motor torque is too small to be what its own past would predict."""
+    recording = problem.recording
+    deviation = noise(recording.time, recording.torque, recording.run) * recording.interval
+    return deviation < _CLEAN * float(np.sqrt(np.mean(regression.residual**2)))

@@ -1,0 +1,91 @@
+"""What happened since the drive last turned or started, for views of effects that remember."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fricmodels.diagnosis.problem import Problem
+from fricmodels.signals import smoothed_velocity
+
+Array = NDArray[np.float64]
+
+_CERTAIN = 3.0
+"""Standard errors from zero at which the direction of motion is certain."""
+
+
+@dataclass(frozen=True)
+class History:
+    """Of each sample of the quadrature.
+
+    Attributes:
+        side: direction of the motion, ±1; where it is uncertain, that in which the drive last certainly moved.
+        turned: time since it last changed [s]; travelled: distance since then [rad or m].
+        started: time since the drive last began to move, in either direction [s]; moved: distance since then.
+        dwell: how long it had rested before that [s].
+    """
+
+    side: Array
+    turned: Array
+    travelled: Array
+    started: Array
+    moved: Array
+    dwell: Array
+
+    @classmethod
+    def of(cls, problem: Problem) -> History:
+        """Follow a recording through its reversals and rests; noise about zero speed is neither."""
+        recording, cell, rest = problem.recording, problem.quadrature.cell, problem.resting
+        _, error = smoothed_velocity(recording)
+        sure = ~rest & (np.abs(problem.smooth) > _CERTAIN * error)
+        fresh = np.concatenate([[True], np.diff(recording.run) != 0])
+        sign = np.sign(problem.smooth)
+        turned, side = _turns(sign, sure, fresh)
+        started = turned | np.concatenate([[False], rest[:-1] & ~rest[1:]])
+        stopped = fresh | np.concatenate([[True], ~rest[:-1] & rest[1:]])
+        time, distance = recording.time, _path(problem)
+        rested = np.where(np.concatenate([[False], rest[:-1]]), time - _latest(time, stopped), 0.0)
+        followed = (
+            side,
+            time - _latest(time, turned),
+            distance - _latest(distance, turned),
+            time - _latest(time, started),
+            distance - _latest(distance, started),
+            _latest(rested, started),
+        )
+        after = np.minimum(cell + 1, len(time) - 1)
+        return cls(*(np.concatenate([values, values[cell], values[after]]) for values in followed))
+
+
+def _turns(sign: Array, sure: NDArray[np.bool_], fresh: NDArray[np.bool_]) -> tuple[NDArray[np.bool_], Array]:
+    """Return where the direction changes, at the zero before it is certain, and the direction from there on."""
+    held = _latest(np.where(sure, sign, 0.0), sure | fresh)
+    certain = np.flatnonzero(np.concatenate([[False], held[1:] != held[:-1]]) | fresh)
+    index = np.arange(len(sign))
+    other = np.maximum.accumulate(np.where(sign[None] != np.array([[1.0], [-1.0]]), index, -1), axis=1)
+    before = np.where(held[certain] > 0, other[0, certain], other[1, certain])
+    since = _latest(index, fresh)[certain]
+    at = np.where(fresh[certain], certain, np.maximum(before + 1, since))
+    turned = np.zeros(len(sign), dtype=bool)
+    turned[at] = True
+    side = np.zeros(len(sign))
+    side[at] = held[certain]
+    return turned, _latest(side, turned)
+
+
+def _path(problem: Problem) -> Array:
+    """Return the distance travelled since the beginning, shape (N,)."""
+    recording = problem.recording
+    if "position" in recording:
+        step = np.abs(np.diff(recording["position"], prepend=recording["position"][0]))
+    else:
+        step = np.abs(problem.smooth) * recording.interval
+    return np.asarray(np.cumsum(np.where(problem.resting, 0.0, step)))
+
+
+def _latest(values: Array, where: NDArray[np.bool_]) -> Array:
+    """Return the value at the latest sample that is marked, shape (N,)."""
+    index = np.maximum.accumulate(np.where(where, np.arange(len(values)), 0))
+    return np.asarray(values[index])
