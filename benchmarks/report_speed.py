@@ -97,7 +97,7 @@ def main() -> None:
         single = tournament(folder / "single", [long], LAWS[:2], ["rls"])
         fastest("tournament on 2 million samples", by_command(single), folder)
         begin = time.perf_counter()
-        ladder = improve(read(long), Model.parse("asymmetric-coulomb-viscous"), INERTIA)
+        ladder = improve(read(long), Model.parse("coulomb-viscous"), INERTIA)
         print(f"  improve: {time.perf_counter() - begin:.1f} s, to {ladder.rungs[-1].model}")
 
         def of_ladder(page: Path) -> None:

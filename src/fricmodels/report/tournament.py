@@ -123,11 +123,9 @@ def verdict(board: Leaderboard) -> Verdict:
     if datasets > 1:
         winners = {row["dataset"]: row["model"] for row in reversed(board.rows) if row["status"] == "ok"}
         same = sum(model == first.model for model in winners.values())
-        details.append(f"It is the best on {same} of {counted(datasets, 'dataset')}.")
+        details.append(f"It is the best on {same} of {datasets} datasets.")
     if board.failures:
-        details.append(
-            f"{counted(len(board.failures), 'fit')} of {len(board.rows)} gave no result; the reasons stand below."
-        )
+        details.append(f"Of {len(board.rows)} fits {len(board.failures)} gave no result; the reasons stand below.")
     return Verdict(sentence, "warn" if board.failures else "good", details)
 
 
