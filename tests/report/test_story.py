@@ -64,8 +64,8 @@ def test_the_verdict_names_what_was_hidden(page: Page) -> None:
     assert page.verdict.tone == "warn"
     assert any("poles, slots or teeth" in line for line in page.verdict.details)
     assert [tile.label for tile in page.tiles][:2] == [
-        "torque error of the given model, kept back",
-        "with what was found, kept back",
+        "torque error as given",
+        "torque error with what was found",
     ]
 
 

@@ -45,6 +45,7 @@ def document(diagnosis: Diagnosis, ladder: Ladder | None = None) -> dict[str, An
         },
         "explanation": explain(diagnosis, ladder),
         "ladder": _ladder(diagnosis, ladder),
+        "note": "" if ladder is None else ladder.note,
         "recording": described(comparison),
         "versions": plugins.versions(),
     }

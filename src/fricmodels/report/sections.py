@@ -268,7 +268,9 @@ def limits(data: Data) -> Section:
             Heading("Could not have been seen"),
             Words("These may act on the drive all the same; nothing here speaks for or against them."),
             table(
-                "Effects that this recording cannot show", {"effect": False, "why": False, "record": False}, rows_blind
+                "Effects that this recording cannot show",
+                {"effect": False, "why": False, "to see it, record": False},
+                rows_blind,
             ),
         ]
     return Section("limits", "What cannot be known from this recording", blocks)

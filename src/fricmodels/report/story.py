@@ -147,7 +147,8 @@ def verdict(data: Data) -> Verdict:
         )
     names = [_named(effect) for effect in data["effects"]]
     sentence = f"The model {model} lacks {counted(len(names), 'effect')}: {listed(names)}."
-    return Verdict(sentence, "warn", [*details, *_physics(data)])
+    stopped = [f"The ladder ends there: {data['note']}."] if data.get("note") else []
+    return Verdict(sentence, "warn", [*details, *_physics(data), *stopped])
 
 
 def _left(data: Data) -> str:
@@ -172,14 +173,12 @@ def _physics(data: Data) -> list[str]:
 def tiles(data: Data) -> list[Tile]:
     """Return the few figures that carry the verdict."""
     rungs = data["ladder"]
-    shown = [
-        Tile(percent(rungs[0]["held_out_rms_percent"]), "torque error of the given model, kept back", data["model"])
-    ]
+    shown = [Tile(percent(rungs[0]["held_out_rms_percent"]), "torque error as given", data["model"])]
     if len(rungs) > 1:
         last = rungs[-1]
         gained = [name for name in last["model"].split("+") if name not in data["model"].split("+")]
         shown.append(
-            Tile(percent(last["held_out_rms_percent"]), "with what was found, kept back", f"+ {listed(gained)}")
+            Tile(percent(last["held_out_rms_percent"]), "torque error with what was found", f"+ {listed(gained)}")
         )
     shown.append(Tile(percent(data["noise_floor_percent"]), "sensor noise alone", "estimated from the channels"))
     samples = data["recording"]["samples"]

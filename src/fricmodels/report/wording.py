@@ -17,13 +17,13 @@ NORMAL_95 = 1.959964
 _SUPERSCRIPT = str.maketrans("-0123456789/.", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹ᐟ·")
 _UNCERTAIN_DIGITS = 2
 _SIGNALS = {
-    "ω(?!_)": "ω velocity",
-    "q": "q position",
-    "dω/dt": "dω/dt acceleration",
-    "τ_m": "τ_m motor torque",
-    "τ_L": "τ_L load torque",
-    "ϑ": "ϑ temperature",
-    r"\bt\b(?!_)": "t time",
+    "ω(?!_)": "ω: velocity",
+    "q": "q: position",
+    "dω/dt": "dω/dt: acceleration",
+    "τ_m": "τ_m: motor torque",
+    "τ_L": "τ_L: load torque",
+    "ϑ": "ϑ: temperature",
+    r"\bt\b(?!_)": "t: time",
 }
 """How equations write the signals of a recording."""
 
@@ -117,5 +117,5 @@ def physics(term: Any) -> str:
 
 
 def symbols_in(term: Any) -> str:
-    """Return the symbols of the signals in a term's equation, with their names: ``q position, ω velocity``."""
+    """Return the symbols of the signals in a term's equation, with their names: ``ω: velocity, q: position``."""
     return ", ".join(text for sign, text in _SIGNALS.items() if re.search(sign, term.formula))
