@@ -128,7 +128,7 @@ def _tournament(folder: Path, name: str) -> Path:
     config = Config.model_validate(
         {
             "name": name,
-            "datasets": [{"name": f"{name} {which}", "simulate": simulated} for which in ("one", "two")],
+            "datasets": [{"name": f"{name} one", "simulate": simulated}],
             "models": ["coulomb-viscous", "asymmetric-coulomb-viscous", "coulomb-viscous+thermal"],
             "estimators": ["rls", {"name": "constant-velocity", "label": f"{name} constant"}],
             "simulate": False,

@@ -9,13 +9,12 @@ from typing import Any
 
 import pytest
 
-PAGES = ["story_page", "tournament_page"]
 VIEWS = [(1280, "light"), (1280, "dark"), (400, "light"), (400, "dark")]
-CHECKED = [(1280, "dark"), (400, "light")]
+CHECKED = VIEWS[1:3]
+PAGES = [("story_page", *view) for view in VIEWS] + [("tournament_page", *view) for view in CHECKED]
 
 
-@pytest.mark.parametrize(("width", "scheme"), VIEWS)
-@pytest.mark.parametrize("page", PAGES)
+@pytest.mark.parametrize(("page", "width", "scheme"), PAGES)
 def test_draws_everything_quietly_and_can_be_read_by_everybody(
     page: str, width: int, scheme: str, look: Callable[..., Any], axe: str, request: pytest.FixtureRequest
 ) -> None:
