@@ -9,7 +9,9 @@ from typing import Any
 import numpy as np
 
 from fricmodels.diagnosis import Comparison, Diagnosis, compare_model, examine, improve
+from fricmodels.diagnosis.evidence import compare
 from fricmodels.diagnosis.survey import survey
+from fricmodels.diagnosis.verdict import SIGNIFICANCE
 from fricmodels.drive import Drive
 from fricmodels.errors import FricmodelsError
 from fricmodels.model import Model
@@ -251,11 +253,24 @@ def alike(rng: np.random.Generator, effect: str, index: int) -> Row:
             fit = None if other == true else with_effect(drawn.comparison, other, None)
             if fit and held_out(fit) ** 2 - held_out(best) ** 2 < look_alikes.SAME * explained:
                 equal.append(other)
+        equal = _untold(drawn.comparison, true, equal)
         if not equal or explained <= 0:
             continue
         diagnosis = examine(drawn.comparison)
         return {**described(drawn.rig), **sized(drawn), **said(diagnosis), "truth": true, "equal": equal}
     return {"status": "data can tell"}
+
+
+def _untold(comparison: Comparison, true: str, equal: list[str]) -> list[str]:
+    """Return the effects that a paired test does not tell from the true one either, however little noise there is."""
+    result = survey(comparison.problem, comparison.estimate.parameters)
+    losses = {t.name: t.evidence.loss for t in result.tested}
+    terms = result.regression.terms
+    return [
+        other
+        for other in equal
+        if true not in losses or other not in losses or compare(losses[other], losses[true], terms)[1] > SIGNIFICANCE
+    ]
 
 
 KINDS = {"single": single, "null": null, "pair": pair, "power": power, "alike": alike}

@@ -17,6 +17,7 @@ Array = NDArray[np.float64]
 Shapes = Mapping[str, Callable[[], Array]]
 """Words for a set of shapes, and what builds them at the quadrature's samples, shape (k, samples)."""
 
+TORQUE_PAST = "motor torque shortly before"
 _HATS = 8
 _WAVES = 6
 _FINE_WAVES = 3
@@ -108,7 +109,7 @@ def _of_history(problem: Problem, regression: Regression) -> Shapes:
         "acceleration shortly before": lambda: _earlier(problem, recording["acceleration"], apart + 2 * lags),
     }
     if _clean_torque(problem, regression):
-        found["motor torque shortly before"] = lambda: _earlier(problem, recording.torque, lags)
+        found[TORQUE_PAST] = lambda: _earlier(problem, recording.torque, lags)
     return found
 
 

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from fricmodels.diagnosis.evidence import compare
 from fricmodels.diagnosis.survey import Survey, Tested, regression_of, survey
-from fricmodels.diagnosis.unexplained import OWN_PAST, View, views
+from fricmodels.diagnosis.unexplained import PERSISTENT, View, views
 from fricmodels.diagnosis.verdict import LEAST_TORQUE, answer, passes
 
 Array = NDArray[np.float64]
@@ -35,13 +35,20 @@ def predictable(result: Survey) -> list[View]:
 
 
 def beaten(result: Survey, first: Tested, seen: Sequence[View]) -> bool:
-    """Whether some channel predicts significantly and much more than an effect."""
+    """Whether some channel predicts significantly and much more than an effect.
+
+    What went shortly before stands for all that lasts, whatever the number of its causes: of that an effect need only
+    explain half.
+    """
     total = float(np.sum(result.regression.loss))
-    least = LEAST_TORQUE**2 * float(np.sum(result.problem.driving**2))
+    least = max(LEAST_TORQUE**2 * float(np.sum(result.problem.driving**2)), _BEATEN * total)
+    own = float(np.sum(first.evidence.loss))
     for view in seen:
         _, p_value = compare(first.evidence.loss, view.evidence.loss, result.regression.terms)
-        more = float(np.sum(first.evidence.loss) - np.sum(view.evidence.loss))
-        if p_value < _WORSE and more > max(least, _BEATEN * total):
+        predicted = float(np.sum(view.evidence.loss))
+        more = own - predicted
+        half = own - 0.5 * (total + predicted)
+        if p_value < _WORSE and (half > 0 if view.channels in PERSISTENT else more > least):
             return True
     return False
 
@@ -52,7 +59,7 @@ def enough(result: Survey, parameters: Mapping[str, float], leave_out: Iterable[
     Where one channel alone explains as much as all of them together, one cause is the simpler explanation.
     """
     total = float(np.sum(result.regression.loss))
-    single = [float(np.sum(view.evidence.loss)) for view in seen if view.channels != OWN_PAST]
+    single = [float(np.sum(view.evidence.loss)) for view in seen if view.channels not in PERSISTENT]
     least = min(single, default=total)
     problem = result.problem
     out = set(leave_out)

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from fricmodels.diagnosis.channels import shapes
+from fricmodels.diagnosis.channels import TORQUE_PAST, shapes
 from fricmodels.diagnosis.evidence import Evidence, Regression
 from fricmodels.diagnosis.problem import Problem
 
@@ -20,6 +20,8 @@ Array = NDArray[np.float64]
 
 
 OWN_PAST = "its own course shortly before"
+PERSISTENT = frozenset({OWN_PAST, TORQUE_PAST})
+"""Views that say nothing of a cause: all that lasts or rings shows in them."""
 _PAST = 12
 
 
