@@ -179,6 +179,8 @@ def test_a_linear_axis_has_forces_and_metres() -> None:
     rows = {row[0]: row for row in cells(page)["coulomb-viscous"]}
     assert rows["K_v"][3] == "N s/m"
     assert rows["M"][3] == "kg"
+    balance = next(block for block in blocks(page) if isinstance(block, Equations)).lines[0]
+    assert balance[0].startswith("M·dω/dt")
     assert "Force over time" in [block.title for block in blocks(page) if isinstance(block, Picture)]
 
 

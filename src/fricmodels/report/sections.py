@@ -214,7 +214,7 @@ def all_parameters(data: Data) -> Section:
         "correlated in time. They say how well this recording determines a parameter of this model, not whether the "
         "model is right."
     )
-    blocks: list[Block] = [*equations(last["model"]), *fitted(last, motion), Words(note)]
+    blocks: list[Block] = [*equations(last["model"], motion), *fitted(last, motion), Words(note)]
     if len(data["ladder"]) > 1:
         blocks.append(Fold(f"Parameters of the given model, {data['model']}", fitted(data, motion)))
     return Section("parameters", "Parameters", blocks)
@@ -225,17 +225,20 @@ def fitted(data: Data, motion: Motion) -> list[Block]:
     return [parameters(data["model"], data["parameters"], data["standard_errors"], motion, data["model"])]
 
 
-def equations(model: str) -> list[Block]:
+def equations(model: str, motion: Motion) -> list[Block]:
     """Return the equation of motion with the friction law and each effect."""
     known = known_model(model)
     if known is None:
         return []
-    motion = ("J·dω/dt = τ_m − τ_L − τ_F", "inertia × acceleration = motor torque − load − friction")
+    balance = ("J·dω/dt = τ_m − τ_L − τ_F", "inertia × acceleration = motor torque − load − friction")
+    if motion is Motion.LINEAR:
+        words = "mass × acceleration = drive force − load − friction; on a linear axis ω is the velocity and τ a force"
+        balance = ("M·dω/dt = τ_m − τ_L − τ_F", words)
     if not known.effects:
-        return [Equations([motion, (known.law.formula, f"{known.law.name}: {physics(type(known.law))}")])]
+        return [Equations([balance, (known.law.formula, f"{known.law.name}: {physics(type(known.law))}")])]
     parts = [known.law, *known.effects]
     names = ["τ_law", *(f"τ_{i}" for i in range(1, len(parts)))]
-    lines = [motion, (f"τ_F = {' + '.join(names)}", "friction of the law and of each effect")]
+    lines = [balance, (f"τ_F = {' + '.join(names)}", "friction of the law and of each effect")]
     for name, term in zip(names, parts, strict=True):
         lines.append((f"{name} = {term.formula.partition(' = ')[2]}", f"{term.name}: {physics(type(term))}"))
     return [Equations(lines)]

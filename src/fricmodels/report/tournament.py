@@ -207,10 +207,10 @@ def best_parameters(best: Mapping[str, list[Row]]) -> Section:
     for dataset, rows in best.items():
         row = rows[0]
         blocks.append(Heading(dataset, remark=f"{row['model']} with {row['estimator']}"))
-        if row["model"] not in described:
-            blocks += equations(row["model"])
-            described.add(row["model"])
         motion = Motion.LINEAR if "M" in row["parameters"] else Motion.ROTARY
+        if row["model"] not in described:
+            blocks += equations(row["model"], motion)
+            described.add(row["model"])
         truth = row.get("true_parameters")
         shown = parameters(row["model"], row["parameters"], row["standard_errors"], motion, "Parameters", truth)
         blocks.append(shown)
