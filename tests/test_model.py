@@ -56,7 +56,8 @@ def test_effects_are_added_and_taken_away() -> None:
 
 def test_parameters_of_effects_carry_the_effects_name() -> None:
     model = Model.parse("exponential-stick-slip+cogging")
-    assert [p.key for p in model.parameters] == ["K_v", "K_c", "C", "B", "cogging.a", "cogging.b", "cogging.k"]
+    cogging = [f"cogging.{symbol}" for symbol in ("a", "b", "a_2", "b_2", "k")]
+    assert [p.key for p in model.parameters] == ["K_v", "K_c", "C", "B", *cogging]
     assert model.parameters[1].at_least == "C"
 
 

@@ -148,9 +148,7 @@ def test_a_name_that_a_left_out_plugin_may_have_is_told_apart_from_a_mistake(
 ) -> None:
     """Where a whole plugin is left out any unknown name may be its own; where one class is, only that name is."""
     one = provided(monkeypatch, bad=module_with(fricmodels_effects=lambda: [Unfinished]))
-    with pytest.raises(
-        plugins.LeftOut, match="effect 'unfinished' cannot be used: plugin 'bad' of dist-bad"
-    ):
+    with pytest.raises(plugins.LeftOut, match="effect 'unfinished' cannot be used: plugin 'bad' of dist-bad"):
         _ = one.effects["unfinished"]
     with pytest.raises(InputError, match="did you mean 'cogging'") as mistaken:
         _ = one.effects["coging"]

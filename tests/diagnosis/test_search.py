@@ -30,10 +30,10 @@ def examined(recording: Recording, effect: str) -> surveys.Tested:
 
 
 CASES: list[tuple[str, Mapping[str, float], str, float]] = [
-    ("cogging", {"a": 0.3, "b": 0.4, "k": 3.37}, "k", 0.01),
-    ("cogging", {"a": 0.3, "b": 0.4, "k": 11.9}, "k", 0.01),
-    ("position-friction", {"a": 0.5, "b": 0.0, "k": 2.6}, "k", 0.01),
-    ("torque-ripple", {"a": 0.0, "b": 0.02, "k": 6.1}, "k", 0.01),
+    ("cogging", {"a": 0.3, "b": 0.4, "a_2": 0.1, "b_2": 0.0, "k": 3.37}, "k", 0.01),
+    ("cogging", {"a": 0.3, "b": 0.4, "a_2": 0.1, "b_2": 0.0, "k": 11.9}, "k", 0.01),
+    ("position-friction", {"a": 0.5, "b": 0.0, "a_2": 0.0, "b_2": 0.1, "k": 2.6}, "k", 0.01),
+    ("torque-ripple", {"a": 0.0, "b": 0.02, "a_2": 0.0, "b_2": 0.0, "k": 6.1}, "k", 0.01),
     ("step-change", {"c": 0.6, "d": 0.2, "t_0": 6.3}, "t_0", 0.02),
     ("step-change", {"c": -0.4, "d": 0.0, "t_0": 11.1}, "t_0", 0.02),
     ("presliding", {"F": 3.0, "D": 0.0, "x_s": 0.05}, "x_s", 0.1),
@@ -58,7 +58,10 @@ def test_what_was_hidden_is_found(
 
 
 def test_the_wave_number_does_not_depend_on_the_units_of_torque(made: Made) -> None:
-    recording = made("coulomb-viscous+cogging", {"cogging.a": 0.5, "cogging.b": 0.0, "cogging.k": 5.3})
+    recording = made(
+        "coulomb-viscous+cogging",
+        {"cogging.a": 0.5, "cogging.b": 0.0, "cogging.a_2": 0.1, "cogging.b_2": 0.0, "cogging.k": 5.3},
+    )
     drive = Drive(Model.parse("coulomb-viscous"), 2.0)
     problem, found = estimate(drive, recording)
     (one,) = survey(problem, found.parameters, only=["cogging"]).tested

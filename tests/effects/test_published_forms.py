@@ -33,6 +33,18 @@ def torque(effect: str, parameters: dict[str, float], recording: Recording) -> A
     return drive.friction(recording, values)
 
 
+WAVES = {"a": 2.0, "b": 3.0, "a_2": -0.5, "b_2": 0.7, "k": 7.5}
+
+
+def waves(position: Array) -> Array:
+    return (
+        2 * np.cos(7.5 * position)
+        + 3 * np.sin(7.5 * position)
+        - 0.5 * np.cos(15 * position)
+        + 0.7 * np.sin(15 * position)
+    )
+
+
 FORMULAS: dict[str, tuple[dict[str, float], Callable[[Any, Array], Array]]] = {
     "asymmetry": ({"c": 2.0, "d": 3.0}, lambda r, s: 2 + 3 * np.abs(r["velocity"])),
     "torque-offset": ({"tau_0": 2.0}, lambda r, s: np.full(len(r), 2.0)),
@@ -54,23 +66,26 @@ FORMULAS: dict[str, tuple[dict[str, float], Callable[[Any, Array], Array]]] = {
     "gravity": ({"a": 2.0, "b": 3.0}, lambda r, s: 2 * np.cos(r["position"]) + 3 * np.sin(r["position"])),
     "stiffness": ({"k": 2.0, "tau_0": 3.0}, lambda r, s: 2 * r["position"] + 3),
     "cogging": (
-        {"a": 2.0, "b": 3.0, "k": 7.5},
-        lambda r, s: 2 * np.cos(7.5 * r["position"]) + 3 * np.sin(7.5 * r["position"]),
+        WAVES,
+        lambda r, s: waves(r["position"]),
     ),
     "position-friction": (
-        {"a": 2.0, "b": 3.0, "k": 7.5},
-        lambda r, s: s * (2 * np.cos(7.5 * r["position"]) + 3 * np.sin(7.5 * r["position"])),
+        WAVES,
+        lambda r, s: s * waves(r["position"]),
     ),
     "torque-ripple": (
-        {"a": 2.0, "b": 3.0, "k": 7.5},
-        lambda r, s: r["torque"] * (2 * np.cos(7.5 * r["position"]) + 3 * np.sin(7.5 * r["position"])),
+        WAVES,
+        lambda r, s: r["torque"] * waves(r["position"]),
     ),
     "sensor-delay": ({"T": 0.2}, lambda r, s: 0.2 * r["torque_rate"]),
     "thermal": (
         {"a": 0.2, "b": 0.3, "c": 0.01},
         lambda r, s: ((0.2 + 0.01 * r["temperature"]) * r["velocity"] + 0.3 * s) * r["temperature"],
     ),
-    "drift": ({"a": 0.2, "b": 0.3}, lambda r, s: (0.2 * r["velocity"] + 0.3 * s) * r["time"]),
+    "drift": (
+        {"a": 0.2, "b": 0.3, "T": 0.5},
+        lambda r, s: (0.2 * r["velocity"] + 0.3 * s) * 0.5 * (1 - np.exp(-r["time"] / 0.5)),
+    ),
     "step-change": ({"c": 2.0, "d": 3.0, "t_0": 0.2}, lambda r, s: np.where(r["time"] >= 0.2, 2 * s + 3, 0)),
 }
 
@@ -190,3 +205,10 @@ def test_backlash_takes_the_load_away_only_within_the_gap() -> None:
     assert found[0] == -1.0
     crossed = float(time[np.argmax(found == 0.0)])
     assert 0.01 / 0.5 <= crossed < 0.01 / 0.5 + 3 * 0.01
+
+
+def test_a_change_that_ends_much_later_is_a_straight_line() -> None:
+    recording = recorded()
+    side, time = np.sign(recording.velocity), recording.time
+    slow = torque("drift", {"a": 0.2, "b": 0.3, "T": 1e6}, recording)
+    np.testing.assert_allclose(slow, (0.2 * recording.velocity + 0.3 * side) * time, rtol=1e-6, atol=1e-9)

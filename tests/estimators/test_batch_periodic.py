@@ -27,7 +27,8 @@ def made(effects: dict[str, float], motion: Motion, noise: float = 0.0) -> tuple
     truth = dict(truth)
     for name, k in effects.items():
         size = 0.05 if name == "torque-ripple" else 0.15 * truth["K_c"]
-        truth |= {f"{name}.a": size, f"{name}.b": -0.6 * size, f"{name}.k": k}
+        sizes = {"a": size, "b": -0.6 * size, "a_2": 0.3 * size, "b_2": 0.2 * size, "k": k}
+        truth |= {f"{name}.{symbol}": value for symbol, value in sizes.items()}
     drive = Drive(Model.parse("+".join(["coulomb-viscous", *effects])), inertia, motion)
     return drive, simulate(drive, truth, TIME, torque, substeps=4, noise=noise, with_position=True), truth
 
@@ -39,8 +40,12 @@ def test_wave_number_that_does_not_divide_a_turn(effect: str, motion: Motion, k:
     drive, recording, truth = made({effect: k}, motion, noise)
     fit = Batch().fit(drive, recording)
     assert fit.identified
+    assert fit.parameters[f"{effect}.k"] == pytest.approx(k, rel=1e-3)
+    first = abs(truth[f"{effect}.a"])
     for key in truth:
-        assert fit.parameters[key] == pytest.approx(truth[key], rel=1e-3 if key.endswith(".k") else 0.2 * noise + 0.01)
+        size = first if key[-2:] in {".a", ".b", "_2"} else abs(truth[key])
+        assert fit.standard_errors[key] < (0.4 * noise + 0.01) * size, key
+        assert abs(fit.parameters[key] - truth[key]) < 4 * fit.standard_errors[key] + 0.01 * size, key
 
 
 def test_two_periodic_effects_at_once() -> None:

@@ -19,6 +19,7 @@ Shapes = Mapping[str, Callable[[], Array]]
 
 TORQUE_PAST = "motor torque shortly before"
 _HATS = 8
+_INSTANTS = 31
 _WAVES = 6
 _FINE_WAVES = 3
 _EARLIER = 16
@@ -30,6 +31,7 @@ def shapes(problem: Problem, regression: Regression) -> Shapes:
     """Return the shapes of every channel that a recording has, and of its history."""
     return {
         **_of_motion(problem),
+        **_of_a_jump(problem, regression),
         **_of_position(problem),
         **_of_load(problem),
         **_of_history(problem, regression),
@@ -44,11 +46,9 @@ def _of_motion(problem: Problem) -> Shapes:
     found: dict[str, Callable[[], Array]] = {
         "speed, along the motion": lambda: side * _hats(speed, _HATS),
         "speed, the same in both directions": lambda: _hats(speed, _HATS),
-        "time, along the motion": lambda: side * _hats(time, _HATS),
-        "time, along the motion, and speed": lambda: np.vstack(
-            [side * _hats(time, _HATS), velocity * _hats(time, _HATS)]
-        ),
-        "time, the same in both directions": lambda: _hats(time, _HATS),
+        "time, along the motion": lambda: side * _slow(time),
+        "time, along the motion, and speed": lambda: np.vstack([side * _slow(time), velocity * _slow(time)]),
+        "time, the same in both directions": lambda: _slow(time),
         "motor torque": lambda: _powers(problem.motor_torque),
         "motor torque, along the motion": lambda: side * np.abs(_powers(problem.motor_torque)),
         "rate of the motor torque": lambda: np.vstack([points["torque_rate"], side * np.abs(points["torque_rate"])]),
@@ -58,6 +58,21 @@ def _of_motion(problem: Problem) -> Shapes:
         warm = points["temperature"] - np.mean(points["temperature"])
         found["temperature"] = lambda: np.vstack([warm, side * warm, velocity * warm, side * warm**2])
     return found
+
+
+def _of_a_jump(problem: Problem, regression: Regression) -> Shapes:
+    """Return a jump along the motion and with speed, at the one of evenly spaced instants that explains most."""
+    points = problem.quadrature.recording
+    time, side = points.time, np.sign(points.velocity)
+    instants = np.linspace(np.min(time), np.max(time), _INSTANTS + 2)[1:-1]
+    limit = np.full(2, np.inf)
+
+    def columns(instant: float) -> Array:
+        return np.vstack([side, points.velocity]) * (time >= instant)
+
+    gains = [regression.explained(problem.integrals(columns(t)), -limit, limit)[0] for t in instants]
+    best = float(instants[int(np.argmax(gains))])
+    return {"time, in one jump": lambda: columns(best)}
 
 
 def _of_position(problem: Problem) -> Shapes:
@@ -98,7 +113,7 @@ def _of_history(problem: Problem, regression: Regression) -> Shapes:
         return side * np.vstack([near, np.log1p(history.dwell / problem.recording.interval) * near])
 
     recording = problem.recording
-    lags = np.unique(np.arange(1, _EARLIER + 1) * problem.bumps.width // _EARLIER)
+    lags: NDArray[np.int64] = np.unique(np.arange(1, _EARLIER + 1) * problem.bumps.width // _EARLIER)
     apart = problem.bumps.width + problem.half_width
     found: dict[str, Callable[[], Array]] = {
         "distance since the last reversal": after_reversal,
@@ -160,6 +175,12 @@ def _powers(values: Array) -> Array:
     return np.vstack([values / scale, (values / scale) ** 2, (values / scale) ** 3])
 
 
+def _slow(time: Array) -> Array:
+    """Return waves of no more than three periods in all: each reaches over every block, so that none is guessed."""
+    phase = np.pi * (time - np.min(time)) / (float(np.ptp(time)) or 1.0)
+    return np.cos(np.arange(1, _WAVES + 1)[:, None] * phase)
+
+
 def _waves(position: Array) -> Array:
     low, high = float(np.min(position)), float(np.max(position))
     phase = np.pi * (position - low) / ((high - low) or 1.0)
@@ -167,7 +188,7 @@ def _waves(position: Array) -> Array:
     return np.vstack([np.cos(numbers * phase), np.sin(numbers * phase)])
 
 
-def _earlier(problem: Problem, values: Array, lags: Array) -> Array:
+def _earlier(problem: Problem, values: Array, lags: NDArray[np.int64]) -> Array:
     """Return a signal as it was some samples before, one row a lag."""
     recording, cell = problem.recording, problem.quadrature.cell
     run = recording.run

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -85,7 +86,7 @@ def _path(problem: Problem) -> Array:
     return np.asarray(np.cumsum(np.where(problem.resting, 0.0, step)))
 
 
-def _latest(values: Array, where: NDArray[np.bool_]) -> Array:
+def _latest(values: NDArray[Any], where: NDArray[np.bool_]) -> NDArray[Any]:
     """Return the value at the latest sample that is marked, shape (N,)."""
     index = np.maximum.accumulate(np.where(where, np.arange(len(values)), 0))
     return np.asarray(values[index])
