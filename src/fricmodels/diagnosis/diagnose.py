@@ -15,7 +15,7 @@ from fricmodels.diagnosis.power import Visibility, visibility
 from fricmodels.diagnosis.problem import Problem
 from fricmodels.diagnosis.sufficiency import beaten, enough, predictable
 from fricmodels.diagnosis.survey import Tested, survey
-from fricmodels.diagnosis.unexplained import View
+from fricmodels.diagnosis.unexplained import PERSISTENT, View
 from fricmodels.diagnosis.verdict import Answer, accepted, answer
 from fricmodels.diagnosis.where import Regime, where
 from fricmodels.drive import Drive
@@ -86,7 +86,8 @@ class Diagnosis(Shown):
         verdict: see the documentation of diagnosis.
         findings: the effect that explains the residual best, with its look-alikes; none where none passes. What else
             may be missing shows once this one is in the model (:func:`fricmodels.diagnosis.improve`).
-        view: what predicts the residual best, whatever the physics; ``None`` if nothing does.
+        view: the channel that predicts the residual best, whatever the physics, or else its own past; ``None`` if
+            nothing does.
         passing: every effect that passes the gates by itself, best first; most only resemble the first.
         visibility: for every effect that was not found, the smallest that would have been, or what is missing.
     """
@@ -234,7 +235,7 @@ def examine(comparison: Comparison, *, leave_out: Iterable[str] = ()) -> Diagnos
     result = survey(comparison.problem, parameters, leave_out=out)
     best = answer(result)
     seen = predictable(result)
-    view = seen[0] if seen else None
+    view = next((v for v in seen if v.channels not in PERSISTENT), seen[0] if seen else None)
     if best is not None and beaten(result, best.first, seen) and not enough(result, parameters, out, seen):
         best = None
     findings = [] if best is None else [_finding(best)]

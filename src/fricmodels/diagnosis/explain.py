@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from fricmodels.diagnosis.diagnose import Diagnosis, Finding
 from fricmodels.diagnosis.ladder import Ladder
+from fricmodels.diagnosis.unexplained import PERSISTENT
 
 
 def explain(diagnosis: Diagnosis, ladder: Ladder | None = None) -> str:
@@ -65,8 +66,14 @@ def unknown(diagnosis: Diagnosis) -> str:
     view = diagnosis.view
     if view is None or diagnosis.verdict != "unknown-effect":
         return ""
+    falls = f"(it falls by {100 * view.evidence.gain:.0f} % on blocks that were not used for fitting)"
+    if view.channels in PERSISTENT:
+        return (
+            f"Something else is missing that no known effect explains: what is left lasts or rings, so that it can be "
+            f"predicted from {view.channels} {falls}, but from no recorded channel. Look for what was not recorded: "
+            "another joint, a temperature, a load."
+        )
     return (
         f"Something else is missing that no known effect explains: the residual can be predicted from "
-        f"{view.channels} (it falls by {100 * view.evidence.gain:.0f} % on blocks that were not used for fitting). "
-        "Plot it against these, and write an effect of your own."
+        f"{view.channels} {falls}. Plot it against these, and write an effect of your own."
     )

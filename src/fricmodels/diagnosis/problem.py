@@ -292,18 +292,16 @@ def _hidden_turns(
     Where the velocity could have reached zero between two samples, it passed cleanly only if the torque at both drives
     it on in one direction, beyond what friction holds. Otherwise it may have stuck, or turned twice, in between.
     """
-    _, error = smoothed_velocity(recording)
-    change = np.abs(np.diff(smooth, prepend=smooth[:1], append=smooth[-1:]))
-    near = np.abs(smooth) < np.maximum(change[:-1], change[1:]) + _CERTAIN * error
-    least, greatest = drive.sticking_interval(recording, parameters)
-    net = recording.torque - recording.load_torque
-    side = np.where(net > greatest, 1, np.where(net < least, -1, 0))
+    first, last = smooth[:-1], smooth[1:]
+    near = np.minimum(np.abs(first), np.abs(last)) < np.abs(last - first)
+    cell = np.flatnonzero((near | (first * last < 0)) & (np.diff(recording.run) == 0))
     marked = np.zeros(len(recording), dtype=bool)
-    for part in stretches(recording.time, recording.run):
-        edges = np.flatnonzero(np.diff(near[part].astype(np.int8), prepend=0, append=0)) + part.start
-        for start, stop in zip(edges[::2], edges[1::2], strict=True):
-            passage = side[start:stop]
-            marked[start:stop] = passage[0] == 0 or bool(np.any(passage != passage[0]))
+    if len(cell):
+        least, greatest = drive.sticking_interval(recording, parameters)
+        net = recording.torque - recording.load_torque
+        side = np.where(net > greatest, 1, np.where(net < least, -1, 0))
+        hidden = cell[(side[cell] != side[cell + 1]) | (side[cell] == 0)]
+        marked[hidden] = marked[hidden + 1] = True
     return marked
 
 

@@ -116,14 +116,15 @@ def random_rig(
 def strength(rig: Rig) -> float:
     """Return the RMS torque that the hidden effects leave in the residual over the RMS friction torque while sliding.
 
-    A rig that never moves has no strength: NaN.
+    A rig that never moves has no strength, NaN; one that runs away has an infinite one.
     """
     speeds = np.concatenate([h.velocity[:: len(h.velocity) // rig.samples] for h in rig.histories])
     speeds = speeds[speeds != 0]
     if not len(speeds):
         return float("nan")
     level = np.where(speeds > 0, rig.friction.level(abs(speeds), 0), rig.friction.level(abs(speeds), 1))
-    return float(np.sqrt(np.mean(rig.effect_torque() ** 2) / np.mean(level**2)))
+    with np.errstate(over="ignore"):
+        return float(np.sqrt(np.mean(rig.effect_torque() ** 2) / np.mean(level**2)))
 
 
 def with_size(rig: Rig, size: float) -> Rig:
