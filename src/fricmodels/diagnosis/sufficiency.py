@@ -24,6 +24,8 @@ _WORSE = 0.05
 """Significance at which a channel predicts more than an effect."""
 _BEATEN = 0.02
 """A channel that predicts this share of the squared residual more than an effect shows that the effect is not it."""
+_OUTSIDE = 0.2
+"""A wave lies in the shapes of a view if less than this share (squared) of it is outside."""
 _LEFT_OVER = 0.03
 """Effects together are enough when no channel predicts this share of the squared residual beyond them."""
 _MOST_EFFECTS = 3
@@ -38,12 +40,15 @@ def beaten(result: Survey, first: Tested, seen: Sequence[View]) -> bool:
     """Whether some channel predicts significantly and much more than an effect.
 
     What went shortly before stands for all that lasts, whatever the number of its causes: of that an effect need only
-    explain half.
+    explain half. A wave over position is not refused by more waves of its own kind: poles, slots and teeth have each
+    their own, and one cause may show them all.
     """
     total = float(np.sum(result.regression.loss))
     least = max(LEAST_TORQUE**2 * float(np.sum(result.problem.driving**2)), _BEATEN * total)
     own = float(np.sum(first.evidence.loss))
     for view in seen:
+        if _wave_of(result, first, view):
+            continue
         _, p_value = compare(first.evidence.loss, view.evidence.loss, result.regression.terms)
         predicted = float(np.sum(view.evidence.loss))
         more = own - predicted
@@ -51,6 +56,17 @@ def beaten(result: Survey, first: Tested, seen: Sequence[View]) -> bool:
         if p_value < _WORSE and (half > 0 if view.channels in PERSISTENT else more > least):
             return True
     return False
+
+
+def _wave_of(result: Survey, tested: Tested, view: View) -> bool:
+    """Whether an effect is periodic in position and most of it lies in the shapes of a view."""
+    if not any(p.periodic for p in tested.effect.parameters):
+        return False
+    own = result.regression.free(tested.evidence.coefficients[None] @ tested.found.columns)[0]
+    shapes = result.regression.free(view.columns)
+    basis = np.linalg.svd(shapes, full_matrices=False)[2]
+    left = own - (own @ basis.T) @ basis
+    return bool(left @ left < _OUTSIDE * (own @ own))
 
 
 def enough(result: Survey, parameters: Mapping[str, float], leave_out: Iterable[str], seen: Sequence[View]) -> bool:

@@ -33,11 +33,13 @@ class View:
         channels: in words.
         evidence: of its shapes, all together.
         p_value: corrected for the number of views.
+        columns: its shapes, shape (k, rows).
     """
 
     channels: str
     evidence: Evidence
     p_value: float
+    columns: Array
 
 
 def views(problem: Problem, regression: Regression) -> list[View]:
@@ -52,7 +54,7 @@ def views(problem: Problem, regression: Regression) -> list[View]:
         if not len(chosen):
             continue
         evidence = regression.test(columns[chosen])
-        found.append(View(channels, evidence, min(1.0, evidence.p_value * len(every))))
+        found.append(View(channels, evidence, min(1.0, evidence.p_value * len(every)), columns[chosen]))
     return sorted(found, key=lambda view: float(np.sum(view.evidence.loss)))
 
 
