@@ -18,6 +18,8 @@ Shapes = Mapping[str, Callable[[], Array]]
 """Words for a set of shapes, and what builds them at the quadrature's samples, shape (k, samples)."""
 
 TORQUE_PAST = "motor torque shortly before"
+FINELY = "position, finely"
+"""How the names of views begin that show waves over position."""
 _HATS = 8
 _INSTANTS = 31
 _WAVES = 6
@@ -136,9 +138,9 @@ def _periodic(problem: Problem, regression: Regression) -> Shapes:
     side = np.sign(points.velocity)
     count = len(problem.recording)
     factors = {
-        "position, finely": np.ones(len(side)),
-        "position, finely, along the motion": side,
-        "position, finely, and motor torque": problem.motor_torque,
+        FINELY: np.ones(len(side)),
+        f"{FINELY}, along the motion": side,
+        f"{FINELY}, and motor torque": problem.motor_torque,
     }
     found: dict[str, Callable[[], Array]] = {}
     for name, factor in factors.items():

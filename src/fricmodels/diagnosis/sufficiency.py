@@ -13,6 +13,7 @@ from collections.abc import Iterable, Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from fricmodels.diagnosis.channels import FINELY
 from fricmodels.diagnosis.evidence import compare
 from fricmodels.diagnosis.survey import Survey, Tested, regression_of, survey
 from fricmodels.diagnosis.unexplained import PERSISTENT, View, views
@@ -59,8 +60,8 @@ def beaten(result: Survey, first: Tested, seen: Sequence[View]) -> bool:
 
 
 def _wave_of(result: Survey, tested: Tested, view: View) -> bool:
-    """Whether an effect is periodic in position and most of it lies in the shapes of a view."""
-    if not any(p.periodic for p in tested.effect.parameters):
+    """Whether an effect is periodic in position and most of it lies among the waves of a view."""
+    if not view.channels.startswith(FINELY) or not any(p.periodic for p in tested.effect.parameters):
         return False
     own = result.regression.free(tested.evidence.coefficients[None] @ tested.found.columns)[0]
     shapes = result.regression.free(view.columns)
