@@ -45,19 +45,27 @@ class History:
         sign = np.sign(problem.smooth)
         turned, side = _turns(sign, sure, fresh)
         started = turned | np.concatenate([[False], rest[:-1] & ~rest[1:]])
-        stopped = fresh | np.concatenate([[True], ~rest[:-1] & rest[1:]])
         time, distance = recording.time, _path(problem)
-        rested = np.where(np.concatenate([[False], rest[:-1]]), time - _latest(time, stopped), 0.0)
         followed = (
             side,
             time - _latest(time, turned),
             distance - _latest(distance, turned),
             time - _latest(time, started),
             distance - _latest(distance, started),
-            _latest(rested, started),
+            _latest(_rested(problem, fresh), started),
         )
         after = np.minimum(cell + 1, len(time) - 1)
         return cls(*(np.concatenate([values, values[cell], values[after]]) for values in followed))
+
+
+def _rested(problem: Problem, fresh: NDArray[np.bool_]) -> Array:
+    """Return how long the last rest was, up to a smoothing window after its end; later 0 [s]."""
+    time, rest = problem.recording.time, problem.resting
+    index = np.arange(len(time))
+    before = np.concatenate([[False], rest[:-1]]) & ~fresh
+    begins, ends = rest & ~before, before & ~rest
+    length = np.where(ends, time - _latest(time, begins), 0.0)
+    return np.where(index - _latest(index, ends | fresh) <= problem.half_width + 1, _latest(length, ends | fresh), 0.0)
 
 
 def _turns(sign: Array, sure: NDArray[np.bool_], fresh: NDArray[np.bool_]) -> tuple[NDArray[np.bool_], Array]:

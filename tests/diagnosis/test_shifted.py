@@ -1,0 +1,74 @@
+"""The shift in time that every recording may have: bounded, and for each candidate anew."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from fricmodels.diagnosis.evidence import Regression
+from fricmodels.diagnosis.shifted import ShiftedRegression
+
+Array = NDArray[np.float64]
+
+ROWS = 2000
+SAMPLE = 0.01
+UNLIMITED = np.full(1, np.inf)
+
+
+def rows(seed: int = 0) -> tuple[Array, Array, Array]:
+    """Return a base, the direction of a shift, and a candidate that resembles it."""
+    rng = np.random.default_rng(seed)
+    base, direction, other = rng.standard_normal((3, ROWS))
+    return base[None], direction, 0.8 * direction + 0.6 * other
+
+
+def shifted(target: Array, seed: int = 0) -> ShiftedRegression:
+    base, direction, _ = rows(seed)
+    return ShiftedRegression(base, target, 200, direction, SAMPLE)
+
+
+@pytest.mark.parametrize("share", [-0.9, 0.0, 0.5])
+def test_a_shift_within_a_sample_is_free(share: float) -> None:
+    base, direction, _ = rows()
+    regression = shifted(2 * base[0] + share * SAMPLE * direction)
+    np.testing.assert_allclose(regression.residual, 0, atol=1e-12)
+
+
+@pytest.mark.parametrize("samples", [-4.0, 3.0])
+def test_a_larger_shift_is_held_at_one_sample(samples: float) -> None:
+    base, direction, _ = rows()
+    regression = shifted(2 * base[0] + samples * SAMPLE * direction)
+    left = (samples - np.sign(samples)) * SAMPLE * Regression(base, direction, 200).residual
+    np.testing.assert_allclose(regression.residual, left, atol=1e-12)
+
+
+def test_what_a_candidate_explains_is_not_taken_for_a_shift() -> None:
+    """The base model alone asks for a shift of many samples; with the candidate it is half of one."""
+    base, direction, column = rows()
+    regression = shifted(2 * base[0] + 0.5 * SAMPLE * direction + 0.3 * column)
+    gained, theta = regression.explained(column[None], -UNLIMITED, UNLIMITED)
+    assert theta == pytest.approx([0.3])
+    assert gained == pytest.approx(float(regression.residual @ regression.residual))
+    evidence = regression.test(column[None])
+    assert evidence.coefficients == pytest.approx([0.3])
+    assert evidence.explained == pytest.approx(1.0)
+    assert evidence.gain == pytest.approx(1.0)
+
+
+def test_a_shift_that_is_a_delay_is_left_for_the_candidate() -> None:
+    base, direction, _ = rows()
+    regression = shifted(base[0] + 5 * SAMPLE * direction)
+    _, theta = regression.explained(direction[None], -UNLIMITED, UNLIMITED)
+    assert theta == pytest.approx([4 * SAMPLE])
+
+
+def test_units_of_torque_and_time_change_nothing() -> None:
+    base, direction, column = rows(1)
+    rng = np.random.default_rng(2)
+    target = base[0] + 0.2 * column + 0.1 * rng.standard_normal(ROWS)
+    one = ShiftedRegression(base, target, 200, direction, SAMPLE).test(column[None])
+    other = ShiftedRegression(1e3 * base, 1e3 * target, 200, direction, 1e3 * SAMPLE).test(1e3 * column[None])
+    assert other.coefficients == pytest.approx(one.coefficients)
+    assert other.p_value == pytest.approx(one.p_value)
+    assert other.gain == pytest.approx(one.gain)

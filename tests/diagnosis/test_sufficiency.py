@@ -1,0 +1,65 @@
+"""A name has to stand against views of the residual: it is given to the effect, and refused to what resembles it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from fricmodels.diagnosis import diagnose
+from fricmodels.diagnosis.estimate import estimate
+from fricmodels.diagnosis.survey import survey
+from fricmodels.diagnosis.unexplained import views
+from fricmodels.drive import Drive
+from fricmodels.model import Model
+from fricmodels.recording import Recording
+
+Made = Callable[..., Recording]
+LAW = Model.parse("coulomb-viscous")
+
+HIDDEN = {
+    "gravity": ({"a": 1.0, "b": 0.5}, "position"),
+    "asymmetry": ({"c": 0.3, "d": -0.2}, "speed, the same in both directions"),
+    "step-change": ({"c": 0.8, "d": 0.0, "t_0": 7.0}, "time, in one jump"),
+    "inertia-error": ({"dJ": 0.1}, "acceleration"),
+}
+
+
+@pytest.mark.parametrize("effect", HIDDEN)
+def test_the_channel_of_the_effect_is_the_best_predictor(made: Made, effect: str) -> None:
+    values, channel = HIDDEN[effect]
+    recording = made(f"coulomb-viscous+{effect}", {f"{effect}.{key}": value for key, value in values.items()})
+    problem, found = estimate(Drive(LAW, 2.0), recording)
+    result = survey(problem, found.parameters, only=[effect])
+    by_name = {view.channels: view for view in views(problem, result.regression)}
+    assert by_name[channel].evidence.gain > 0.7
+    assert by_name[channel].evidence.gain == pytest.approx(max(v.evidence.gain for v in by_name.values()), abs=0.1)
+
+
+@pytest.mark.parametrize("effect", HIDDEN)
+def test_named_when_it_is_a_candidate_and_unknown_when_it_is_not(made: Made, effect: str) -> None:
+    values, _ = HIDDEN[effect]
+    recording = made(f"coulomb-viscous+{effect}", {f"{effect}.{key}": value for key, value in values.items()})
+    whole = diagnose(recording, LAW, 2.0)
+    assert effect in whole.findings[0].names
+    rest = diagnose(recording, LAW, 2.0, leave_out=whole.findings[0].names)
+    assert (rest.verdict, rest.findings) == ("unknown-effect", ())
+    assert rest.view is not None
+
+
+def test_nothing_predicts_a_clean_drive(made: Made) -> None:
+    for seed in range(3):
+        diagnosis = diagnose(made(seed=seed, noise=1.0), LAW, 2.0)
+        assert (diagnosis.verdict, diagnosis.view) == ("adequate", None)
+
+
+def test_cogging_of_several_orders_is_cogging(made: Made) -> None:
+    """Poles and slots have each their own order; the strongest is found first, and the others do not take its name."""
+    name = "coulomb-viscous+cogging"
+    first = {"cogging.a": 0.5, "cogging.b": 0.2, "cogging.k": 7.3}
+    recording = made(name, first)
+    wave = 0.35 * np.cos(12.5 * recording["position"] + 1.0) + 0.3 * np.sin(4.4 * recording["position"])
+    diagnosis = diagnose(recording.with_channels(derived=False, torque=recording.torque + wave), LAW, 2.0)
+    assert diagnosis.findings[0].names == ("cogging",)
+    assert diagnosis.findings[0].tested.parameters["k"] == pytest.approx(7.3, rel=0.01)
