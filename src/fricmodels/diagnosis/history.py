@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import dataclass
 from typing import Any
 
@@ -38,7 +39,7 @@ class History:
     @classmethod
     def of(cls, problem: Problem) -> History:
         """Follow a recording through its reversals and rests; noise about zero speed is neither."""
-        recording, cell, rest = problem.recording, problem.quadrature.cell, problem.resting
+        recording, cell, rest = problem.recording, problem.quadrature.cell, _at_rest(problem)
         _, error = smoothed_velocity(recording)
         sure = ~rest & (np.abs(problem.smooth) > _CERTAIN * error)
         fresh = np.concatenate([[True], np.diff(recording.run) != 0])
@@ -52,15 +53,25 @@ class History:
             distance - _latest(distance, turned),
             time - _latest(time, started),
             distance - _latest(distance, started),
-            _latest(_rested(problem, fresh), started),
+            _latest(_rested(problem, rest, fresh), started),
         )
         after = np.minimum(cell + 1, len(time) - 1)
         return cls(*(np.concatenate([values, values[cell], values[after]]) for values in followed))
 
 
-def _rested(problem: Problem, fresh: NDArray[np.bool_]) -> Array:
+def _at_rest(problem: Problem) -> NDArray[np.bool_]:
+    """Return where the drive rests; a motion shorter than half a bump within a rest is one of its noise."""
+    rest = problem.resting.copy()
+    edges = np.flatnonzero(np.diff(rest.astype(np.int8))) + 1
+    for start, stop in itertools.pairwise(edges):
+        if not rest[start] and stop - start < problem.bumps.width // 2:
+            rest[start:stop] = True
+    return rest
+
+
+def _rested(problem: Problem, rest: NDArray[np.bool_], fresh: NDArray[np.bool_]) -> Array:
     """Return how long the last rest was, up to a smoothing window after its end; later 0 [s]."""
-    time, rest = problem.recording.time, problem.resting
+    time = problem.recording.time
     index = np.arange(len(time))
     before = np.concatenate([[False], rest[:-1]]) & ~fresh
     begins, ends = rest & ~before, before & ~rest
