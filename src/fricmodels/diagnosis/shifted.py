@@ -40,11 +40,11 @@ class ShiftedRegression(Regression):
 
     def explained(self, columns: Array, lower: Array, upper: Array) -> tuple[float, Array]:
         """Return by how much columns lower the sum of squares, and the coefficients, as far as these may go."""
-        case = self._case
-        if self._tells(columns):
+        case, told = self._case, self._tells(columns)
+        if told:
             gained, theta = self._regression(0).explained(columns, lower, upper)
             case = self._case_of(self._shift(columns, theta))
-        if case or not self._tells(columns):
+        if case or not told:
             gained, theta = self._regression(case).explained(columns, lower, upper)
         before, after = (float(r @ r) for r in (self.residual, self._regression(case).residual))
         return gained + before - after, theta
