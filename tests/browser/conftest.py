@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shutil
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
 from importlib import resources
@@ -19,15 +18,6 @@ from fricmodels.rig.demonstration import hidden
 from fricmodels.tournament import run
 from fricmodels.tournament.config import Config
 
-FLAGS = [
-    "--no-sandbox",
-    "--disable-gpu",
-    "--disable-quic",
-    "--no-first-run",
-    "--disable-background-networking",
-    "--disable-component-update",
-    "--disable-sync",
-]
 DRAWN = "[...document.querySelectorAll('.plot')].every(place => place.dataset.drawn)"
 HOSTILE = (
     """<script>window.hurt = 1</script>"onerror=window.hurt=1 </script>"""
@@ -57,18 +47,6 @@ class Seen:
 
 
 Open = Callable[..., Seen]
-
-
-@pytest.fixture(scope="session")
-def chromium() -> Iterator[Any]:
-    playwright = pytest.importorskip("playwright.sync_api", reason="the driver of the browser is not installed")
-    program = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
-    if program is None:
-        pytest.skip("there is no Chromium; install it with: apt-get install chromium")
-    with playwright.sync_playwright() as driver:
-        browser = driver.chromium.launch(executable_path=program, args=FLAGS, headless=True)
-        yield browser
-        browser.close()
 
 
 @pytest.fixture

@@ -67,7 +67,10 @@ def test_no_command_shows_help(capsys: pytest.CaptureFixture[str]) -> None:
     assert "leaderboard" in out
 
 
-def test_list_shows_equations_units_and_origin(capsys: pytest.CaptureFixture[str]) -> None:
+def test_list_shows_equations_units_and_origin(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("COLUMNS", "300")  # narrow tables fold their cells
     code, out, _ = call(capsys, "list", "laws")
     assert code == 0
     text = " ".join(out.split())

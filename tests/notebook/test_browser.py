@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import re
-import shutil
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -14,18 +12,6 @@ from fricmodels import compare
 from fricmodels.rig.demonstration import hidden
 
 plotly = pytest.importorskip("plotly", reason="figures need plotly")
-playwright = pytest.importorskip("playwright.sync_api", reason="needs playwright: pip install playwright")
-CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
-
-
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Any]:
-    if CHROMIUM is None:
-        pytest.skip("needs a browser: apt-get install chromium")
-    with playwright.sync_playwright() as running:
-        opened = running.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox"])
-        yield opened
-        opened.close()
 
 
 @pytest.fixture(scope="module")
@@ -40,9 +26,9 @@ def shown(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return page
 
 
-def opened(browser: Any, page: Path, script: Path | None) -> tuple[Any, list[str], list[str]]:
+def opened(chromium: Any, page: Path, script: Path | None) -> tuple[Any, list[str], list[str]]:
     """Return the page, what its console said, and what was asked for from elsewhere."""
-    tab = browser.new_page(viewport={"width": 900, "height": 700})
+    tab = chromium.new_page(viewport={"width": 900, "height": 700})
     said: list[str] = []
     asked: list[str] = []
 
@@ -60,9 +46,9 @@ def opened(browser: Any, page: Path, script: Path | None) -> tuple[Any, list[str
     return tab, said, asked
 
 
-def test_figures_draw_themselves_and_the_script_is_loaded_once(browser: Any, shown: Path) -> None:
+def test_figures_draw_themselves_and_the_script_is_loaded_once(chromium: Any, shown: Path) -> None:
     script = Path(plotly.__file__).parent / "package_data" / "plotly.min.js"
-    tab, said, asked = opened(browser, shown, script)
+    tab, said, asked = opened(chromium, shown, script)
     tab.wait_for_function("document.querySelectorAll('.fricmodels-figure .main-svg').length >= 6", timeout=30_000)
     assert tab.locator(".fricmodels-figure").count() == 6
     assert not said
@@ -71,8 +57,8 @@ def test_figures_draw_themselves_and_the_script_is_loaded_once(browser: Any, sho
     assert tab.title() == "cells"
 
 
-def test_without_a_network_the_figures_say_so_and_the_tables_are_there(browser: Any, shown: Path) -> None:
-    tab, _, asked = opened(browser, shown, None)
+def test_without_a_network_the_figures_say_so_and_the_tables_are_there(chromium: Any, shown: Path) -> None:
+    tab, _, asked = opened(chromium, shown, None)
     tab.get_by_text("could not be loaded").first.wait_for(timeout=10_000)
     assert len(asked) == 1
     assert tab.get_by_text("could not be loaded").count() == 6
