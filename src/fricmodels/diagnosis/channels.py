@@ -18,8 +18,9 @@ Shapes = Mapping[str, Callable[[], Array]]
 """Words for a set of shapes, and what builds them at the quadrature's samples, shape (k, samples)."""
 
 TORQUE_PAST = "motor torque shortly before"
-FINELY = "position, finely"
-"""How the names of views begin that show waves over position."""
+TORQUE_RATE = "rate of the motor torque"
+FINELY, FINELY_ALONG = "position, finely", "position, finely, along the motion"
+FINELY_TORQUE = "position, finely, and motor torque"
 _HATS = 8
 _INSTANTS = 31
 _WAVES = 6
@@ -53,7 +54,7 @@ def _of_motion(problem: Problem) -> Shapes:
         "time, the same in both directions": lambda: _slow(time),
         "motor torque": lambda: _powers(problem.motor_torque),
         "motor torque, along the motion": lambda: side * np.abs(_powers(problem.motor_torque)),
-        "rate of the motor torque": lambda: np.vstack([points["torque_rate"], side * np.abs(points["torque_rate"])]),
+        TORQUE_RATE: lambda: np.vstack([points["torque_rate"], side * np.abs(points["torque_rate"])]),
         "acceleration": lambda: np.vstack([points["acceleration"], side * np.abs(points["acceleration"])]),
     }
     if "temperature" in points:
@@ -139,8 +140,8 @@ def _periodic(problem: Problem, regression: Regression) -> Shapes:
     count = len(problem.recording)
     factors = {
         FINELY: np.ones(len(side)),
-        f"{FINELY}, along the motion": side,
-        f"{FINELY}, and motor torque": problem.motor_torque,
+        FINELY_ALONG: side,
+        FINELY_TORQUE: problem.motor_torque,
     }
     found: dict[str, Callable[[], Array]] = {}
     for name, factor in factors.items():

@@ -13,7 +13,7 @@ from collections.abc import Iterable, Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from fricmodels.diagnosis.channels import FINELY
+from fricmodels.diagnosis.channels import FINELY, FINELY_ALONG, FINELY_TORQUE, TORQUE_RATE
 from fricmodels.diagnosis.evidence import compare
 from fricmodels.diagnosis.survey import Survey, Tested, regression_of, survey
 from fricmodels.diagnosis.unexplained import PERSISTENT, View, views
@@ -26,7 +26,7 @@ _WORSE = 0.05
 _BEATEN = 0.02
 """A channel that predicts this share of the squared residual more than an effect shows that the effect is not it."""
 _OUTSIDE = 0.2
-"""A wave lies in the shapes of a view if less than this share (squared) of it is outside."""
+"""An effect lies within the shapes of a view if less than this share (squared) of it is outside."""
 _LEFT_OVER = 0.03
 """Effects together are enough when no channel predicts this share of the squared residual beyond them."""
 _MOST_EFFECTS = 3
@@ -41,14 +41,14 @@ def beaten(result: Survey, first: Tested, seen: Sequence[View]) -> bool:
     """Whether some channel predicts significantly and much more than an effect.
 
     What went shortly before stands for all that lasts, whatever the number of its causes: of that an effect need only
-    explain half. A wave over position is not refused by more waves of its own kind: poles, slots and teeth have each
-    their own, and one cause may show them all.
+    explain half. Nor is an effect refused by more of its own kind: poles, slots and teeth have each their own wave over
+    position, and a delay is more than the first order of it.
     """
     total = float(np.sum(result.regression.loss))
     least = max(LEAST_TORQUE**2 * float(np.sum(result.problem.driving**2)), _BEATEN * total)
     own = float(np.sum(first.evidence.loss))
     for view in seen:
-        if _wave_of(result, first, view):
+        if _own_kind(result, first, view):
             continue
         _, p_value = compare(first.evidence.loss, view.evidence.loss, result.regression.terms)
         predicted = float(np.sum(view.evidence.loss))
@@ -59,9 +59,15 @@ def beaten(result: Survey, first: Tested, seen: Sequence[View]) -> bool:
     return False
 
 
-def _wave_of(result: Survey, tested: Tested, view: View) -> bool:
-    """Whether an effect is periodic in position and most of it lies among the waves of a view."""
-    if not view.channels.startswith(FINELY) or not any(p.periodic for p in tested.effect.parameters):
+def _own_kind(result: Survey, tested: Tested, view: View) -> bool:
+    """Whether a view shows what an effect is by its nature, and most of the effect lies within its shapes."""
+    needs = result.problem.alone(tested.effect).model.needs
+    if any(p.periodic for p in tested.effect.parameters):
+        along = FINELY_ALONG if tested.effect.symmetry == "odd" else FINELY
+        kind = FINELY_TORQUE if "motor_torque" in needs else along
+    else:
+        kind = TORQUE_RATE if "motor_torque_rate" in needs else ""
+    if view.channels != kind:
         return False
     own = result.regression.free(tested.evidence.coefficients[None] @ tested.found.columns)[0]
     shapes = result.regression.free(view.columns)
