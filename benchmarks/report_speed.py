@@ -17,14 +17,8 @@ from pathlib import Path
 
 import numpy as np
 
-LAWS = [
-    "coulomb-viscous",
-    "asymmetric-coulomb-viscous",
-    "exponential-stick-slip",
-    "asymmetric-exponential-stick-slip",
-    "square-root",
-    "two-thirds-power",
-]
+from fricmodels.tournament.demonstration import LAWS
+
 TRUE = {"K_v1": 1.0e-4, "K_v2": 6.6e-5, "K_c1": 1.0e-2, "K_c2": 6.6e-3}
 INERTIA = 4.87e-6
 LONG = 2_000_000

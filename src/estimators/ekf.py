@@ -23,8 +23,7 @@ from estimators.preparation import (
     usable,
     velocity_noise,
 )
-from estimators.regression import long_run_variance
-from estimators.result import diverged_fit, provenance, unidentified
+from estimators.result import diverged_fit, filtered_fit
 from estimators.sequential import (
     FilterProblem,
     ProblemOnline,
@@ -159,20 +158,7 @@ class ExtendedKalman(SequentialEstimator):
         trajectory = run_filterpy(problem, kept) if self.settings.engine == "filterpy" else problem.run(kept)
         if trajectory.diverged_at is not None:
             return diverged_fit(self, problem, kept, trajectory, began)
-        moving, size = problem.moving, drive.parameter_scales(problem.scales)
-        x, covariance = trajectory.memory[: problem.order], unpack(trajectory.memory[problem.order :], problem.order)
-        return Fit(
-            model=drive.model.name,
-            estimator=self.name,
-            dataset=kept.name,
-            parameters=problem.named(problem.parameters(x)),
-            covariance=covariance[moving:, moving:] * np.outer(size, size) * inflation(trajectory),
-            estimated=drive.keys,
-            not_identified=unidentified(problem, np.diag(covariance)[moving:]),
-            history=problem.history(trajectory),
-            seconds=time.perf_counter() - began,
-            provenance=provenance(self, kept) | {"noise": self._noise(problem)},
-        )
+        return filtered_fit(self, problem, kept, trajectory, began, noise=self._noise(problem))
 
     def start(self, drive: Drive, recording: Recording) -> OnlineFilter:
         """Return the filter before its first sample; it runs compiled whatever the engine."""
@@ -283,17 +269,6 @@ def log_likelihood(trajectory: Trajectory) -> float:
         terms = np.log(trajectory.innovation_variance) + trajectory.innovation**2 / trajectory.innovation_variance
     total = -0.5 * float(np.nansum(terms))
     return total if math.isfinite(total) else -math.inf
-
-
-def inflation(trajectory: Trajectory) -> float:
-    """Return by how much the covariance must grow for innovations that are not white or larger than believed.
-
-    The long-run variance of the normalised innovations over the second half, by equal-weighted cosines; at least 1.
-    """
-    normalised = trajectory.innovation / np.sqrt(trajectory.innovation_variance)
-    late = normalised[len(normalised) // 2 :]
-    late = late[np.isfinite(late)]
-    return max(1.0, float(np.mean(late**2)), long_run_variance(late))
 
 
 def run_filterpy(problem: FilterProblem, recording: Recording) -> Trajectory:

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimators.regression import long_run_variance
-from estimators.sequential import FilterProblem, Trajectory
+from estimators.sequential import FilterProblem, Trajectory, unpack
 from fricmodels.dimension import VELOCITY
 from fricmodels.drive import Drive
 from fricmodels.estimator import Estimator
@@ -62,14 +62,61 @@ def failed_fit(
 
 
 def diverged_fit(
-    estimator: Estimator, problem: FilterProblem, recording: Recording, trajectory: Trajectory, began: float
+    estimator: Estimator,
+    problem: FilterProblem,
+    recording: Recording,
+    trajectory: Trajectory,
+    began: float,
+    what: str = "the estimate stopped being finite",
 ) -> Fit:
     """Return the fit of a filter that overflowed: it says at which sample."""
     at = trajectory.diverged_at or 0
-    message = f"the estimate stopped being finite at sample {at} (time {recording.time[at]:.6g} s)"
+    message = f"{what} at sample {at} (time {recording.time[at]:.6g} s)"
     return failed_fit(
         estimator, problem.drive, recording, began, Status.DIVERGED, message, history=problem.history(trajectory)
     )
+
+
+def filtered_fit(
+    estimator: Estimator,
+    problem: FilterProblem,
+    recording: Recording,
+    trajectory: Trajectory,
+    began: float,
+    **came_from: Any,
+) -> Fit:
+    """Return the last estimate of a filter with its own covariance, widened by :func:`inflation`.
+
+    Args:
+        estimator, problem, recording, trajectory: what was filtered, by what.
+        began: when, by ``time.perf_counter()``.
+        came_from: what the provenance says besides.
+    """
+    moving, size = problem.moving, problem.drive.parameter_scales(problem.scales)
+    x, covariance = trajectory.memory[: problem.order], unpack(trajectory.memory[problem.order :], problem.order)
+    return Fit(
+        model=problem.drive.model.name,
+        estimator=estimator.name,
+        dataset=recording.name,
+        parameters=problem.named(problem.parameters(x)),
+        covariance=covariance[moving:, moving:] * np.outer(size, size) * inflation(trajectory),
+        estimated=problem.drive.keys,
+        not_identified=unidentified(problem, np.diag(covariance)[moving:]),
+        history=problem.history(trajectory),
+        seconds=time.perf_counter() - began,
+        provenance=provenance(estimator, recording) | came_from,
+    )
+
+
+def inflation(trajectory: Trajectory) -> float:
+    """Return by how much the covariance must grow for innovations that are not white or larger than believed.
+
+    The long-run variance of the normalised innovations over the second half, by equal-weighted cosines; at least 1.
+    """
+    normalised = trajectory.innovation / np.sqrt(trajectory.innovation_variance)
+    late = normalised[len(normalised) // 2 :]
+    late = late[np.isfinite(late)]
+    return max(1.0, float(np.mean(late**2)), long_run_variance(late))
 
 
 def averaged_fit(

@@ -17,6 +17,7 @@ from fricmodels.report import of_run, story, write
 from fricmodels.rig.demonstration import hidden
 from fricmodels.tournament import run
 from fricmodels.tournament.config import Config
+from fricmodels.tournament.demonstration import MOTOR
 
 DRAWN = "[...document.querySelectorAll('.plot')].every(place => place.dataset.drawn)"
 HOSTILE = (
@@ -95,18 +96,10 @@ def story_page(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def _tournament(folder: Path, name: str) -> Path:
-    simulated = {
-        "model": "asymmetric-coulomb-viscous",
-        "parameters": {"K_v1": 1.0e-4, "K_v2": 6.6e-5, "K_c1": 1.0e-2, "K_c2": 6.6e-3},
-        "inertia": 4.87e-6,
-        "amplitude": 0.02,
-        "frequency": 39.54,
-        "noise_percent": 2,
-    }
     config = Config.model_validate(
         {
             "name": name,
-            "datasets": [{"name": f"{name} one", "simulate": simulated}],
+            "datasets": [{"name": f"{name} one", "simulate": MOTOR}],
             "models": ["coulomb-viscous", "asymmetric-coulomb-viscous", "coulomb-viscous+thermal"],
             "estimators": ["rls", {"name": "constant-velocity", "label": f"{name} constant"}],
             "simulate": False,

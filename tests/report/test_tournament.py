@@ -13,16 +13,9 @@ from fricmodels.report.page import Block, Code, Fold, Gallery, Page, Picture, Ta
 from fricmodels.report.render import render
 from fricmodels.tournament import run
 from fricmodels.tournament.config import Config
+from fricmodels.tournament.demonstration import MOTOR
 from fricmodels.tournament.leaderboard import Leaderboard
 
-MOTOR = {
-    "model": "asymmetric-coulomb-viscous",
-    "parameters": {"K_v1": 1.0e-4, "K_v2": 6.6e-5, "K_c1": 1.0e-2, "K_c2": 6.6e-3},
-    "inertia": 4.87e-6,
-    "amplitude": 0.02,
-    "frequency": 39.54,
-    "noise_percent": 2,
-}
 Made = Callable[..., Path]
 
 

@@ -9,13 +9,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fricmodels.diagnosis.problem import Problem
+from fricmodels.diagnosis.problem import CERTAIN, Problem
 from fricmodels.signals import smoothed_velocity
 
 Array = NDArray[np.float64]
-
-_CERTAIN = 3.0
-"""Standard errors from zero at which the direction of motion is certain."""
 
 
 @dataclass(frozen=True)
@@ -41,7 +38,7 @@ class History:
         """Follow a recording through its reversals and rests; noise about zero speed is neither."""
         recording, cell, rest = problem.recording, problem.quadrature.cell, _at_rest(problem)
         _, error = smoothed_velocity(recording)
-        sure = ~rest & (np.abs(problem.smooth) > _CERTAIN * error)
+        sure = ~rest & (np.abs(problem.smooth) > CERTAIN * error)
         fresh = np.concatenate([[True], np.diff(recording.run) != 0])
         sign = np.sign(problem.smooth)
         turned, side = _turns(sign, sure, fresh)

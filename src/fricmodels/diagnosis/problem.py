@@ -28,7 +28,7 @@ MAX_SAMPLES = 163_840
 
 _BLOCK = 8_192
 _NARROWEST, _WIDEST = 16, 128
-_CERTAIN = 3.0
+CERTAIN = 3.0
 """Standard errors from zero at which the direction of motion is certain."""
 _NOISE_SHARE = 0.01
 """The bump is widened until the noise of the velocity adds less than this share of the RMS torque to a row."""
@@ -274,7 +274,7 @@ def _unclear_direction(recording: Recording, width: int) -> NDArray[np.bool_]:
     There the friction torque is not known, nor whether the drive moves at all. A reversal passes through faster.
     """
     velocity, error = smoothed_velocity(recording)
-    slow = np.abs(velocity) <= _CERTAIN * error
+    slow = np.abs(velocity) <= CERTAIN * error
     unclear = np.zeros(len(recording), dtype=bool)
     for part in stretches(recording.time, recording.run):
         borders = np.flatnonzero(np.diff(slow[part].astype(np.int8))) + 1

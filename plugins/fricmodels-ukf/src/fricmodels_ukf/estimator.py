@@ -9,15 +9,15 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
-from estimators.ekf import ExtendedKalman, ExtendedKalmanSettings, inflation
+from estimators.ekf import ExtendedKalman, ExtendedKalmanSettings
 from estimators.normalisation import NormalisedSpace
 from estimators.preparation import Hold, usable
-from estimators.result import failed_fit, provenance, unidentified
+from estimators.result import diverged_fit, filtered_fit
 from estimators.sequential import FilterProblem, Trajectory, normalised_bounds, pack, projected, unpack
 from estimators.transition import transition
 from fricmodels.drive import Drive
 from fricmodels.estimator import Estimator, EstimatorSettings
-from fricmodels.fit import Fit, Status
+from fricmodels.fit import Fit
 from fricmodels.kernels import Scan
 from fricmodels.recording import Recording
 
@@ -73,25 +73,9 @@ class UnscentedKalman(Estimator):
         problem = ExtendedKalman(ExtendedKalmanSettings(**shared)).problem(drive, kept)
         trajectory = run(problem, kept, self.settings)
         if trajectory.diverged_at is not None:
-            at = trajectory.diverged_at
-            where = f"at sample {at} (time {kept.time[at]:.6g} s)"
-            message = f"the estimate or its covariance stopped being finite and positive {where}"
-            history = problem.history(trajectory)
-            return failed_fit(self, drive, kept, began, Status.DIVERGED, message, history=history)
-        moving, size = problem.moving, drive.parameter_scales(problem.scales)
-        x, covariance = trajectory.memory[: problem.order], unpack(trajectory.memory[problem.order :], problem.order)
-        return Fit(
-            model=drive.model.name,
-            estimator=self.name,
-            dataset=kept.name,
-            parameters=problem.named(problem.parameters(x)),
-            covariance=covariance[moving:, moving:] * np.outer(size, size) * inflation(trajectory),
-            estimated=drive.keys,
-            not_identified=unidentified(problem, np.diag(covariance)[moving:]),
-            history=problem.history(trajectory),
-            seconds=time.perf_counter() - began,
-            provenance=provenance(self, kept),
-        )
+            what = "the estimate or its covariance stopped being finite and positive"
+            return diverged_fit(self, problem, kept, trajectory, began, what)
+        return filtered_fit(self, problem, kept, trajectory, began)
 
 
 def propagation_step(space: NormalisedSpace) -> Any:
