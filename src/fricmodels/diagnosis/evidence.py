@@ -12,6 +12,7 @@ Stat. 36 (2018), with ν = 0.4 T^(2/3).
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -47,6 +48,56 @@ class Evidence:
     residual: Array
 
 
+@dataclass(frozen=True)
+class Freed:
+    """Inner products of columns freed of base directions: all that their least squares need.
+
+    Attributes:
+        gram: of the columns with each other, shape (q, q).
+        right: of the columns with the base model's residual, shape (q,).
+        power: of each column with itself before it was freed, shape (q,).
+    """
+
+    gram: Array
+    right: Array
+    power: Array
+
+    @cached_property
+    def visible(self) -> NDArray[np.bool_]:
+        """The columns of which enough is left, beside the base directions and the columns before them, shape (q,)."""
+        mask = np.isfinite(self.power) & (self.power > 0)
+        kept: list[int] = []
+        factor = np.zeros((len(mask), len(mask)))
+        for i in np.flatnonzero(mask):
+            # The rows of the factor are the freed columns in coordinates along those that were kept (Cholesky).
+            row = factor[i]
+            for place, j in enumerate(kept):
+                row[place] = (self.gram[i, j] - row[:place] @ factor[j, :place]) / factor[j, place]
+            left = self.gram[i, i] - row @ row
+            if left > _SEEN * self.power[i]:
+                row[len(kept)] = np.sqrt(left)
+                kept.append(int(i))
+            else:
+                mask[i] = False
+        return np.asarray(mask, dtype=bool)
+
+    def explained(self, lower: Array, upper: Array) -> tuple[float, Array]:
+        """Return the explained sum of squares and the coefficients; see :meth:`Regression.explained`."""
+        theta = np.zeros(len(self.right))
+        mask = self.visible.copy()
+        while np.any(mask):
+            scale = np.sqrt(np.diag(self.gram)[mask])
+            right = self.right[mask] / scale
+            found = np.linalg.lstsq(self.gram[np.ix_(mask, mask)] / np.outer(scale, scale), right, rcond=1e-10)[0]
+            value = found / scale
+            beyond = (value < lower[mask]) | (value > upper[mask])
+            if not np.any(beyond):
+                theta[mask] = value
+                return float(found @ right), theta
+            mask[np.flatnonzero(mask)[beyond]] = False
+        return 0.0, theta
+
+
 class Regression:
     """The base model's regression, against which candidates are tested.
 
@@ -65,7 +116,11 @@ class Regression:
         self._basis = left[:, singular > 1e-9 * singular[0]] if len(singular) else left
         self.residual = self.free(target[None])[0]
         self._edges = np.linspace(0, len(target), FOLDS + 1).astype(int)
-        self.loss = self.held_out(self.base) ** 2
+
+    @cached_property
+    def loss(self) -> Array:
+        """Squared held-out residual of each row, shape (M,)."""
+        return self.held_out(self.base) ** 2
 
     def free(self, columns: Array) -> Array:
         """Project the base directions out of columns, shape (q, M)."""
@@ -74,40 +129,20 @@ class Regression:
 
     def visible(self, columns: Array) -> NDArray[np.bool_]:
         """Mark the columns that differ from what the base model, and the columns before them, can do, shape (q,)."""
-        size = np.linalg.norm(columns, axis=1)
-        mask = np.isfinite(size) & (size > 0)
-        kept: list[Array] = []
-        for i in np.flatnonzero(mask):
-            rest = self.free((columns[i] / size[i])[None])[0]
-            for other in kept:
-                rest = rest - other * (other @ rest)
-            length = float(np.linalg.norm(rest))
-            if length**2 > _SEEN:
-                kept.append(rest / length)
-            else:
-                mask[i] = False
-        return np.asarray(mask, dtype=bool)
+        return self.freed(columns).visible
 
     def explained(self, columns: Array, lower: Array, upper: Array) -> tuple[float, Array]:
         """Return the explained sum of squares and the coefficients, as far as these may go.
 
         A coefficient that would pass its bounds is left out, as is a column that cannot be told from the others.
         """
-        theta = np.zeros(len(columns))
-        mask = self.visible(columns)
-        while np.any(mask):
-            free = self.free(columns[mask])
-            scale = np.linalg.norm(free, axis=1)
-            unit = free / scale[:, None]
-            right = unit @ self.residual
-            found = np.linalg.lstsq(unit @ unit.T, right, rcond=1e-10)[0]
-            value = found / scale
-            beyond = (value < lower[mask]) | (value > upper[mask])
-            if not np.any(beyond):
-                theta[mask] = value
-                return float(found @ right), theta
-            mask[np.flatnonzero(mask)[beyond]] = False
-        return 0.0, theta
+        return self.freed(columns).explained(lower, upper)
+
+    def freed(self, columns: Array) -> Freed:
+        """Return the products of columns, shape (q, M), that remain without the base directions."""
+        with np.errstate(invalid="ignore", over="ignore"):  # a column that is not finite is not visible
+            inside, whole = columns @ self._basis, columns @ columns.T
+            return Freed(whole - inside @ inside.T, columns @ self.residual, np.diag(whole))
 
     def held_out(self, columns: Array) -> Array:
         """Return, for every row, the residual of a fit that did not use the row's block, shape (M,)."""

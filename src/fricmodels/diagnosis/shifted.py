@@ -8,12 +8,17 @@ A larger shift than a sample is an effect of its own, `sensor-delay`.
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import NDArray
 
-from fricmodels.diagnosis.evidence import Evidence, Regression
+from fricmodels.diagnosis.evidence import Evidence, Freed, Regression
 
 Array = NDArray[np.float64]
+
+_TOLD = 1e-18
+"""A direction of which less than this share (squared) is left outside the base directions is one of them."""
 
 
 class ShiftedRegression(Regression):
@@ -28,45 +33,50 @@ class ShiftedRegression(Regression):
     """
 
     def __init__(self, base: Array, target: Array, independent: float, direction: Array, most: float) -> None:
-        unshifted = Regression(base, target, independent)
         self._given = (base, target, independent)
         self._direction, self._most = direction, most
-        self._unshifted = unshifted.residual
-        self._own = unshifted.free(direction[None])[0]
+        self._unshifted = Regression(base, target, independent)
+        self._own = self._unshifted.free(direction[None])[0]
+        size = float(self._own @ self._own)
+        told = size > _TOLD * float(direction @ direction)
+        self._shift_of = self._own / size if told else np.zeros_like(self._own)
         self._cases: dict[int, Regression] = {}
-        self._case = self._case_of(self._shift(np.zeros((0, len(target))), np.zeros(0)))
+        self._case = self._case_of(float(self._shift_of @ target))
         chosen = self._regression(self._case)
         super().__init__(chosen.base, chosen.target, independent)
 
     def explained(self, columns: Array, lower: Array, upper: Array) -> tuple[float, Array]:
         """Return by how much columns lower the sum of squares, and the coefficients, as far as these may go."""
-        case, told = self._case, self._tells(columns)
-        if told:
-            gained, theta = self._regression(0).explained(columns, lower, upper)
-            case = self._case_of(self._shift(columns, theta))
-        if case or not told:
-            gained, theta = self._regression(case).explained(columns, lower, upper)
-        before, after = (float(r @ r) for r in (self.residual, self._regression(case).residual))
-        return gained + before - after, theta
+        case, gained, theta = self._best(columns, lower, upper)
+        if case != self._case:
+            before, after = (float(r @ r) for r in (self.residual, self._regression(case).residual))
+            gained += before - after
+        return gained, theta
 
     def test(self, columns: Array, against: Regression | None = None) -> Evidence:
         """Test whether columns, all of them visible, belong to the model."""
-        case = self._case
-        if self._tells(columns):
-            unlimited = np.full(len(columns), np.inf)
-            _, theta = self._regression(0).explained(columns, -unlimited, unlimited)
-            case = self._case_of(self._shift(columns, theta))
+        unlimited = np.full(len(columns), np.inf)
+        case, _, _ = self._best(columns, -unlimited, unlimited)
         return self._regression(case).test(columns, against or self)
 
-    def _tells(self, columns: Array) -> bool:
-        """Whether columns can be told from a free shift as well as from the base model."""
-        if self._case == 0:
-            return True
-        return bool(np.all(self._regression(0).visible(columns)[self.visible(columns)]))
+    def _best(self, columns: Array, lower: Array, upper: Array) -> tuple[int, float, Array]:
+        """Return the case, the explained sum of squares, and the coefficients.
 
-    def _shift(self, columns: Array, theta: Array) -> float:
-        size = float(self._own @ self._own)
-        return float(self._own @ (self._unshifted - theta @ columns)) / size if size > 0 else 0.0
+        The shift is free where it stays within its bounds, and where the columns can be told from it as well as from
+        the base model.
+        """
+        held, own, shift_of = self._unshifted.freed(columns), columns @ self._own, columns @ self._shift_of
+        target = float(self._own @ self._unshifted.residual)
+        free = Freed(held.gram - np.outer(own, shift_of), held.right - shift_of * target, held.power)
+        case = self._case
+        if case == 0 or np.all(free.visible[held.visible]):
+            gained, theta = free.explained(lower, upper)
+            used = theta != 0
+            case = self._case_of(float(self._shift_of @ self._unshifted.residual - theta[used] @ shift_of[used]))
+            if case == 0:
+                return case, gained, theta
+        bounded = replace(held, right=held.right - case * self._most * own)
+        return case, *bounded.explained(lower, upper)
 
     def _case_of(self, shift: float) -> int:
         return 0 if abs(shift) <= self._most else int(np.sign(shift))

@@ -87,7 +87,9 @@ def enough(result: Survey, parameters: Mapping[str, float], leave_out: Iterable[
     problem = result.problem
     out = set(leave_out)
     columns = np.zeros((0, problem.rows))
-    for _ in range(_MOST_EFFECTS):
+    for effects in range(_MOST_EFFECTS):
+        if effects:
+            result = survey(problem, parameters, leave_out=out, also=columns)
         best = answer(result)
         if best is None:
             return False
@@ -101,7 +103,6 @@ def enough(result: Survey, parameters: Mapping[str, float], leave_out: Iterable[
         ]
         if not left:
             return least - float(np.sum(after.regression.loss)) > _BEATEN * total
-        result = survey(problem, parameters, leave_out=out, also=columns)
     return False
 
 
