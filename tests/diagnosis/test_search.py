@@ -127,7 +127,7 @@ def test_the_share_of_noise_grows_with_its_square(made: Made) -> None:
         if candidate is None:
             shares.append(1.0)
             continue
-        shares.append(noise_share(problem, problem.perturbed(), result.regression, effect, candidate.found))
+        shares.append(noise_share(problem, problem.perturbed, result.regression, effect, candidate.found))
     assert 0 <= shares[0] < 1e-3
     assert shares[1] > 10 * shares[0]
 
@@ -137,6 +137,6 @@ def test_a_column_of_position_holds_no_noise_of_the_velocity(made: Made) -> None
     problem, found = estimate(Drive(Model.parse("coulomb-viscous"), 2.0), recording)
     result = survey(problem, found.parameters, only=["gravity"])
     share = noise_share(
-        problem, problem.perturbed(), result.regression, load().effects["gravity"](), result.tested[0].found
+        problem, problem.perturbed, result.regression, load().effects["gravity"](), result.tested[0].found
     )
     assert share < 1e-9

@@ -232,7 +232,7 @@ def examine(comparison: Comparison, *, leave_out: Iterable[str] = ()) -> Diagnos
     """Test every effect on what a fitted model leaves over."""
     out = set(leave_out)
     parameters = comparison.estimate.parameters
-    result = survey(comparison.problem, parameters, leave_out=out)
+    result = survey(replace(comparison.problem), parameters, leave_out=out)  # a copy: what it remembers goes with it
     best = answer(result)
     seen = predictable(result)
     view = next((v for v in seen if v.channels not in PERSISTENT), seen[0] if seen else None)

@@ -9,11 +9,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 
+from fricmodels.diagnosis.remembered import Remembered
+from fricmodels.dimension import Motion
 from fricmodels.drive import Drive
 from fricmodels.model import Model
 from fricmodels.recording import Recording
@@ -28,6 +30,8 @@ MAX_SAMPLES = 163_840
 
 _BLOCK = 8_192
 _NARROWEST, _WIDEST = 16, 128
+_ROOM = 2**28
+"""Bytes of integrals that a problem remembers."""
 CERTAIN = 3.0
 """Standard errors from zero at which the direction of motion is certain."""
 _NOISE_SHARE = 0.01
@@ -118,12 +122,13 @@ class Problem:
     def _at_rest(self, count: int) -> list[Array]:
         return [np.full(count, state.initial) for state in self.drive.model.states]
 
-    def perturbed(self, seed: int = 0) -> Problem:
-        """Return the same problem with as much noise again on the velocity, and nothing else changed.
+    @cached_property
+    def perturbed(self) -> Problem:
+        """The same problem with as much noise again on the velocity, and nothing else changed.
 
         What a column differs by between the two is what noise makes of it.
         """
-        rng = np.random.default_rng(seed)
+        rng = np.random.default_rng(0)
         part = self.recording
         noisy = part.velocity + _noise_like(part, self.velocity_noise, rng)
         smooth, acceleration = lanczos_derivative(part.time, noisy, self.half_width, part.run)
@@ -195,9 +200,18 @@ class Problem:
 
     def columns(self, drive: Drive, nonlinear: Sequence[float] = ()) -> tuple[Array, Array]:
         """Return the integrals of a drive's linear columns, shape (k, rows), and of the rest of its torque, (rows,)."""
-        design, offset = self.evaluate(drive, nonlinear)
-        integrated = self.integrals(np.vstack([design, offset[None]]))
-        return integrated[:-1], integrated[-1]
+
+        def compute() -> Array:
+            design, offset = self.evaluate(drive, nonlinear)
+            return self.integrals(np.vstack([design, offset[None]]))
+
+        rows = self.integrated((drive, tuple(nonlinear)), compute)
+        return rows[:-1], rows[-1]
+
+    @cached_property
+    def integrated(self) -> Remembered:
+        """Integrals of this problem that do not depend on a regression, by what they are of."""
+        return Remembered(_ROOM)
 
     def evaluate(self, drive: Drive, nonlinear: Sequence[float] = ()) -> tuple[Array, Array]:
         """Evaluate a drive's linear columns at the quadrature's samples; internal states follow the smooth motion."""
@@ -265,7 +279,12 @@ class Problem:
 
     def alone(self, effect: Effect) -> Drive:
         """Return a drive with nothing but the effect."""
-        return Drive(Model(NoFriction(), [effect]), 1.0, self.drive.motion)
+        return _alone(effect, self.drive.motion)
+
+
+@lru_cache(maxsize=256)
+def _alone(effect: Effect, motion: Motion) -> Drive:
+    return Drive(Model(NoFriction(), [effect]), 1.0, motion)
 
 
 def _unclear_direction(recording: Recording, width: int) -> NDArray[np.bool_]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -105,12 +106,11 @@ def survey(
     tested: list[Tested] = []
     unseen: dict[str, str] = {}
     registered = plugins.load().effects
-    perturbed = problem.perturbed()
     for name in registered:
         if name in skipped or (only is not None and name not in only):
             continue
         try:
-            outcome = _candidate(problem, perturbed, regression, registered[name]())
+            outcome = _candidate(problem, regression, _effect(registered[name]))
         except Exception as error:  # an effect of a plugin may do anything; the others go on
             outcome = f"it could not be tested: {type(error).__name__}: {error}"
         if isinstance(outcome, str):
@@ -123,7 +123,7 @@ def survey(
     return Survey(problem, regression, tuple(ranked), unseen)
 
 
-def _candidate(problem: Problem, perturbed: Problem, regression: Regression, effect: Effect) -> Tested | str:
+def _candidate(problem: Problem, regression: Regression, effect: Effect) -> Tested | str:
     """Test one effect, or say why it cannot be tested."""
     alone = problem.alone(effect)
     missing = [signal for signal in sorted(alone.model.needs) if not _has(problem, signal)]
@@ -133,10 +133,16 @@ def _candidate(problem: Problem, perturbed: Problem, regression: Regression, eff
     if found is None:
         return "what it would add to the residual cannot be told from what the model already has"
     if np.any(found.kept):
-        share = noise_share(problem, perturbed, regression, effect, found)
+        share = noise_share(problem, problem.perturbed, regression, effect, found)
         if _is_noise(share, regression, found):
             return "noise of the velocity hides what it would add beyond what the model already has"
     return _test(regression, effect, found)
+
+
+@lru_cache(maxsize=256)
+def _effect(cls: type[Effect]) -> Effect:
+    """Return the one effect of a class, so that what was compiled for it serves again."""
+    return cls()
 
 
 def _has(problem: Problem, signal: str) -> bool:
