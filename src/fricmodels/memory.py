@@ -49,15 +49,16 @@ def trace(
     """
     scan = _scan(model)
     first = [state.initial for state in model.states]
-    columns = np.empty((len(time), len(model.needs)))
-    for i, name in enumerate(_needed(model)):
-        columns[:, i] = signals[name]
-    steps = np.diff(time)
+    needed = _needed(model)
+    rows = np.empty((len(time) - 1, 1 + 2 * len(needed)))
+    rows[:, 0] = np.diff(time)
+    for i, name in enumerate(needed, start=1):
+        values = np.broadcast_to(signals[name], time.shape)
+        rows[:, i], rows[:, i + len(needed)] = values[:-1], values[1:]
     broken = np.flatnonzero(np.diff(run)) + 1
     states = np.empty((len(time), len(first)))
     for begin, end in zip([0, *broken], [*broken, len(time)], strict=True):
-        rows = np.column_stack([steps[begin : end - 1], columns[begin : end - 1], columns[begin + 1 : end]])
-        _, outputs, _ = scan(first, rows, [*np.asarray(parameters, dtype=float), width])
+        _, outputs, _ = scan(first, rows[begin : end - 1], [*np.asarray(parameters, dtype=float), width])
         states[begin] = first
         states[begin + 1 : end] = outputs
     return tuple(states.T)

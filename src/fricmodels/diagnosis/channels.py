@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,16 +31,20 @@ _CLEAN = 0.1
 """Noise of the motor torque over the RMS residual, both as a bump sees them."""
 
 
-def shapes(problem: Problem, regression: Regression) -> Shapes:
-    """Return the shapes of every channel that a recording has, and of its history."""
-    return {
+def shapes(problem: Problem, regression: Regression) -> dict[str, Array]:
+    """Return the shapes of every channel that a recording has, and of its history, integrated, shape (k, rows)."""
+    lasting = {
         **_of_motion(problem),
-        **_of_a_jump(problem, regression),
         **_of_position(problem),
         **_of_load(problem),
         **_of_history(problem, regression),
-        **_periodic(problem, regression),
     }
+    found = {
+        name: problem.integrated(name, lambda build=build: problem.integrals(build()))  # type: ignore[misc]
+        for name, build in lasting.items()
+    }
+    found["time, in one jump"] = _jump(problem, regression)
+    return found | {name: problem.integrals(build()) for name, build in _periodic(problem, regression).items()}
 
 
 def _of_motion(problem: Problem) -> Shapes:
@@ -63,30 +68,34 @@ def _of_motion(problem: Problem) -> Shapes:
     return found
 
 
-def _of_a_jump(problem: Problem, regression: Regression) -> Shapes:
+def _jump(problem: Problem, regression: Regression) -> Array:
     """Return a jump along the motion and with speed, at the one of evenly spaced instants that explains most."""
     points = problem.quadrature.recording
     time, side = points.time, np.sign(points.velocity)
     instants = np.linspace(np.min(time), np.max(time), _INSTANTS + 2)[1:-1]
     limit = np.full(2, np.inf)
 
-    def columns(instant: float) -> Array:
-        return np.vstack([side, points.velocity]) * (time >= instant)
+    def jump(instant: float) -> Array:
+        return problem.integrals(np.vstack([side, points.velocity]) * (time >= instant))
 
-    gains = [regression.explained(problem.integrals(columns(t)), -limit, limit)[0] for t in instants]
-    best = float(instants[int(np.argmax(gains))])
-    return {"time, in one jump": lambda: columns(best)}
+    every = [problem.integrated(("jump", float(t)), lambda t=t: jump(t)) for t in instants]  # type: ignore[misc]
+    gains = [regression.explained(columns, -limit, limit)[0] for columns in every]
+    return every[int(np.argmax(gains))]
 
 
 def _of_position(problem: Problem) -> Shapes:
     points = problem.quadrature.recording
     if "position" not in points:
         return {}
-    side, waves = np.sign(points.velocity), _waves(points["position"])
+
+    @cache
+    def waves() -> Array:
+        return _waves(points["position"])
+
     return {
-        "position": lambda: waves,
-        "position, along the motion": lambda: side * waves,
-        "position and motor torque": lambda: problem.motor_torque * waves,
+        "position": waves,
+        "position, along the motion": lambda: np.sign(points.velocity) * waves(),
+        "position and motor torque": lambda: problem.motor_torque * waves(),
     }
 
 
@@ -103,26 +112,27 @@ def _of_load(problem: Problem) -> Shapes:
 
 
 def _of_history(problem: Problem, regression: Regression) -> Shapes:
-    history = History.of(problem)
-    points = problem.quadrature.recording
-    side, acceleration = history.side, points["acceleration"]
+    @cache
+    def history() -> History:
+        return History.of(problem)
 
     def after_reversal() -> Array:
-        near = _log_hats(history.travelled, _HATS)
-        return np.vstack([side * near, acceleration * near[: _HATS // 2]])
+        near = _log_hats(history().travelled, _HATS)
+        acceleration = problem.quadrature.recording["acceleration"]
+        return np.vstack([history().side * near, acceleration * near[: _HATS // 2]])
 
     def after_start(since: Array) -> Array:
         near = _log_hats(since, _HATS)
-        return side * np.vstack([near, np.log1p(history.dwell / problem.recording.interval) * near])
+        return history().side * np.vstack([near, np.log1p(history().dwell / problem.recording.interval) * near])
 
     recording = problem.recording
     lags: NDArray[np.int64] = np.unique(np.arange(1, _EARLIER + 1) * problem.bumps.width // _EARLIER)
     apart = problem.bumps.width + problem.half_width
     found: dict[str, Callable[[], Array]] = {
         "distance since the last reversal": after_reversal,
-        "time since the last reversal": lambda: side * _log_hats(history.turned, _HATS),
-        "distance since motion began, and the rest before": lambda: after_start(history.moved),
-        "time since motion began, and the rest before": lambda: after_start(history.started),
+        "time since the last reversal": lambda: history().side * _log_hats(history().turned, _HATS),
+        "distance since motion began, and the rest before": lambda: after_start(history().moved),
+        "time since motion began, and the rest before": lambda: after_start(history().started),
         # So long before that the noise of the rows is another one.
         "acceleration shortly before": lambda: _earlier(problem, recording["acceleration"], apart + 2 * lags),
     }

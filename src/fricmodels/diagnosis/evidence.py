@@ -11,8 +11,10 @@ Stat. 36 (2018), with ν = 0.4 T^(2/3).
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import cached_property
+from operator import mul
 
 import numpy as np
 from numpy.typing import NDArray
@@ -65,37 +67,60 @@ class Freed:
     @cached_property
     def visible(self) -> NDArray[np.bool_]:
         """The columns of which enough is left, beside the base directions and the columns before them, shape (q,)."""
-        mask = np.isfinite(self.power) & (self.power > 0)
-        kept: list[int] = []
-        factor = np.zeros((len(mask), len(mask)))
-        for i in np.flatnonzero(mask):
-            # The rows of the factor are the freed columns in coordinates along those that were kept (Cholesky).
-            row = factor[i]
-            for place, j in enumerate(kept):
-                row[place] = (self.gram[i, j] - row[:place] @ factor[j, :place]) / factor[j, place]
-            left = self.gram[i, i] - row @ row
-            if left > _SEEN * self.power[i]:
-                row[len(kept)] = np.sqrt(left)
-                kept.append(int(i))
-            else:
-                mask[i] = False
-        return np.asarray(mask, dtype=bool)
+        usable = np.isfinite(self.power) & (self.power > 0)
+        kept, _ = self._factor(np.flatnonzero(usable).tolist())
+        mask = np.zeros(len(usable), dtype=bool)
+        mask[kept] = True
+        return mask
 
     def explained(self, lower: Array, upper: Array) -> tuple[float, Array]:
         """Return the explained sum of squares and the coefficients; see :meth:`Regression.explained`."""
         theta = np.zeros(len(self.right))
-        mask = self.visible.copy()
-        while np.any(mask):
-            scale = np.sqrt(np.diag(self.gram)[mask])
-            right = self.right[mask] / scale
-            found = np.linalg.lstsq(self.gram[np.ix_(mask, mask)] / np.outer(scale, scale), right, rcond=1e-10)[0]
-            value = found / scale
-            beyond = (value < lower[mask]) | (value > upper[mask])
-            if not np.any(beyond):
-                theta[mask] = value
-                return float(found @ right), theta
-            mask[np.flatnonzero(mask)[beyond]] = False
+        kept = np.flatnonzero(self.visible).tolist()
+        while kept:
+            kept, factor = self._factor(kept)
+            along = _forward(factor, self.right[kept].tolist())
+            found = np.array(_backward(factor, along))
+            beyond = (found < lower[kept]) | (found > upper[kept])
+            if not beyond.any():
+                theta[kept] = found
+                return sum(part * part for part in along), theta
+            kept = [i for i, is_beyond in zip(kept, beyond, strict=True) if not is_beyond]
         return 0.0, theta
+
+    def _factor(self, candidates: list[int]) -> tuple[list[int], list[list[float]]]:
+        """Return which of the candidates are visible, in order, and the Cholesky factor of their products.
+
+        These are a few numbers, for which lists are faster than arrays.
+        """
+        gram, power = self.gram.tolist(), self.power.tolist()
+        kept: list[int] = []
+        factor: list[list[float]] = []
+        for i in candidates:
+            row = _forward(factor, [gram[i][j] for j in kept])
+            left = gram[i][i] - sum(part * part for part in row)
+            if left > _SEEN * power[i]:
+                kept.append(i)
+                factor.append([*row, math.sqrt(left)])
+        return kept, factor
+
+
+def _forward(factor: list[list[float]], right: list[float]) -> list[float]:
+    """Solve L x = b, with the rows of the lower triangular L up to the diagonal."""
+    found: list[float] = []
+    for row, value in zip(factor, right, strict=True):
+        found.append((value - sum(map(mul, row, found))) / row[-1])
+    return found
+
+
+def _backward(factor: list[list[float]], right: list[float]) -> list[float]:
+    """Solve L' x = b."""
+    found = list(right)
+    for i in reversed(range(len(found))):
+        found[i] /= factor[i][i]
+        for j in range(i):
+            found[j] -= factor[i][j] * found[i]
+    return found
 
 
 class Regression:

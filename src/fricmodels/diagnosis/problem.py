@@ -203,10 +203,11 @@ class Problem:
 
         def compute() -> Array:
             design, offset = self.evaluate(drive, nonlinear)
-            return self.integrals(np.vstack([design, offset[None]]))
+            return self.integrals(np.vstack([design, offset[None]]) if np.any(offset) else design)
 
         rows = self.integrated((drive, tuple(nonlinear)), compute)
-        return rows[:-1], rows[-1]
+        linear = sum(drive.model.linear)
+        return rows[:linear], rows[linear] if len(rows) > linear else np.zeros(self.rows)
 
     @cached_property
     def integrated(self) -> Remembered:

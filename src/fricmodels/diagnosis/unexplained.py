@@ -45,7 +45,7 @@ class View:
 def views(problem: Problem, regression: Regression) -> list[View]:
     """Return every view of the residual, the best predictor first."""
     found = []
-    every = {name: problem.integrals(build()) for name, build in shapes(problem, regression).items()}
+    every = shapes(problem, regression)
     every[OWN_PAST] = own_past(problem, regression.residual)
     for channels, columns in every.items():
         visible = regression.visible(columns)

@@ -2,9 +2,9 @@
 
 The expression's instruction list is written out as a straight line of Python and compiled by Numba, the state
 held in local variables; what the symbolic engine knows to be zero costs nothing. A product and a sum may be
-contracted to one rounding (fused multiply-add) where the processor has it. The source and the machine code
-are kept in the user's cache directory under a name made from the source, so a recursion is compiled once per
-machine.
+contracted to one rounding (fused multiply-add) where the processor has it, and a division may become a product with a
+reciprocal. The source and the machine code are kept in the user's cache directory under a name made from the source, so
+a recursion is compiled once per machine.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ def where(condition, value):
     return value if condition else 0.0
 
 
-@njit(cache=True, error_model="numpy", nogil=True, fastmath={"contract"})
+@njit(cache=True, error_model="numpy", nogil=True, fastmath={"contract", "arcp"})
 def scan(state, inputs, constants, stride, outputs):
 '''
 
