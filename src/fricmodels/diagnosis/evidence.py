@@ -67,26 +67,28 @@ class Freed:
     @cached_property
     def visible(self) -> NDArray[np.bool_]:
         """The columns of which enough is left, beside the base directions and the columns before them, shape (q,)."""
-        usable = np.isfinite(self.power) & (self.power > 0)
-        kept, _ = self._factor(np.flatnonzero(usable).tolist())
-        mask = np.zeros(len(usable), dtype=bool)
-        mask[kept] = True
+        mask = np.zeros(len(self.power), dtype=bool)
+        mask[self._visible[0]] = True
         return mask
 
     def explained(self, lower: Array, upper: Array) -> tuple[float, Array]:
         """Return the explained sum of squares and the coefficients; see :meth:`Regression.explained`."""
         theta = np.zeros(len(self.right))
-        kept = np.flatnonzero(self.visible).tolist()
+        kept, factor = self._visible
         while kept:
-            kept, factor = self._factor(kept)
             along = _forward(factor, self.right[kept].tolist())
             found = np.array(_backward(factor, along))
             beyond = (found < lower[kept]) | (found > upper[kept])
             if not beyond.any():
                 theta[kept] = found
                 return sum(part * part for part in along), theta
-            kept = [i for i, is_beyond in zip(kept, beyond, strict=True) if not is_beyond]
+            kept, factor = self._factor([i for i, is_beyond in zip(kept, beyond, strict=True) if not is_beyond])
         return 0.0, theta
+
+    @cached_property
+    def _visible(self) -> tuple[list[int], list[list[float]]]:
+        usable = np.isfinite(self.power) & (self.power > 0)
+        return self._factor(np.flatnonzero(usable).tolist())
 
     def _factor(self, candidates: list[int]) -> tuple[list[int], list[list[float]]]:
         """Return which of the candidates are visible, in order, and the Cholesky factor of their products.

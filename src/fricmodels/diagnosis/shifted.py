@@ -8,8 +8,6 @@ A larger shift than a sample is an effect of its own, `sensor-delay`.
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -38,10 +36,10 @@ class ShiftedRegression(Regression):
         self._unshifted = Regression(base, target, independent)
         self._own = self._unshifted.free(direction[None])[0]
         size = float(self._own @ self._own)
-        told = size > _TOLD * float(direction @ direction)
-        self._shift_of = self._own / size if told else np.zeros_like(self._own)
+        self._per_size = 1 / size if size > _TOLD * float(direction @ direction) else 0.0
+        self._shift = self._per_size * float(self._own @ self._unshifted.residual)
         self._cases: dict[int, Regression] = {}
-        self._case = self._case_of(float(self._shift_of @ target))
+        self._case = self._case_of(self._shift)
         chosen = self._regression(self._case)
         super().__init__(chosen.base, chosen.target, independent)
 
@@ -65,17 +63,17 @@ class ShiftedRegression(Regression):
         The shift is free where it stays within its bounds, and where the columns can be told from it as well as from
         the base model.
         """
-        held, own, shift_of = self._unshifted.freed(columns), columns @ self._own, columns @ self._shift_of
-        target = float(self._own @ self._unshifted.residual)
-        free = Freed(held.gram - np.outer(own, shift_of), held.right - shift_of * target, held.power)
+        held, own = self._unshifted.freed(columns), columns @ self._own
+        shift_of = own * self._per_size
+        free = Freed(held.gram - own[:, None] * shift_of, held.right - self._shift * own, held.power)
         case = self._case
         if case == 0 or np.all(free.visible[held.visible]):
             gained, theta = free.explained(lower, upper)
             used = theta != 0
-            case = self._case_of(float(self._shift_of @ self._unshifted.residual - theta[used] @ shift_of[used]))
+            case = self._case_of(self._shift - float(theta[used] @ shift_of[used]))
             if case == 0:
                 return case, gained, theta
-        bounded = replace(held, right=held.right - case * self._most * own)
+        bounded = Freed(held.gram, held.right - case * self._most * own, held.power)
         return case, *bounded.explained(lower, upper)
 
     def _case_of(self, shift: float) -> int:

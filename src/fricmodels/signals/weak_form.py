@@ -170,14 +170,15 @@ class Bumps:
         return values if self.count == values.shape[1] else np.take(values, self._kept, axis=1)
 
     def _apply(self, rows: Array, kernel: Array) -> Array:
-        parts = kernel.reshape(HOPS, self.hop).T
-        results = []
-        for piece in self._pieces:
-            blocks = rows[:, piece].reshape(len(rows), (piece.stop - piece.start) // self.hop, self.hop)
-            product = parts.T @ blocks.transpose(0, 2, 1)
-            count = product.shape[2] - HOPS + 1
-            total = product[:, 0, :count].copy()
-            for part in range(1, HOPS):
-                total += product[:, part, part : part + count]
-            results.append(total)
-        return np.concatenate(results, axis=1) if len(results) != 1 else results[0]
+        parts = kernel.reshape(HOPS, self.hop)
+        counts = [(piece.stop - piece.start) // self.hop - HOPS + 1 for piece in self._pieces]
+        sums = np.empty((len(rows), sum(counts)))
+        first = 0
+        for piece, count in zip(self._pieces, counts, strict=True):
+            for row, total in zip(rows[:, piece], sums[:, first : first + count], strict=True):
+                product = parts @ row.reshape(-1, self.hop).T
+                np.add(product[0, :count], product[1, 1 : 1 + count], out=total)
+                for part in range(2, HOPS):
+                    total += product[part, part : part + count]
+            first += count
+        return sums
