@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from functools import cache
+from functools import cache, partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +16,7 @@ from fricmodels.signals import noise
 
 Array = NDArray[np.float64]
 Shapes = Mapping[str, Callable[[], Array]]
-"""Words for a set of shapes, and what builds them at the quadrature's samples, shape (k, samples)."""
+"""Words for a set of shapes, and what integrates them, shape (k, rows), or builds them, shape (k, samples)."""
 
 TORQUE_PAST = "motor torque shortly before"
 TORQUE_RATE = "rate of the motor torque"
@@ -31,20 +31,25 @@ _CLEAN = 0.1
 """Noise of the motor torque over the RMS residual, both as a bump sees them."""
 
 
-def shapes(problem: Problem, regression: Regression) -> dict[str, Array]:
-    """Return the shapes of every channel that a recording has, and of its history, integrated, shape (k, rows)."""
+def shapes(problem: Problem, regression: Regression) -> Shapes:
+    """Return the shapes of every channel that a recording has, and of its history."""
     lasting = {
         **_of_motion(problem),
         **_of_position(problem),
         **_of_load(problem),
         **_of_history(problem, regression),
     }
-    found = {
-        name: problem.integrated(name, lambda build=build: problem.integrals(build()))  # type: ignore[misc]
-        for name, build in lasting.items()
+    found: dict[str, Callable[[], Array]] = {
+        name: partial(problem.integrated, name, partial(_integrals, problem, build)) for name, build in lasting.items()
     }
-    found["time, in one jump"] = _jump(problem, regression)
-    return found | {name: problem.integrals(build()) for name, build in _periodic(problem, regression).items()}
+    found["time, in one jump"] = partial(_jump, problem, regression)
+    for name, build in _periodic(problem, regression).items():
+        found[name] = partial(_integrals, problem, build)
+    return found
+
+
+def _integrals(problem: Problem, build: Callable[[], Array]) -> Array:
+    return problem.integrals(build())
 
 
 def _of_motion(problem: Problem) -> Shapes:
@@ -78,7 +83,7 @@ def _jump(problem: Problem, regression: Regression) -> Array:
     def jump(instant: float) -> Array:
         return problem.integrals(np.vstack([side, points.velocity]) * (time >= instant))
 
-    every = [problem.integrated(("jump", float(t)), lambda t=t: jump(t)) for t in instants]  # type: ignore[misc]
+    every = [problem.integrated(("jump", t), partial(jump, t)) for t in instants.tolist()]
     gains = [regression.explained(columns, -limit, limit)[0] for columns in every]
     return every[int(np.argmax(gains))]
 
@@ -153,13 +158,16 @@ def _periodic(problem: Problem, regression: Regression) -> Shapes:
         FINELY_ALONG: side,
         FINELY_TORQUE: problem.motor_torque,
     }
+
+    def waves(factor: Array, strongest: tuple[float, ...]) -> Array:
+        phases = np.outer(strongest, points["position"])
+        return np.asarray(factor * np.vstack([np.cos(phases), np.sin(phases)]))
+
     found: dict[str, Callable[[], Array]] = {}
     for name, factor in factors.items():
         strongest = periods(problem, regression, factor[:count], 0.0).strongest[:_FINE_WAVES]
         if strongest:
-            phases = np.outer(strongest, points["position"])
-            waves = factor * np.vstack([np.cos(phases), np.sin(phases)])
-            found[name] = lambda waves=waves: waves  # type: ignore[misc]
+            found[name] = partial(waves, factor, strongest)
     return found
 
 

@@ -202,11 +202,11 @@ class Regression:
         left = self.residual - theta @ unit
         q = len(columns)
         variance = inverse @ long_run_sum(unit * left, self.terms) @ inverse
-        from scipy.stats import f as fisher
+        from scipy.special import fdtrc  # the upper tail of F
 
         freedom = max(self.terms - q + 1, 1)
         statistic = float(theta @ np.linalg.pinv(variance, rcond=1e-12, hermitian=True) @ theta)
-        p_value = float(fisher.sf(statistic * freedom / (self.terms * q), q, freedom))
+        p_value = float(fdtrc(q, freedom, max(statistic * freedom / (self.terms * q), 0.0)))
         loss = self.held_out(np.vstack([self.base, columns])) ** 2
         gain, gain_p = compare(without.loss, loss, self.terms)
         total = float(without.residual @ without.residual)
@@ -242,7 +242,7 @@ def compare(loss: Array, other: Array, terms: int) -> tuple[float, float]:
         The share by which ``other`` has the lower RMS, and the one-sided p-value that it has not, by Student's t with
         ν degrees of freedom on the mean difference (Diebold and Mariano 1995).
     """
-    from scipy.stats import t as student
+    from scipy.special import stdtr  # the lower tail of Student's t
 
     before, after = float(np.sum(loss)), float(np.sum(other))
     gain = 1 - np.sqrt(after / before) if before > 0 else 0.0
@@ -250,7 +250,7 @@ def compare(loss: Array, other: Array, terms: int) -> tuple[float, float]:
     spread = float(np.sqrt(long_run_sum((difference - difference.mean())[None], terms)[0, 0]))
     if spread == 0:
         return float(gain), 1.0
-    return float(gain), float(student.sf(float(np.sum(difference)) / spread, terms))
+    return float(gain), float(stdtr(terms, -float(np.sum(difference)) / spread))
 
 
 def benjamini_yekutieli(p_values: Array) -> Array:

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from fricmodels.diagnosis.channels import FINELY, FINELY_ALONG, FINELY_TORQUE, TORQUE_RATE
 from fricmodels.diagnosis.evidence import compare
 from fricmodels.diagnosis.survey import Survey, Tested, regression_of, survey
-from fricmodels.diagnosis.unexplained import PERSISTENT, View, views
+from fricmodels.diagnosis.unexplained import PERSISTENT, View, each, views
 from fricmodels.diagnosis.verdict import LEAST_TORQUE, answer, passes
 
 Array = NDArray[np.float64]
@@ -96,13 +96,12 @@ def enough(result: Survey, parameters: Mapping[str, float], leave_out: Iterable[
         columns = np.vstack([columns, directions(result, best.first)])
         out |= {best.first.name}
         after = Survey(problem, regression_of(problem, parameters, columns, best.first.name), (), {})
-        left = [
-            v
-            for v in predictable(after)
-            if np.sum(after.regression.loss) - np.sum(v.evidence.loss) > _LEFT_OVER * total
-        ]
-        if not left:
-            return least - float(np.sum(after.regression.loss)) > _BEATEN * total
+        remaining = float(np.sum(after.regression.loss))
+        if not any(
+            passes(after, v.evidence, v.p_value) and remaining - np.sum(v.evidence.loss) > _LEFT_OVER * total
+            for v in each(problem, after.regression, [v.channels for v in seen])
+        ):
+            return least - remaining > _BEATEN * total
     return False
 
 

@@ -7,7 +7,9 @@ unknown.
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -44,18 +46,19 @@ class View:
 
 def views(problem: Problem, regression: Regression) -> list[View]:
     """Return every view of the residual, the best predictor first."""
-    found = []
-    every = shapes(problem, regression)
-    every[OWN_PAST] = own_past(problem, regression.residual)
-    for channels, columns in every.items():
-        visible = regression.visible(columns)
-        room = max(1, regression.terms // 2)
-        chosen = np.flatnonzero(visible)[:room]
-        if not len(chosen):
-            continue
-        evidence = regression.test(columns[chosen])
-        found.append(View(channels, evidence, min(1.0, evidence.p_value * len(every)), columns[chosen]))
-    return sorted(found, key=lambda view: float(np.sum(view.evidence.loss)))
+    return sorted(each(problem, regression), key=lambda view: float(np.sum(view.evidence.loss)))
+
+
+def each(problem: Problem, regression: Regression, first: Sequence[str] = ()) -> Iterator[View]:
+    """Yield every view of the residual, those of some channels first."""
+    every = {**shapes(problem, regression), OWN_PAST: partial(own_past, problem, regression.residual)}
+    room = max(1, regression.terms // 2)
+    for channels in dict.fromkeys([*(name for name in first if name in every), *every]):
+        columns = every[channels]()
+        chosen = np.flatnonzero(regression.visible(columns))[:room]
+        if len(chosen):
+            evidence = regression.test(columns[chosen])
+            yield View(channels, evidence, min(1.0, evidence.p_value * len(every)), columns[chosen])
 
 
 def own_past(problem: Problem, residual: Array) -> Array:
