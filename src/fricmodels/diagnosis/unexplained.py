@@ -51,7 +51,8 @@ def views(problem: Problem, regression: Regression) -> list[View]:
 
 def each(problem: Problem, regression: Regression, first: Sequence[str] = ()) -> Iterator[View]:
     """Yield every view of the residual, those of some channels first."""
-    every = {**shapes(problem, regression), OWN_PAST: partial(own_past, problem, regression.residual)}
+    every = dict(shapes(problem, regression))
+    every[OWN_PAST] = partial(own_past, problem, regression.residual)
     room = max(1, regression.terms // 2)
     for channels in dict.fromkeys([*(name for name in first if name in every), *every]):
         columns = every[channels]()
