@@ -72,3 +72,13 @@ def test_units_of_torque_and_time_change_nothing() -> None:
     assert other.coefficients == pytest.approx(one.coefficients)
     assert other.p_value == pytest.approx(one.p_value)
     assert other.gain == pytest.approx(one.gain)
+
+
+def test_a_column_that_is_not_finite_explains_nothing_and_disturbs_no_other() -> None:
+    base, _, column = rows()
+    regression = shifted(2 * base[0] + 0.3 * column)
+    broken = np.where(np.arange(ROWS) % 2, np.inf, -np.inf)
+    gained, theta = regression.explained(np.stack([broken, column]), *np.array([[-np.inf] * 2, [np.inf] * 2]))
+    alone, expected = regression.explained(column[None], -UNLIMITED, UNLIMITED)
+    assert gained == pytest.approx(alone)
+    assert theta == pytest.approx([0, *expected])

@@ -25,6 +25,9 @@ FOLDS = 8
 _SEEN = 1e-5
 """A column of which less than this share (squared) is left outside the base directions cannot be told from them."""
 
+unwarned = np.errstate(invalid="ignore", over="ignore")
+"""A column that is not finite is not visible; its products need no warning."""
+
 
 @dataclass(frozen=True)
 class Evidence:
@@ -52,31 +55,32 @@ class Evidence:
 
 @dataclass(frozen=True)
 class Freed:
-    """Inner products of columns freed of base directions: all that their least squares need.
+    """Inner products of columns freed of base directions: what their least squares need.
 
     Attributes:
         gram: of the columns with each other, shape (q, q).
-        right: of the columns with the base model's residual, shape (q,).
         power: of each column with itself before it was freed, shape (q,).
     """
 
     gram: Array
-    right: Array
     power: Array
 
-    @cached_property
-    def visible(self) -> NDArray[np.bool_]:
-        """The columns of which enough is left, beside the base directions and the columns before them, shape (q,)."""
-        mask = np.zeros(len(self.power), dtype=bool)
-        mask[self._visible[0]] = True
-        return mask
+    @property
+    def kept(self) -> list[int]:
+        """The columns of which enough is left, beside the base directions and the columns before them."""
+        return self._visible[0]
 
-    def explained(self, lower: Array, upper: Array) -> tuple[float, Array]:
-        """Return the explained sum of squares and the coefficients; see :meth:`Regression.explained`."""
-        theta = np.zeros(len(self.right))
+    def explained(self, right: Array, lower: Array, upper: Array) -> tuple[float, Array]:
+        """Return the explained sum of squares and the coefficients, as far as these may go.
+
+        Args:
+            right: products of the columns with the base model's residual, shape (q,).
+            lower, upper: bounds of the coefficients, shape (q,).
+        """
+        theta = np.zeros(len(right))
         kept, factor = self._visible
         while kept:
-            along = _forward(factor, self.right[kept].tolist())
+            along = _forward(factor, right[kept].tolist())
             found = np.array(_backward(factor, along))
             beyond = (found < lower[kept]) | (found > upper[kept])
             if not beyond.any():
@@ -87,8 +91,7 @@ class Freed:
 
     @cached_property
     def _visible(self) -> tuple[list[int], list[list[float]]]:
-        usable = np.isfinite(self.power) & (self.power > 0)
-        return self._factor(np.flatnonzero(usable).tolist())
+        return self._factor([i for i, power in enumerate(self.power.tolist()) if 0 < power < math.inf])
 
     def _factor(self, candidates: list[int]) -> tuple[list[int], list[list[float]]]:
         """Return which of the candidates are visible, in order, and the Cholesky factor of their products.
@@ -156,20 +159,23 @@ class Regression:
 
     def visible(self, columns: Array) -> NDArray[np.bool_]:
         """Mark the columns that differ from what the base model, and the columns before them, can do, shape (q,)."""
-        return self.freed(columns).visible
+        mask = np.zeros(len(columns), dtype=bool)
+        mask[self.freed(columns).kept] = True
+        return mask
 
+    @unwarned
     def explained(self, columns: Array, lower: Array, upper: Array) -> tuple[float, Array]:
         """Return the explained sum of squares and the coefficients, as far as these may go.
 
         A coefficient that would pass its bounds is left out, as is a column that cannot be told from the others.
         """
-        return self.freed(columns).explained(lower, upper)
+        return self.freed(columns).explained(columns @ self.residual, lower, upper)
 
+    @unwarned
     def freed(self, columns: Array) -> Freed:
         """Return the products of columns, shape (q, M), that remain without the base directions."""
-        with np.errstate(invalid="ignore", over="ignore"):  # a column that is not finite is not visible
-            inside, whole = columns @ self._basis, columns @ columns.T
-            return Freed(whole - inside @ inside.T, columns @ self.residual, np.diag(whole))
+        inside, whole = columns @ self._basis, columns @ columns.T
+        return Freed(whole - inside @ inside.T, np.diag(whole))
 
     def held_out(self, columns: Array) -> Array:
         """Return, for every row, the residual of a fit that did not use the row's block, shape (M,)."""

@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from fricmodels.diagnosis.evidence import Evidence, Freed, Regression
+from fricmodels.diagnosis.evidence import Evidence, Freed, Regression, unwarned
 
 Array = NDArray[np.float64]
 
@@ -34,10 +34,11 @@ class ShiftedRegression(Regression):
         self._given = (base, target, independent)
         self._direction, self._most = direction, most
         self._unshifted = Regression(base, target, independent)
-        self._own = self._unshifted.free(direction[None])[0]
-        size = float(self._own @ self._own)
+        own = self._unshifted.free(direction[None])[0]
+        size = float(own @ own)
+        self._residual_and_own = np.column_stack([self._unshifted.residual, own])
         self._per_size = 1 / size if size > _TOLD * float(direction @ direction) else 0.0
-        self._shift = self._per_size * float(self._own @ self._unshifted.residual)
+        self._shift = self._per_size * float(own @ self._unshifted.residual)
         self._cases: dict[int, Regression] = {}
         self._case = self._case_of(self._shift)
         chosen = self._regression(self._case)
@@ -57,24 +58,24 @@ class ShiftedRegression(Regression):
         case, _, _ = self._best(columns, -unlimited, unlimited)
         return self._regression(case).test(columns, against or self)
 
+    @unwarned
     def _best(self, columns: Array, lower: Array, upper: Array) -> tuple[int, float, Array]:
         """Return the case, the explained sum of squares, and the coefficients.
 
         The shift is free where it stays within its bounds, and where the columns can be told from it as well as from
         the base model.
         """
-        held, own = self._unshifted.freed(columns), columns @ self._own
-        shift_of = own * self._per_size
-        free = Freed(held.gram - own[:, None] * shift_of, held.right - self._shift * own, held.power)
+        held = self._unshifted.freed(columns)
+        right, own = (columns @ self._residual_and_own).T
+        free = Freed(held.gram - self._per_size * own[:, None] * own, held.power)
         case = self._case
-        if case == 0 or np.all(free.visible[held.visible]):
-            gained, theta = free.explained(lower, upper)
+        if case == 0 or set(held.kept) <= set(free.kept):
+            gained, theta = free.explained(right - self._shift * own, lower, upper)
             used = theta != 0
-            case = self._case_of(self._shift - float(theta[used] @ shift_of[used]))
+            case = self._case_of(self._shift - self._per_size * float(theta[used] @ own[used]))
             if case == 0:
                 return case, gained, theta
-        bounded = Freed(held.gram, held.right - case * self._most * own, held.power)
-        return case, *bounded.explained(lower, upper)
+        return case, *held.explained(right - case * self._most * own, lower, upper)
 
     def _case_of(self, shift: float) -> int:
         return 0 if abs(shift) <= self._most else int(np.sign(shift))

@@ -1,0 +1,32 @@
+"""Arrays that are computed once, while there is room."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from fricmodels.diagnosis.remembered import Remembered
+
+
+def test_an_array_is_computed_once_while_there_is_room() -> None:
+    calls: list[str] = []
+
+    def compute(key: str, size: int) -> np.ndarray:
+        def array() -> np.ndarray:
+            calls.append(key)
+            return np.full(size, float(len(key)))
+
+        return remembered(key, array)
+
+    remembered = Remembered(room=8 * 10)
+    for _ in range(2):
+        np.testing.assert_array_equal(compute("a", 6), np.ones(6))
+        np.testing.assert_array_equal(compute("too large", 5), np.full(5, 9.0))
+        np.testing.assert_array_equal(compute("bb", 4), np.full(4, 2.0))
+    assert calls == ["a", "too large", "bb", "too large"]
+
+
+def test_what_is_remembered_cannot_be_changed() -> None:
+    array = Remembered(room=100)("a", lambda: np.zeros(3))
+    with pytest.raises(ValueError, match="read-only"):
+        array[0] = 1
