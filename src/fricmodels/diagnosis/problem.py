@@ -336,7 +336,7 @@ def spread(recording: Recording) -> Recording:
     blocks = MAX_SAMPLES // _BLOCK
     starts = np.linspace(0, count - _BLOCK, blocks).astype(int)
     index = (starts[:, None] + np.arange(_BLOCK)).ravel()
-    chosen = recording.select(index)
+    chosen = replace(recording, origin=None).select(index)
     # Blocks are runs of their own; a block that spans two runs stays two.
     fresh = np.repeat(np.arange(blocks), _BLOCK)
     _, run = np.unique(np.column_stack([fresh, chosen.run]), axis=0, return_inverse=True)
