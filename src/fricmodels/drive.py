@@ -143,28 +143,40 @@ class Drive:
         (torque,) = self._torque(*signals, *parameters, *states, chosen)
         return np.broadcast_to(torque[0], (len(recording),)).copy() if torque.shape[1] == 1 else torque[0]
 
-    def states(self, recording: Recording, parameters: Sequence[float] | Array) -> tuple[Array, ...]:
+    def states(
+        self, recording: Recording, parameters: Sequence[float] | Array, *, whole: Recording | None = None
+    ) -> tuple[Array, ...]:
         """Integrate the model's internal states along the recorded motion; empty for a model without memory.
+
+        Of a recording that was cut from another one, they are those of the whole motion.
 
         Args:
             recording: gives the signals.
             parameters: the model's parameters, in order.
+            whole: what :meth:`fricmodels.recording.Recording.whole` returns, where it is at hand.
         """
         if not self.model.states:
             return ()
         from fricmodels.memory import trace
 
-        signals = dict(zip(SIGNALS, self._signals(recording, None), strict=True))
-        return trace(self.model, signals, recording.time, recording.run, parameters, rest_width(recording))
+        whole = recording.whole() if whole is None else whole
+        signals = dict(zip(SIGNALS, self._signals(whole, None), strict=True))
+        along = trace(self.model, signals, whole.time, whole.run, parameters, rest_width(recording))
+        return along if recording.origin is None else tuple(state[recording.origin.index] for state in along)
 
-    def sticking_interval(self, recording: Recording, values: Mapping[str, float]) -> tuple[Array, Array]:
+    def sticking_interval(
+        self, recording: Recording, values: Mapping[str, float], *, states: Sequence[Array] | None = None
+    ) -> tuple[Array, Array]:
         """Return the least and the greatest friction torque that holds the drive at rest, at each sample.
 
-        They are the limits of the model's torque as the velocity goes to zero from below and from above.
+        They are the limits of the model's torque as the velocity goes to zero from below and from above. ``states`` are
+        those of :meth:`friction`.
         """
         tiny = 1e-9 * rest_width(recording)
-        below = self.friction(recording, values, velocity=-tiny)
-        above = self.friction(recording, values, velocity=tiny)
+        if states is None:
+            states = self.states(recording, self.split(values)[1])
+        below = self.friction(recording, values, velocity=-tiny, states=states)
+        above = self.friction(recording, values, velocity=tiny, states=states)
         return np.minimum(below, above), np.maximum(below, above)
 
     def regressors(

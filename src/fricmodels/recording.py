@@ -52,6 +52,19 @@ SIGNAL_CHANNEL: Mapping[str, str] = {
 """Signal of a term → channel that measures it."""
 
 
+@dataclass(frozen=True)
+class Origin:
+    """The recording that another one was cut from: what remembers does so through what was cut out.
+
+    Attributes:
+        whole: the recording before it was cut.
+        index: place of each sample in it, shape (N,).
+    """
+
+    whole: Recording
+    index: NDArray[np.int64]
+
+
 @dataclass(frozen=True, repr=False)
 class Recording(Shown):
     """Measured (or simulated) motion of one drive under a known torque.
@@ -64,6 +77,7 @@ class Recording(Shown):
         run: run number of each sample, shape (N,); time increases within a run, and nothing connects two runs.
         derived: names of channels that were computed, not measured.
         provenance: source file, column mapping, checksum of the file, true parameters of a simulation, …
+        origin: what it was cut from, if that is to be remembered; see :meth:`remembering`.
     """
 
     name: str
@@ -72,6 +86,7 @@ class Recording(Shown):
     run: NDArray[np.int64]
     derived: frozenset[str] = frozenset()
     provenance: Mapping[str, Any] = field(default_factory=dict)
+    origin: Origin | None = field(default=None, compare=False)
 
     def __post_init__(self) -> None:
         for required in ("time", "torque"):
@@ -80,6 +95,8 @@ class Recording(Shown):
         sizes = {name: np.shape(values) for name, values in self.channels.items()}
         if len({*sizes.values(), self.run.shape}) != 1:
             raise InputError(f"recording '{self.name}' has channels of different lengths: {sizes}")
+        if self.origin is not None and self.origin.index.shape != self.run.shape:
+            raise ValueError(f"recording '{self.name}' has {len(self.run)} samples, its origin another number")
 
     def __len__(self) -> int:
         return len(self.time)
@@ -160,7 +177,26 @@ class Recording(Shown):
             name=name or self.name,
             channels={key: values[mask] for key, values in self.channels.items()},
             run=self.run[mask],
+            origin=self.origin and replace(self.origin, index=self.origin.index[mask]),
         )
+
+    def remembering(self) -> Recording:
+        """Return the recording such that what is selected from it knows the whole.
+
+        Internal states of a model are then those of the whole motion, and do not begin anew at every cut.
+        """
+        return replace(self, origin=Origin(self, np.arange(len(self))))
+
+    def whole(self) -> Recording:
+        """Return what the recording was cut from, with its own samples as they are now; itself if it was not cut."""
+        if self.origin is None:
+            return self
+        whole, index = self.origin.whole, self.origin.index
+        channels = {}
+        for name in whole.channels.keys() & self.channels.keys():
+            channels[name] = whole[name].copy()
+            channels[name][index] = self[name]
+        return replace(whole, channels=channels)
 
     def with_channels(self, *, derived: bool = True, **channels: NDArray[np.float64]) -> Recording:
         """Return a copy with channels added or replaced."""
@@ -172,7 +208,8 @@ class Recording(Shown):
         channels = {
             name: values / scales.of(CHANNELS.get(name, DIMENSIONLESS)) for name, values in self.channels.items()
         }
-        return replace(self, channels=channels)
+        origin = self.origin and replace(self.origin, whole=self.origin.whole.scaled(scales))
+        return replace(self, channels=channels, origin=origin)
 
     def runs(self) -> Iterator[Recording]:
         """Yield each run on its own, in order of run number."""

@@ -79,8 +79,8 @@ FORMULAS: dict[str, tuple[dict[str, float], Callable[[Any, Array], Array]]] = {
     ),
     "sensor-delay": ({"T": 0.2}, lambda r, s: 0.2 * r["torque_rate"]),
     "thermal": (
-        {"a": 0.2, "b": 0.3, "c": 0.01},
-        lambda r, s: ((0.2 + 0.01 * r["temperature"]) * r["velocity"] + 0.3 * s) * r["temperature"],
+        {"a": 0.2, "b": 0.3, "theta_v": 20.0},
+        lambda r, s: 0.2 * 20 * (1 - np.exp(-r["temperature"] / 20)) * r["velocity"] + 0.3 * s * r["temperature"],
     ),
     "drift": (
         {"a": 0.2, "b": 0.3, "T": 0.5},

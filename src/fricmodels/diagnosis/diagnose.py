@@ -136,9 +136,13 @@ def surest_velocity(recording: Recording) -> Recording:
 
 
 def kept_back(prepared: Recording) -> tuple[Recording, Recording]:
-    """Return what is fitted and what is kept back: the last third of four or more runs, else three blocks of ten."""
+    """Return what is fitted and what is kept back: the last third of four or more runs, else three blocks of ten.
+
+    What remembers does so through both: a block does not begin with a drive that was at rest.
+    """
     runs = len(np.unique(prepared.run))
-    return split(prepared, Split(by="runs", fraction=0.3) if runs >= 4 else Split(by="blocks", fraction=0.3))
+    how = Split(by="runs", fraction=0.3) if runs >= 4 else Split(by="blocks", fraction=0.3)
+    return split(prepared.remembering(), how)
 
 
 def compare_model(

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from fricmodels.diagnosis.evidence import cosine_terms, long_run_sum
 from fricmodels.diagnosis.problem import Problem
-from fricmodels.diagnosis.search import search, walk
+from fricmodels.diagnosis.search import in_gap, is_instant, search, walk
 from fricmodels.diagnosis.survey import regression_of
 from fricmodels.drive import Drive
 from fricmodels.errors import InputError
@@ -130,6 +130,10 @@ def _fit(problem: Problem, start: Mapping[str, float]) -> Estimate:
             costs = [at(choice)[0] for choice in choices]
             point = list(choices[int(np.argmin(costs))])
     best = walk(lambda values: -at(values)[0], tuple(point), declared, ratios) if point else ()
+    time, resolution = np.sort(problem.recording.time), problem.bumps.width * problem.recording.interval
+    best = tuple(
+        in_gap(value, time, resolution) if is_instant(p) else value for value, p in zip(best, declared, strict=True)
+    )
     _, theta = at(best)
     values = _named(problem, theta, best)
     keys, covariance = _covariance(problem, values)

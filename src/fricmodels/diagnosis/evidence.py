@@ -37,7 +37,7 @@ class Evidence:
         coefficients, covariance: of the columns.
         p_value: of the Wald test that all coefficients are zero.
         explained: share of the base model's squared residual that the columns explain.
-        gain: share by which they lower the RMS of the residual on blocks that were not used for fitting.
+        gain: share by which they lower the RMS of the residual on blocks that were not used for fitting them.
         gain_p_value: that the gain is zero or less, one-sided.
         loss: squared held-out residual of each row with the columns, shape (M,).
         residual: residual of all rows with the columns, shape (M,).
@@ -146,11 +146,7 @@ class Regression:
         self._basis = left[:, singular > 1e-9 * singular[0]] if len(singular) else left
         self.residual = self.free(target[None])[0]
         self._edges = np.linspace(0, len(target), FOLDS + 1).astype(int)
-
-    @cached_property
-    def loss(self) -> Array:
-        """Squared held-out residual of each row, shape (M,)."""
-        return self.held_out(self.base) ** 2
+        self.loss = self.residual**2
 
     def free(self, columns: Array) -> Array:
         """Project the base directions out of columns, shape (q, M)."""
@@ -177,18 +173,25 @@ class Regression:
         inside, whole = columns @ self._basis, columns @ columns.T
         return Freed(whole - inside @ inside.T, np.diag(whole))
 
-    def held_out(self, columns: Array) -> Array:
-        """Return, for every row, the residual of a fit that did not use the row's block, shape (M,)."""
-        size = np.linalg.norm(columns, axis=1)
-        scaled = columns / np.where(size > 0, size, 1.0)[:, None]
+    def held_out(self, free: Array) -> Array:
+        """Return, for every row, the residual with coefficients that did not use the row's block, shape (M,).
+
+        The base model is fitted to all rows with and without the columns alike. Were it refitted to each rest, a block
+        into which it has to extrapolate would hide what the columns do.
+
+        Args:
+            free: columns freed of the base directions, shape (q, M).
+        """
+        size = np.linalg.norm(free, axis=1)
+        scaled = free / np.where(size > 0, size, 1.0)[:, None]
         blocks = [slice(a, b) for a, b in zip(self._edges, self._edges[1:], strict=False)]
         grams = [scaled[:, block] @ scaled[:, block].T for block in blocks]
-        rights = [scaled[:, block] @ self.target[block] for block in blocks]
+        rights = [scaled[:, block] @ self.residual[block] for block in blocks]
         gram, right = np.sum(grams, axis=0), np.sum(rights, axis=0)
-        residual = np.empty_like(self.target)
+        residual: Array = np.empty_like(self.residual)
         for block, own_gram, own_right in zip(blocks, grams, rights, strict=True):
             theta = np.linalg.lstsq(gram - own_gram, right - own_right, rcond=1e-10)[0]
-            residual[block] = self.target[block] - theta @ scaled[:, block]
+            residual[block] = self.residual[block] - theta @ scaled[:, block]
         return residual
 
     def test(self, columns: Array, against: Regression | None = None) -> Evidence:
@@ -213,7 +216,7 @@ class Regression:
         freedom = max(self.terms - q + 1, 1)
         statistic = float(theta @ np.linalg.pinv(variance, rcond=1e-12, hermitian=True) @ theta)
         p_value = float(fdtrc(q, freedom, max(statistic * freedom / (self.terms * q), 0.0)))
-        loss = self.held_out(np.vstack([self.base, columns])) ** 2
+        loss = self.held_out(free) ** 2
         gain, gain_p = compare(without.loss, loss, self.terms)
         total = float(without.residual @ without.residual)
         return Evidence(

@@ -157,7 +157,7 @@ def _keyed(effect: str, parameters: Mapping[str, float]) -> dict[str, float]:
 def _pruned(
     comparison: Comparison, given: set[str], recording: Recording, inertia: float | None
 ) -> tuple[Comparison, list[str]]:
-    """Remove every added effect that the others have made superfluous; those that were given stay."""
+    """Remove every added effect that the others have made superfluous, in fit and on data kept back; those given stay."""
     removed: list[str] = []
     while True:
         candidates = [e.name for e in comparison.drive.model.effects if e.name not in given]
@@ -170,7 +170,10 @@ def _pruned(
             return comparison, removed
         smaller = comparison.drive.model.minus(weakest)
         drive = Drive(smaller, inertia, recording.motion)
-        comparison = compare_model(comparison.train, comparison.test, drive, comparison.estimate.parameters)
+        simpler = compare_model(comparison.train, comparison.test, drive, comparison.estimate.parameters)
+        if simpler.errors.held_out_percent > (1 + LEAST_GAIN) * comparison.errors.held_out_percent:
+            return comparison, removed
+        comparison = simpler
         removed.append(weakest)
 
 

@@ -224,12 +224,18 @@ class Problem:
     def _regressors(self, drive: Drive, nonlinear: Sequence[float], points: Recording) -> tuple[Array, Array]:
         if not drive.model.states:
             return drive.regressors(points, nonlinear)
-        along = replace(self.recording, channels={**self.recording.channels, "velocity": self.smooth})
+        along, whole = self._along
         given = iter(nonlinear)
         parameters = [0.0 if is_linear else next(given) for is_linear in drive.model.linear]
         cell = self.quadrature.cell
-        states = [np.concatenate([z, z[cell], z[cell + 1]]) for z in drive.states(along, parameters)]
+        states = [np.concatenate([z, z[cell], z[cell + 1]]) for z in drive.states(along, parameters, whole=whole)]
         return drive.regressors(points, nonlinear, states=states)
+
+    @cached_property
+    def _along(self) -> tuple[Recording, Recording]:
+        """The smooth motion, and the whole of which it is a part."""
+        along = replace(self.recording, channels={**self.recording.channels, "velocity": self.smooth})
+        return along, along.whole()
 
     @cached_property
     def motor_torque(self) -> Array:
@@ -356,7 +362,7 @@ def spread(recording: Recording) -> Recording:
     blocks = MAX_SAMPLES // _BLOCK
     starts = np.linspace(0, count - _BLOCK, blocks).astype(int)
     index = (starts[:, None] + np.arange(_BLOCK)).ravel()
-    chosen = recording.select(index)
+    chosen = replace(recording, origin=None).select(index)
     # Blocks are runs of their own; a block that spans two runs stays two.
     fresh = np.repeat(np.arange(blocks), _BLOCK)
     _, run = np.unique(np.column_stack([fresh, chosen.run]), axis=0, return_inverse=True)

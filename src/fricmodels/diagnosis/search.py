@@ -87,9 +87,23 @@ def _starts(
         choices.append(scan)
         trials *= len(scan)
         ratio = scan[1] / scan[0] if len(scan) > 1 and scan[0] > 0 else 2.0
-        is_instant = parameter.dimension == TIME and parameter.lower < 0
-        spacing.append(-(scan[1] - scan[0]) if is_instant and len(scan) > 1 else ratio)
+        spacing.append(-(scan[1] - scan[0]) if is_instant(parameter) and len(scan) > 1 else ratio)
     return [tuple(point) for point in itertools.product(*choices)], spacing, trials
+
+
+def is_instant(parameter: Parameter) -> bool:
+    """Whether a parameter is a point in time, not a duration."""
+    return parameter.dimension == TIME and parameter.lower < 0
+
+
+def in_gap(instant: float, time: Array, resolution: float) -> float:
+    """Return the middle of the gap, longer than the resolution, that an instant lies in or next to; else the instant.
+
+    Nothing was recorded within a gap, or what was is kept back, so that nothing tells where in it something happened.
+    """
+    before = np.flatnonzero(np.diff(time) > resolution)
+    near = before[(time[before] - resolution < instant) & (instant < time[before + 1] + resolution)]
+    return float(0.5 * (time[near[0]] + time[near[0] + 1])) if len(near) else instant
 
 
 def _refine(

@@ -8,7 +8,7 @@ the error is how far the torque that would be needed lies outside these limits, 
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import TypeAlias
 
 import numpy as np
@@ -95,13 +95,16 @@ def filtered_torque_error(
     doubtful = np.abs(smooth) <= 3 * _noise(recording) * np.linalg.norm(even_weights(width)[0])
     moving = recording.with_channels(velocity=smooth)
     error = np.zeros(len(recording))
-    inertia, _ = drive.split(values)
+    inertia, parameters = drive.split(values)
+    states = drive.states(moving, parameters)
     for part in stretches(recording.time, recording.run):
         one = moving.select(np.arange(part.start, part.stop))
         if len(one) < 2:
             continue
         needed = _mean(one.torque - one.load_torque) - inertia * np.diff(recording.velocity[part]) / np.diff(one.time)
-        least, greatest = _mean_friction(drive, values, one, rest[part], doubtful[part])
+        least, greatest = _mean_friction(
+            drive, values, one, [state[part] for state in states], rest[part], doubtful[part]
+        )
         balance, lower, upper = (_window_mean(each, one.time, width) for each in (needed, least, greatest))
         error[part] = balance - np.clip(balance, lower, upper)
     return error
@@ -112,13 +115,18 @@ def _mean(values: Array) -> Array:
 
 
 def _mean_friction(
-    drive: Drive, values: Mapping[str, float], one: Recording, rest: Mask, doubtful: Mask
+    drive: Drive,
+    values: Mapping[str, float],
+    one: Recording,
+    states: Sequence[Array],
+    rest: Mask,
+    doubtful: Mask,
 ) -> tuple[Array, Array]:
     """Return the least and the greatest mean friction torque of each sampling interval; equal while sliding."""
     velocity = one.velocity
-    at = drive.friction(one, values)
+    at = drive.friction(one, values, states=states)
     sliding = _mean(at)
-    below, above = drive.sticking_interval(one, values)
+    below, above = drive.sticking_interval(one, values, states=states)
     applied = one.torque - one.load_torque
     holding = np.clip(applied, below, above)
     first, last = velocity[:-1], velocity[1:]

@@ -85,7 +85,7 @@ class Quadrature:
             channels[name] = np.concatenate(parts)
         run = np.concatenate([recording.run, recording.run[cell], recording.run[cell]])
         half_step = 0.5 * step[cell]
-        at = replace(recording, channels=channels, run=run)
+        at = replace(recording, channels=channels, run=run, origin=None)
         return cls(at, cell, before * half_step, after * half_step, weight)
 
     def integrand(self, rows: Array) -> Array:
