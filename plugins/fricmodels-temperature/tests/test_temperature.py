@@ -57,7 +57,7 @@ def test_printed_curve() -> None:
 
 
 def test_both_printed_columns_are_the_same_parameters() -> None:
-    """Those of the motor's side, converted, are those of the joint's side to half a digit; one is cut off."""
+    """Those of the motor's side, converted, are those of the joint's side to half a digit."""
     halves = {
         "F_c0": 0.005, "F_s0": 0.005, "F_sT": 0.05, "phi_sl": 5e-4, "phi_s0": 5e-5, "phi_sT": 5e-4, "F_v0": 0.005,
         "F_vT": 0.005,
