@@ -95,6 +95,7 @@ def test_the_data_determine_the_exponent(exponent: float) -> None:
 
 def test_figure(tmp_path: Path) -> None:
     """It is drawn whole, and the same each time."""
+    pytest.importorskip("matplotlib", reason="the figure needs matplotlib")
     files = [tmp_path / "one.png", tmp_path / "two.png"]
     for file in files:
         save_figure(file)
