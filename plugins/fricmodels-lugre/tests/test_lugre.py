@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, ClassVar
 
@@ -11,11 +11,15 @@ import pytest
 from fricmodels_lugre import LuGre, from_published
 from numpy.typing import NDArray
 
+from fricmodels import Effect
 from fricmodels.dimension import Motion
 from fricmodels.drive import Drive
+from fricmodels.expressions import Expression
 from fricmodels.model import Model
+from fricmodels.parameter import State
 from fricmodels.recording import Recording
 from fricmodels.simulation import simulate
+from fricmodels.term import Parameters, Signals
 from fricmodels.testing import LawExam
 from fricmodels.tournament import load_config, run
 
@@ -102,7 +106,7 @@ def test_steady_sliding(speed: float) -> None:
 
 
 def test_frictional_lag() -> None:
-    """Fig. 3: friction lags behind the speed, and the faster that varies the wider the loop."""
+    """Fig. 3: friction lags behind a speed of 0.5 to 2.5 mm/s, and the faster that varies the wider the loop."""
     from scipy.integrate import solve_ivp
 
     areas = []
@@ -110,7 +114,7 @@ def test_frictional_lag() -> None:
         time = np.linspace(0.0, 6 * np.pi / frequency, 3001)
 
         def velocity(t: Any, frequency: float = frequency) -> Any:
-            return 1.55e-3 + 1.45e-3 * np.sin(frequency * t)
+            return 1e-3 * (1.5 + np.cos(frequency * t))
 
         solved = solve_ivp(
             lambda t, z: [published(velocity(t), z[0])[1]],
@@ -120,28 +124,36 @@ def test_frictional_lag() -> None:
         last = time >= 4 * np.pi / frequency
         assert np.max(np.abs(force - published(velocity(time), solved.y[0])[0])[last]) < 1e-4
         areas.append(float(np.trapezoid(force[last], velocity(time[last]))))
-    assert areas[0] > 0
-    assert 0 < 3 * areas[0] < areas[1] < areas[2]
+    assert areas == pytest.approx([5.18e-6, 4.79e-5, 9.40e-5], rel=2e-3)
+
+
+def pulled(rate: float) -> Array:
+    """Return the friction before the speed exceeds 10 v_s, under a force that grows at a rate [N/s] from rest."""
+    time = np.linspace(0.0, 2.0 / rate, 2001)
+    _, velocity, expected = integrated(lambda t: rate * t, time)
+    sliding = simulate(DRIVE, VALUES, time, rate * time, substeps=8).velocity
+    assert np.max(np.abs(sliding - velocity)) < 1e-3 * velocity.max()
+    before = velocity < 10 * V_S
+    found = friction(time, sliding)[before]
+    assert found.max() == pytest.approx(float(expected[before].max()), rel=1e-3)
+    return found
 
 
 def test_break_away_force_falls_with_the_rate() -> None:
-    """Fig. 4: near the stick force if pulled slowly, down to the Coulomb force if pulled at 50 N/s.
+    """Fig. 4: near the stick force if pulled slowly, near the Coulomb force if pulled at 30 N/s.
 
     The break-away force is taken as the largest friction before the speed exceeds 10 v_s.
     """
-    forces = []
-    for rate in (0.1, 1.0, 5.0, 10.0, 20.0, 50.0):
-        time = np.linspace(0.0, 2.0 / rate, 2001)
-        _, velocity, expected = integrated(lambda t, rate=rate: rate * t, time)  # type: ignore[misc]
-        simulated = simulate(DRIVE, VALUES, time, rate * time, substeps=8)
-        sliding = simulated.velocity
-        assert np.max(np.abs(sliding - velocity)) < 1e-3 * velocity.max()
-        before = velocity < 10 * V_S
-        forces.append(float(friction(time, sliding)[before].max()))
-        assert forces[-1] == pytest.approx(float(expected[before].max()), rel=1e-3)
+    forces = [float(pulled(rate).max()) for rate in (0.1, 1.0, 5.0, 10.0, 20.0, 30.0)]
     assert np.all(np.diff(forces) < 0)
     assert forces[0] == pytest.approx(F_S, rel=0.02)
-    assert forces[-1] == pytest.approx(F_C, rel=0.02)
+    assert forces[-1] == pytest.approx(F_C, rel=0.03)
+
+
+def test_no_break_away_peak_if_pulled_fast() -> None:
+    """At 50 N/s the friction only overshoots by less than 1 % at several v_s, and more than at 40 N/s."""
+    slower, faster = pulled(40.0).max(), pulled(50.0).max()
+    assert F_C < slower < faster < 1.01 * F_C
 
 
 def test_stick_slip() -> None:
@@ -157,6 +169,68 @@ def test_stick_slip() -> None:
     assert 1.4 < stretch.max() < 1.52
     assert np.sum((found.velocity[1:] > 0.1) & (found.velocity[:-1] <= 0.1)) >= 3
     assert np.mean(np.abs(found.velocity) < 1e-4) > 0.5
+
+
+def test_stick_slip_as_printed_by_another_program() -> None:
+    """Figs. 5 and 6 at 25 s: position, velocity and deflection as EXUDYN's example for this paper prints them.
+
+    The finer three of its four integrations agree to 4e-10 m. The deflection is that of the balance of forces. The
+    error in position is of second order in the step, and vanishes if that is extrapolated.
+    """
+    drive = Drive(Model.parse("lugre+stiffness"), 1.0, Motion.LINEAR)
+    values = {**VALUES, "stiffness.k": 2.0, "stiffness.tau_0": 0.0}
+    time = 1e-3 * np.arange(25001)
+    errors = []
+    for substeps in (20, 40):
+        found = simulate(drive, values, time, 0.2 * time, substeps=substeps, with_position=True)
+        position, velocity = found["position"][-1], found.velocity[-1]
+        errors.append(position - 1.908839199226505)
+    assert abs(errors[1]) < 3e-8
+    assert abs(errors[1] + (errors[1] - errors[0]) / 3) < 5e-10
+    assert velocity == pytest.approx(9.424154590959904e-06, abs=2e-12)
+    force = 2.0 * (0.1 * time[-1] - position) - np.gradient(found.velocity, time, edge_order=2)[-1]
+    bent = (force - (SIGMA_1 + SIGMA_2) * velocity) / (SIGMA_0 * (1 - SIGMA_1 * velocity / steady(velocity)))
+    assert bent == pytest.approx(1.1816795455868868e-05, abs=1e-12)
+
+
+class Controller(Effect):
+    """A controller of the position, u = −6 v − 3 e − 4 ∫e with e = x − 1 m, as a torque against the motion."""
+
+    name = "controller"
+    formula = "τ = 6·v + 3·e + 4·∫e"
+    integral = State("integral", unit="rad s")
+
+    def torque(self, s: Signals, p: Parameters) -> Expression:
+        """Return the three parts."""
+        return 6 * s.velocity + 3 * (s.position - 1) + 4 * s.integral
+
+    def rates(self, s: Signals, p: Parameters) -> Mapping[str, Expression]:
+        """Return the error."""
+        return {"integral": s.position - 1}
+
+
+def test_hunting() -> None:
+    """Figs. 7 and 8: with integral action the mass never comes to rest at 1 m, but slips to and fro across it."""
+    from scipy.integrate import solve_ivp
+
+    def rates(_: float, state: Array) -> list[float]:
+        position, velocity, z, integral = state
+        force, bending = published(velocity, z)
+        return [velocity, -6 * velocity - 3 * (position - 1) - 4 * integral - force, bending, position - 1]
+
+    time = np.arange(0.0, 80.0, 1e-2)
+    options = {"method": "Radau", "rtol": 1e-7, "atol": 1e-11, "t_eval": time, "max_step": 0.05}
+    expected, velocity, _, _ = solve_ivp(rates, (0.0, time[-1]), np.zeros(4), **options).y
+    drive = Drive(Model(LuGre(), [Controller()]), 1.0, Motion.LINEAR)
+    found = simulate(drive, VALUES, time, np.zeros_like(time), substeps=20, with_position=True)
+    assert np.max(np.abs(found["position"] - expected)) < 1e-4
+    assert np.max(np.abs(found.velocity - velocity)) < 1e-3
+    late = time > 60.0
+    assert found["position"].max() == pytest.approx(1.500, abs=1e-3)
+    assert found["position"][late].min() == pytest.approx(0.936, abs=5e-4)
+    assert found["position"][late].max() == pytest.approx(1.064, abs=5e-4)
+    slips = time[1:][(np.abs(found.velocity[1:]) > 0.02) & (np.abs(found.velocity[:-1]) <= 0.02)]
+    assert np.diff(slips[slips > 40.0]) == pytest.approx(12.2, abs=0.1)
 
 
 def work(velocity: Array, time: Array, viscous: float) -> tuple[float, float]:

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import itertools
+import operator
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any, ClassVar
 
@@ -182,7 +184,7 @@ def test_transition_curves() -> None:
     for acceleration in (0.001, 0.01, 0.1, 1.0):
         time = np.linspace(0.0, np.sqrt(2e-4 / acceleration), 1501)
         force = friction(time, acceleration * time)
-        expected = published(time, lambda t, a=acceleration: a * t, 10)
+        expected = published(time, partial(operator.mul, acceleration), 10)
         assert np.max(np.abs(force - expected)) < 1e-4
         peaks.append(float(force.max()))
     assert np.all(np.diff(peaks) < 0)

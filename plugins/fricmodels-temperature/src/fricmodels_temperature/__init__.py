@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from fricmodels import Law, hookimpl
-from fricmodels_temperature.law import BittencourtGunnarsson
+from fricmodels_temperature.law import BittencourtGunnarsson, FreeExponent
 
-__all__ = ["BittencourtGunnarsson", "fricmodels_laws"]
+__all__ = ["BittencourtGunnarsson", "FreeExponent", "fricmodels_laws"]
 
 
 @hookimpl
 def fricmodels_laws() -> list[type[Law]]:
-    """Return the law of this distribution."""
-    return [BittencourtGunnarsson]
+    """Return the laws of this distribution."""
+    return [BittencourtGunnarsson, FreeExponent]

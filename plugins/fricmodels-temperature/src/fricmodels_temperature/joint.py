@@ -19,15 +19,11 @@ from fricmodels.estimator import Estimator
 from fricmodels.fit import Fit
 from fricmodels.model import Model
 from fricmodels.recording import Recording
-from fricmodels_temperature.law import BittencourtGunnarsson
+from fricmodels_temperature.law import BittencourtGunnarsson, FreeExponent
+from fricmodels_temperature.printed import EXPONENT, MOTOR_SIDE
 
 Array: TypeAlias = NDArray[np.float64]
 
-JOINT: Mapping[str, float] = {
-    "F_c0": 0.03, "F_cl": 0.025, "F_sl": 0.12, "phi_sl": 10.0, "F_s0": -0.02, "F_sT": 1.5e-3, "phi_s0": -20.0,
-    "phi_sT": 1.0, "F_v0": 1.5e-4, "F_vT": 1.5e-3, "T_v": 20.0,
-}  # fmt: skip
-"""Round numbers of our own. Torques in units of the largest torque of the joint, speeds at the motor."""
 INERTIA = 1e-5
 TEMPERATURES = (30.0, 40.0, 50.0, 60.0, 70.0, 80.0)
 """Of the joint while it is measured [°C]."""
@@ -45,7 +41,13 @@ def drive(model: Model | None = None) -> Drive:
     return Drive(model or Model(BittencourtGunnarsson()), INERTIA)
 
 
-def friction(speed: Array, load: float, temperature: float, values: Mapping[str, float] = JOINT) -> Array:
+def friction(
+    speed: Array,
+    load: float,
+    temperature: float,
+    values: Mapping[str, float] = MOTOR_SIDE,
+    model: Model | None = None,
+) -> Array:
     """Return the friction torque at constant speeds, shape (N,).
 
     Args:
@@ -53,8 +55,9 @@ def friction(speed: Array, load: float, temperature: float, values: Mapping[str,
         load: load torque, in units of the largest torque.
         temperature: [°C].
         values: parameters of the law.
+        model: another friction model than the law of the source.
     """
-    return drive().friction(_states(speed, load, temperature, "curve"), values)
+    return drive(model).friction(_states(speed, load, temperature, "curve"), values)
 
 
 def _states(speed: Array, load: float, temperature: float, name: str, run: int = 0) -> Recording:
@@ -64,19 +67,22 @@ def _states(speed: Array, load: float, temperature: float, name: str, run: int =
     return Recording(name, Motion.ROTARY, {"time": time, "velocity": speed, **channels}, np.full(len(speed), run))
 
 
-def speed_of_least_friction(load: float, temperature: float, values: Mapping[str, float] = JOINT) -> float:
+def speed_of_least_friction(load: float, temperature: float, values: Mapping[str, float] = MOTOR_SIDE) -> float:
     """Return the speed [rad/s] at which the friction is least: the end of mixed lubrication."""
     speeds = np.geomspace(0.5, 400.0, 4000)
     return float(speeds[np.argmin(friction(speeds, load, temperature, values))])
 
 
-def measurement(*, noise: float = 0.002, seed: int = 0, values: Mapping[str, float] = JOINT) -> Recording:
+def measurement(
+    *, noise: float = 0.002, seed: int = 0, values: Mapping[str, float] = MOTOR_SIDE, model: Model | None = None
+) -> Recording:
     """Simulate how friction is measured: steps of constant speed at every load and temperature, in both directions.
 
     Args:
         noise: standard deviation of the measured torque, in units of the largest torque.
         seed: of the noise.
         values: parameters of the law.
+        model: another friction model than the law of the source.
     """
     rng = np.random.default_rng(seed)
     knots = np.cumsum([0, *([_PLATEAU, _CHANGE] * len(SPEEDS))[:-1]])
@@ -89,7 +95,7 @@ def measurement(*, noise: float = 0.002, seed: int = 0, values: Mapping[str, flo
     run = np.concatenate([part.run for part in parts])
     steps = Recording("steps of speed", Motion.ROTARY, channels, run)
     acceleration = np.concatenate([np.gradient(part.velocity, _INTERVAL) for part in parts])
-    torque = INERTIA * acceleration + steps.load_torque + drive().friction(steps, values)
+    torque = INERTIA * acceleration + steps.load_torque + drive(model).friction(steps, values)
     return steps.with_channels(torque=torque + noise * rng.standard_normal(len(torque)), derived=False)
 
 
@@ -119,8 +125,12 @@ def main(loads: Sequence[float] = (0.0, 0.7)) -> None:
     recording = measurement()
     fit = identify(recording)
     print("\n| parameter | true | found |\n|---|---|---|")
-    for key, true in JOINT.items():
+    for key, true in MOTOR_SIDE.items():
         print(f"| {key} | {true:g} | {fit.parameters[key]:.4g} ± {fit.standard_errors[key]:.1g} |")
+    free = Model(FreeExponent())
+    fit_of_exponent = identify(recording, free)
+    found, error = fit_of_exponent.parameters["alpha"], fit_of_exponent.standard_errors["alpha"]
+    print(f"\nexponent, where it is estimated too: {found:.4g} ± {error:.1g}, true {EXPONENT}")
     standard, again = Model.parse("coulomb-viscous+stribeck"), measurement(seed=1)
     plain = average_error(again, identify(recording, standard), standard)
     print(f"\naverage error of another measurement: Stribeck law {plain:.4f}, this law {average_error(again, fit):.4f}")
