@@ -29,6 +29,8 @@ _OUTSIDE = 0.2
 """An effect lies within the shapes of a view if less than this share (squared) of it is outside."""
 _LEFT_OVER = 0.03
 """Effects together are enough when no channel predicts this share of the squared residual beyond them."""
+_SIMPLER = 0.5
+"""Effects together must leave less than this share of what the best channel leaves, or that is the simpler cause."""
 _MOST_EFFECTS = 3
 
 
@@ -79,11 +81,11 @@ def _own_kind(result: Survey, tested: Tested, view: View) -> bool:
 def enough(result: Survey, parameters: Mapping[str, float], leave_out: Iterable[str], seen: Sequence[View]) -> bool:
     """Whether the effects found one after the other explain more than any channel, and leave nothing to predict.
 
-    Where one channel alone explains as much as all of them together, one cause is the simpler explanation.
+    Where one channel alone explains nearly as much as all of them together, one cause is the simpler explanation.
     """
     total = float(np.sum(result.regression.loss))
-    single = [float(np.sum(view.evidence.loss)) for view in seen if view.channels not in PERSISTENT]
-    least = min(single, default=total)
+    single = [view.evidence.loss for view in seen if view.channels not in PERSISTENT]
+    least = min(single, key=np.sum, default=result.regression.loss)
     problem = result.problem
     out = set(leave_out)
     columns = np.zeros((0, problem.rows))
@@ -96,12 +98,13 @@ def enough(result: Survey, parameters: Mapping[str, float], leave_out: Iterable[
         columns = np.vstack([columns, directions(result, best.first)])
         out |= {best.first.name}
         after = Survey(problem, regression_of(problem, parameters, columns, best.first.name), (), {})
-        remaining = float(np.sum(after.regression.loss))
+        together = after.regression.loss
         if not any(
-            passes(after, v.evidence, v.p_value) and remaining - np.sum(v.evidence.loss) > _LEFT_OVER * total
+            passes(after, v.evidence, v.p_value) and np.sum(together) - np.sum(v.evidence.loss) > _LEFT_OVER * total
             for v in each(problem, after.regression, [v.channels for v in seen])
         ):
-            return least - remaining > _BEATEN * total
+            clearly = compare(least, together, result.regression.terms)[1] < _WORSE
+            return clearly and float(np.sum(together)) < _SIMPLER * float(np.sum(least))
     return False
 
 
