@@ -67,6 +67,11 @@ class Regression:
         self._edges = np.linspace(0, len(target), FOLDS + 1).astype(int)
         self.loss = self.held_out(self.base) ** 2
 
+    @property
+    def unshifted(self) -> Regression:
+        """The regression for what is itself a shift in time, and has no other one beside it: this one."""
+        return self
+
     def free(self, columns: Array) -> Array:
         """Project the base directions out of columns, shape (q, M)."""
         once = columns - (columns @ self._basis) @ self._basis.T

@@ -28,15 +28,19 @@ class ShiftedRegression(Regression):
     """
 
     def __init__(self, base: Array, target: Array, independent: float, direction: Array, most: float) -> None:
-        unshifted = Regression(base, target, independent)
+        self._apart = Regression(base, target, independent)
         self._given = (base, target, independent)
         self._direction, self._most = direction, most
-        self._unshifted = unshifted.residual
-        self._own = unshifted.free(direction[None])[0]
+        self._own = self._apart.free(direction[None])[0]
         self._cases: dict[int, Regression] = {}
         self._case = self._case_of(self._shift(np.zeros((0, len(target))), np.zeros(0)))
         chosen = self._regression(self._case)
         super().__init__(chosen.base, chosen.target, independent)
+
+    @property
+    def unshifted(self) -> Regression:
+        """The regression without a shift."""
+        return self._apart
 
     def explained(self, columns: Array, lower: Array, upper: Array) -> tuple[float, Array]:
         """Return by how much columns lower the sum of squares, and the coefficients, as far as these may go."""
@@ -66,7 +70,7 @@ class ShiftedRegression(Regression):
 
     def _shift(self, columns: Array, theta: Array) -> float:
         size = float(self._own @ self._own)
-        return float(self._own @ (self._unshifted - theta @ columns)) / size if size > 0 else 0.0
+        return float(self._own @ (self._apart.residual - theta @ columns)) / size if size > 0 else 0.0
 
     def _case_of(self, shift: float) -> int:
         return 0 if abs(shift) <= self._most else int(np.sign(shift))

@@ -54,6 +54,7 @@ class Tested:
         linear = dict(zip(self._linear_symbols, coefficients, strict=True))
         nonlinear = [symbol for symbol in symbols if symbol not in linear]
         values = {**linear, **dict(zip(nonlinear, self.found.nonlinear, strict=True))}
+        values |= {p.symbol: self.found.delay for p in self.effect.parameters if p.delay and self.found.delay}
         return {symbol: float(values[symbol]) for symbol in symbols}
 
     @property
@@ -151,7 +152,7 @@ def noise_share(problem: Problem, perturbed: Problem, regression: Regression, ef
     The same noise is in the inertia torque on the other side of the equation, so that a column which is mostly noise
     explains part of the residual, at most its share, without any effect.
     """
-    columns, _ = perturbed.columns(problem.alone(effect), found.nonlinear)
+    columns, _ = perturbed.columns(problem.alone(effect), found.nonlinear, found.delay)
     noise = regression.free(columns[found.kept] - found.columns)
     signal = regression.free(found.columns)
     return float(np.max(np.sum(noise**2, axis=1) / np.sum(signal**2, axis=1)))
@@ -167,7 +168,8 @@ def _test(regression: Regression, effect: Effect, found: Found) -> Tested:
         nothing = np.zeros(0)
         empty = Evidence(nothing, np.zeros((0, 0)), 1.0, 0.0, 0.0, 1.0, regression.loss, regression.residual)
         return Tested(effect, found, empty, 1.0)
-    evidence = regression.test(found.columns)
+    own = regression.unshifted if found.delay else regression
+    evidence = own.test(found.columns, None if own is regression else regression)
     return Tested(effect, found, evidence, min(1.0, evidence.p_value * found.trials))
 
 

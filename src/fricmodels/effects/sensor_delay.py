@@ -23,7 +23,7 @@ class SensorDelay(Effect):
     signature = "the derivative of the motor torque"
     needs_motion = "several frequencies"
     symmetry = "even"
-    T = Parameter("T", unit="s", meaning="delay of the motion record against the torque record")
+    T = Parameter("T", unit="s", delay=True, meaning="delay of the motion record against the torque record")
 
     def torque(self, s: Signals, p: Parameters) -> Expression:
         """Return T dτ_m/dt."""
