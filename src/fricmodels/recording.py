@@ -143,8 +143,8 @@ class Recording(Shown):
         .. math:: T > 0:\ \tau_m(t - T),\ \tau_L(t - T), \qquad T < 0:\ \tau_m(t - T),\ \tau_L(t)
 
         With T > 0 the motion was recorded late, after both torques; with T < 0 the motor torque was, after load torque
-        and motion. Between samples torques are straight lines, beyond the ends of a run constant. The torque rate becomes
-        that of what is shifted.
+        and motion. Between samples torques are straight lines, beyond the ends of a run constant. The torque rate
+        becomes that of what is shifted.
 
         Args:
             delay: T [s].

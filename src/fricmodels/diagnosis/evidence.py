@@ -11,6 +11,7 @@ Stat. 36 (2018), with ν = 0.4 T^(2/3).
 
 from __future__ import annotations
 
+from copy import copy
 from dataclasses import dataclass
 
 import numpy as np
@@ -76,6 +77,14 @@ class Regression:
         """Project the base directions out of columns, shape (q, M)."""
         once = columns - (columns @ self._basis) @ self._basis.T
         return np.asarray(once - (once @ self._basis) @ self._basis.T)
+
+    def less(self, part: Array) -> Regression:
+        """Return the regression of what is left of the target without a part that is known, shape (M,)."""
+        other = copy(self)
+        other.target = self.target - part
+        other.residual = self.residual - self.free(part[None])[0]
+        other.loss = other.held_out(self.base) ** 2
+        return other
 
     def visible(self, columns: Array) -> NDArray[np.bool_]:
         """Mark the columns that differ from what the base model, and the columns before them, can do, shape (q,)."""

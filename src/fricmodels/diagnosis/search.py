@@ -90,8 +90,9 @@ def _delay(problem: Problem, regression: Regression, alone: Drive) -> float:
         rest = regression.residual - delay * regression.free(columns)[0]
         return float(rest @ rest)
 
-    side, i = min(((side, i) for side in (1, -1) for i in range(len(_SHIFTS))), key=lambda at: left(at[0] * _SHIFTS[at[1]]))
-    ends = side * _SHIFTS[max(i - 1, 0)], side * _SHIFTS[min(i + 1, len(_SHIFTS) - 1)]
+    side = min((1, -1), key=lambda side: min(left(side * samples) for samples in _SHIFTS))
+    best = min(range(len(_SHIFTS)), key=lambda i: left(side * _SHIFTS[i]))
+    ends = side * _SHIFTS[max(best - 1, 0)], side * _SHIFTS[min(best + 1, len(_SHIFTS) - 1)]
     refined = minimize_scalar(left, bounds=sorted(ends), method="bounded", options={"xatol": 0.01})
     return float(refined.x) * interval
 

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fricmodels import plugins
-from fricmodels.diagnosis.evidence import Evidence, Regression, benjamini_yekutieli
+from fricmodels.diagnosis.evidence import Evidence, Regression, benjamini_yekutieli, compare
 from fricmodels.diagnosis.problem import Problem
 from fricmodels.diagnosis.search import Found, search
 from fricmodels.diagnosis.shifted import ShiftedRegression
@@ -168,9 +168,24 @@ def _test(regression: Regression, effect: Effect, found: Found) -> Tested:
         nothing = np.zeros(0)
         empty = Evidence(nothing, np.zeros((0, 0)), 1.0, 0.0, 0.0, 1.0, regression.loss, regression.residual)
         return Tested(effect, found, empty, 1.0)
-    own = regression.unshifted if found.delay else regression
-    evidence = own.test(found.columns, None if own is regression else regression)
+    evidence = _whole_shift(regression, found) if found.delay else regression.test(found.columns)
     return Tested(effect, found, evidence, min(1.0, evidence.p_value * found.trials))
+
+
+def _whole_shift(regression: Regression, found: Found) -> Evidence:
+    """Return the evidence for a shift in time by a whole delay: how well its column explains is not left to fit."""
+    own = regression.unshifted
+    after = own.less(found.delay * found.columns[0])
+    gain, gain_p_value = compare(regression.loss, after.loss, regression.terms)
+    left, total = (float(r.residual @ r.residual) for r in (after, regression))
+    return replace(
+        own.test(found.columns, regression),
+        explained=1 - left / total if total > 0 else 0.0,
+        gain=gain,
+        gain_p_value=gain_p_value,
+        loss=after.loss,
+        residual=after.residual,
+    )
 
 
 def regression_of(
