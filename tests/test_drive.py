@@ -184,3 +184,17 @@ def test_position_is_an_input_or_a_state() -> None:
 def test_the_width_of_rest_follows_the_speed() -> None:
     assert rest_width(recorded()) == pytest.approx(1e-6 * np.max(np.abs(recorded().velocity)))
     assert rest_width(recorded().with_channels(velocity=np.zeros(200))) > 0
+
+
+def test_a_known_delay_is_taken_out_of_the_record() -> None:
+    time = np.arange(400) * 0.01
+    channels = {"time": time, "torque": np.sin(3 * time), "velocity": np.cos(3 * time)}
+    recording = Recording("late", Motion.ROTARY, channels, np.zeros(400, dtype=np.int64))
+    drive = Drive(Model.parse("coulomb-viscous+sensor-delay"), 1.0)
+    values = {"K_v": 0.1, "K_c": 1.0, "sensor-delay.T": 0.2}
+    timed, left = drive.timed(recording, values)
+    np.testing.assert_allclose(timed.torque[20:], recording.torque[:-20])
+    assert left == {**values, "sensor-delay.T": 0.0}
+    assert drive.timed(recording, left) == (recording, left)
+    plain = Drive(Model.parse("coulomb-viscous"), 1.0)
+    assert plain.timed(recording, {"K_v": 0.1, "K_c": 1.0})[0] is recording

@@ -90,3 +90,46 @@ def test_the_checksum_knows_values_runs_names_and_kind_but_not_the_order() -> No
     assert base.with_channels(position=base.velocity).checksum != base.checksum
     assert Recording("made", base.motion, base.channels, np.zeros(5, dtype=np.int64)).checksum != base.checksum
     assert Recording("made", Motion.LINEAR, base.channels, base.run).checksum != base.checksum
+
+
+def pushed(**channels: np.ndarray) -> Recording:
+    time = np.concatenate([np.arange(6), np.arange(4)]) * 0.1
+    base = {"time": time, "torque": 10 * time**2, "load_torque": np.sin(time), "velocity": np.cos(time)}
+    return Recording("pushed", Motion.ROTARY, {**base, **channels}, np.repeat([0, 1], [6, 4]))
+
+
+def test_motion_that_is_late_takes_both_torques_as_they_were_before() -> None:
+    recording = pushed()
+    retimed = recording.retimed(0.1)
+    for name in ("torque", "load_torque"):
+        for run in (0, 1):
+            before, after = (r.channels[name][r.run == run] for r in (recording, retimed))
+            np.testing.assert_allclose(after, [before[0], *before[:-1]])
+    np.testing.assert_array_equal(retimed.velocity, recording.velocity)
+
+
+def test_a_torque_that_is_late_leaves_load_and_motion_alone() -> None:
+    recording = pushed()
+    retimed = recording.retimed(-0.05)
+    torque = recording.torque[recording.run == 1]
+    np.testing.assert_allclose(retimed.torque[retimed.run == 1], [*(torque[1:] + torque[:-1]) / 2, torque[-1]])
+    np.testing.assert_array_equal(retimed.load_torque, recording.load_torque)
+
+
+@pytest.mark.parametrize("delay", [0.13, -0.13])
+def test_the_change_over_a_delay_is_what_retiming_takes_away(delay: float) -> None:
+    recording = pushed()
+    retimed = recording.retimed(delay)
+    taken = recording.torque - recording.load_torque - retimed.torque + retimed.load_torque
+    np.testing.assert_allclose(recording.change_over(delay, recording), taken, atol=1e-15)
+
+
+def test_a_delay_without_length_takes_the_rate_of_the_torque() -> None:
+    recording = pushed()
+    inside = np.array([1, 2, 3, 4])
+    both = [recording.change_over(delay, recording) / delay for delay in (1e-6, -1e-6)]
+    rate = recording.signal("motor_torque_rate") - np.gradient(recording.load_torque, 0.1)
+    late = np.diff(recording.torque - recording.load_torque)[:4] / 0.1
+    np.testing.assert_allclose(both[0][inside], late, rtol=1e-6)
+    np.testing.assert_allclose(both[1][inside], np.diff(recording.torque)[1:5] / 0.1, rtol=1e-6)
+    np.testing.assert_allclose(recording.retimed(1e-9).signal("motor_torque_rate")[inside], rate[inside], rtol=1e-6)

@@ -115,6 +115,16 @@ class Drive:
         inertia = self.inertia if self.inertia is not None else values[self.inertia_key]
         return float(inertia), np.array([values[p.key] for p in self.model.parameters], dtype=float)
 
+    def timed(self, recording: Recording, values: Mapping[str, float]) -> tuple[Recording, Mapping[str, float]]:
+        """Return the recording with its torques at the time of its motion, and the values with no delay left.
+
+        The equations of a term know a delay by its first order only; a delay that is known is taken out of the record.
+        """
+        delay = values.get(self.model.delay, 0.0) if self.model.delay else 0.0
+        if self.model.delay is None or delay == 0.0:
+            return recording, values
+        return recording.retimed(delay), {**values, self.model.delay: 0.0}
+
     # ---- evaluation on arrays -------------------------------------------------------------------------------------
 
     def friction(

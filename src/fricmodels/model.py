@@ -103,6 +103,11 @@ class Model:
         )
 
     @cached_property
+    def delay(self) -> str | None:
+        """Key of the parameter that is a delay of the record, if there is one."""
+        return next((p.key for p in self.parameters if p.declared.delay), None)
+
+    @cached_property
     def states(self) -> tuple[State, ...]:
         """All internal states, the law's first."""
         return tuple(state for term in self.terms for state in term.states)

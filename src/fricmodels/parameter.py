@@ -25,6 +25,8 @@ class Parameter:
             recording's own scales (peak velocity, position range, duration); empty for linear ones.
         part_of_law: whether it is a share of the law's own friction, and cannot be more than the law has.
         periodic: whether it is a wave number in position, to be searched for in the spectrum over position.
+        delay: whether it is the time by which motion and torque were recorded apart, a factor of the signal
+            ``motor_torque_rate``; see :meth:`fricmodels.drive.Drive.timed`.
     """
 
     symbol: str
@@ -37,6 +39,7 @@ class Parameter:
     scan: tuple[float, ...] = ()
     part_of_law: bool = False
     periodic: bool = False
+    delay: bool = False
 
     def __post_init__(self) -> None:
         if not self.lower <= self.initial <= self.upper:

@@ -154,6 +154,45 @@ class Recording(Shown):
                 rate[inside] = np.gradient(self.torque[inside], self.time[inside])
         return rate
 
+    def retimed(self, delay: float) -> Recording:
+        r"""Return the record with its torques at the time of its motion: as they were T before.
+
+        .. math:: T > 0:\ \tau_m(t - T),\ \tau_L(t - T), \qquad T < 0:\ \tau_m(t - T),\ \tau_L(t)
+
+        With T > 0 the motion was recorded late, after both torques; with T < 0 the motor torque was, after load torque
+        and motion. Between samples torques are straight lines, beyond the ends of a run constant. The torque rate
+        becomes that of what is shifted.
+
+        Args:
+            delay: T [s].
+        """
+        channels = {name: self._before(name, delay, self) for name in self._late(delay)}
+        shifted = self.with_channels(derived=False, **channels)
+        pushing = shifted.with_channels(torque=shifted.torque - channels.get("load_torque", 0.0))
+        return shifted.with_channels(torque_rate=pushing._torque_rate)
+
+    def change_over(self, delay: float, at: Recording) -> NDArray[np.float64]:
+        r"""Return by how much what pushes the drive, :math:`\tau_m - \tau_L`, differs from that of the retimed record.
+
+        Args:
+            delay: T [s]; see :meth:`retimed`.
+            at: samples at which it is wanted, of the same runs.
+        """
+        change = np.zeros(len(at))
+        for name, sign in zip(self._late(delay), (1, -1), strict=False):
+            change += sign * (at.channels[name] - self._before(name, delay, at))
+        return change
+
+    def _late(self, delay: float) -> list[str]:
+        return ["torque", *(["load_torque"] if delay > 0 and "load_torque" in self else [])]
+
+    def _before(self, name: str, delay: float, at: Recording) -> NDArray[np.float64]:
+        before = np.empty(len(at))
+        for number in np.unique(self.run):
+            inside, wanted = self.run == number, at.run == number
+            before[wanted] = np.interp(at.time[wanted] - delay, self.time[inside], self.channels[name][inside])
+        return before
+
     def require(self, signals: frozenset[str], wanted_by: str) -> None:
         """Check that every signal that a model touches is there.
 

@@ -82,3 +82,19 @@ def test_the_mirrored_drive_has_the_same_parameters(made: Made) -> None:
 def test_too_little_motion_is_refused(made: Made) -> None:
     with pytest.raises(InputError, match="moves too little"):
         estimate(Drive(Model.parse("asymmetric-exponential-stick-slip")), made(samples=60, noise=20.0))
+
+
+@pytest.mark.parametrize("samples", [12, -12])
+def test_a_delay_is_the_whole_shift_in_time(made: Made, samples: int) -> None:
+    recording = made(noise=0.05)
+    size = abs(samples)
+    behind = ("velocity", "position") if samples > 0 else ("torque",)
+    ahead = {name: values[:-size] if name in behind else values[size:] for name, values in recording.channels.items()}
+    late = Recording("late", recording.motion, ahead, recording.run[size:])
+    drive = Drive(Model.parse("coulomb-viscous+sensor-delay"))
+    problem, found = estimate(drive, late)
+    for key, value in TRUTH.items():
+        assert found.parameters[key] == pytest.approx(value, rel=0.01)
+    assert found.parameters["sensor-delay.T"] == pytest.approx(samples * late.interval, rel=0.01)
+    assert problem.delay == pytest.approx(samples * late.interval, rel=0.01)
+    assert found.standard_errors["sensor-delay.T"] < 0.1 * late.interval

@@ -140,3 +140,33 @@ def test_a_column_of_position_holds_no_noise_of_the_velocity(made: Made) -> None
         problem, problem.perturbed, result.regression, load().effects["gravity"](), result.tested[0].found
     )
     assert share < 1e-9
+
+
+def late(recording: Recording, samples: int) -> Recording:
+    """Return the record with the motion, or if negative the motor torque, that many samples late; with a load."""
+    load = 2 * np.sin(1.3 * recording.time)
+    loaded = recording.with_channels(derived=False, torque=recording.torque + load, load_torque=load)
+    delayed = ("velocity", "position") if samples > 0 else ("torque",)
+    ahead = {name: values[abs(samples) :] for name, values in loaded.channels.items()}
+    behind = {name: loaded.channels[name][: len(recording) - abs(samples)] for name in delayed}
+    return Recording("late", recording.motion, {**ahead, **behind}, recording.run[abs(samples) :])
+
+
+@pytest.mark.parametrize("samples", [25, 3, -4, -18])
+def test_a_whole_delay_is_found_and_explains_all(made: Made, samples: int) -> None:
+    recording = late(made(noise=0.05), samples)
+    found = examined(recording, "sensor-delay")
+    assert found.parameters["T"] / recording.interval == pytest.approx(samples, abs=0.2)
+    assert found.evidence.coefficients == pytest.approx([found.parameters["T"]], rel=0.02)
+    assert found.evidence.explained > 0.97
+    assert found.p_value < 1e-6
+
+
+def test_a_shift_within_a_sample_is_no_delay(made: Made) -> None:
+    recording = made(noise=0.05)
+    half = (recording.torque[1:] + recording.torque[:-1]) / 2
+    shifted = recording.select(slice(1, None)).with_channels(derived=False, torque=half)
+    drive = Drive(Model.parse("coulomb-viscous"), 2.0, recording.motion)
+    problem, parameters = estimate(drive, shifted)
+    tested = survey(problem, parameters.parameters, only=["sensor-delay"]).tested
+    assert all(t.evidence.gain < 0.05 for t in tested)

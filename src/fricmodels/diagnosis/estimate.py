@@ -20,7 +20,7 @@ from fricmodels.term import Effect
 Array = NDArray[np.float64]
 
 _STAGES = 3
-"""Fits in which the motor torque of a column is the one that the last fit explains."""
+"""Fits in which the motor torque of a column is the one that the last fit explains, and the record at its delay."""
 
 
 @dataclass(frozen=True)
@@ -57,8 +57,10 @@ def estimate(drive: Drive, recording: Recording, start: Mapping[str, float] | No
     # Once the friction is known, so is where the drive may stick at a reversal.
     problem = Problem.of(drive, recording, found.parameters)
     found = _fit(problem, {**start, **found.parameters})
-    if "motor_torque" in drive.model.needs:
+    if drive.model.delay or "motor_torque" in drive.model.needs:
         for _ in range(_STAGES):
+            if drive.model.delay:
+                problem = Problem.of(drive, recording, found.parameters)
             problem = replace(problem, estimated=found.parameters)
             found = _fit(problem, {**start, **found.parameters})
     return replace(problem, law_share=problem.law_has(found.parameters), estimated=found.parameters), found
@@ -69,7 +71,7 @@ def _started(drive: Drive, recording: Recording, start: Mapping[str, float]) -> 
 
     A wave number, a delay or an instant must be near the truth for a fit of the whole model to find it.
     """
-    keys = {p.key for p in drive.model_parameters if not p.linear and p.key not in start}
+    keys = {p.key for p in drive.model_parameters if (not p.linear or p.declared.delay) and p.key not in start}
     for effect in reversed(drive.model.effects):
         wanted = [p.symbol for p in effect.parameters if f"{effect.name}.{p.symbol}" in keys]
         if not wanted:
@@ -81,6 +83,7 @@ def _started(drive: Drive, recording: Recording, start: Mapping[str, float]) -> 
             return start
         nonlinear = [p.symbol for p in effect.parameters if not _linear_in(drive, effect, p.symbol)]
         values = {f"{effect.name}.{s}": value for s, value in zip(nonlinear, found.nonlinear, strict=True)}
+        values |= {f"{effect.name}.{p.symbol}": found.delay for p in effect.parameters if p.delay}
         return {**rest.parameters, **values, **start}
     return start
 
@@ -158,7 +161,8 @@ def _linear(problem: Problem, nonlinear: tuple[float, ...]) -> tuple[float, Arra
     linear = [p.declared for p in problem.drive.parameters if p.linear]
     spare = len(columns) - len(linear)
     delay = problem.recording.interval
-    limits = [(p.lower, p.upper) for p in linear]
+    passed = [problem.delay if p.delay else 0.0 for p in linear]
+    limits = [(p.lower - gone, p.upper - gone) for p, gone in zip(linear, passed, strict=True)]
     limits += [(-np.inf, np.inf), (-delay, delay)][:spare]
     size = np.linalg.norm(columns, axis=1)
     size = np.where(size > 0, size, 1.0)
@@ -175,6 +179,8 @@ def _named(problem: Problem, theta: Array, nonlinear: tuple[float, ...]) -> dict
     linear, other = iter(theta), iter(nonlinear)
     for p in drive.parameters:
         values[p.key] = float(next(linear) if p.linear else next(other))
+        if p.declared.delay:
+            values[p.key] += problem.delay
     values.setdefault(drive.inertia_key, drive.inertia or float("nan"))
     return values
 
@@ -186,8 +192,8 @@ def _covariance(problem: Problem, values: Mapping[str, float]) -> tuple[list[str
     linear = [p.key for p in drive.model_parameters if p.linear]
     other = [p.key for p in drive.model_parameters if not p.linear]
     keys = [*linear, *other, *([drive.inertia_key] if drive.inertia is None else [])]
-    nuisances = np.vstack([problem.sign_change, problem.torque_rate])
-    columns = np.vstack([base, nuisances])
+    nuisances = [problem.sign_change] if drive.model.delay else [problem.sign_change, problem.torque_rate]
+    columns = np.vstack([base, *nuisances])
     size = np.linalg.norm(columns, axis=1)
     unit = columns / np.where(size > 0, size, 1.0)[:, None]
     inverse = np.linalg.pinv(unit @ unit.T, rcond=1e-10, hermitian=True)

@@ -12,6 +12,7 @@ Stat. 36 (2018), with ν = 0.4 T^(2/3).
 from __future__ import annotations
 
 import math
+from copy import copy
 from dataclasses import dataclass
 from functools import cached_property
 from operator import mul
@@ -148,10 +149,23 @@ class Regression:
         self._edges = np.linspace(0, len(target), FOLDS + 1).astype(int)
         self.loss = self.residual**2
 
+    @property
+    def unshifted(self) -> Regression:
+        """The regression for what is itself a shift in time, and has no other one beside it: this one."""
+        return self
+
     def free(self, columns: Array) -> Array:
         """Project the base directions out of columns, shape (q, M)."""
         once = columns - (columns @ self._basis) @ self._basis.T
         return np.asarray(once - (once @ self._basis) @ self._basis.T)
+
+    def less(self, part: Array) -> Regression:
+        """Return the regression of what is left of the target without a part that is known, shape (M,)."""
+        other = copy(self)
+        other.target = self.target - part
+        other.residual = self.residual - self.free(part[None])[0]
+        other.loss = other.residual**2
+        return other
 
     def visible(self, columns: Array) -> NDArray[np.bool_]:
         """Mark the columns that differ from what the base model, and the columns before them, can do, shape (q,)."""

@@ -10,6 +10,7 @@ import numpy as np
 from fricmodels import plugins
 from fricmodels.diagnosis.diagnose import Comparison, Diagnosis, Finding, compare, compare_model, examine
 from fricmodels.diagnosis.evidence import Evidence, Regression
+from fricmodels.diagnosis.problem import Problem
 from fricmodels.diagnosis.survey import Tested
 from fricmodels.diagnosis.verdict import LEAST_GAIN, SIGNIFICANCE
 from fricmodels.drive import Drive
@@ -157,7 +158,7 @@ def _keyed(effect: str, parameters: Mapping[str, float]) -> dict[str, float]:
 def _pruned(
     comparison: Comparison, given: set[str], recording: Recording, inertia: float | None
 ) -> tuple[Comparison, list[str]]:
-    """Remove every added effect that the others have made superfluous, in fit and on data kept back; those given stay."""
+    """Remove every added effect that the others have made superfluous; those that were given stay."""
     removed: list[str] = []
     while True:
         candidates = [e.name for e in comparison.drive.model.effects if e.name not in given]
@@ -182,17 +183,20 @@ def without(comparison: Comparison, effect: str) -> Evidence:
     problem, parameters = comparison.problem, comparison.estimate.parameters
     drive = comparison.drive
     smaller = Drive(drive.model.minus(effect), drive.inertia, drive.motion)
-    rest = replace(problem, drive=smaller).base(parameters)
     own = next(e for e in drive.model.effects if e.name == effect)
     alone = problem.alone(own)
+    delay = 0.0
+    if alone.model.delay:  # its own problem has the record without the delay
+        problem, delay = Problem.of(smaller, comparison.train, parameters), problem.delay
+    rest = replace(problem, drive=smaller).base(parameters)
     flags = alone.model.linear
     nonlinear = [
         parameters[f"{effect}.{p.symbol}"] for p, linear in zip(own.parameters, flags, strict=True) if not linear
     ]
-    columns, _ = problem.columns(alone, nonlinear)
+    columns, _ = problem.columns(alone, nonlinear, delay)
     nuisances = np.vstack([problem.sign_change, problem.torque_rate])
     target = problem.target
-    base = np.vstack([rest, nuisances[:1] if effect == "sensor-delay" else nuisances])
+    base = np.vstack([rest, nuisances[:1] if delay else nuisances])
     regression = Regression(base, target, problem.independent)
     visible = regression.visible(columns)
     if not np.any(visible):

@@ -93,10 +93,11 @@ def show_overlay(console: Console, comparison: Comparison) -> None:
 
 def show_friction(console: Console, comparison: Comparison) -> None:
     """Plot friction torque against velocity: what the motion asks for, and the model's mean at each velocity."""
-    drive, part = comparison.drive, comparison.train
+    drive = comparison.drive
+    part, values = drive.timed(comparison.train, comparison.estimate.parameters)
     unit, speed = ("N m", "rad/s") if drive.motion is Motion.ROTARY else ("N", "m/s")
-    modelled = drive.friction(part, comparison.estimate.parameters)
-    measured = modelled + _error(comparison, part)
+    modelled = drive.friction(part, values)
+    measured = modelled + _error(comparison, comparison.train)
     # One sample in a hundred may lie anywhere: the friction torque at breakaway is uncertain.
     inside = np.abs(measured) <= max(np.quantile(np.abs(measured), 0.99), float(np.max(np.abs(modelled))))
     at, curve = _mean_by(part.velocity, modelled)

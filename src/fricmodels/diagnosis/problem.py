@@ -55,7 +55,7 @@ class Problem:
 
     Attributes:
         drive: the model under test, with its inertia given or not.
-        recording: prepared; ``velocity`` as measured.
+        recording: prepared; ``velocity`` as measured, torques at its time, see :meth:`fricmodels.drive.Drive.timed`.
         smooth: velocity freed of noise, at which friction is evaluated.
         resting: samples at rest.
         quadrature, bumps: see :mod:`fricmodels.signals.weak_form`.
@@ -63,6 +63,7 @@ class Problem:
         half_width: of the filter that smooths it.
         law_share: see :meth:`law_has`.
         estimated: parameters of the drive's fit, once there is one; see :attr:`motor_torque`.
+        delay: by which the model's own delay, if it has one, was taken out of the recording [s].
     """
 
     drive: Drive
@@ -75,6 +76,7 @@ class Problem:
     half_width: int
     law_share: tuple[float, float]
     estimated: Mapping[str, float] | None = None
+    delay: float = 0.0
 
     @classmethod
     def of(cls, drive: Drive, recording: Recording, parameters: Mapping[str, float]) -> Problem:
@@ -86,6 +88,8 @@ class Problem:
             parameters: the model's estimated parameters by key, and the inertia.
         """
         inertia, _ = drive.split(parameters)
+        delay = parameters[drive.model.delay] if drive.model.delay else 0.0
+        recording, parameters = drive.timed(recording, parameters)
         part = spread(recording)
         half_width = best_half_width(part.time, part.velocity, part.run)
         smooth, acceleration = lanczos_derivative(part.time, part.velocity, half_width, part.run)
@@ -100,7 +104,7 @@ class Problem:
         unclear = _widened(unclear | _hidden_turns(drive, part, smooth, parameters), reach)
         quadrature = Quadrature.of(part, smooth, unclear)
         bumps = Bumps(part, width, unclear, least_moving=1.0)
-        problem = cls(drive, part, smooth, at_rest, quadrature, bumps, sigma, half_width, (0.0, 0.0))
+        problem = cls(drive, part, smooth, at_rest, quadrature, bumps, sigma, half_width, (0.0, 0.0), delay=delay)
         return replace(problem, law_share=problem.law_has(parameters))
 
     def law_has(self, parameters: Mapping[str, float]) -> tuple[float, float]:
@@ -198,14 +202,14 @@ class Problem:
         """Return ∫φ f dt of rows evaluated at the quadrature's samples, shape (k, rows)."""
         return self.bumps.integrals(self.quadrature.integrand(rows))
 
-    def columns(self, drive: Drive, nonlinear: Sequence[float] = ()) -> tuple[Array, Array]:
+    def columns(self, drive: Drive, nonlinear: Sequence[float] = (), delay: float = 0.0) -> tuple[Array, Array]:
         """Return the integrals of a drive's linear columns, shape (k, rows), and of the rest of its torque, (rows,)."""
 
         def compute() -> Array:
-            design, offset = self.evaluate(drive, nonlinear)
+            design, offset = self.evaluate(drive, nonlinear, delay)
             return self.integrals(np.vstack([design, offset[None]]) if np.any(offset) else design)
 
-        rows = self.integrated((drive, tuple(nonlinear)), compute)
+        rows = self.integrated((drive, tuple(nonlinear), delay), compute)
         linear = sum(drive.model.linear)
         return rows[:linear], rows[linear] if len(rows) > linear else np.zeros(self.rows)
 
@@ -214,9 +218,17 @@ class Problem:
         """Integrals of this problem that do not depend on a regression, by what they are of."""
         return Remembered(_ROOM)
 
-    def evaluate(self, drive: Drive, nonlinear: Sequence[float] = ()) -> tuple[Array, Array]:
-        """Evaluate a drive's linear columns at the quadrature's samples; internal states follow the smooth motion."""
+    def evaluate(self, drive: Drive, nonlinear: Sequence[float] = (), delay: float = 0.0) -> tuple[Array, Array]:
+        """Evaluate a drive's linear columns at the quadrature's samples; internal states follow the smooth motion.
+
+        Args:
+            drive: whose columns.
+            nonlinear: values of its nonlinear parameters.
+            delay: time over which the rate of the torque is taken [s]; with a coefficient of as much, a whole shift.
+        """
         points = self.quadrature.recording
+        if delay:
+            points = points.with_channels(torque_rate=self.recording.change_over(delay, points) / delay)
         if "motor_torque" in drive.model.needs:
             points = points.with_channels(torque=self.motor_torque)
         return self._regressors(drive, nonlinear, points)
@@ -251,7 +263,7 @@ class Problem:
             return points.torque
         pairs = list(zip(self.drive.model.parameters, self.drive.model.linear, strict=True))
         nonlinear = [self.estimated[p.key] for p, linear in pairs if not linear]
-        theta = np.array([self.estimated[p.key] for p, linear in pairs if linear])
+        theta = np.array([0.0 if p.declared.delay else self.estimated[p.key] for p, linear in pairs if linear])
         friction = []
         for level in (0.0, 1.0):
             at = points.with_channels(torque=np.full(len(points), level))

@@ -22,6 +22,8 @@ Array = NDArray[np.float64]
 
 _ROUNDS = 7
 _LONGEST_WALK = 12
+_SHIFTS = (1, 2, 3, 5, 8, 12, 18, 27, 40)
+"""Delays that are tried first, in samples."""
 
 
 @dataclass(frozen=True)
@@ -34,6 +36,7 @@ class Found:
         kept: which of the linear parameters these are; the others are zero.
         explained: sum of squares that they explain beyond the base model.
         trials: about how many independent values were tried; it multiplies the p-value.
+        delay: the effect's delay [s], where one of its linear parameters is such; its column holds the whole shift.
     """
 
     nonlinear: tuple[float, ...]
@@ -41,23 +44,27 @@ class Found:
     kept: NDArray[np.bool_]
     explained: float
     trials: float
+    delay: float = 0.0
 
 
 def search(problem: Problem, regression: Regression, effect: Effect, alone: Drive) -> Found | None:
     """Return the best nonlinear parameters of an effect, or ``None`` where none makes it visible."""
+    if alone.model.delay:
+        regression = regression.unshifted
     linear = [p for p, is_linear in zip(effect.parameters, alone.model.linear, strict=True) if is_linear]
     nonlinear = [p for p, is_linear in zip(effect.parameters, alone.model.linear, strict=True) if not is_linear]
     lower = np.array([p.lower for p in linear])
+    delay = _delay(problem, regression, alone) if alone.model.delay and not nonlinear else 0.0
     upper = np.array([problem.law_share[p.dimension == FORCE] if p.part_of_law else p.upper for p in linear])
 
     def at(point: tuple[float, ...], trials: float = 1.0) -> Found:
-        columns, _ = problem.columns(alone, point)
+        columns, _ = problem.columns(alone, point, delay)
         gained, theta = regression.explained(columns, lower, upper)
         kept = theta != 0
-        return Found(point, columns[kept], kept, gained, trials)
+        return Found(point, columns[kept], kept, gained, trials, delay)
 
     if not nonlinear:
-        found = at(())
+        found = at((), 2.0 * len(_SHIFTS) if delay else 1.0)
         return found if np.any(found.kept) or np.any(regression.visible(problem.columns(alone)[0])) else None
     points, spacing, trials = _starts(problem, regression, alone, nonlinear)
     if not points:
@@ -66,6 +73,28 @@ def search(problem: Problem, regression: Regression, effect: Effect, alone: Driv
     if best.explained <= 0:
         return best if np.any(regression.visible(problem.columns(alone, best.nonlinear)[0])) else None
     return _refine(at, best, nonlinear, spacing)
+
+
+def _delay(problem: Problem, regression: Regression, alone: Drive) -> float:
+    """Return the delay [s] that, as a whole shift in time, explains most of the residual: the best of a few, refined.
+
+    It is at least the sampling interval; a shorter one is how recordings are made, see :mod:`.shifted`.
+    """
+    from scipy.optimize import minimize_scalar
+
+    interval = problem.recording.interval
+
+    def left(samples: float) -> float:
+        delay = samples * interval
+        columns, _ = problem.columns(alone, delay=delay)
+        rest = regression.residual - delay * regression.free(columns)[0]
+        return float(rest @ rest)
+
+    side = min((1, -1), key=lambda side: min(left(side * samples) for samples in _SHIFTS))
+    best = min(range(len(_SHIFTS)), key=lambda i: left(side * _SHIFTS[i]))
+    ends = side * _SHIFTS[max(best - 1, 0)], side * _SHIFTS[min(best + 1, len(_SHIFTS) - 1)]
+    refined = minimize_scalar(left, bounds=sorted(ends), method="bounded", options={"xatol": 0.01})
+    return float(refined.x) * interval
 
 
 def _starts(

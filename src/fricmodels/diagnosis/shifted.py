@@ -44,6 +44,11 @@ class ShiftedRegression(Regression):
         chosen = self._regression(self._case)
         super().__init__(chosen.base, chosen.target, independent)
 
+    @property
+    def unshifted(self) -> Regression:
+        """The regression without a shift."""
+        return self._unshifted
+
     def explained(self, columns: Array, lower: Array, upper: Array) -> tuple[float, Array]:
         """Return by how much columns lower the sum of squares, and the coefficients, as far as these may go."""
         case, gained, theta = self._best(columns, lower, upper)

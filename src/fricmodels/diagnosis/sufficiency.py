@@ -13,7 +13,7 @@ from collections.abc import Iterable, Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from fricmodels.diagnosis.channels import FINELY, FINELY_ALONG, FINELY_TORQUE, TORQUE_RATE
+from fricmodels.diagnosis.channels import FINELY, FINELY_ALONG, FINELY_TORQUE
 from fricmodels.diagnosis.evidence import compare
 from fricmodels.diagnosis.survey import Survey, Tested, regression_of, survey
 from fricmodels.diagnosis.unexplained import PERSISTENT, View, each, views
@@ -44,7 +44,7 @@ def beaten(result: Survey, first: Tested, seen: Sequence[View]) -> bool:
 
     What went shortly before stands for all that lasts, whatever the number of its causes: of that an effect need only
     explain half. Nor is an effect refused by more of its own kind: poles, slots and teeth have each their own wave over
-    position, and a delay is more than the first order of it.
+    position.
     """
     total = float(np.sum(result.regression.loss))
     least = max(LEAST_TORQUE**2 * float(np.sum(result.problem.driving**2)), _BEATEN * total)
@@ -64,12 +64,9 @@ def beaten(result: Survey, first: Tested, seen: Sequence[View]) -> bool:
 def _own_kind(result: Survey, tested: Tested, view: View) -> bool:
     """Whether a view shows what an effect is by its nature, and most of the effect lies within its shapes."""
     needs = result.problem.alone(tested.effect).model.needs
-    if any(p.periodic for p in tested.effect.parameters):
-        along = FINELY_ALONG if tested.effect.symmetry == "odd" else FINELY
-        kind = FINELY_TORQUE if "motor_torque" in needs else along
-    else:
-        kind = TORQUE_RATE if "motor_torque_rate" in needs else ""
-    if view.channels != kind:
+    along = FINELY_ALONG if tested.effect.symmetry == "odd" else FINELY
+    kind = FINELY_TORQUE if "motor_torque" in needs else along
+    if view.channels != kind or not any(p.periodic for p in tested.effect.parameters):
         return False
     own = result.regression.free(tested.evidence.coefficients[None] @ tested.found.columns)[0]
     shapes = result.regression.free(view.columns)

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fricmodels import plugins
-from fricmodels.diagnosis.evidence import Evidence, Regression, benjamini_yekutieli
+from fricmodels.diagnosis.evidence import Evidence, Regression, benjamini_yekutieli, compare
 from fricmodels.diagnosis.problem import Problem
 from fricmodels.diagnosis.search import Found, search
 from fricmodels.diagnosis.shifted import ShiftedRegression
@@ -55,6 +55,7 @@ class Tested:
         linear = dict(zip(self._linear_symbols, coefficients, strict=True))
         nonlinear = [symbol for symbol in symbols if symbol not in linear]
         values = {**linear, **dict(zip(nonlinear, self.found.nonlinear, strict=True))}
+        values |= {p.symbol: self.found.delay for p in self.effect.parameters if p.delay and self.found.delay}
         return {symbol: float(values[symbol]) for symbol in symbols}
 
     @property
@@ -157,7 +158,7 @@ def noise_share(problem: Problem, perturbed: Problem, regression: Regression, ef
     The same noise is in the inertia torque on the other side of the equation, so that a column which is mostly noise
     explains part of the residual, at most its share, without any effect.
     """
-    columns, _ = perturbed.columns(problem.alone(effect), found.nonlinear)
+    columns, _ = perturbed.columns(problem.alone(effect), found.nonlinear, found.delay)
     noise = regression.free(columns[found.kept] - found.columns)
     signal = regression.free(found.columns)
     return float(np.max(np.sum(noise**2, axis=1) / np.sum(signal**2, axis=1)))
@@ -173,8 +174,24 @@ def _test(regression: Regression, effect: Effect, found: Found) -> Tested:
         nothing = np.zeros(0)
         empty = Evidence(nothing, np.zeros((0, 0)), 1.0, 0.0, 0.0, 1.0, regression.loss, regression.residual)
         return Tested(effect, found, empty, 1.0)
-    evidence = regression.test(found.columns)
+    evidence = _whole_shift(regression, found) if found.delay else regression.test(found.columns)
     return Tested(effect, found, evidence, min(1.0, evidence.p_value * found.trials))
+
+
+def _whole_shift(regression: Regression, found: Found) -> Evidence:
+    """Return the evidence for a shift in time by a whole delay: how well its column explains is not left to fit."""
+    own = regression.unshifted
+    after = own.less(found.delay * found.columns[0])
+    gain, gain_p_value = compare(regression.loss, after.loss, regression.terms)
+    left, total = (float(r.residual @ r.residual) for r in (after, regression))
+    return replace(
+        own.test(found.columns, regression),
+        explained=1 - left / total if total > 0 else 0.0,
+        gain=gain,
+        gain_p_value=gain_p_value,
+        loss=after.loss,
+        residual=after.residual,
+    )
 
 
 def regression_of(

@@ -13,7 +13,10 @@ class SensorDelay(Effect):
     .. math:: \tau = T\,\dot\tau_m
 
     The first order of a shift, :math:`\tau_m(t - T) = \tau_m(t) - T\dot\tau_m(t) + \dots`; a torque that is recorded
-    late has T < 0. A torque held over a sample of length h by itself gives T = h/2.
+    late has T < 0. A torque held over a sample of length h by itself gives T = h/2. Estimators fit the first order.
+    Where T is known, scores and the diagnosis take the whole shift: with T > 0 the motion was recorded late, after
+    motor torque and load torque, with T < 0 only the motor torque was; see
+    :meth:`fricmodels.recording.Recording.retimed`.
 
     Source: elementary.
     """
@@ -23,7 +26,7 @@ class SensorDelay(Effect):
     signature = "the derivative of the motor torque"
     needs_motion = "several frequencies"
     symmetry = "even"
-    T = Parameter("T", unit="s", meaning="delay of the motion record against the torque record")
+    T = Parameter("T", unit="s", delay=True, meaning="delay of the motion record against the torque record")
 
     def torque(self, s: Signals, p: Parameters) -> Expression:
         """Return T dτ_m/dt."""

@@ -12,8 +12,8 @@ class Thermal(Effect):
 
     .. math:: \tau = a\,\vartheta_v\,(1 - e^{-\vartheta/\vartheta_v})\,\omega + b\,\vartheta\operatorname{sgn}\omega
 
-    The law's own coefficients are then those at ϑ = 0, and a and b the rates there. A lubricant thins exponentially, by a
-    factor of e in ϑ_v; over much less than that the change is the straight line a ϑ ω.
+    The law's own coefficients are then those at ϑ = 0, and a and b the rates there. A lubricant thins exponentially,
+    by a factor of e in ϑ_v; over much less than that the change is the straight line a ϑ ω.
 
     Source: Bittencourt and Gunnarsson (2012); Reynolds' law of viscosity.
     """

@@ -35,6 +35,7 @@ def torque_error(drive: Drive, values: Mapping[str, float], prepared: Recording)
     Raises:
         InputError: when the recording lacks a channel that the model needs.
     """
+    prepared, values = drive.timed(prepared, values)
     inertia, _ = drive.split(values)
     needed = prepared.torque - prepared.load_torque - inertia * prepared["acceleration"]
     return needed - _friction(drive, values, prepared, needed)
@@ -88,6 +89,7 @@ def filtered_torque_error(
     from fricmodels.signals import lanczos_derivative, resting, stretches
     from fricmodels.signals.lanczos import even_weights
 
+    recording, values = drive.timed(recording, values)
     width = sliding_half_width(recording) if half_width is None else half_width
     smooth, _ = lanczos_derivative(recording.time, recording.velocity, width, recording.run)
     rest = resting(recording) | (recording.velocity == 0)
