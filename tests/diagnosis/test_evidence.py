@@ -189,3 +189,13 @@ def test_equal_losses_prove_nothing() -> None:
     assert gain == pytest.approx(0.5)
     assert p_value < 0.01
     assert compare(0.25 * loss, loss, 8)[1] > 0.99
+
+
+def test_the_p_value_of_columns_that_are_nearly_alike_is_that_of_their_span() -> None:
+    """Each differs from the first by ever less; together they span the same as unlike ones."""
+    rng = np.random.default_rng(12)
+    unlike = rng.normal(size=(4, 1000))
+    target = 0.2 * unlike.sum(axis=0) + rng.normal(size=1000)
+    alike = np.vstack([unlike[0], *(unlike[0] + 10.0**-k * unlike[k] for k in (1, 2, 3))])
+    regression = Regression(np.ones((1, 1000)), target, 500)
+    assert regression.test(alike).p_value == pytest.approx(regression.test(unlike).p_value, rel=1e-5)

@@ -219,23 +219,28 @@ class Regression:
         free = self.free(columns)
         scale = np.linalg.norm(free, axis=1)
         unit = free / scale[:, None]
-        gram = unit @ unit.T
-        inverse = np.linalg.pinv(gram, rcond=1e-10, hermitian=True)
-        theta = inverse @ (unit @ self.residual)
-        left = self.residual - theta @ unit
+        # Along orthonormal directions, as many as can be told: there the variance is well conditioned, and the p-value
+        # does not hang on rounding, however alike the columns are.
+        values, vectors = np.linalg.eigh(unit @ unit.T)
+        kept = values > 1e-10 * values[-1]
+        turn = vectors[:, kept] / np.sqrt(values[kept])
+        directions = turn.T @ unit
+        along = directions @ self.residual
+        left = self.residual - along @ directions
         q = len(columns)
-        variance = inverse @ long_run_sum(unit * left, self.terms) @ inverse
+        variance = long_run_sum(directions * left, self.terms)
+        theta = turn @ along
         from scipy.special import fdtrc  # the upper tail of F
 
         freedom = max(self.terms - q + 1, 1)
-        statistic = float(theta @ np.linalg.pinv(variance, rcond=1e-12, hermitian=True) @ theta)
+        statistic = float(along @ np.linalg.pinv(variance, rcond=1e-12, hermitian=True) @ along)
         p_value = float(fdtrc(q, freedom, max(statistic * freedom / (self.terms * q), 0.0)))
         loss = self.held_out(free) ** 2
         gain, gain_p = compare(without.loss, loss, self.terms)
         total = float(without.residual @ without.residual)
         return Evidence(
             theta / scale,
-            variance / np.outer(scale, scale),
+            turn @ variance @ turn.T / np.outer(scale, scale),
             p_value,
             1 - float(left @ left) / total if total > 0 else 0.0,
             gain,
