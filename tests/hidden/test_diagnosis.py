@@ -9,6 +9,7 @@ from functools import lru_cache
 import pytest
 
 from fricmodels.diagnosis import Diagnosis, diagnose, improve
+from fricmodels.diagnosis.ladder import without
 from fricmodels.dimension import Motion
 from fricmodels.model import Model
 from fricmodels.recording import Recording
@@ -38,6 +39,7 @@ def names(diagnosis: Diagnosis) -> tuple[str, ...]:
         ("load-friction", "tracking"),
         ("inertia-error", "multisine"),
         ("sensor-delay", "multisine"),
+        ("sensor-delay", "tracking"),
         ("thermal", "sine"),
         ("step-change", "multisine"),
     ],
@@ -61,6 +63,19 @@ def test_an_asymmetry_is_not_told_from_an_offset_while_sliding(hidden: Draw) -> 
     diagnosis = diagnosed(rig, recording)
     assert set(names(diagnosis)) == {"asymmetry", "torque-offset"}
     assert "static test" in diagnosis.findings[0].separated_by
+
+
+def test_a_delay_and_another_effect_are_told_apart(hidden: Draw) -> None:
+    rig, recording = hidden("sensor-delay", "gravity", seed=7, size=0.2, excitation="tracking", samples=SAMPLES)
+    ladder = improve(recording, Model.parse(rig.friction.law), rig.inertia)
+    final = ladder.rungs[-1].comparison
+    assert {effect.name for effect in final.drive.model.effects} == {"sensor-delay", "gravity"}
+    assert final.errors.held_out_percent < 0.2 * ladder.rungs[0].comparison.errors.held_out_percent
+    for name in ("sensor-delay", "gravity"):
+        assert without(final, name).gain > 0.5
+    (delay,) = (effect.delay for effect in rig.effects if effect.name == "sensor-delay")
+    # A held torque is half a sample late by itself.
+    assert abs(abs(final.estimate.parameters["sensor-delay.T"]) - delay) < recording.interval
 
 
 def test_two_effects_are_found_in_turn(hidden: Draw) -> None:
