@@ -10,6 +10,7 @@ import numpy as np
 
 from fricmodels.diagnosis import Comparison, Diagnosis, compare_model, examine, improve
 from fricmodels.diagnosis.evidence import compare
+from fricmodels.diagnosis.ladder import added
 from fricmodels.diagnosis.survey import survey
 from fricmodels.diagnosis.verdict import SIGNIFICANCE
 from fricmodels.drive import Drive
@@ -181,8 +182,7 @@ def pair(rng: np.random.Generator, effect: str, index: int) -> Row:
     names = [e.name for e in drawn.rig.effects]
     ladder = improve(drawn.recording, Model.parse(drawn.rig.friction.law), drawn.rig.inertia)
     final = [e.name for e in ladder.rungs[-1].comparison.drive.model.effects]
-    classes = [list(step.findings[0].names) for step in ladder.steps if step.findings]
-    kept = [c for c in classes if c[0] in final]
+    kept = [list(finding.names) for finding in added(ladder)] if ladder.steps else []
     return {
         **described(drawn.rig),
         **sized(drawn),

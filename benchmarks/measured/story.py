@@ -101,7 +101,7 @@ def where_table(comparison: Comparison, most: int = 6) -> str:
 def evidence_table(story: Story) -> str:
     """Return what spoke for each effect when it was named, with its class."""
     rows = []
-    for diagnosis in story.ladder.steps:
+    for diagnosis in (*story.ladder.steps, story.ladder.last):
         if not diagnosis.findings:
             continue
         finding = diagnosis.findings[0]
@@ -240,7 +240,7 @@ def summary_table(stories: Mapping[str, Story]) -> str:
     rows = []
     for name, story in stories.items():
         first, last = story.base.errors, story.final.errors
-        steps = [d for d in story.ladder.steps if d.findings]
+        steps = [d for d in (*story.ladder.steps, story.ladder.last) if d.findings]
         named = "; ".join(", ".join(f"`{n}`" for n in d.findings[0].names) for d in steps)
         p_values = "; ".join(f"{d.findings[0].tested.adjusted:.0e}" for d in steps)
         others = [f"{percent(story.base, c):.1f} → {percent(story.final, c):.1f} %" for c in story.checks.values()]

@@ -66,7 +66,7 @@ def improve(
     leave_out: Iterable[str] = (),
     progress: Callable[[str], None] | None = None,
 ) -> Ladder:
-    """Add the missing effect, refit everything, repeat until nothing is missing; then try to remove each effect.
+    """Add the missing effect, refit everything, repeat until nothing is missing; then try to remove or exchange each.
 
     An effect stays only if it lowers the error on data that took no part in finding it.
 
@@ -78,68 +78,167 @@ def improve(
         progress: called with one line at every step.
     """
     say = progress or (lambda line: None)
-    out = set(leave_out)
     model = Model.of(model)
     say(f"fitting {model.name}")
     comparison = compare(recording, model, inertia)
     say(f"testing effects on {model.name}")
-    first = diagnosis = examine(comparison, leave_out=out)
-    rungs, steps, note = [Rung(comparison)], [diagnosis], ""
-    while diagnosis.findings and len(steps) <= MOST_STEPS:
-        trial, finding, refused = _step(comparison, diagnosis, recording, inertia, say)
-        if trial is None or finding is None:
-            note = f"'{refused}' was found, but the error on data kept back does not fall with it"
-            break
-        comparison = trial
-        rungs.append(Rung(comparison, added=finding))
-        say(f"testing effects on {comparison.drive.model.name}")
-        diagnosis = examine(comparison, leave_out=out)
-        steps.append(diagnosis)
-    comparison, removed = _pruned(comparison, {e.name for e in model.effects}, recording, inertia)
-    if removed:
-        rungs.append(Rung(comparison, removed="+".join(removed)))
-        diagnosis = examine(comparison, leave_out=out | set(removed))
-    return Ladder(first, tuple(rungs), diagnosis, tuple(steps), note)
+    first = examine(comparison, leave_out=leave_out)
+    climb = _Climb(recording, inertia, set(leave_out), {e.name for e in model.effects}, say, comparison, first)
+    climb.up()
+    pruned = climb.prune()
+    if climb.exchange():
+        climb.look()
+        climb.up()
+    elif pruned:
+        climb.look()
+    return Ladder(first, tuple(climb.rungs), climb.diagnosis, tuple(climb.steps), climb.note)
 
 
-def _step(
-    comparison: Comparison,
-    diagnosis: Diagnosis,
-    recording: Recording,
-    inertia: float | None,
-    say: Callable[[str], None],
-) -> tuple[Comparison | None, str | None, str]:
-    """Add the effect that was found; where it does not help on data kept back, the one that does so most.
+class _Climb:
+    """A ladder in the making.
 
-    Returns:
-        The new comparison and the effect that was added, if any helps, and the effect that did not.
+    Args:
+        recording, inertia, leave_out: as given to :func:`improve`.
+        given: names of the effects that stay.
+        say: takes one line at every step.
+        comparison, diagnosis: of the model that was given.
     """
-    first = diagnosis.findings[0].tested
 
-    def trial(tested: Tested) -> Comparison:
-        say(f"adding {tested.name}")
+    def __init__(
+        self,
+        recording: Recording,
+        inertia: float | None,
+        leave_out: set[str],
+        given: set[str],
+        say: Callable[[str], None],
+        comparison: Comparison,
+        diagnosis: Diagnosis,
+    ) -> None:
+        self._motion, self._inertia = recording.motion, inertia
+        self._out, self._given, self._say = leave_out, given, say
+        self.rungs, self.diagnosis, self.note = [Rung(comparison)], diagnosis, ""
+        self.steps: list[Diagnosis] = []
+
+    @property
+    def _comparison(self) -> Comparison:
+        return self.rungs[-1].comparison
+
+    @property
+    def _added(self) -> list[str]:
+        return [e.name for e in self._comparison.drive.model.effects if e.name not in self._given]
+
+    def look(self) -> None:
+        """Diagnose the model that was reached; what it lost is not sought again."""
+        self._say(f"testing effects on {self._comparison.drive.model.name}")
+        lost = {name for rung in self.rungs for name in rung.removed.split("+") if name} - set(self._added)
+        self.diagnosis = examine(self._comparison, leave_out=self._out | lost)
+
+    def up(self) -> None:
+        """Add what is missing until nothing is, or nothing helps."""
+        while self.diagnosis.findings and len(self.steps) < MOST_STEPS:
+            trial, name = self._step(self.diagnosis)
+            if trial is None:
+                self.note = f"'{name}' was found, but the error on data kept back does not fall with it"
+                return
+            self.steps.append(self.diagnosis)
+            self.rungs.append(Rung(trial, added=name))
+            self.look()
+
+    def _step(self, diagnosis: Diagnosis) -> tuple[Comparison | None, str]:
+        """Add the effect that was found; where it does not help on data kept back, the one that does so most.
+
+        Returns:
+            The new comparison, if any effect helps, and the effect; else the one that did not.
+        """
+        here, found = self._comparison, diagnosis.findings[0].tested
+        bigger = self._with(here, found)
+        if _held_out(bigger) < _held_out(here):
+            return bigger, found.name
+        others = [t for t in diagnosis.passing if t.name != found.name][: MOST_TRIALS - 1]
+        best = min(((self._with(here, t), t.name) for t in others), key=lambda pair: _held_out(pair[0]), default=None)
+        if best is None or not _held_out(best[0]) < _held_out(here):
+            return None, found.name
+        return best
+
+    def _with(self, comparison: Comparison, tested: Tested) -> Comparison:
+        """Return the model with one more effect, refitted; as it is where that fails."""
+        self._say(f"adding {tested.name}")
         model = comparison.drive.model.plus(plugins.load().effects[tested.name]())
         start = {**comparison.estimate.parameters, **_keyed(tested.name, tested.parameters)}
         try:
-            return compare_model(comparison.train, comparison.test, Drive(model, inertia, recording.motion), start)
+            return self._fitted(comparison, model, start)
         except FricmodelsError:
             return comparison
 
-    bigger = trial(first)
-    if bigger.errors.held_out_percent < comparison.errors.held_out_percent:
-        return bigger, first.name, ""
-    others = [t for t in diagnosis.passing if t.name != first.name][: MOST_TRIALS - 1]
-    best = min(((trial(t), t.name) for t in others), key=lambda pair: pair[0].errors.held_out_percent, default=None)
-    if best is None or not best[0].errors.held_out_percent < comparison.errors.held_out_percent:
-        return None, None, first.name
-    return best[0], best[1], first.name
+    def _without(self, comparison: Comparison, name: str) -> Comparison:
+        return self._fitted(comparison, comparison.drive.model.minus(name), comparison.estimate.parameters)
+
+    def _fitted(self, comparison: Comparison, model: Model, start: Mapping[str, float]) -> Comparison:
+        drive = Drive(model, self._inertia, self._motion)
+        return compare_model(comparison.train, comparison.test, drive, start)
+
+    def prune(self) -> bool:
+        """Remove every added effect that the others have made superfluous; whether any was."""
+        comparison = self._comparison
+        removed: list[str] = []
+        while len(self._added) - len(removed) > 1:
+            tested = {name: without(comparison, name) for name in self._added if name not in removed}
+            weakest = min(tested, key=lambda name: tested[name].gain)
+            if tested[weakest].gain > LEAST_GAIN / 2 and tested[weakest].p_value < SIGNIFICANCE:
+                break
+            simpler = self._without(comparison, weakest)
+            if _held_out(simpler) > (1 + LEAST_GAIN) * _held_out(comparison):
+                break
+            comparison = simpler
+            removed.append(weakest)
+        if removed:
+            self.rungs.append(Rung(comparison, removed="+".join(removed)))
+        return bool(removed)
+
+    def exchange(self) -> bool:
+        """Look once more for each added effect, now that the others are there; whether another one took a place.
+
+        What was found first may have stood for the sum of what was missing then. Where it is found again, its
+        look-alikes are those that it has now.
+        """
+        changed = False
+        for name in self._added if len(self._added) > 1 else []:
+            here = self._comparison
+            smaller = self._without(here, name)
+            self._say(f"looking again for what is missing without {name}")
+            diagnosis = examine(smaller, leave_out=self._out)
+            if not diagnosis.findings:
+                continue
+            if diagnosis.findings[0].tested.name == name:
+                self._named_again(name, diagnosis.findings[0])
+                continue
+            other = self._with(smaller, diagnosis.findings[0].tested)
+            if _held_out(other) > (1 + LEAST_GAIN / 2) * _held_out(here):
+                continue
+            self.rungs += [Rung(smaller, removed=name), Rung(other, added=diagnosis.findings[0].tested.name)]
+            self.steps.append(diagnosis)
+            changed = True
+        return changed
+
+
+    def _named_again(self, name: str, again: Finding) -> None:
+        names = [rung.added for rung in self.rungs if rung.added]
+        place = len(names) - 1 - names[::-1].index(name)
+        step = self.steps[place]
+        if step.findings[0].tested.name == name:
+            finding = replace(step.findings[0], names=again.names, separated_by=again.separated_by)
+            self.steps[place] = replace(step, findings=(finding, *step.findings[1:]))
+
+
+def _held_out(comparison: Comparison) -> float:
+    return comparison.errors.held_out_percent
 
 
 def added(ladder: Ladder) -> list[Finding]:
     """Return the findings that the ladder added and kept, in order; where it kept none, what the first step found."""
     kept = {effect.name for effect in ladder.rungs[-1].comparison.drive.model.effects}
     chosen = []
-    for step, rung in zip(ladder.steps, (rung for rung in ladder.rungs if rung.added), strict=False):
+    for step, rung in zip(ladder.steps, (rung for rung in ladder.rungs if rung.added), strict=True):
         first = step.findings[0]
         if rung.added not in kept:
             continue
@@ -153,29 +252,6 @@ def added(ladder: Ladder) -> list[Finding]:
 
 def _keyed(effect: str, parameters: Mapping[str, float]) -> dict[str, float]:
     return {f"{effect}.{symbol}": value for symbol, value in parameters.items()}
-
-
-def _pruned(
-    comparison: Comparison, given: set[str], recording: Recording, inertia: float | None
-) -> tuple[Comparison, list[str]]:
-    """Remove every added effect that the others have made superfluous; those that were given stay."""
-    removed: list[str] = []
-    while True:
-        candidates = [e.name for e in comparison.drive.model.effects if e.name not in given]
-        if len(candidates) < 2:
-            return comparison, removed
-        tested = {name: without(comparison, name) for name in candidates}
-        weakest = min(tested, key=lambda name: tested[name].gain)
-        evidence = tested[weakest]
-        if evidence.gain > LEAST_GAIN / 2 and evidence.p_value < SIGNIFICANCE:
-            return comparison, removed
-        smaller = comparison.drive.model.minus(weakest)
-        drive = Drive(smaller, inertia, recording.motion)
-        simpler = compare_model(comparison.train, comparison.test, drive, comparison.estimate.parameters)
-        if simpler.errors.held_out_percent > (1 + LEAST_GAIN) * comparison.errors.held_out_percent:
-            return comparison, removed
-        comparison = simpler
-        removed.append(weakest)
 
 
 def without(comparison: Comparison, effect: str) -> Evidence:

@@ -30,7 +30,8 @@ _OUTSIDE = 0.2
 _LEFT_OVER = 0.03
 """Effects together are enough when no channel predicts this share of the squared residual beyond them."""
 _SIMPLER = 0.5
-"""Effects together must leave less than this share of what the best channel leaves, or that is the simpler cause."""
+"""Effects together must leave less than this share of what the best channel leaves, or as little with less than this
+share of its shapes, or the channel is the simpler cause."""
 _MOST_EFFECTS = 3
 
 
@@ -81,8 +82,7 @@ def enough(result: Survey, parameters: Mapping[str, float], leave_out: Iterable[
     Where one channel alone explains nearly as much as all of them together, one cause is the simpler explanation.
     """
     total = float(np.sum(result.regression.loss))
-    single = [view.evidence.loss for view in seen if view.channels not in PERSISTENT]
-    least = min(single, key=np.sum, default=result.regression.loss)
+    single = next((view for view in seen if view.channels not in PERSISTENT), None)
     problem = result.problem
     out = set(leave_out)
     columns = np.zeros((0, problem.rows))
@@ -100,9 +100,22 @@ def enough(result: Survey, parameters: Mapping[str, float], leave_out: Iterable[
             passes(after, v.evidence, v.p_value) and np.sum(together) - np.sum(v.evidence.loss) > _LEFT_OVER * total
             for v in each(problem, after.regression, [v.channels for v in seen])
         ):
-            clearly = compare(least, together, result.regression.terms)[1] < _WORSE
-            return clearly and float(np.sum(together)) < _SIMPLER * float(np.sum(least))
+            return single is None or _simpler(result, columns, together, single)
     return False
+
+
+def _simpler(result: Survey, columns: Array, together: Array, single: View) -> bool:
+    """Whether effects together are simpler than one channel: they leave far less, or as little with far fewer terms.
+
+    Args:
+        columns: of all effects together, shape (k, rows).
+        together: squared held-out residual that they leave, shape (rows,).
+        single: the channel that predicts best.
+    """
+    alone, terms = single.evidence.loss, result.regression.terms
+    if np.sum(together) < _SIMPLER * np.sum(alone) and compare(alone, together, terms)[1] < _WORSE:
+        return True
+    return len(columns) < _SIMPLER * len(single.columns) and compare(together, alone, terms)[1] >= _WORSE
 
 
 def directions(result: Survey, tested: Tested) -> Array:
