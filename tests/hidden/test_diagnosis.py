@@ -9,7 +9,7 @@ from functools import lru_cache
 import pytest
 
 from fricmodels.diagnosis import Diagnosis, diagnose, improve
-from fricmodels.diagnosis.ladder import without
+from fricmodels.diagnosis.ladder import added, without
 from fricmodels.dimension import Motion
 from fricmodels.model import Model
 from fricmodels.recording import Recording
@@ -63,6 +63,16 @@ def test_an_asymmetry_is_not_told_from_an_offset_while_sliding(hidden: Draw) -> 
     diagnosis = diagnosed(rig, recording)
     assert set(names(diagnosis)) == {"asymmetry", "torque-offset"}
     assert "static test" in diagnosis.findings[0].separated_by
+
+
+def test_what_stood_for_two_effects_gives_way_once_one_of_them_is_known(hidden: Draw) -> None:
+    rig, recording = hidden("sensor-delay", "inertia-error", seed=4, size=0.2, excitation="tracking", samples=SAMPLES)
+    ladder = improve(recording, Model.parse(rig.friction.law), rig.inertia)
+    changes = [rung.added or f"without {rung.removed}" for rung in ladder.rungs[1:]]
+    assert changes == ["joint-compliance", "sensor-delay", "without joint-compliance", "inertia-error"]
+    assert [finding.names[0] for finding in added(ladder)] == ["sensor-delay", "inertia-error"]
+    errors = [rung.comparison.errors.held_out_percent for rung in ladder.rungs]
+    assert errors[-1] < 1.025 * min(errors)
 
 
 def test_a_delay_and_another_effect_are_told_apart(hidden: Draw) -> None:

@@ -209,7 +209,7 @@ class _Climb:
             diagnosis = examine(smaller, leave_out=self._out)
             if not diagnosis.findings:
                 continue
-            if diagnosis.findings[0].tested.name == name:
+            if name in diagnosis.findings[0].names:
                 self._named_again(name, diagnosis.findings[0])
                 continue
             other = self._with(smaller, diagnosis.findings[0].tested)
@@ -226,7 +226,8 @@ class _Climb:
         place = len(names) - 1 - names[::-1].index(name)
         step = self.steps[place]
         if step.findings[0].tested.name == name:
-            finding = replace(step.findings[0], names=again.names, separated_by=again.separated_by)
+            names_now = (name, *(other for other in again.names if other != name))
+            finding = replace(step.findings[0], names=names_now, separated_by=again.separated_by)
             self.steps[place] = replace(step, findings=(finding, *step.findings[1:]))
 
 
