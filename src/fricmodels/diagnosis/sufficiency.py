@@ -21,8 +21,8 @@ from fricmodels.diagnosis.verdict import LEAST_TORQUE, answer, passes
 
 Array = NDArray[np.float64]
 
-_WORSE = 0.05
-"""Significance at which a channel predicts more than an effect."""
+_WORSE = 0.1
+"""Significance at which a channel predicts more than an effect: a wrong name is worse than none."""
 _BEATEN = 0.02
 """A channel that predicts this share of the squared residual more than an effect shows that the effect is not it."""
 _OUTSIDE = 0.2
