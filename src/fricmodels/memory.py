@@ -49,10 +49,9 @@ def trace(
     """
     scan = _scan(model)
     first = [state.initial for state in model.states]
-    columns = np.zeros((len(time), len(SIGNALS)))
-    for i, name in enumerate(SIGNALS):
-        if name in model.needs:
-            columns[:, i] = signals[name]
+    columns = np.empty((len(time), len(model.needs)))
+    for i, name in enumerate(_in_order(model)):
+        columns[:, i] = signals[name]
     steps = np.diff(time)
     broken = np.flatnonzero(np.diff(run)) + 1
     states = np.empty((len(time), len(first)))
@@ -64,12 +63,17 @@ def trace(
     return tuple(states.T)
 
 
+def _in_order(model: Model) -> list[str]:
+    return [name for name in SIGNALS if name in model.needs]
+
+
 @lru_cache(maxsize=64)
 def _scan(model: Model) -> Scan:
     import casadi
 
     e = model.expression()
-    signals = casadi.vertcat(*e.signals.values())
+    needed = _in_order(model)
+    signals = casadi.vertcat(*(e.signals[name] for name in needed))
     begin, end = (casadi.SX.sym(name, signals.numel()) for name in ("begin", "end"))
     h = casadi.SX.sym("h")
 
@@ -90,7 +94,7 @@ def _scan(model: Model) -> Scan:
         moved[integrated] = states + h * k1
         k2 = casadi.solve(matrix, at(rates, moved, end) - 2 * k1 - change)
         following[integrated] = states + h / 2 * (3 * k1 + k2)
-    given = casadi.vertcat(signals, *e.later.values(), e.step)
+    given = casadi.vertcat(signals, *(e.later[name] for name in needed), e.step)
     for i, expression in e.advanced.items():
         following[i] = casadi.substitute(expression, given, casadi.vertcat(begin, end, h))
     constants = casadi.vertcat(e.parameters, e.width)

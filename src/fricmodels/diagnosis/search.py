@@ -89,7 +89,28 @@ def _starts(
         ratio = scan[1] / scan[0] if len(scan) > 1 and scan[0] > 0 else 2.0
         is_instant = parameter.dimension == TIME and parameter.lower < 0
         spacing.append(-(scan[1] - scan[0]) if is_instant and len(scan) > 1 else ratio)
-    return [tuple(point) for point in itertools.product(*choices)], spacing, trials
+    choices, idle = _without_idle(problem, alone, choices)
+    return [tuple(point) for point in itertools.product(*choices)], spacing, trials / idle
+
+
+def _without_idle(
+    problem: Problem, alone: Drive, choices: list[list[float]]
+) -> tuple[list[list[float]], float]:
+    """Leave one value of each parameter that makes no difference on this recording, such as one of a load without load.
+
+    Returns:
+        The values to try, and by how many times there are fewer.
+    """
+    middle = [values[len(values) // 2] for values in choices if values]
+    kept, fewer = [], 1.0
+    for i, values in enumerate(choices):
+        if len(values) > 2 and len(middle) == len(choices):
+            ends = [problem.columns(alone, [*middle[:i], value, *middle[i + 1 :]])[0] for value in (values[0], values[-1])]
+            if np.array_equal(*ends):
+                fewer *= len(values)
+                values = values[:1]
+        kept.append(values)
+    return kept, fewer
 
 
 def _refine(
@@ -105,7 +126,7 @@ def walk(
     parameters: Sequence[Parameter],
     spacing: Sequence[float],
 ) -> tuple[float, ...]:
-    """Climb from a point, each parameter in turn, by steps that halve each round.
+    """Climb from a point, each parameter in turn, by steps that halve each round, and then along what a round moved.
 
     Args:
         value: what is to be made large.
@@ -116,6 +137,7 @@ def walk(
     steps = list(spacing)
     best = value(point)
     for _ in range(_ROUNDS):
+        begin = point
         for i, parameter in enumerate(parameters):
             for direction in (-1, 1):
                 moves = 0
@@ -130,8 +152,21 @@ def walk(
                     point, best, moves = trial, reached, moves + 1
                 if moves:
                     break
+        last = begin
+        for _ in range(_LONGEST_WALK if sum(a != b for a, b in zip(begin, point, strict=True)) > 1 else 0):
+            trial = tuple(map(_onward, last, point, parameters, steps))
+            reached = value(trial)
+            if reached <= best:
+                break
+            last, point, best = point, trial, reached
         steps = [step / 2 if step < 0 else step**0.5 for step in steps]
     return point
+
+
+def _onward(last: float, here: float, parameter: Parameter, step: float) -> float:
+    """Return where the same move again leads."""
+    moved = 2 * here - last if step < 0 or here * last <= 0 else here * here / last
+    return float(np.clip(moved, parameter.lower, parameter.upper))
 
 
 def _wave_numbers(problem: Problem, regression: Regression, alone: Drive, least: float) -> WaveNumbers:
