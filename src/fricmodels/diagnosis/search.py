@@ -62,10 +62,12 @@ def search(problem: Problem, regression: Regression, effect: Effect, alone: Driv
     points, spacing, trials = _starts(problem, regression, alone, nonlinear)
     if not points:
         return None
-    best = max((at(point, trials) for point in points), key=lambda found: found.explained)
+    tried = sorted((at(point, trials) for point in points), key=lambda found: -found.explained)
+    best = tried[0]
     if best.explained <= 0:
         return best if np.any(regression.visible(problem.columns(alone, best.nonlinear)[0])) else None
-    return _refine(at, best, nonlinear, spacing)
+    starts = tried[: max(1, len(nonlinear) - 1)]  # where many values are sought together there is more than one summit
+    return max((_refine(at, start, nonlinear, spacing) for start in starts), key=lambda found: found.explained)
 
 
 def _starts(
