@@ -22,6 +22,8 @@ Array = NDArray[np.float64]
 
 _ROUNDS = 7
 _LONGEST_WALK = 12
+_FEW, _STARTS, _TRIAL_ROUNDS = 2, 4, 3
+"""More nonlinear parameters than a few are sought from the best of several starts, each tried for some rounds."""
 
 
 @dataclass(frozen=True)
@@ -56,6 +58,9 @@ def search(problem: Problem, regression: Regression, effect: Effect, alone: Driv
         kept = theta != 0
         return Found(point, columns[kept], kept, gained, trials)
 
+    def value(point: tuple[float, ...]) -> float:
+        return at(point).explained
+
     if not nonlinear:
         found = at(())
         return found if np.any(found.kept) or np.any(regression.visible(problem.columns(alone)[0])) else None
@@ -66,8 +71,12 @@ def search(problem: Problem, regression: Regression, effect: Effect, alone: Driv
     best = tried[0]
     if best.explained <= 0:
         return best if np.any(regression.visible(problem.columns(alone, best.nonlinear)[0])) else None
-    starts = tried[: max(1, len(nonlinear) - 1)]  # where many values are sought together there is more than one summit
-    return max((_refine(at, start, nonlinear, spacing) for start in starts), key=lambda found: found.explained)
+    first = best.nonlinear
+    if len(nonlinear) > _FEW:  # sought together, so many values have more than one summit
+        starts = [found.nonlinear for found in tried[:_STARTS]]
+        first = max((walk(value, start, nonlinear, spacing, _TRIAL_ROUNDS) for start in starts), key=value)
+        spacing = [halved(step, _TRIAL_ROUNDS) for step in spacing]
+    return at(walk(value, first, nonlinear, spacing), trials)
 
 
 def _starts(
@@ -115,18 +124,12 @@ def _without_idle(
     return kept, fewer
 
 
-def _refine(
-    at: Callable[[tuple[float, ...], float], Found], best: Found, nonlinear: list[Parameter], spacing: list[float]
-) -> Found:
-    point = walk(lambda values: at(values, best.trials).explained, best.nonlinear, nonlinear, spacing)
-    return at(point, best.trials)
-
-
 def walk(
     value: Callable[[tuple[float, ...]], float],
     point: tuple[float, ...],
     parameters: Sequence[Parameter],
     spacing: Sequence[float],
+    rounds: int = _ROUNDS,
 ) -> tuple[float, ...]:
     """Climb from a point, each parameter in turn, by steps that halve each round, and then along what a round moved.
 
@@ -135,10 +138,11 @@ def walk(
         point: where to begin.
         parameters: with their bounds.
         spacing: first step of each parameter: a ratio if positive, a difference if negative.
+        rounds: how often the steps are halved.
     """
     steps = list(spacing)
     best = value(point)
-    for _ in range(_ROUNDS):
+    for _ in range(rounds):
         begin = point
         for i, parameter in enumerate(parameters):
             for direction in (-1, 1):
@@ -161,8 +165,14 @@ def walk(
             if reached <= best:
                 break
             last, point, best = point, trial, reached
-        steps = [step / 2 if step < 0 else step**0.5 for step in steps]
+        steps = [halved(step) for step in steps]
     return point
+
+
+def halved(step: float, times: int = 1) -> float:
+    """Return a step, a ratio if positive and a difference if negative, halved so many times."""
+    share = 0.5**times
+    return step * share if step < 0 else step**share
 
 
 def _onward(last: float, here: float, parameter: Parameter, step: float) -> float:

@@ -54,7 +54,7 @@ class Backlash(Effect):
         initial=10.0,
         lower=1e-9,
         meaning="deceleration of the load by its own dry friction",
-        scan=(0.7, 1.4, 2.8, 5.6),
+        scan=(0.5, 1.0, 2.0, 4.0),
     )
     omega_v = Parameter(
         "omega_v",
@@ -62,7 +62,7 @@ class Backlash(Effect):
         initial=10.0,
         lower=1e-9,
         meaning="speed at which the load's viscous friction is as much as its dry friction",
-        scan=(0.7, 1.4),
+        scan=(0.5, 1.0, 2.0),
     )
     F = Parameter(
         "F",
