@@ -1,7 +1,7 @@
 """What a model leaves over all motion, the stretches included that the rows leave out.
 
-Around standstill it is not known for certain how a drive moved, so the rows have no part in it. An effect that is fitted
-to the rows alone may say anything there. What it says is judged roughly: sample by sample, by its size.
+Around standstill it is not known for certain how a drive moved, so the rows have no part in it. An effect that is
+fitted to the rows alone may say anything there. What it says is judged roughly: sample by sample, by its size.
 """
 
 from __future__ import annotations
@@ -18,13 +18,18 @@ Array = NDArray[np.float64]
 
 
 def left_over(
-    problem: Problem, effect: Drive | None = None, nonlinear: Sequence[float] = (), kept: NDArray[np.bool_] | None = None
+    problem: Problem,
+    effect: Drive | None = None,
+    nonlinear: Sequence[float] = (),
+    kept: NDArray[np.bool_] | None = None,
 ) -> float:
     """Return the RMS torque [N m or N] that a model leaves at all moving samples, with an effect or without.
 
     Args:
         problem: the fitted model and its rows.
-        effect: a drive with nothing but the effect, its ``nonlinear`` parameters, and which of its linear ones are free.
+        effect: a drive with nothing but the effect; without it, the model alone.
+        nonlinear: the effect's nonlinear parameters.
+        kept: which of its linear ones are free; all by default.
     """
     model, estimated = problem.drive.model, problem.estimated or {}
     own = [estimated[p.key] for p, linear in zip(model.parameters, model.linear, strict=True) if not linear]

@@ -104,20 +104,21 @@ def _starts(
     return [tuple(point) for point in itertools.product(*choices)], spacing, trials / idle
 
 
-def _without_idle(
-    problem: Problem, alone: Drive, choices: list[list[float]]
-) -> tuple[list[list[float]], float]:
+def _without_idle(problem: Problem, alone: Drive, choices: list[list[float]]) -> tuple[list[list[float]], float]:
     """Leave one value of each parameter that makes no difference on this recording, such as one of a load without load.
 
     Returns:
         The values to try, and by how many times there are fewer.
     """
-    middle = [values[len(values) // 2] for values in choices if values]
+    if not all(choices):
+        return choices, 1.0
+    middle = [values[len(values) // 2] for values in choices]
     kept, fewer = [], 1.0
     for i, values in enumerate(choices):
-        if len(values) > 2 and len(middle) == len(choices):
-            ends = [problem.columns(alone, [*middle[:i], value, *middle[i + 1 :]])[0] for value in (values[0], values[-1])]
-            if np.array_equal(*ends):
+        if len(values) > 2:
+            ends = values[0], values[-1]
+            first, last = (problem.columns(alone, [*middle[:i], end, *middle[i + 1 :]])[0] for end in ends)
+            if np.any(first) and np.array_equal(first, last):
                 fewer *= len(values)
                 values = values[:1]
         kept.append(values)

@@ -26,10 +26,11 @@ class Backlash(Effect):
         \dot v = \dot\omega + a\operatorname{sgn}(\omega - v) + \tfrac{a}{\omega_v}(\omega - v) + \tfrac{a}{F}\,\tau_L
 
     until it rests; in contact the motor takes it along, :math:`\dot x = 0,\ \dot v = -v/T`, and the contact can only
-    push: it opens where the load would run ahead. The blow takes
-    the time T, a fiftieth of √(w/a), short against all that is recorded; nothing bounces. The drive's inertia and
-    friction stay the whole ones, motor and load. Where a drive stands in its gap at first is not known: x = 0 is taken
-    for contact, on the flank that the first motion loads.
+    push: it opens where the load would run ahead. The blow takes the time T, a fiftieth of √(w/a), short against all
+    that is recorded; nothing bounces. The drive's inertia and friction stay the whole ones, motor and load. Where a
+    drive stands in its gap at first is not known: x = 0 is taken for contact, on the flank that the first motion loads.
+
+    F, the dry friction J_l·a of a load on which all of the known load torque acts, is not to be told without one.
 
     Source: Nordin and Gutman (2002), the dead-zone model, with a contact that is stiff against all that is recorded.
     """
