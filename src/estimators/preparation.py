@@ -31,7 +31,7 @@ def usable(drive: Drive, recording: Recording) -> Recording:
         InputError: when a channel is missing.
         EstimationError: when fewer than 20 samples are left, or the drive does not move, or no torque was applied.
     """
-    recording.require(drive.model.needs - {"acceleration"}, drive.model.name)
+    recording.require(drive.model.required - {"acceleration"}, drive.model.name)
     channels = [recording.time, recording.torque, recording.velocity]
     channels += [recording.signal(name) for name in drive.model.needs - {"acceleration"}]
     finite = np.all([np.isfinite(values) for values in channels], axis=0)

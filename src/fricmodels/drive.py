@@ -222,9 +222,7 @@ class Drive:
         return np.broadcast_to(derivative, (len(parameters), len(recording)))
 
     def _signals(self, recording: Recording, velocity: Array | float | None) -> list[Any]:
-        recording.require(self.model.needs - {"load_torque"}, self.model.name)
-        if "load_torque" in self.model.needs:
-            recording.require(frozenset({"load_torque"}), self.model.name)
+        recording.require(self.model.required, self.model.name)
         values: list[Any] = [recording.signal(name) if name in self.model.needs else 0.0 for name in SIGNALS]
         if velocity is not None:
             values[list(SIGNALS).index("velocity")] = velocity

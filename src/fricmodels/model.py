@@ -120,12 +120,17 @@ class Model:
         """The signals that the model's equations touch."""
         return self._build(smooth=False)[1]
 
+    @cached_property
+    def required(self) -> frozenset[str]:
+        """Those of them without which there is no torque: what is optional is zero where it was not recorded."""
+        return self._build(smooth=False)[2]
+
     def expression(self, *, smooth: bool = False) -> ModelExpression:
         """Build the friction torque; ``smooth`` replaces sgn by tanh of the expression's width."""
         return self._build(smooth=smooth)[0]
 
     @lru_cache(maxsize=4)  # noqa: B019 - models are few and short-lived
-    def _build(self, *, smooth: bool) -> tuple[ModelExpression, frozenset[str]]:
+    def _build(self, *, smooth: bool) -> tuple[ModelExpression, frozenset[str], frozenset[str]]:
         import casadi
 
         signals = {name: casadi.SX.sym(name) for name in SIGNALS}
@@ -137,6 +142,7 @@ class Model:
         rates: list[Any] = []
         torque = casadi.SX(0)
         touched: set[str] = set()
+        required: set[str] = set()
         with rest_treatment(width, smooth=smooth):
             for term, prefix in self._prefixed():
                 own = {p.symbol: casadi.SX.sym(prefix + p.symbol) for p in term.parameters}
@@ -154,10 +160,11 @@ class Model:
                     if following and set(following) != set(memory):
                         raise InputError(f"'{term.name}' advances some of its states only; give all of them, or none")
                     advanced |= {len(states) + list(memory).index(symbol): x for symbol, x in following.items()}
-                    touched |= end.touched
+                    s.touched |= end.touched
                 parameters.extend(own.values())
                 states.extend(memory.values())
                 touched |= s.touched
+                required |= s.touched - term.optional
         built = ModelExpression(
             signals,
             casadi.vertcat(*parameters),
@@ -169,7 +176,7 @@ class Model:
             step,
             advanced,
         )
-        return built, frozenset(touched)
+        return built, frozenset(touched), frozenset(required)
 
     @cached_property
     def linear(self) -> tuple[bool, ...]:

@@ -273,12 +273,16 @@ class Recording(Shown):
 
 
 def natural_size(recording: Recording, dimension: Dimension) -> float:
-    """Return the recording's own size of a quantity: peak velocity, position range, duration, RMS torque."""
+    """Return the recording's own size of a quantity: peak velocity, position range, duration, RMS torque.
+
+    Where a displacement is involved time is counted in that of crossing the range at peak velocity, else in durations.
+    """
     peak = float(np.max(np.abs(recording.velocity)))
     duration = float(np.ptp(recording.time))
     force = float(np.sqrt(np.mean(recording.torque**2)))
     length = float(np.ptp(recording["position"])) if "position" in recording else peak * duration
     size = force ** float(dimension.force)
-    if dimension.displacement == -dimension.time:
-        return float(size * peak ** float(dimension.displacement))
-    return float(size * length ** float(dimension.displacement) * duration ** float(dimension.time))
+    along, time = float(dimension.displacement), float(dimension.time)
+    if along == 0:
+        return float(size * duration**time)
+    return float(size * peak**-time * length ** (along + time))

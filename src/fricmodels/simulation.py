@@ -181,7 +181,7 @@ def _integrate(
     intervals = np.diff(driven.time)
     if len(intervals) == 0 or not np.all(intervals > 0):
         raise InputError(f"recording '{driven.name}' needs at least two increasing sample times to be simulated")
-    driven.require(drive.model.needs - {*_MOTION, "load_torque"}, drive.model.name)
+    driven.require(drive.model.required - {*_MOTION, "load_torque"}, drive.model.name)
     inertia, parameters = _checked(drive, values)
     step_length = np.repeat(intervals / substeps, substeps)
     columns = [step_length]

@@ -92,6 +92,7 @@ class Term(ABC):
             is reversed too; ``even``, it stays; ``None``, neither.
         depends_on_time: whether it touches the time itself, so that a record that starts later has other parameters.
         angular: whether the position enters as an angle in rad (``sin q``), which no rescaling may change.
+        optional: signals that are zero where a recording does not have them; only a load torque can be.
 
     What a term claims is checked by :mod:`fricmodels.testing`.
     """
@@ -102,6 +103,7 @@ class Term(ABC):
     symmetry: ClassVar[Literal["odd", "even"] | None] = None
     depends_on_time: ClassVar[bool] = False
     angular: ClassVar[bool] = False
+    optional: ClassVar[frozenset[str]] = frozenset()
     parameters: ClassVar[tuple[Parameter, ...]] = ()
     states: ClassVar[tuple[State, ...]] = ()
 

@@ -9,9 +9,9 @@ import pytest
 
 from fricmodels.diagnosis import survey as surveys
 from fricmodels.diagnosis.estimate import estimate
-from fricmodels.diagnosis.search import walk
+from fricmodels.diagnosis.search import halved, walk
 from fricmodels.diagnosis.survey import noise_share, survey
-from fricmodels.dimension import DISPLACEMENT, FORCE, TIME, VELOCITY
+from fricmodels.dimension import ACCELERATION, DISPLACEMENT, FORCE, INERTIA, TIME, VELOCITY
 from fricmodels.drive import Drive
 from fricmodels.model import Model
 from fricmodels.parameter import Parameter
@@ -82,6 +82,22 @@ def test_natural_sizes_are_the_recordings_own(made: Made) -> None:
     assert natural_size(recording, TIME) == pytest.approx(np.ptp(recording.time))
     assert natural_size(recording, FORCE) == pytest.approx(rms)
     assert natural_size(recording, VELOCITY**-1) == pytest.approx(1 / peak)
+    assert natural_size(recording, ACCELERATION) == pytest.approx(peak**2 / span)
+    assert natural_size(recording, INERTIA) == pytest.approx(rms * span / peak**2)
+
+
+def test_play_is_found_with_a_load_and_without(made: Made) -> None:
+    """Width, braking and the load's share of the inertia; its friction counts only where there is a load torque."""
+    hidden = {"J_l": 0.8, "w": 0.02, "a": 3.0, "omega_v": 5.0, "F": 2.4}
+    recording = made("coulomb-viscous+backlash", {f"backlash.{key}": value for key, value in hidden.items()})
+    found = examined(recording, "backlash")
+    assert found.evidence.explained > 0.9
+    for symbol in ("J_l", "w", "a"):
+        assert found.parameters[symbol] == pytest.approx(hidden[symbol], rel=0.3), symbol
+    load_torque = np.zeros(len(recording))
+    loaded = examined(recording.with_channels(load_torque=load_torque, derived=False), "backlash")
+    assert loaded.parameters == pytest.approx(found.parameters)
+    assert loaded.found.trials == found.found.trials
 
 
 # ---- the walk ---------------------------------------------------------------------------------------------------
@@ -96,6 +112,24 @@ def test_a_walk_climbs_to_the_top_by_ratios_and_by_steps() -> None:
     top = walk(hill, (2.0, 0.0), parameters, [2.0, -1.0])
     assert top[0] == pytest.approx(2.7, rel=0.02)
     assert top[1] == pytest.approx(0.3, abs=0.02)
+
+
+def test_a_walk_follows_a_valley_that_runs_between_the_axes() -> None:
+    parameters = [Parameter("x", initial=1.0, lower=0.0), Parameter("y", initial=1.0, lower=0.0)]
+
+    def ridge(point: tuple[float, ...]) -> float:
+        along, across = np.log(point[0] * point[1] / 36.0), np.log(point[0] / point[1])
+        return -(along**2) - 5 * across**2
+
+    top = walk(ridge, (1.0, 1.0), parameters, [2.0, 2.0])
+    assert top[0] == pytest.approx(6.0, rel=0.1)
+    assert top[1] == pytest.approx(6.0, rel=0.1)
+
+
+def test_halves_of_a_ratio_and_of_a_difference() -> None:
+    assert halved(16.0) == 4.0
+    assert halved(16.0, 2) == 2.0
+    assert halved(-1.0, 3) == -0.125
 
 
 def test_a_walk_stays_within_bounds_and_never_goes_down() -> None:

@@ -20,15 +20,11 @@ EXAMS: dict[str, tuple[type[Any], str]] = {
     "estimator": (EstimatorExam, "estimator"),
     "reader": (ReaderExam, "reader"),
 }
-TRUTHS: dict[str, dict[str, float]] = {
-    "backlash": {"J_l": 0.004, "F": 0.05, "w": 0.1, "omega_c": 250.0, "T_l": 0.05},
-}
 TAKES_LONG = {"test_compiled", "test_recovered", "test_coverage", "test_terms_with_memory"}
 QUICK = {"coulomb-viscous", "exponential-stick-slip", "cogging", "stribeck", "batch", "rls"}
 """Those that do the long checks in every run; the others do them in the long one."""
 KNOWN: dict[tuple[str, str], str] = {
     ("constant-velocity", "test_coverage"): "Kubo's regression counts only the scatter about its plateaus",
-    ("backlash", "test_recovered"): "contact lasts about a sample: its stiffness comes out a quarter too low",
 }
 """What a built-in one is known not to pass, and why."""
 
@@ -36,8 +32,6 @@ KNOWN: dict[tuple[str, str], str] = {
 def sitting(kind: str, name: str, **attributes: Any) -> type[Any]:
     """Return the exam of a registered class."""
     exam, subject = EXAMS[kind]
-    if name in TRUTHS:
-        attributes["truth"] = TRUTHS[name]
     return type(f"Exam-{name}", (exam,), {subject: REGISTERED.registries[kind][name], **attributes})
 
 

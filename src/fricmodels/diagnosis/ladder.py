@@ -220,7 +220,6 @@ class _Climb:
             changed = True
         return changed
 
-
     def _named_again(self, name: str, again: Finding) -> None:
         names = [rung.added for rung in self.rungs if rung.added]
         place = len(names) - 1 - names[::-1].index(name)

@@ -24,6 +24,8 @@ _ROUNDS = 7
 _LONGEST_WALK = 12
 _SHIFTS = (1, 2, 3, 5, 8, 12, 18, 27, 40)
 """Delays that are tried first, in samples."""
+_FEW, _STARTS, _TRIAL_ROUNDS = 2, 4, 3
+"""More nonlinear parameters than a few are sought from the best of several starts, each tried for some rounds."""
 
 
 @dataclass(frozen=True)
@@ -63,16 +65,25 @@ def search(problem: Problem, regression: Regression, effect: Effect, alone: Driv
         kept = theta != 0
         return Found(point, columns[kept], kept, gained, trials, delay)
 
+    def value(point: tuple[float, ...]) -> float:
+        return at(point).explained
+
     if not nonlinear:
         found = at((), 2.0 * len(_SHIFTS) if delay else 1.0)
         return found if np.any(found.kept) or np.any(regression.visible(problem.columns(alone)[0])) else None
     points, spacing, trials = _starts(problem, regression, alone, nonlinear)
     if not points:
         return None
-    best = max((at(point, trials) for point in points), key=lambda found: found.explained)
+    tried = sorted((at(point, trials) for point in points), key=lambda found: -found.explained)
+    best = tried[0]
     if best.explained <= 0:
         return best if np.any(regression.visible(problem.columns(alone, best.nonlinear)[0])) else None
-    return _refine(at, best, nonlinear, spacing)
+    first = best.nonlinear
+    if len(nonlinear) > _FEW:  # sought together, so many values have more than one summit
+        starts = [found.nonlinear for found in tried[:_STARTS]]
+        first = max((walk(value, start, nonlinear, spacing, _TRIAL_ROUNDS) for start in starts), key=value)
+        spacing = [halved(step, _TRIAL_ROUNDS) for step in spacing]
+    return at(walk(value, first, nonlinear, spacing), trials)
 
 
 def _delay(problem: Problem, regression: Regression, alone: Drive) -> float:
@@ -117,7 +128,29 @@ def _starts(
         trials *= len(scan)
         ratio = scan[1] / scan[0] if len(scan) > 1 and scan[0] > 0 else 2.0
         spacing.append(-(scan[1] - scan[0]) if is_instant(parameter) and len(scan) > 1 else ratio)
-    return [tuple(point) for point in itertools.product(*choices)], spacing, trials
+    choices, idle = _without_idle(problem, alone, choices)
+    return [tuple(point) for point in itertools.product(*choices)], spacing, trials / idle
+
+
+def _without_idle(problem: Problem, alone: Drive, choices: list[list[float]]) -> tuple[list[list[float]], float]:
+    """Leave one value of each parameter that makes no difference on this recording, such as one of a load without load.
+
+    Returns:
+        The values to try, and by how many times there are fewer.
+    """
+    if not all(choices):
+        return choices, 1.0
+    middle = [values[len(values) // 2] for values in choices]
+    kept, fewer = [], 1.0
+    for i, values in enumerate(choices):
+        if len(values) > 2:
+            ends = values[0], values[-1]
+            first, last = (problem.columns(alone, [*middle[:i], end, *middle[i + 1 :]])[0] for end in ends)
+            if np.any(first) and np.array_equal(first, last):
+                fewer *= len(values)
+                values = values[:1]
+        kept.append(values)
+    return kept, fewer
 
 
 def is_instant(parameter: Parameter) -> bool:
@@ -135,30 +168,26 @@ def in_gap(instant: float, time: Array, resolution: float) -> float:
     return float(0.5 * (time[near[0]] + time[near[0] + 1])) if len(near) else instant
 
 
-def _refine(
-    at: Callable[[tuple[float, ...], float], Found], best: Found, nonlinear: list[Parameter], spacing: list[float]
-) -> Found:
-    point = walk(lambda values: at(values, best.trials).explained, best.nonlinear, nonlinear, spacing)
-    return at(point, best.trials)
-
-
 def walk(
     value: Callable[[tuple[float, ...]], float],
     point: tuple[float, ...],
     parameters: Sequence[Parameter],
     spacing: Sequence[float],
+    rounds: int = _ROUNDS,
 ) -> tuple[float, ...]:
-    """Climb from a point, each parameter in turn, by steps that halve each round.
+    """Climb from a point, each parameter in turn, by steps that halve each round, and then along what a round moved.
 
     Args:
         value: what is to be made large.
         point: where to begin.
         parameters: with their bounds.
         spacing: first step of each parameter: a ratio if positive, a difference if negative.
+        rounds: how often the steps are halved.
     """
     steps = list(spacing)
     best = value(point)
-    for _ in range(_ROUNDS):
+    for _ in range(rounds):
+        begin = point
         for i, parameter in enumerate(parameters):
             for direction in (-1, 1):
                 moves = 0
@@ -173,8 +202,27 @@ def walk(
                     point, best, moves = trial, reached, moves + 1
                 if moves:
                     break
-        steps = [step / 2 if step < 0 else step**0.5 for step in steps]
+        last = begin
+        for _ in range(_LONGEST_WALK if sum(a != b for a, b in zip(begin, point, strict=True)) > 1 else 0):
+            trial = tuple(map(_onward, last, point, parameters, steps))
+            reached = value(trial)
+            if reached <= best:
+                break
+            last, point, best = point, trial, reached
+        steps = [halved(step) for step in steps]
     return point
+
+
+def halved(step: float, times: int = 1) -> float:
+    """Return a step, a ratio if positive and a difference if negative, halved so many times."""
+    share = 0.5**times
+    return step * share if step < 0 else step**share
+
+
+def _onward(last: float, here: float, parameter: Parameter, step: float) -> float:
+    """Return where the same move again leads."""
+    moved = 2 * here - last if step < 0 or here * last <= 0 else here * here / last
+    return float(np.clip(moved, parameter.lower, parameter.upper))
 
 
 def _wave_numbers(problem: Problem, regression: Regression, alone: Drive, least: float) -> WaveNumbers:

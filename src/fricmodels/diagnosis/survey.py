@@ -127,7 +127,7 @@ def survey(
 def _candidate(problem: Problem, regression: Regression, effect: Effect) -> Tested | str:
     """Test one effect, or say why it cannot be tested."""
     alone = problem.alone(effect)
-    missing = [signal for signal in sorted(alone.model.needs) if not _has(problem, signal)]
+    missing = [signal for signal in sorted(alone.model.required) if not _has(problem, signal)]
     if missing:
         return f"the recording has no {SIGNAL_CHANNEL[missing[0]].replace('_', ' ')}"
     found = search(problem, regression, effect, alone)

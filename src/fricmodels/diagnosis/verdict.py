@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from fricmodels.diagnosis.all_motion import left_over
 from fricmodels.diagnosis.evidence import Evidence, compare
 from fricmodels.diagnosis.look_alikes import same_in_part
 from fricmodels.diagnosis.survey import Survey, Tested
@@ -27,6 +28,8 @@ _FAR_WORSE = 1.5
 """No effect that leaves half as much again as the best one explains the data as well, whatever the test says."""
 _WORSE = 0.05
 """Significance at which one effect explains the data worse than another."""
+_SPOILT = 2.0
+"""An effect that leaves so many times the torque over all motion, the stretches about standstill included, is none."""
 _PRICE = 0.025
 """Relative reduction of the residual that each further parameter must bring (Occam)."""
 
@@ -67,10 +70,13 @@ def answer(survey: Survey) -> Answer | None:
     if not passing:
         return None
     passing.sort(key=_cost)
-    first = passing[0]
+    before = left_over(survey.problem)
+    first = next((t for t in passing if not _spoils(survey, t, before)), None)
+    if first is None:
+        return None
     members = [first]
     best = _rms(first)
-    for other in passing[1:]:
+    for other in passing[passing.index(first) + 1 :]:
         _, p_worse = compare(other.evidence.loss, first.evidence.loss, survey.regression.terms)
         near = max(_ALIKE * best, _NEAR * float(np.sqrt(np.mean(survey.regression.loss))))
         alike = _rms(other) - best < near or (p_worse > _WORSE and _rms(other) < _FAR_WORSE * best)
@@ -78,8 +84,18 @@ def answer(survey: Survey) -> Answer | None:
             continue
         if _contains(survey, other, first) and not same_in_part(first.name, other.name):
             continue
-        members.append(other)
+        if not _spoils(survey, other, before):
+            members.append(other)
     return Answer(first, tuple(members))
+
+
+def _spoils(survey: Survey, tested: Tested, before: float) -> bool:
+    """Whether an effect makes far worse what the rows leave out; of a torque's rate samples are no measure."""
+    alone = survey.problem.alone(tested.effect)
+    if "motor_torque_rate" in alone.model.needs:
+        return False
+    after = left_over(survey.problem, alone, tested.found.nonlinear, tested.found.kept)
+    return after > _SPOILT * before
 
 
 def _rms(tested: Tested) -> float:

@@ -78,7 +78,7 @@ def _check(source: Source, models: list[Model]) -> str:
     for model in models:
         for part in (loaded.prepared_train, loaded.prepared_test):
             if part is not None:
-                part.require(model.needs, model.name)
+                part.require(model.required, model.name)
     return loaded.digest
 
 

@@ -1,0 +1,87 @@
+"""What is left over all motion tells effects that were fitted to the rows alone from those that hold everywhere."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from fricmodels.diagnosis import examine
+from fricmodels.diagnosis.all_motion import left_over
+from fricmodels.diagnosis.diagnose import Comparison, compare
+from fricmodels.diagnosis.survey import survey
+from fricmodels.diagnosis.verdict import answer
+from fricmodels.rig import Rig
+
+PLAY = {
+    "name": "backlash",
+    "gap": 0.04,
+    "contact_frequency": 120.0,
+    "damping_ratio": 0.7,
+    "load_inertia_share": 0.4,
+    "load_friction_share": 0.6,
+}
+
+
+def rig(*effects: dict[str, object], **changed: object) -> Rig:
+    made: dict[str, object] = {
+        "inertia": 2.0,
+        "friction": {"viscous": 4.0, "coulomb": 10.0},
+        "effects": effects,
+        "excitation": {"kind": "ramp", "velocity": 2.0, "period": 4.0, "bandwidth": 15.0},
+        "sensors": {"velocity_noise_percent": 0.5},
+        "rate": 500,
+        "samples": 16_000,
+        "seed": 3,
+    }
+    return Rig.model_validate({**made, **changed})
+
+
+@pytest.fixture(scope="module")
+def played() -> Comparison:
+    return compare(rig(PLAY).simulate(), "coulomb-viscous", 2.0)
+
+
+def test_the_play_of_the_simulated_drive_is_named(played: Comparison) -> None:
+    found = examine(played)
+    assert found.findings
+    assert found.findings[0].names[0] == "backlash"
+    parameters = found.findings[0].tested.parameters
+    assert parameters["w"] == pytest.approx(0.04, rel=0.2)
+    assert parameters["J_l"] == pytest.approx(0.8, rel=0.3)
+
+
+def test_play_under_a_load_is_named() -> None:
+    loaded = rig(PLAY, load={"bias": 0.5, "amplitude": 4.0, "frequency": 0.31})
+    found = examine(compare(loaded.simulate(), "coulomb-viscous", 2.0))
+    assert found.findings
+    assert found.findings[0].names[0] == "backlash"
+
+
+def test_a_tight_joint_has_no_play() -> None:
+    found = examine(compare(rig().simulate(), "coulomb-viscous", 2.0))
+    assert "backlash" not in [name for finding in found.findings for name in finding.names]
+
+
+def test_the_true_effect_leaves_less_over_all_motion(played: Comparison) -> None:
+    problem = played.problem
+    (tested,) = survey(problem, played.estimate.parameters, only=["backlash"]).tested
+    after = left_over(problem, problem.alone(tested.effect), tested.found.nonlinear, tested.found.kept)
+    assert after < 0.8 * left_over(problem)
+
+
+def test_what_is_left_counts_in_units_of_torque_and_with_a_free_inertia_too(played: Comparison) -> None:
+    free = compare(rig(PLAY).simulate(), "coulomb-viscous")
+    assert left_over(free.problem) == pytest.approx(left_over(played.problem), rel=0.1)
+    moving = ~played.problem.resting
+    assert left_over(played.problem) < np.sqrt(np.mean(played.problem.recording.torque[moving] ** 2))
+
+
+def test_an_effect_that_says_nonsense_where_the_rows_are_silent_is_not_named(played: Comparison) -> None:
+    """Of two effects of equal rows the one that multiplies what is left over all motion is refused."""
+    result = survey(played.problem, played.estimate.parameters)
+    best = answer(result)
+    assert best is not None
+    before = left_over(played.problem)
+    for tested in best.members:
+        alone = played.problem.alone(tested.effect)
+        assert left_over(played.problem, alone, tested.found.nonlinear, tested.found.kept) <= 2 * before
