@@ -69,7 +69,9 @@ def _of_motion(problem: Problem) -> Shapes:
     }
     if "temperature" in points:
         warm = points["temperature"] - np.mean(points["temperature"])
-        found["temperature"] = lambda: np.vstack([warm, side * warm, velocity * warm, side * warm**2])
+        found["temperature"] = lambda: np.vstack(
+            [warm, side * warm, velocity * warm, side * warm**2, velocity * warm**2]
+        )
     return found
 
 
