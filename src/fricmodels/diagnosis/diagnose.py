@@ -13,7 +13,7 @@ from fricmodels.diagnosis.estimate import Estimate, estimate
 from fricmodels.diagnosis.look_alikes import separated_by
 from fricmodels.diagnosis.power import Visibility, visibility
 from fricmodels.diagnosis.problem import Problem
-from fricmodels.diagnosis.sufficiency import beaten, enough, predictable
+from fricmodels.diagnosis.sufficiency import beaten, doubtful, enough, predictable
 from fricmodels.diagnosis.survey import Tested, survey
 from fricmodels.diagnosis.unexplained import PERSISTENT, View
 from fricmodels.diagnosis.verdict import Answer, accepted, answer
@@ -240,8 +240,9 @@ def examine(comparison: Comparison, *, leave_out: Iterable[str] = ()) -> Diagnos
     best = answer(result)
     seen = predictable(result)
     view = next((v for v in seen if v.channels not in PERSISTENT), seen[0] if seen else None)
-    if best is not None and beaten(result, best.first, seen) and not enough(result, parameters, out, seen):
-        best = None
+    asked = best is not None and (doubtful(best.first) or beaten(result, best.first, seen))
+    if best is not None and asked and not enough(result, parameters, out, seen):
+        view, best = view or _refused(best.first), None
     findings = [] if best is None else [_finding(best)]
     found = {name for finding in findings for name in finding.names}
     verdict: Verdict = "adequate"
@@ -251,6 +252,12 @@ def examine(comparison: Comparison, *, leave_out: Iterable[str] = ()) -> Diagnos
         verdict = "unknown-effect"
     passing = tuple(accepted(result)) if findings else ()
     return Diagnosis(comparison, verdict, tuple(findings), view, visibility(result, found), passing)
+
+
+def _refused(tested: Tested) -> View:
+    """Return what is predictable from the memory of an effect that is not the missing one."""
+    channels = f"the course of the motion before, as '{tested.name}' remembers it"
+    return View(channels, tested.evidence, tested.adjusted, tested.found.columns)
 
 
 def _finding(best: Answer) -> Finding:

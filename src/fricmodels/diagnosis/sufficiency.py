@@ -33,6 +33,8 @@ _SIMPLER = 0.5
 """Effects together must leave less than this share of what the best channel leaves, or as little with less than this
 share of its shapes, or the channel is the simpler cause."""
 _MOST_EFFECTS = 3
+_MOST = 0.7
+"""What remembers must explain this share of the squared residual, by itself or with others."""
 
 
 def predictable(result: Survey) -> list[View]:
@@ -62,6 +64,15 @@ def beaten(result: Survey, first: Tested, seen: Sequence[View]) -> bool:
     return False
 
 
+def doubtful(first: Tested) -> bool:
+    """Whether an effect that remembers the motion leaves too much to be what is missing.
+
+    Such effects are the most pliant: where the true one is not among the candidates, they explain part of what it does,
+    and no channel of the moment predicts more.
+    """
+    return bool(first.effect.states) and first.evidence.explained < _MOST
+
+
 def _own_kind(result: Survey, tested: Tested, view: View) -> bool:
     """Whether a view shows what an effect is by its nature, and most of the effect lies within its shapes."""
     needs = result.problem.alone(tested.effect).model.needs
@@ -85,22 +96,25 @@ def enough(result: Survey, parameters: Mapping[str, float], leave_out: Iterable[
     single = next((view for view in seen if view.channels not in PERSISTENT), None)
     problem = result.problem
     out = set(leave_out)
-    columns = np.zeros((0, problem.rows))
+    columns, pliant, first = np.zeros((0, problem.rows)), False, result
     for effects in range(_MOST_EFFECTS):
         if effects:
             result = survey(problem, parameters, leave_out=out, also=columns)
         best = answer(result)
         if best is None:
             return False
+        pliant |= bool(best.first.effect.states)
         columns = np.vstack([columns, directions(result, best.first)])
         out |= {best.first.name}
         after = Survey(problem, regression_of(problem, parameters, columns, best.first.name), (), {})
         together = after.regression.loss
+        if pliant and np.sum(together) > (1 - _MOST) * total:
+            continue
         if not any(
             passes(after, v.evidence, v.p_value) and np.sum(together) - np.sum(v.evidence.loss) > _LEFT_OVER * total
             for v in each(problem, after.regression, [v.channels for v in seen])
         ):
-            return single is None or _simpler(result, columns, together, single)
+            return single is None or _simpler(first, columns, together, single)
     return False
 
 
