@@ -15,9 +15,10 @@ from numpy.typing import NDArray
 
 from fricmodels.diagnosis.channels import FINELY, FINELY_ALONG, FINELY_TORQUE
 from fricmodels.diagnosis.evidence import compare
+from fricmodels.diagnosis.floor import LEAST_TORQUE, share_explained
 from fricmodels.diagnosis.survey import Survey, Tested, regression_of, survey
 from fricmodels.diagnosis.unexplained import PERSISTENT, View, each, views
-from fricmodels.diagnosis.verdict import LEAST_TORQUE, answer, passes
+from fricmodels.diagnosis.verdict import answer, passes
 
 Array = NDArray[np.float64]
 
@@ -33,8 +34,9 @@ _SIMPLER = 0.5
 """Effects together must leave less than this share of what the best channel leaves, or as little with less than this
 share of its shapes, or the channel is the simpler cause."""
 _MOST_EFFECTS = 3
-_MOST = 0.7
-"""What remembers must explain this share of the squared residual, by itself or with others."""
+_HALF, _MOST = 0.5, 0.7
+"""By itself an effect must explain half of what a model should not have left; what remembers must explain most of it,
+and so must several together."""
 
 
 def predictable(result: Survey) -> list[View]:
@@ -64,13 +66,14 @@ def beaten(result: Survey, first: Tested, seen: Sequence[View]) -> bool:
     return False
 
 
-def doubtful(first: Tested) -> bool:
-    """Whether an effect that remembers the motion leaves too much to be what is missing.
+def doubtful(result: Survey, first: Tested) -> bool:
+    """Whether an effect leaves too much to be by itself what is missing.
 
-    Such effects are the most pliant: where the true one is not among the candidates, they explain part of what it does,
-    and no channel of the moment predicts more.
+    Where the true one is not among the candidates, others explain part of what it does. Effects that remember the
+    motion are the most pliant of them, and no channel of the moment predicts more.
     """
-    return bool(first.effect.states) and first.evidence.explained < _MOST
+    left = float(first.evidence.residual @ first.evidence.residual)
+    return share_explained(result.problem, result.regression, left) < (_MOST if first.effect.states else _HALF)
 
 
 def _own_kind(result: Survey, tested: Tested, view: View) -> bool:
@@ -96,19 +99,18 @@ def enough(result: Survey, parameters: Mapping[str, float], leave_out: Iterable[
     single = next((view for view in seen if view.channels not in PERSISTENT), None)
     problem = result.problem
     out = set(leave_out)
-    columns, pliant, first = np.zeros((0, problem.rows)), False, result
+    columns, first = np.zeros((0, problem.rows)), result
     for effects in range(_MOST_EFFECTS):
         if effects:
             result = survey(problem, parameters, leave_out=out, also=columns)
         best = answer(result)
         if best is None:
             return False
-        pliant |= bool(best.first.effect.states)
         columns = np.vstack([columns, directions(result, best.first)])
         out |= {best.first.name}
         after = Survey(problem, regression_of(problem, parameters, columns, best.first.name), (), {})
         together = after.regression.loss
-        if pliant and np.sum(together) > (1 - _MOST) * total:
+        if share_explained(problem, first.regression, float(np.sum(together))) < _MOST:
             continue
         if not any(
             passes(after, v.evidence, v.p_value) and np.sum(together) - np.sum(v.evidence.loss) > _LEFT_OVER * total

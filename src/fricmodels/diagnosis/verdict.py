@@ -8,6 +8,7 @@ import numpy as np
 
 from fricmodels.diagnosis.all_motion import left_over
 from fricmodels.diagnosis.evidence import Evidence, compare
+from fricmodels.diagnosis.floor import LEAST_TORQUE
 from fricmodels.diagnosis.look_alikes import same_in_part
 from fricmodels.diagnosis.survey import Survey, Tested
 
@@ -15,9 +16,6 @@ SIGNIFICANCE = 0.01
 """Chance, over all candidates of one survey, to accept an effect where there is none."""
 LEAST_GAIN = 0.05
 """An effect must lower the held-out residual by a twentieth to be worth its place in a model."""
-LEAST_TORQUE = 0.003
-"""An effect must come to this share of the RMS torque. What happens between samples is not recorded: on simulated
-drives with nothing hidden, sampling and differentiation alone leave 0.03 to 0.3 % of it, and not as noise."""
 _HELD_OUT = 0.05
 """Significance of the second gate, the gain on held-out blocks."""
 _ALIKE = 0.05
