@@ -240,7 +240,7 @@ def examine(comparison: Comparison, *, leave_out: Iterable[str] = ()) -> Diagnos
     best = answer(result)
     seen = predictable(result)
     view = next((v for v in seen if v.channels not in PERSISTENT), seen[0] if seen else None)
-    asked = best is not None and (doubtful(result, best.first) or beaten(result, best.first, seen))
+    asked = best is not None and (beaten(result, best.first, seen) or doubtful(result, parameters, best.first, seen))
     if best is not None and asked and not enough(result, parameters, out, seen):
         view, best = view or _refused(result.problem, best.first), None
     findings = [] if best is None else [_finding(best)]

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fricmodels.diagnosis.channels import FINELY, FINELY_ALONG, FINELY_TORQUE
-from fricmodels.diagnosis.evidence import compare
+from fricmodels.diagnosis.evidence import Regression, compare
 from fricmodels.diagnosis.floor import LEAST_TORQUE, share_explained
 from fricmodels.diagnosis.survey import Survey, Tested, regression_of, survey
 from fricmodels.diagnosis.unexplained import PERSISTENT, View, each, views
@@ -28,7 +28,7 @@ _BEATEN = 0.02
 """A channel that predicts this share of the squared residual more than an effect shows that the effect is not it."""
 _OUTSIDE = 0.2
 """An effect lies within the shapes of a view if less than this share (squared) of it is outside."""
-_LEFT_OVER = 0.03
+_LEFT_OVER = 0.05
 """Effects together are enough when no channel predicts this share of the squared residual beyond them."""
 _SIMPLER = 0.5
 """Effects together must leave less than this share of what the best channel leaves, or as little with less than this
@@ -66,14 +66,18 @@ def beaten(result: Survey, first: Tested, seen: Sequence[View]) -> bool:
     return False
 
 
-def doubtful(result: Survey, first: Tested) -> bool:
+def doubtful(result: Survey, parameters: Mapping[str, float], first: Tested, seen: Sequence[View]) -> bool:
     """Whether an effect leaves too much to be by itself what is missing.
 
     Where the true one is not among the candidates, others explain part of what it does. Effects that remember the
-    motion are the most pliant of them, and no channel of the moment predicts more.
+    motion are the most pliant of them, and no channel of the moment predicts more; but one may predict what they leave.
     """
     left = float(first.evidence.residual @ first.evidence.residual)
-    return share_explained(result.problem, result.regression, left) < (_MOST if first.effect.states else _HALF)
+    share = share_explained(result.problem, result.regression, left)
+    if not first.effect.states:
+        return share < _HALF
+    columns = directions(result, first)
+    return share < _MOST or not _complete(result, regression_of(result.problem, parameters, columns, first.name), seen)
 
 
 def _own_kind(result: Survey, tested: Tested, view: View) -> bool:
@@ -95,7 +99,6 @@ def enough(result: Survey, parameters: Mapping[str, float], leave_out: Iterable[
 
     Where one channel alone explains nearly as much as all of them together, one cause is the simpler explanation.
     """
-    total = float(np.sum(result.regression.loss))
     single = next((view for view in seen if view.channels not in PERSISTENT), None)
     problem = result.problem
     out = set(leave_out)
@@ -108,16 +111,23 @@ def enough(result: Survey, parameters: Mapping[str, float], leave_out: Iterable[
             return False
         columns = np.vstack([columns, directions(result, best.first)])
         out |= {best.first.name}
-        after = Survey(problem, regression_of(problem, parameters, columns, best.first.name), (), {})
-        together = after.regression.loss
+        regression = regression_of(problem, parameters, columns, best.first.name)
+        together = regression.loss
         if share_explained(problem, first.regression, float(np.sum(together))) < _MOST:
             continue
-        if not any(
-            passes(after, v.evidence, v.p_value) and np.sum(together) - np.sum(v.evidence.loss) > _LEFT_OVER * total
-            for v in each(problem, after.regression, [v.channels for v in seen])
-        ):
+        if _complete(first, regression, seen):
             return single is None or _simpler(first, columns, together, single)
     return False
+
+
+def _complete(result: Survey, regression: Regression, seen: Sequence[View]) -> bool:
+    """Whether no channel predicts much more of a residual than the effects that a regression has beyond it."""
+    after = Survey(result.problem, regression, (), {})
+    most = float(np.sum(regression.loss)) - _LEFT_OVER * float(np.sum(result.regression.loss))
+    return not any(
+        passes(after, v.evidence, v.p_value) and np.sum(v.evidence.loss) < most
+        for v in each(result.problem, regression, [v.channels for v in seen])
+    )
 
 
 def _simpler(result: Survey, columns: Array, together: Array, single: View) -> bool:
