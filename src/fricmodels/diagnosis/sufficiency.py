@@ -31,8 +31,8 @@ _OUTSIDE = 0.2
 _LEFT_OVER = 0.05
 """Effects together are enough when no channel predicts this share of the squared residual beyond them."""
 _SIMPLER = 0.5
-"""Effects together must leave less than this share of what the best channel leaves, or as little with less than this
-share of its shapes, or the channel is the simpler cause."""
+"""Effects together must leave less than this share of what the best channel leaves, and the less the more terms they
+have, or as little with less than this share of its shapes; or else the channel is the simpler cause."""
 _MOST_EFFECTS = 3
 _HALF, _MOST = 0.5, 0.7
 """By itself an effect must explain half of what a model should not have left; what remembers must explain most of it,
@@ -139,9 +139,10 @@ def _simpler(result: Survey, columns: Array, together: Array, single: View) -> b
         single: the channel that predicts best.
     """
     alone, terms = single.evidence.loss, result.regression.terms
-    if np.sum(together) < _SIMPLER * np.sum(alone) and compare(alone, together, terms)[1] < _WORSE:
+    shapes = len(single.columns) / len(columns)
+    if np.sum(together) < _SIMPLER * min(1.0, shapes) * np.sum(alone) and compare(alone, together, terms)[1] < _WORSE:
         return True
-    return len(columns) < _SIMPLER * len(single.columns) and compare(together, alone, terms)[1] >= _WORSE
+    return _SIMPLER * shapes > 1 and compare(together, alone, terms)[1] >= _WORSE
 
 
 def directions(result: Survey, tested: Tested) -> Array:
