@@ -34,9 +34,9 @@ _SIMPLER = 0.5
 """Effects together must leave less than this share of what the best channel leaves, and the less the more terms they
 have, or as little with less than this share of its shapes; or else the channel is the simpler cause."""
 _MOST_EFFECTS = 3
-_HALF, _MOST = 0.5, 0.7
-"""By itself an effect must explain half of what a model should not have left; what remembers must explain most of it,
-and so must several together."""
+_LEAST, _MOST = 1 / _MOST_EFFECTS, 0.7
+"""Of what a model should not have left an effect must explain a third, as the largest of three does at least; what
+remembers must explain most of it, and so must several together."""
 
 
 def predictable(result: Survey) -> list[View]:
@@ -75,7 +75,7 @@ def doubtful(result: Survey, parameters: Mapping[str, float], first: Tested, see
     left = float(first.evidence.residual @ first.evidence.residual)
     share = share_explained(result.problem, result.regression, left)
     if not first.effect.states:
-        return share < _HALF
+        return share < _LEAST
     columns = directions(result, first)
     return share < _MOST or not _complete(result, regression_of(result.problem, parameters, columns, first.name), seen)
 
