@@ -24,6 +24,8 @@ _ROUNDS = 7
 _LONGEST_WALK = 12
 _SHIFTS = (1, 2, 3, 5, 8, 12, 18, 27, 40)
 """Delays that are tried first, in samples."""
+_FARTHEST = 5.0
+"""How many times the longest length that is tried first a length may become."""
 _FEW, _STARTS, _TRIAL_ROUNDS = 2, 4, 3
 """More nonlinear parameters than a few are sought from the best of several starts, each tried for some rounds."""
 
@@ -88,10 +90,13 @@ def search(problem: Problem, regression: Regression, effect: Effect, alone: Driv
 
 
 def _within_travel(problem: Problem, parameter: Parameter) -> Parameter:
-    """Return a parameter with its bounds: of a length no more than the travel, since a longer one was never crossed."""
+    """Return a parameter with its bounds: of a length no more than the travel, since a longer one was never crossed.
+
+    Nor is it much longer than what is tried first: a gap of most of the travel is none.
+    """
     if parameter.dimension != DISPLACEMENT:
         return parameter
-    most = natural_size(problem.recording, DISPLACEMENT)
+    most = natural_size(problem.recording, DISPLACEMENT) * min(1.0, _FARTHEST * max(parameter.scan, default=1.0))
     return replace(parameter, initial=min(parameter.initial, most), upper=min(parameter.upper, most))
 
 
