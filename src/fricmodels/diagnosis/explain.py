@@ -22,10 +22,14 @@ def explain(diagnosis: Diagnosis, ladder: Ladder | None = None) -> str:
             "Nothing that could be predicted is left in the residual: the model is adequate for this recording. "
             "This does not exclude effects that the recording could not have shown."
         )
-        if comparison.errors.held_out_percent > 5 * max(comparison.noise_floor_percent, 1.0):
+        errors = comparison.errors
+        if max(errors.percent, errors.held_out_percent) > 5 * max(comparison.noise_floor_percent, 1.0):
+            worst = comparison.where[0]
             parts.append(
                 "Its error is far above the noise all the same: something acts on the drive that is in none of the "
-                "recorded channels, or in the stretches around standstill that are too unclear to be tested."
+                "recorded channels, or only once, or in the stretches around standstill that are too unclear to be "
+                f"tested. What was fitted leaves {errors.percent:.3g} %; {100 * worst.share_of_squared_error:.0f} % of "
+                f"the squared error lie in '{worst.regime}'."
             )
     elif diagnosis.verdict == "unknown-effect":
         parts.append(unknown(diagnosis))
