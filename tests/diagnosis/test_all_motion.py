@@ -8,8 +8,9 @@ import pytest
 from fricmodels.diagnosis import examine
 from fricmodels.diagnosis.all_motion import left_over
 from fricmodels.diagnosis.diagnose import Comparison, compare
+from fricmodels.diagnosis.floor import LEAST_TORQUE
 from fricmodels.diagnosis.survey import survey
-from fricmodels.diagnosis.verdict import answer
+from fricmodels.diagnosis.verdict import answer, torque_share
 from fricmodels.rig import Rig
 
 PLAY = {
@@ -85,3 +86,26 @@ def test_an_effect_that_says_nonsense_where_the_rows_are_silent_is_not_named(pla
     for tested in best.members:
         alone = played.problem.alone(tested.effect)
         assert left_over(played.problem, alone, tested.found.nonlinear, tested.found.kept) <= 2 * before
+
+
+@pytest.mark.parametrize(("gap", "names"), [(2e-4, [("backlash",)]), (0.0, [])])
+def test_an_effect_of_the_reversals_alone_is_named_for_its_size_over_all_motion(
+    gap: float, names: list[tuple[str, ...]]
+) -> None:
+    """The gap is crossed within the stretches that the rows leave out; in these the effect is too small to count."""
+    tight = {**PLAY, "gap": gap, "load_inertia_share": 0.34, "contact_frequency": 300.0, "damping_ratio": 0.43}
+    tracking = {"kind": "tracking", "velocity": 1.2, "frequency": 0.64, "lines": 3, "bandwidth": 22.0}
+    drive = rig(
+        *([tight] if gap else []),
+        inertia=1.2,
+        friction={"viscous": [10.0, 7.0], "coulomb": [12.5, 8.5]},
+        excitation={**tracking, "damping_ratio": 1.0},
+        rate=680,
+        samples=12_000,
+        seed=2,
+    )
+    found = examine(compare(drive.simulate(), "asymmetric-coulomb-viscous", 1.2))
+    assert [finding.names for finding in found.findings] == names
+    for finding in found.findings:
+        result = survey(found.comparison.problem, found.comparison.estimate.parameters, only=finding.names)
+        assert torque_share(result, finding.tested.evidence) < LEAST_TORQUE

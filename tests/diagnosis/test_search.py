@@ -204,3 +204,12 @@ def test_a_shift_within_a_sample_is_no_delay(made: Made) -> None:
     problem, parameters = estimate(drive, shifted)
     tested = survey(problem, parameters.parameters, only=["sensor-delay"]).tested
     assert all(t.evidence.gain < 0.05 for t in tested)
+
+
+def test_no_length_is_longer_than_the_travel(made: Made) -> None:
+    """A gap that is never crossed would imitate whatever grows with the torque."""
+    recording = made("coulomb-viscous+torque-gain", {"torque-gain.g": 0.1})
+    problem, found = estimate(Drive(Model.parse("coulomb-viscous"), 2.0), recording)
+    lengths = {"backlash": "w", "presliding": "x_s", "rising-stiction": "x_s"}
+    for tested in survey(problem, found.parameters, only=lengths).tested:
+        assert 0 < tested.parameters[lengths[tested.name]] <= np.ptp(recording["position"])

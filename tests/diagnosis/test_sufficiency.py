@@ -9,8 +9,10 @@ import pytest
 
 from fricmodels.diagnosis import diagnose
 from fricmodels.diagnosis.estimate import estimate
+from fricmodels.diagnosis.sufficiency import doubtful
 from fricmodels.diagnosis.survey import survey
 from fricmodels.diagnosis.unexplained import views
+from fricmodels.diagnosis.verdict import SIGNIFICANCE
 from fricmodels.drive import Drive
 from fricmodels.model import Model
 from fricmodels.recording import Recording
@@ -64,3 +66,35 @@ def test_cogging_of_several_orders_is_cogging(made: Made) -> None:
     diagnosis = diagnose(recording.with_channels(derived=False, torque=recording.torque + wave), LAW, 2.0)
     assert diagnosis.findings[0].names == ("cogging",)
     assert diagnosis.findings[0].tested.parameters["k"] == pytest.approx(7.3, rel=0.01)
+
+
+@pytest.mark.parametrize(("beside", "expected"), [(0.0, False), (0.2, False), (1.5, True)])
+def test_an_effect_must_explain_a_third_of_what_is_missing(made: Made, beside: float, expected: bool) -> None:
+    values = {"asymmetry.c": 0.3, "asymmetry.d": 0.0, "gravity.a": beside, "gravity.b": 0.0}
+    problem, found = estimate(Drive(LAW, 2.0), made("coulomb-viscous+asymmetry+gravity", values))
+    result = survey(problem, found.parameters, only=["asymmetry"])
+    first = result.tested[0]
+    assert first.adjusted < SIGNIFICANCE
+    assert doubtful(result, found.parameters, first, []) is expected
+
+
+def test_a_small_effect_in_much_noise_is_not_doubted(made: Made) -> None:
+    """It explains little of the residual, of which noise leaves the rest."""
+    problem, found = estimate(Drive(LAW, 2.0), made("coulomb-viscous+asymmetry", {"asymmetry.c": 0.06}, noise=5.0))
+    result = survey(problem, found.parameters, only=["asymmetry"])
+    first = result.tested[0]
+    assert first.adjusted < SIGNIFICANCE
+    assert first.evidence.explained < 0.33
+    assert not doubtful(result, found.parameters, first, [])
+
+
+def test_what_remembers_must_leave_nothing_to_a_channel(made: Made) -> None:
+    """Presliding friction beside a weight: by itself it would do, but position predicts what it leaves."""
+    values = {"presliding.F": 2.0, "presliding.D": 0.0, "presliding.x_s": 0.1, "gravity.a": 0.8, "gravity.b": 0.0}
+    alone = {**values, "gravity.a": 0.0}
+    doubts = []
+    for hidden in (alone, values):
+        problem, found = estimate(Drive(LAW, 2.0), made("coulomb-viscous+presliding+gravity", hidden))
+        result = survey(problem, found.parameters, only=["presliding"])
+        doubts.append(doubtful(result, found.parameters, result.tested[0], []))
+    assert doubts == [False, True]

@@ -8,8 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from fricmodels import plugins
+from fricmodels.diagnosis.floor import LEAST_TORQUE
 from fricmodels.diagnosis.survey import Survey, Tested
-from fricmodels.diagnosis.verdict import LEAST_GAIN, LEAST_TORQUE, SIGNIFICANCE
+from fricmodels.diagnosis.verdict import LEAST_GAIN, SIGNIFICANCE
 
 
 @dataclass(frozen=True)

@@ -134,7 +134,7 @@ class Problem:
         """
         rng = np.random.default_rng(0)
         part = self.recording
-        noisy = part.velocity + _noise_like(part, self.velocity_noise, rng)
+        noisy = part.velocity + noise_like(part, self.velocity_noise, rng)
         smooth, acceleration = lanczos_derivative(part.time, noisy, self.half_width, part.run)
         changed = part.with_channels(acceleration=acceleration)
         # The same cells are cut at the same instants, so that only the signals differ.
@@ -358,7 +358,7 @@ def _widened(mask: NDArray[np.bool_], reach: int) -> NDArray[np.bool_]:
     return np.asarray(near > 0.5)
 
 
-def _noise_like(recording: Recording, deviation: float, rng: np.random.Generator) -> Array:
+def noise_like(recording: Recording, deviation: float, rng: np.random.Generator) -> Array:
     """Return noise as the velocity has it: white where it was measured, a derivative of white where it was derived."""
     white = rng.standard_normal(len(recording))
     if "velocity" not in recording.derived or "position" not in recording:
@@ -391,7 +391,7 @@ def _bump_width(recording: Recording, inertia: float, deviation: float) -> int:
     derived_over = _derived_over(recording)
     narrowest = max(_NARROWEST, -(-6 * derived_over // HOPS) * HOPS)
     widest = max(narrowest, min(_WIDEST, shortest // 40 // HOPS * HOPS))
-    sample = _noise_like(recording, deviation, np.random.default_rng(0))
+    sample = noise_like(recording, deviation, np.random.default_rng(0))
     moving = np.zeros(len(recording), dtype=bool)
     for width in range(narrowest, widest, HOPS):
         rows = inertia * Bumps(recording, width, moving, half_width=derived_over).momentum(sample)

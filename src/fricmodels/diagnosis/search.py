@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from fricmodels.diagnosis.evidence import Regression
 from fricmodels.diagnosis.problem import Problem
-from fricmodels.dimension import FORCE, TIME
+from fricmodels.dimension import DISPLACEMENT, FORCE, TIME
 from fricmodels.drive import Drive
 from fricmodels.parameter import Parameter
 from fricmodels.recording import natural_size
@@ -24,6 +24,8 @@ _ROUNDS = 7
 _LONGEST_WALK = 12
 _SHIFTS = (1, 2, 3, 5, 8, 12, 18, 27, 40)
 """Delays that are tried first, in samples."""
+_FARTHEST = 5.0
+"""How many times the longest length that is tried first a length may become."""
 _FEW, _STARTS, _TRIAL_ROUNDS = 2, 4, 3
 """More nonlinear parameters than a few are sought from the best of several starts, each tried for some rounds."""
 
@@ -55,6 +57,7 @@ def search(problem: Problem, regression: Regression, effect: Effect, alone: Driv
         regression = regression.unshifted
     linear = [p for p, is_linear in zip(effect.parameters, alone.model.linear, strict=True) if is_linear]
     nonlinear = [p for p, is_linear in zip(effect.parameters, alone.model.linear, strict=True) if not is_linear]
+    nonlinear = [_within_travel(problem, p) for p in nonlinear]
     lower = np.array([p.lower for p in linear])
     delay = _delay(problem, regression, alone) if alone.model.delay and not nonlinear else 0.0
     upper = np.array([problem.law_share[p.dimension == FORCE] if p.part_of_law else p.upper for p in linear])
@@ -84,6 +87,17 @@ def search(problem: Problem, regression: Regression, effect: Effect, alone: Driv
         first = max((walk(value, start, nonlinear, spacing, _TRIAL_ROUNDS) for start in starts), key=value)
         spacing = [halved(step, _TRIAL_ROUNDS) for step in spacing]
     return at(walk(value, first, nonlinear, spacing), trials)
+
+
+def _within_travel(problem: Problem, parameter: Parameter) -> Parameter:
+    """Return a parameter with its bounds: of a length no more than the travel, since a longer one was never crossed.
+
+    Nor is it much longer than what is tried first: a gap of most of the travel is none.
+    """
+    if parameter.dimension != DISPLACEMENT:
+        return parameter
+    most = natural_size(problem.recording, DISPLACEMENT) * min(1.0, _FARTHEST * max(parameter.scan, default=1.0))
+    return replace(parameter, initial=min(parameter.initial, most), upper=min(parameter.upper, most))
 
 
 def _delay(problem: Problem, regression: Regression, alone: Drive) -> float:

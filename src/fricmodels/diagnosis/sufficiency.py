@@ -14,10 +14,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fricmodels.diagnosis.channels import FINELY, FINELY_ALONG, FINELY_TORQUE
-from fricmodels.diagnosis.evidence import compare
+from fricmodels.diagnosis.evidence import Regression, compare
+from fricmodels.diagnosis.floor import LEAST_TORQUE, share_explained
 from fricmodels.diagnosis.survey import Survey, Tested, regression_of, survey
 from fricmodels.diagnosis.unexplained import PERSISTENT, View, each, views
-from fricmodels.diagnosis.verdict import LEAST_TORQUE, answer, passes
+from fricmodels.diagnosis.verdict import answer, passes
 
 Array = NDArray[np.float64]
 
@@ -27,14 +28,15 @@ _BEATEN = 0.02
 """A channel that predicts this share of the squared residual more than an effect shows that the effect is not it."""
 _OUTSIDE = 0.2
 """An effect lies within the shapes of a view if less than this share (squared) of it is outside."""
-_LEFT_OVER = 0.03
+_LEFT_OVER = 0.05
 """Effects together are enough when no channel predicts this share of the squared residual beyond them."""
 _SIMPLER = 0.5
-"""Effects together must leave less than this share of what the best channel leaves, or as little with less than this
-share of its shapes, or the channel is the simpler cause."""
+"""Effects together must leave less than this share of what the best channel leaves, and the less the more terms they
+have, or as little with less than this share of its shapes; or else the channel is the simpler cause."""
 _MOST_EFFECTS = 3
-_MOST = 0.7
-"""What remembers must explain this share of the squared residual, by itself or with others."""
+_LEAST, _MOST = 1 / _MOST_EFFECTS, 0.7
+"""Of what a model should not have left an effect must explain a third, as the largest of three does at least; what
+remembers must explain most of it, and so must several together."""
 
 
 def predictable(result: Survey) -> list[View]:
@@ -64,13 +66,18 @@ def beaten(result: Survey, first: Tested, seen: Sequence[View]) -> bool:
     return False
 
 
-def doubtful(first: Tested) -> bool:
-    """Whether an effect that remembers the motion leaves too much to be what is missing.
+def doubtful(result: Survey, parameters: Mapping[str, float], first: Tested, seen: Sequence[View]) -> bool:
+    """Whether an effect leaves too much to be by itself what is missing.
 
-    Such effects are the most pliant: where the true one is not among the candidates, they explain part of what it does,
-    and no channel of the moment predicts more.
+    Where the true one is not among the candidates, others explain part of what it does. Effects that remember the
+    motion are the most pliant of them, and no channel of the moment predicts more; but one may predict what they leave.
     """
-    return bool(first.effect.states) and first.evidence.explained < _MOST
+    left = float(first.evidence.residual @ first.evidence.residual)
+    share = share_explained(result.problem, result.regression, left)
+    if not first.effect.states:
+        return share < _LEAST
+    columns = directions(result, first)
+    return share < _MOST or not _complete(result, regression_of(result.problem, parameters, columns, first.name), seen)
 
 
 def _own_kind(result: Survey, tested: Tested, view: View) -> bool:
@@ -92,30 +99,35 @@ def enough(result: Survey, parameters: Mapping[str, float], leave_out: Iterable[
 
     Where one channel alone explains nearly as much as all of them together, one cause is the simpler explanation.
     """
-    total = float(np.sum(result.regression.loss))
     single = next((view for view in seen if view.channels not in PERSISTENT), None)
     problem = result.problem
     out = set(leave_out)
-    columns, pliant, first = np.zeros((0, problem.rows)), False, result
+    columns, first = np.zeros((0, problem.rows)), result
     for effects in range(_MOST_EFFECTS):
         if effects:
             result = survey(problem, parameters, leave_out=out, also=columns)
         best = answer(result)
         if best is None:
             return False
-        pliant |= bool(best.first.effect.states)
         columns = np.vstack([columns, directions(result, best.first)])
         out |= {best.first.name}
-        after = Survey(problem, regression_of(problem, parameters, columns, best.first.name), (), {})
-        together = after.regression.loss
-        if pliant and np.sum(together) > (1 - _MOST) * total:
+        regression = regression_of(problem, parameters, columns, best.first.name)
+        together = regression.loss
+        if share_explained(problem, first.regression, float(np.sum(together))) < _MOST:
             continue
-        if not any(
-            passes(after, v.evidence, v.p_value) and np.sum(together) - np.sum(v.evidence.loss) > _LEFT_OVER * total
-            for v in each(problem, after.regression, [v.channels for v in seen])
-        ):
+        if _complete(first, regression, seen):
             return single is None or _simpler(first, columns, together, single)
     return False
+
+
+def _complete(result: Survey, regression: Regression, seen: Sequence[View]) -> bool:
+    """Whether no channel predicts much more of a residual than the effects that a regression has beyond it."""
+    after = Survey(result.problem, regression, (), {})
+    most = float(np.sum(regression.loss)) - _LEFT_OVER * float(np.sum(result.regression.loss))
+    return not any(
+        passes(after, v.evidence, v.p_value) and np.sum(v.evidence.loss) < most
+        for v in each(result.problem, regression, [v.channels for v in seen])
+    )
 
 
 def _simpler(result: Survey, columns: Array, together: Array, single: View) -> bool:
@@ -127,9 +139,10 @@ def _simpler(result: Survey, columns: Array, together: Array, single: View) -> b
         single: the channel that predicts best.
     """
     alone, terms = single.evidence.loss, result.regression.terms
-    if np.sum(together) < _SIMPLER * np.sum(alone) and compare(alone, together, terms)[1] < _WORSE:
+    shapes = len(single.columns) / len(columns)
+    if np.sum(together) < _SIMPLER * min(1.0, shapes) * np.sum(alone) and compare(alone, together, terms)[1] < _WORSE:
         return True
-    return len(columns) < _SIMPLER * len(single.columns) and compare(together, alone, terms)[1] >= _WORSE
+    return _SIMPLER * shapes > 1 and compare(together, alone, terms)[1] >= _WORSE
 
 
 def directions(result: Survey, tested: Tested) -> Array:

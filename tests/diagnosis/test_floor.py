@@ -1,0 +1,47 @@
+"""What noise and sampling leave, and which share of the rest an effect explains."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from fricmodels.diagnosis.estimate import estimate
+from fricmodels.diagnosis.floor import LEAST_TORQUE, floor, share_explained
+from fricmodels.diagnosis.survey import regression_of
+from fricmodels.drive import Drive
+from fricmodels.model import Model
+from fricmodels.recording import Recording
+
+Made = Callable[..., Recording]
+LAW = Model.parse("coulomb-viscous")
+
+
+def test_the_floor_is_what_the_true_model_leaves(made: Made) -> None:
+    problem, found = estimate(Drive(LAW, 2.0), made(noise=2.0))
+    left = regression_of(problem, found.parameters).residual
+    sampling = LEAST_TORQUE**2 * float(problem.driving @ problem.driving)
+    assert floor(problem) - sampling == pytest.approx(float(left @ left), rel=0.3)
+
+
+def test_without_noise_sampling_alone_is_left(made: Made) -> None:
+    problem, _ = estimate(Drive(LAW, 2.0), made(noise=0.0))
+    assert floor(problem) == pytest.approx(LEAST_TORQUE**2 * float(problem.driving @ problem.driving), rel=1e-3)
+
+
+def test_the_floor_goes_with_the_unit_of_torque(made: Made) -> None:
+    recording = made(noise=1.0)
+    larger = recording.with_channels(derived=False, torque=10 * recording.torque)
+    first, second = (estimate(Drive(LAW, j), r)[0] for j, r in ((2.0, recording), (20.0, larger)))
+    assert floor(second) == pytest.approx(100 * floor(first), rel=1e-6)
+
+
+def test_shares(made: Made) -> None:
+    problem, found = estimate(Drive(LAW, 2.0), made("coulomb-viscous+gravity", {"gravity.a": 1.0, "gravity.b": 0.5}))
+    before = regression_of(problem, found.parameters)
+    total, least = float(np.sum(before.residual**2)), floor(problem)
+    assert total > 10 * least
+    assert share_explained(problem, before, total) == pytest.approx(0.0, abs=1e-12)
+    assert share_explained(problem, before, 0.5 * (total + least)) == pytest.approx(0.5)
+    assert share_explained(problem, before, least) == share_explained(problem, before, 0.0) == 1.0
