@@ -99,11 +99,11 @@ class Problem:
         width = _bump_width(part, inertia, sigma)
         part = part.with_channels(torque_rate=part.signal("motor_torque_rate"))
         at_rest = resting(part)
-        reach = _reach(part)
-        unclear = at_rest | _unclear_direction(part, width)
-        unclear = _widened(unclear | _hidden_turns(drive, part, smooth, parameters), reach)
+        derived_over = _derived_over(part)
+        hidden = _hidden_turns(drive, part, smooth, parameters)
+        unclear = _widened(at_rest | _unclear_direction(part, width) | hidden, 1 + derived_over)
         quadrature = Quadrature.of(part, smooth, unclear)
-        bumps = Bumps(part, width, unclear, least_moving=1.0)
+        bumps = Bumps(part, width, unclear, least_moving=1.0, half_width=derived_over)
         problem = cls(drive, part, smooth, at_rest, quadrature, bumps, sigma, half_width, (0.0, 0.0), delay=delay)
         return replace(problem, law_share=problem.law_has(parameters))
 
@@ -171,7 +171,7 @@ class Problem:
     @cached_property
     def torque_rate(self) -> Array:
         """∫φ dτ_m = −∫φ' τ_m dt, shape (rows,)."""
-        return np.asarray(self.bumps.momentum(self.recording.torque))
+        return np.asarray(self.bumps.change(self.recording.torque))
 
     @cached_property
     def sign_change(self) -> Array:
@@ -293,7 +293,8 @@ class Problem:
                 ends.append(np.asarray(theta) @ design + offset)
             stacked.append(((ends[1] - ends[0]) / (2 * step))[None])
         if self.drive.inertia is None:
-            stacked.append(self.momentum[None])
+            # As momentum, and as the acceleration that effects are given: neither is a cause of its own then.
+            stacked += [self.momentum[None], self.integrals(self.quadrature.recording["acceleration"][None])]
         return np.vstack(stacked)
 
     def alone(self, effect: Effect) -> Drive:
@@ -343,11 +344,12 @@ def _hidden_turns(
     return marked
 
 
-def _reach(recording: Recording) -> int:
-    """Return over how many samples the kink of a velocity at a stop or start is smeared by its derivation."""
+def _derived_over(recording: Recording) -> int:
+    """Return the half width over which the velocity was derived from the position, 0 where it was measured."""
     if "velocity" not in recording.derived or "position" not in recording:
-        return 1
-    return 1 + best_half_width(recording.time, recording["position"], recording.run)
+        return 0
+    whole = recording.whole()
+    return best_half_width(whole.time, whole["position"], whole.run)
 
 
 def _widened(mask: NDArray[np.bool_], reach: int) -> NDArray[np.bool_]:
@@ -386,11 +388,13 @@ def _bump_width(recording: Recording, inertia: float, deviation: float) -> int:
     torque = float(np.sqrt(np.mean(recording.torque**2)))
     wanted = _NOISE_SHARE * torque * recording.interval
     shortest = int(np.min(np.unique(recording.run, return_counts=True)[1]))
-    widest = max(_NARROWEST, min(_WIDEST, shortest // 40 // HOPS * HOPS))
+    derived_over = _derived_over(recording)
+    narrowest = max(_NARROWEST, -(-6 * derived_over // HOPS) * HOPS)
+    widest = max(narrowest, min(_WIDEST, shortest // 40 // HOPS * HOPS))
     sample = noise_like(recording, deviation, np.random.default_rng(0))
     moving = np.zeros(len(recording), dtype=bool)
-    for width in range(_NARROWEST, widest, HOPS):
-        rows = inertia * Bumps(recording, width, moving).momentum(sample)
+    for width in range(narrowest, widest, HOPS):
+        rows = inertia * Bumps(recording, width, moving, half_width=derived_over).momentum(sample)
         if not len(rows) or float(np.sqrt(np.mean(rows**2))) <= wanted:
             return width
     return widest

@@ -74,7 +74,7 @@ def search(problem: Problem, regression: Regression, effect: Effect, alone: Driv
     if not nonlinear:
         found = at((), 2.0 * len(_SHIFTS) if delay else 1.0)
         return found if np.any(found.kept) or np.any(regression.visible(problem.columns(alone)[0])) else None
-    points, spacing, trials = _starts(problem, regression, alone, nonlinear)
+    points, spacing, trials, nonlinear = _starts(problem, regression, alone, nonlinear)
     if not points:
         return None
     tried = sorted((at(point, trials) for point in points), key=lambda found: -found.explained)
@@ -124,10 +124,14 @@ def _delay(problem: Problem, regression: Regression, alone: Drive) -> float:
 
 def _starts(
     problem: Problem, regression: Regression, alone: Drive, nonlinear: list[Parameter]
-) -> tuple[list[tuple[float, ...]], list[float], float]:
-    """Return starting points, the spacing of each parameter (a ratio if above 1, else a step), and the trials."""
+) -> tuple[list[tuple[float, ...]], list[float], float, list[Parameter]]:
+    """Return starting points, the spacing of each parameter (a ratio if above 1, else a step), and the trials.
+
+    The parameters come back with the bounds that this recording sets: a period must be passed more than once.
+    """
     choices: list[list[float]] = []
     spacing: list[float] = []
+    bounded: list[Parameter] = []
     trials = 1.0
     for parameter in nonlinear:
         if parameter.periodic:
@@ -135,7 +139,10 @@ def _starts(
             choices.append(list(waves.strongest))
             spacing.append(-waves.resolution)
             trials *= waves.independent
+            lower = max(parameter.lower, waves.slowest)
+            bounded.append(replace(parameter, lower=lower, initial=max(parameter.initial, lower)))
             continue
+        bounded.append(parameter)
         size = natural_size(problem.recording, parameter.dimension)
         scan = [value * size for value in parameter.scan] or [parameter.initial]
         choices.append(scan)
@@ -143,7 +150,7 @@ def _starts(
         ratio = scan[1] / scan[0] if len(scan) > 1 and scan[0] > 0 else 2.0
         spacing.append(-(scan[1] - scan[0]) if is_instant(parameter) and len(scan) > 1 else ratio)
     choices, idle = _without_idle(problem, alone, choices)
-    return [tuple(point) for point in itertools.product(*choices)], spacing, trials / idle
+    return [tuple(point) for point in itertools.product(*choices)], spacing, trials / idle, bounded
 
 
 def _without_idle(problem: Problem, alone: Drive, choices: list[list[float]]) -> tuple[list[list[float]], float]:

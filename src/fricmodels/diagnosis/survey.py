@@ -14,6 +14,7 @@ from fricmodels.diagnosis.evidence import Evidence, Regression, benjamini_yekuti
 from fricmodels.diagnosis.problem import Problem
 from fricmodels.diagnosis.search import Found, search
 from fricmodels.diagnosis.shifted import ShiftedRegression
+from fricmodels.dimension import Motion
 from fricmodels.recording import SIGNAL_CHANNEL
 from fricmodels.term import Effect
 
@@ -126,6 +127,8 @@ def survey(
 
 def _candidate(problem: Problem, regression: Regression, effect: Effect) -> Tested | str:
     """Test one effect, or say why it cannot be tested."""
+    if effect.angular and problem.drive.motion is Motion.LINEAR:
+        return "a linear axis does not turn"
     alone = problem.alone(effect)
     missing = [signal for signal in sorted(alone.model.required) if not _has(problem, signal)]
     if missing:

@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fricmodels.recording import Recording
+from fricmodels.signals.lanczos import even_weights
 
 Array = NDArray[np.float64]
 
@@ -104,6 +105,24 @@ class Quadrature:
         return values
 
 
+def _cells(width: int, half_width: int) -> tuple[Array, Array]:
+    """Return a bump's weights of the cells of the velocity, and of those of everything else, each of sum 1.
+
+    Lanczos' derivative is a mean of the differences between neighbouring positions; these are means of the velocity
+    over a cell, whose changes weigh the acceleration by hats two cells wide.
+    """
+    inner = width - 2 * (half_width + 1) if half_width else width
+    x = 2.0 * np.arange(1, inner) / inner - 1.0
+    narrow = (1.0 - x**2) ** 2
+    narrow /= narrow.sum()
+    wide = narrow
+    if half_width:
+        _, slope = even_weights(half_width)
+        differences = -np.cumsum(slope)[:-1]
+        wide = np.convolve(np.convolve(narrow, differences), [0.5, 0.5])
+    return np.pad(narrow, (width + 1 - len(narrow)) // 2), np.pad(wide, (width + 1 - len(wide)) // 2)
+
+
 def _share(velocity: Array, change: Array) -> Array:
     """Return the share of a cell after which a velocity that changes so much in a cell is zero, at most 1."""
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -119,19 +138,27 @@ class Bumps:
         width: samples that a bump spans; rounded to a multiple of 8.
         resting: samples at rest, or otherwise of no use.
         least_moving: share of a bump's weight that must be in motion; a bump with less is left out.
+        half_width: of the differentiator that gave the velocity from positions, 0 where it was measured. Such a
+            velocity is a mean over 2h + 1 samples; all else is weighted by the bump smeared alike, so that no torque
+            that changes fast is missed.
     """
 
     def __init__(
-        self, recording: Recording, width: int, resting: NDArray[np.bool_], *, least_moving: float = 0.5
+        self,
+        recording: Recording,
+        width: int,
+        resting: NDArray[np.bool_],
+        *,
+        least_moving: float = 0.5,
+        half_width: int = 0,
     ) -> None:
         self._samples = len(recording)
         self.hop = max(1, round(width / HOPS))
         self.width = self.hop * HOPS
-        x = 2.0 * np.arange(1, self.width) / self.width - 1.0
-        between = np.concatenate([[0.0], (1.0 - x**2) ** 2, [0.0]])
-        between /= between.sum()
+        narrow, between = _cells(self.width, half_width)
         self._mean = 0.5 * (between[:-1] + between[1:])
         self._fall = between[:-1] - between[1:]
+        self._velocity_fall = narrow[:-1] - narrow[1:]
         self._pieces = [
             slice(piece.start, piece.start + self.hop * ((piece.stop - piece.start) // self.hop))
             for piece in segments(recording)
@@ -148,7 +175,11 @@ class Bumps:
 
     def momentum(self, velocity: Array) -> Array:
         """Return ∫φ dω = −∫φ' ω dt, shape (number of bumps,)."""
-        return np.asarray(self._keep(self._apply(velocity[None], self._fall))[0])
+        return np.asarray(self._keep(self._apply(velocity[None], self._velocity_fall))[0])
+
+    def change(self, values: Array) -> Array:
+        """Return ∫φ df = −∫φ' f dt of what was measured, shape (number of bumps,)."""
+        return np.asarray(self._keep(self._apply(values[None], self._fall))[0])
 
     def spread(self, values: Array) -> Array:
         """Return Σ c φ(t) at the samples for one coefficient c a bump: the transpose of :meth:`integrals`."""
