@@ -78,6 +78,8 @@ class Recording(Shown):
         derived: names of channels that were computed, not measured.
         provenance: source file, column mapping, checksum of the file, true parameters of a simulation, …
         origin: what it was cut from, if that is to be remembered; see :meth:`remembering`.
+        derived_over: half width [samples] of the differentiator that gave the velocity from the position; 0 where none
+            did.
     """
 
     name: str
@@ -87,6 +89,7 @@ class Recording(Shown):
     derived: frozenset[str] = frozenset()
     provenance: Mapping[str, Any] = field(default_factory=dict)
     origin: Origin | None = field(default=None, compare=False)
+    derived_over: int = 0
 
     def __post_init__(self) -> None:
         for required in ("time", "torque"):

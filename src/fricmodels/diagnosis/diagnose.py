@@ -24,7 +24,7 @@ from fricmodels.model import Model
 from fricmodels.recording import Recording
 from fricmodels.score.torque import filtered_torque_error, sliding_half_width
 from fricmodels.shown import Shown
-from fricmodels.signals import best_half_width, lanczos_derivative, noise, prepare
+from fricmodels.signals import best_half_width, noise, prepare, with_derived_velocity
 from fricmodels.signals.lanczos import even_weights
 from fricmodels.split import Split, split
 
@@ -122,7 +122,8 @@ def surest_velocity(recording: Recording) -> Recording:
         return recording
     time, run, position, velocity = recording.time, recording.run, recording["position"], recording.velocity
     width = best_half_width(time, position, run)
-    _, derived = lanczos_derivative(time, position, width, run)
+    result = with_derived_velocity(recording, width)
+    derived = result.velocity
     error = noise(time, position, run) * float(np.linalg.norm(even_weights(width)[1])) / recording.interval
     own = noise(time, velocity, run)
     power = float(derived @ derived)
@@ -132,7 +133,7 @@ def surest_velocity(recording: Recording) -> Recording:
     left = float(np.sqrt(np.mean((velocity - scale * derived) ** 2)))
     if abs(scale - 1) > 0.01 or left > 1.5 * float(np.hypot(own, error)):
         return recording
-    return recording.with_channels(derived=True, velocity=derived)
+    return result
 
 
 def kept_back(prepared: Recording) -> tuple[Recording, Recording]:

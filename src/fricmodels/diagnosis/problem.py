@@ -99,11 +99,10 @@ class Problem:
         width = _bump_width(part, inertia, sigma)
         part = part.with_channels(torque_rate=part.signal("motor_torque_rate"))
         at_rest = resting(part)
-        derived_over = _derived_over(part)
         hidden = _hidden_turns(drive, part, smooth, parameters)
-        unclear = _widened(at_rest | _unclear_direction(part, width) | hidden, 1 + derived_over)
+        unclear = _widened(at_rest | _unclear_direction(part, width) | hidden, 1 + part.derived_over)
         quadrature = Quadrature.of(part, smooth, unclear)
-        bumps = Bumps(part, width, unclear, least_moving=1.0, half_width=derived_over)
+        bumps = Bumps(part, width, unclear, least_moving=1.0, half_width=part.derived_over)
         problem = cls(drive, part, smooth, at_rest, quadrature, bumps, sigma, half_width, (0.0, 0.0), delay=delay)
         return replace(problem, law_share=problem.law_has(parameters))
 
@@ -344,14 +343,6 @@ def _hidden_turns(
     return marked
 
 
-def _derived_over(recording: Recording) -> int:
-    """Return the half width over which the velocity was derived from the position, 0 where it was measured."""
-    if "velocity" not in recording.derived or "position" not in recording:
-        return 0
-    whole = recording.whole()
-    return best_half_width(whole.time, whole["position"], whole.run)
-
-
 def _widened(mask: NDArray[np.bool_], reach: int) -> NDArray[np.bool_]:
     """Mark also the ``reach`` samples before and after each marked one."""
     near = np.convolve(mask.astype(float), np.ones(2 * reach + 1), "same")
@@ -361,10 +352,9 @@ def _widened(mask: NDArray[np.bool_], reach: int) -> NDArray[np.bool_]:
 def noise_like(recording: Recording, deviation: float, rng: np.random.Generator) -> Array:
     """Return noise as the velocity has it: white where it was measured, a derivative of white where it was derived."""
     white = rng.standard_normal(len(recording))
-    if "velocity" not in recording.derived or "position" not in recording:
+    if not recording.derived_over:
         return deviation * white
-    time, position, run = recording.time, recording["position"], recording.run
-    width = best_half_width(time, position, run)
+    time, position, run, width = recording.time, recording["position"], recording.run, recording.derived_over
     return np.asarray(lanczos_derivative(time, noise(time, position, run) * white, width, run)[1])
 
 
@@ -388,7 +378,7 @@ def _bump_width(recording: Recording, inertia: float, deviation: float) -> int:
     torque = float(np.sqrt(np.mean(recording.torque**2)))
     wanted = _NOISE_SHARE * torque * recording.interval
     shortest = int(np.min(np.unique(recording.run, return_counts=True)[1]))
-    derived_over = _derived_over(recording)
+    derived_over = recording.derived_over
     narrowest = max(_NARROWEST, -(-6 * derived_over // HOPS) * HOPS)
     widest = max(narrowest, min(_WIDEST, shortest // 40 // HOPS * HOPS))
     sample = noise_like(recording, deviation, np.random.default_rng(0))

@@ -5,7 +5,7 @@ from __future__ import annotations
 from fricmodels.signals.butterworth import butterworth, central_difference
 from fricmodels.signals.lanczos import lanczos_derivative, lanczos_smooth, lanczos_window
 from fricmodels.signals.noise_level import best_half_width, noise, quantum
-from fricmodels.signals.preparation import Preparation, prepare
+from fricmodels.signals.preparation import Preparation, prepare, with_derived_velocity
 from fricmodels.signals.resample import resample
 from fricmodels.signals.rest import resting, smoothed_velocity
 from fricmodels.signals.segments import gap_length, is_even, stretches
@@ -27,4 +27,5 @@ __all__ = [
     "resting",
     "smoothed_velocity",
     "stretches",
+    "with_derived_velocity",
 ]

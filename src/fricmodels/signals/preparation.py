@@ -59,8 +59,8 @@ def prepare(recording: Recording, preparation: Preparation | None = None) -> Rec
 def _lanczos(recording: Recording, settings: Preparation) -> Recording:
     result = recording
     if "velocity" not in result:
-        _, velocity = lanczos_derivative(result.time, result["position"], settings.half_width, result.run)
-        result = result.with_channels(velocity=velocity)
+        width = settings.half_width or best_half_width(result.time, result["position"], result.run)
+        result = with_derived_velocity(result, width)
     needed = "acceleration" not in result
     if needed or settings.smooth_velocity:
         width = settings.half_width or best_half_width(result.time, result.velocity, result.run)
@@ -70,6 +70,12 @@ def _lanczos(recording: Recording, settings: Preparation) -> Recording:
         if needed:
             result = result.with_channels(acceleration=acceleration)
     return result
+
+
+def with_derived_velocity(recording: Recording, half_width: int) -> Recording:
+    """Return the recording with the velocity derived from its position over 2h + 1 samples."""
+    _, velocity = lanczos_derivative(recording.time, recording["position"], half_width, recording.run)
+    return replace(recording.with_channels(velocity=velocity), derived_over=half_width)
 
 
 def _butterworth(recording: Recording, settings: Preparation) -> Recording:
@@ -102,4 +108,5 @@ def decimated(recording: Recording, factor: int) -> Recording:
         for name, values in recording.channels.items()
         if name != "time"
     }
-    return replace(recording.select(kept), channels={"time": recording.time[kept], **even})
+    channels = {"time": recording.time[kept], **even}
+    return replace(recording.select(kept), channels=channels, derived_over=-(-recording.derived_over // factor))
