@@ -213,3 +213,12 @@ def test_no_length_is_longer_than_the_travel(made: Made) -> None:
     lengths = {"backlash": "w", "presliding": "x_s", "rising-stiction": "x_s"}
     for tested in survey(problem, found.parameters, only=lengths).tested:
         assert 0 < tested.parameters[lengths[tested.name]] <= np.ptp(recording["position"])
+
+
+def test_no_duration_is_many_times_the_recordings(made: Made) -> None:
+    """A drift in proportion to time has no end of its own."""
+    recording = made("coulomb-viscous+drift", {"drift.a": 0.0, "drift.b": 0.1, "drift.T": 1e6})
+    problem, found = estimate(Drive(Model.parse("coulomb-viscous"), 2.0), recording)
+    (tested,) = survey(problem, found.parameters, only=["drift"]).tested
+    assert 10 < tested.parameters["T"] / np.ptp(recording.time) <= 15
+    assert tested.evidence.explained > 0.9

@@ -25,7 +25,7 @@ _LONGEST_WALK = 12
 _SHIFTS = (1, 2, 3, 5, 8, 12, 18, 27, 40)
 """Delays that are tried first, in samples."""
 _FARTHEST = 5.0
-"""How many times the longest length that is tried first a length may become."""
+"""How many times the longest that is tried first a length or a duration may become."""
 _FEW, _STARTS, _TRIAL_ROUNDS = 2, 4, 3
 """More nonlinear parameters than a few are sought from the best of several starts, each tried for some rounds."""
 
@@ -57,7 +57,7 @@ def search(problem: Problem, regression: Regression, effect: Effect, alone: Driv
         regression = regression.unshifted
     linear = [p for p, is_linear in zip(effect.parameters, alone.model.linear, strict=True) if is_linear]
     nonlinear = [p for p, is_linear in zip(effect.parameters, alone.model.linear, strict=True) if not is_linear]
-    nonlinear = [_within_travel(problem, p) for p in nonlinear]
+    nonlinear = [_within_recording(problem, p) for p in nonlinear]
     lower = np.array([p.lower for p in linear])
     delay = _delay(problem, regression, alone) if alone.model.delay and not nonlinear else 0.0
     upper = np.array([problem.law_share[p.dimension == FORCE] if p.part_of_law else p.upper for p in linear])
@@ -89,14 +89,17 @@ def search(problem: Problem, regression: Regression, effect: Effect, alone: Driv
     return at(walk(value, first, nonlinear, spacing), trials)
 
 
-def _within_travel(problem: Problem, parameter: Parameter) -> Parameter:
-    """Return a parameter with its bounds: of a length no more than the travel, since a longer one was never crossed.
+def _within_recording(problem: Problem, parameter: Parameter) -> Parameter:
+    """Return a parameter with the bounds that a recording sets: lengths and durations of which it can tell.
 
-    Nor is it much longer than what is tried first: a gap of most of the travel is none.
+    A length is no more than the travel, since a longer one was never crossed, and neither is much longer than what is
+    tried first: a gap of most of the travel is none.
     """
-    if parameter.dimension != DISPLACEMENT:
+    is_length, is_duration = parameter.dimension == DISPLACEMENT, parameter.dimension == TIME
+    if not is_length and (not is_duration or is_instant(parameter)):
         return parameter
-    most = natural_size(problem.recording, DISPLACEMENT) * min(1.0, _FARTHEST * max(parameter.scan, default=1.0))
+    longest = _FARTHEST * max(parameter.scan, default=1.0)
+    most = natural_size(problem.recording, parameter.dimension) * (min(1.0, longest) if is_length else longest)
     return replace(parameter, initial=min(parameter.initial, most), upper=min(parameter.upper, most))
 
 

@@ -18,7 +18,7 @@ from fricmodels.diagnosis.evidence import Regression, compare
 from fricmodels.diagnosis.floor import LEAST_TORQUE, share_explained
 from fricmodels.diagnosis.survey import Survey, Tested, regression_of, survey
 from fricmodels.diagnosis.unexplained import PERSISTENT, View, each, views
-from fricmodels.diagnosis.verdict import answer, passes
+from fricmodels.diagnosis.verdict import answer, predicts
 
 Array = NDArray[np.float64]
 
@@ -41,7 +41,7 @@ remembers must explain most of it, and so must several together."""
 
 def predictable(result: Survey) -> list[View]:
     """Return the views that predict the residual of a survey beyond all gates, best first."""
-    return [v for v in views(result.problem, result.regression) if passes(result, v.evidence, v.p_value)]
+    return [v for v in views(result.problem, result.regression) if predicts(result, v.evidence, v.p_value)]
 
 
 def beaten(result: Survey, first: Tested, seen: Sequence[View]) -> bool:
@@ -121,12 +121,16 @@ def enough(result: Survey, parameters: Mapping[str, float], leave_out: Iterable[
 
 
 def _complete(result: Survey, regression: Regression, seen: Sequence[View]) -> bool:
-    """Whether no channel predicts much more of a residual than the effects that a regression has beyond it."""
+    """Whether no channel predicts much of what is left of a residual with the effects that a regression has beyond it.
+
+    What merely lasts does not count: on a real drive something always does.
+    """
     after = Survey(result.problem, regression, (), {})
     most = float(np.sum(regression.loss)) - _LEFT_OVER * float(np.sum(result.regression.loss))
     return not any(
-        passes(after, v.evidence, v.p_value) and np.sum(v.evidence.loss) < most
+        predicts(after, v.evidence, v.p_value) and np.sum(v.evidence.loss) < most
         for v in each(result.problem, regression, [v.channels for v in seen])
+        if v.channels not in PERSISTENT
     )
 
 

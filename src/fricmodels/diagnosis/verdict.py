@@ -19,8 +19,9 @@ LEAST_GAIN = 0.05
 LEAST_OVER_ALL = 0.04
 """Or to this share over all motion, the stretches about standstill included that the rows leave out. There sampling and
 differentiation leave more: on 170 simulated drives with nothing hidden an effect takes away up to 3.1 %."""
-_HELD_OUT = 0.1
-"""Significance of the second gate, the gain on held-out blocks. The chance of a false name is held by the first."""
+_HELD_OUT, _PREDICTED = 0.1, 0.05
+"""Significance of the second gate, the gain on held-out blocks, of an effect and of what a channel predicts. It is the
+first gate that holds the chance of a false name."""
 _ALIKE = 0.05
 """Two effects whose held-out residuals differ by less than a twentieth are not told apart by that difference."""
 _NEAR = 0.02
@@ -50,16 +51,16 @@ class Answer:
 
 def accepted(survey: Survey) -> list[Tested]:
     """Return the candidates that pass both gates, and are large enough in the rows or over all motion."""
-    return [t for t in survey.tested if _is_sure(t.evidence, t.adjusted) and _is_large(survey, t)]
+    return [t for t in survey.tested if _is_sure(t.evidence, t.adjusted, _HELD_OUT) and _is_large(survey, t)]
 
 
-def passes(survey: Survey, evidence: Evidence, adjusted: float) -> bool:
-    """Whether evidence passes every gate: significant, better on held-out blocks, and large enough to matter."""
-    return _is_sure(evidence, adjusted) and torque_share(survey, evidence) > LEAST_TORQUE
+def predicts(survey: Survey, evidence: Evidence, adjusted: float) -> bool:
+    """Whether a channel predicts a residual: significantly, better on held-out blocks, and enough to matter."""
+    return _is_sure(evidence, adjusted, _PREDICTED) and torque_share(survey, evidence) > LEAST_TORQUE
 
 
-def _is_sure(evidence: Evidence, adjusted: float) -> bool:
-    return adjusted < SIGNIFICANCE and evidence.gain > LEAST_GAIN and evidence.gain_p_value < _HELD_OUT
+def _is_sure(evidence: Evidence, adjusted: float, level: float) -> bool:
+    return adjusted < SIGNIFICANCE and evidence.gain > LEAST_GAIN and evidence.gain_p_value < level
 
 
 def _is_large(survey: Survey, tested: Tested) -> bool:
