@@ -88,7 +88,7 @@ def test_an_effect_that_says_nonsense_where_the_rows_are_silent_is_not_named(pla
         assert left_over(played.problem, alone, tested.found.nonlinear, tested.found.kept) <= 2 * before
 
 
-@pytest.mark.parametrize(("gap", "names"), [(2.5e-4, [("backlash",)]), (0.0, [])])
+@pytest.mark.parametrize(("gap", "names"), [(3e-4, [("backlash",)]), (0.0, [])])
 def test_an_effect_of_the_reversals_alone_is_named_for_its_size_over_all_motion(
     gap: float, names: list[tuple[str, ...]]
 ) -> None:
@@ -102,7 +102,7 @@ def test_an_effect_of_the_reversals_alone_is_named_for_its_size_over_all_motion(
         excitation={**tracking, "damping_ratio": 1.0},
         rate=680,
         samples=12_000,
-        seed=2,
+        seed=1,
     )
     found = examine(compare(drive.simulate(), "asymmetric-coulomb-viscous", 1.2))
     assert [finding.names for finding in found.findings] == names
