@@ -78,7 +78,7 @@ class Backlash(Effect):
 
     def torque(self, s: Signals, p: Parameters) -> Expression:
         """Return what is missing within the gap, and the blow at its end."""
-        within = where(absolute(s.x) < p.w / 2, 1, 0) * where(s.x == 0, 0, 1)
+        within = (absolute(s.x) < p.w / 2) * (s.x != 0)
         missing = s.acceleration + _braking(s.velocity, p) + p.a / p.F * s.load_torque
         return p.J_l * ((1 - within) * s.v / _blow(p) - within * missing)
 
