@@ -262,6 +262,11 @@ class Recording(Shown):
         return float(np.median(steps)) if len(steps) else float("nan")
 
     @cached_property
+    def peak_speed(self) -> float:
+        """Largest speed [rad/s or m/s]; 0 without a velocity."""
+        return float(np.max(np.abs(self.channels["velocity"]), initial=0.0)) if "velocity" in self.channels else 0.0
+
+    @cached_property
     def checksum(self) -> str:
         """SHA-256 over channel names, values and runs: equal recordings have equal checksums."""
         digest = hashlib.sha256(self.motion.encode())

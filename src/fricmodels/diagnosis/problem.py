@@ -7,16 +7,17 @@ testing an effect is a question of linear regression, whatever the effect is.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property, lru_cache
+from functools import cache, cached_property, lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fricmodels.diagnosis.remembered import Remembered
 from fricmodels.dimension import Motion
-from fricmodels.drive import Drive
+from fricmodels.drive import Drive, rest_width
+from fricmodels.memory import Memory
 from fricmodels.model import Model
 from fricmodels.recording import Recording
 from fricmodels.signals import best_half_width, lanczos_derivative, noise, resting, smoothed_velocity, stretches
@@ -236,18 +237,24 @@ class Problem:
     def _regressors(self, drive: Drive, nonlinear: Sequence[float], points: Recording) -> tuple[Array, Array]:
         if not drive.model.states:
             return drive.regressors(points, nonlinear)
-        along, whole = self._along
         given = iter(nonlinear)
         parameters = [0.0 if is_linear else next(given) for is_linear in drive.model.linear]
-        cell = self.quadrature.cell
-        states = [np.concatenate([z, z[cell], z[cell + 1]]) for z in drive.states(along, parameters, whole=whole)]
+        states = [state[self._places] for state in self._memory(drive)(parameters)]
         return drive.regressors(points, nonlinear, states=states)
 
     @cached_property
-    def _along(self) -> tuple[Recording, Recording]:
-        """The smooth motion, and the whole of which it is a part."""
+    def _memory(self) -> Callable[[Drive], Memory]:
+        """What integrates a drive's internal states along the smooth motion, or the whole of which it is a part."""
         along = replace(self.recording, channels={**self.recording.channels, "velocity": self.smooth})
-        return along, along.whole()
+        whole, width = along.whole(), rest_width(along)
+        return cache(lambda drive: drive.memory(whole, width))
+
+    @cached_property
+    def _places(self) -> NDArray[np.int64]:
+        """Sample of the whole motion whose internal states are those of each sample of the quadrature."""
+        cell, origin = self.quadrature.cell, self.recording.origin
+        places = np.concatenate([np.arange(len(self.recording)), cell, cell + 1])
+        return places if origin is None else origin.index[places]
 
     @cached_property
     def motor_torque(self) -> Array:
