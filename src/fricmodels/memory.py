@@ -65,9 +65,8 @@ class Memory:
         states = np.empty((self._edges[-1], len(self._first)))
         constants = [*np.asarray(parameters, dtype=float), self._width]
         for begin, end in itertools.pairwise(self._edges):
-            _, outputs, _ = self._scan(self._first, self._rows[begin : end - 1], constants)
             states[begin] = self._first
-            states[begin + 1 : end] = outputs
+            self._scan(self._first, self._rows[begin : end - 1], constants, outputs=states[begin + 1 : end])
         return tuple(states.T)
 
 
@@ -104,6 +103,9 @@ def _scan(model: Model) -> Scan:
     given = casadi.vertcat(signals, *(e.later[name] for name in _needed(model)), e.step)
     for i, expression in e.advanced.items():
         following[i] = casadi.substitute(expression, given, casadi.vertcat(begin, end, h))
+    slope = casadi.jacobian(following, e.states)
+    if not casadi.depends_on(slope, e.states):  # all but a product and a sum can then be done ahead of the states
+        following = casadi.mtimes(slope, e.states) + casadi.substitute(following, e.states, 0)
     constants = casadi.vertcat(e.parameters, e.width)
     step = casadi.Function(
         "memory", [e.states, casadi.vertcat(h, begin, end), constants], [following, following], {"cse": True}

@@ -54,11 +54,18 @@ class Scan:
         self._compiled = None
 
     def __call__(
-        self, state: ArrayLike, inputs: ArrayLike, constants: ArrayLike, *, stride: int = 1
+        self,
+        state: ArrayLike,
+        inputs: ArrayLike,
+        constants: ArrayLike,
+        *,
+        stride: int = 1,
+        outputs: NDArray[np.float64] | None = None,
     ) -> tuple[NDArray[np.float64], NDArray[np.float64], int]:
         """Run over the rows of ``inputs``, shape (N, m).
 
-        With ``stride`` k only every k-th output is kept: row i is the output of step ``i k + k − 1``.
+        With ``stride`` k only every k-th output is kept: row i is the output of step ``i k + k − 1``. They are
+        written to ``outputs``, contiguous and of shape (N // stride, o), where it is given.
 
         Returns:
             The last state (n,), the outputs (N // stride, o), and the number of steps done: fewer than N when the
@@ -67,10 +74,12 @@ class Scan:
         first = np.array(state, dtype=float).reshape(self.n_states)
         rows = np.ascontiguousarray(inputs, dtype=float).reshape(-1, self.n_inputs)
         fixed = np.array(constants, dtype=float).reshape(self.n_constants)
-        outputs = np.full((len(rows) // stride, self.n_outputs), np.nan)
+        if outputs is None:
+            outputs = np.empty((len(rows) // stride, self.n_outputs))
         if self._compiled is None:
             self._compiled = _load(self.source).scan
         done = self._compiled(first, rows, fixed, stride, outputs)  # type: ignore[misc]
+        outputs[done // stride :] = np.nan
         return first, outputs, int(done)
 
 
