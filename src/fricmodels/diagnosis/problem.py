@@ -15,12 +15,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fricmodels.diagnosis.remembered import Remembered
+from fricmodels.diagnosis.unclear import direction_unclear
 from fricmodels.dimension import Motion
 from fricmodels.drive import Drive, rest_width
 from fricmodels.memory import Memory
 from fricmodels.model import Model
 from fricmodels.recording import Recording
-from fricmodels.signals import best_half_width, lanczos_derivative, noise, resting, smoothed_velocity, stretches
+from fricmodels.signals import best_half_width, lanczos_derivative, noise, resting
 from fricmodels.signals.weak_form import HOPS, Bumps, Quadrature
 from fricmodels.term import Effect, Law, Parameters, Signals
 
@@ -33,8 +34,6 @@ _BLOCK = 8_192
 _NARROWEST, _WIDEST = 16, 128
 _ROOM = 2**28
 """Bytes of integrals that a problem remembers."""
-CERTAIN = 3.0
-"""Standard errors from zero at which the direction of motion is certain."""
 _NOISE_SHARE = 0.01
 """The bump is widened until the noise of the velocity adds less than this share of the RMS torque to a row."""
 
@@ -100,9 +99,7 @@ class Problem:
         width = _bump_width(part, inertia, sigma)
         part = part.with_channels(torque_rate=part.signal("motor_torque_rate"))
         at_rest = resting(part)
-        reach = _reach(part)
-        unclear = at_rest | _unclear_direction(part, width)
-        unclear = _widened(unclear | _hidden_turns(drive, part, smooth, parameters), reach)
+        unclear = direction_unclear(drive, part, smooth, at_rest, width, parameters)
         quadrature = Quadrature.of(part, smooth, unclear)
         bumps = Bumps(part, width, unclear, least_moving=1.0)
         problem = cls(drive, part, smooth, at_rest, quadrature, bumps, sigma, half_width, (0.0, 0.0), delay=delay)
@@ -311,56 +308,6 @@ class Problem:
 @lru_cache(maxsize=256)
 def _alone(effect: Effect, motion: Motion) -> Drive:
     return Drive(Model(NoFriction(), [effect]), 1.0, motion)
-
-
-def _unclear_direction(recording: Recording, width: int) -> NDArray[np.bool_]:
-    """Mark where the drive creeps so slowly that noise hides which way, for longer than an eighth of a bump.
-
-    There the friction torque is not known, nor whether the drive moves at all. A reversal passes through faster.
-    """
-    velocity, error = smoothed_velocity(recording)
-    slow = np.abs(velocity) <= CERTAIN * error
-    unclear = np.zeros(len(recording), dtype=bool)
-    for part in stretches(recording.time, recording.run):
-        borders = np.flatnonzero(np.diff(slow[part].astype(np.int8))) + 1
-        edges = np.concatenate([[0], borders, [part.stop - part.start]]) + part.start
-        long = slow[edges[:-1]] & (np.diff(edges) > max(2, width // HOPS))
-        unclear[part] = np.repeat(long, np.diff(edges))
-    return unclear
-
-
-def _hidden_turns(
-    drive: Drive, recording: Recording, smooth: Array, parameters: Mapping[str, float]
-) -> NDArray[np.bool_]:
-    """Mark passages near zero speed of which the samples do not show the course.
-
-    Where the velocity could have reached zero between two samples, it passed cleanly only if the torque at both drives
-    it on in one direction, beyond what friction holds. Otherwise it may have stuck, or turned twice, in between.
-    """
-    first, last = smooth[:-1], smooth[1:]
-    near = np.minimum(np.abs(first), np.abs(last)) < np.abs(last - first)
-    cell = np.flatnonzero((near | (first * last < 0)) & (np.diff(recording.run) == 0))
-    marked = np.zeros(len(recording), dtype=bool)
-    if len(cell):
-        least, greatest = drive.sticking_interval(recording, parameters)
-        net = recording.torque - recording.load_torque
-        side = np.where(net > greatest, 1, np.where(net < least, -1, 0))
-        hidden = cell[(side[cell] != side[cell + 1]) | (side[cell] == 0)]
-        marked[hidden] = marked[hidden + 1] = True
-    return marked
-
-
-def _reach(recording: Recording) -> int:
-    """Return over how many samples the kink of a velocity at a stop or start is smeared by its derivation."""
-    if "velocity" not in recording.derived or "position" not in recording:
-        return 1
-    return 1 + best_half_width(recording.time, recording["position"], recording.run)
-
-
-def _widened(mask: NDArray[np.bool_], reach: int) -> NDArray[np.bool_]:
-    """Mark also the ``reach`` samples before and after each marked one."""
-    near = np.convolve(mask.astype(float), np.ones(2 * reach + 1), "same")
-    return np.asarray(near > 0.5)
 
 
 def _noise_like(recording: Recording, deviation: float, rng: np.random.Generator) -> Array:
