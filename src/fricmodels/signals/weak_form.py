@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import itertools
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -145,6 +146,13 @@ class Bumps:
         moving = self._apply((~resting).astype(float)[None], self._mean)[0]
         self._kept = self._kept[moving >= least_moving - 1e-12]
         self.count = len(self._kept)
+
+    @cached_property
+    def centre(self) -> NDArray[np.int64]:
+        """Index of the sample after the middle of each bump, shape (number of bumps,)."""
+        block, within = np.divmod(self._kept, HOPS)
+        begin: NDArray[np.int64] = self._places[block * self.width] + within * self.hop
+        return begin + self.width // 2
 
     def _windows(self, kernel: Array) -> Array:
         """Return what each of the eight bumps that begin in a block takes of its samples and of the next block's."""
