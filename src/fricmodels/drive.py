@@ -218,8 +218,9 @@ class Drive:
         if states is None:
             states = self.states(recording, parameters)
         design, offset = self._linear_part(*signals, *nonlinear, *states, rest_width(recording))
-        shape = (design.shape[0], len(recording))
-        return np.broadcast_to(design, shape), np.broadcast_to(offset[0], shape[1:])
+        if design.shape[1] == len(recording):
+            return design, offset[0]
+        return np.broadcast_to(design, (len(design), len(recording))), np.broadcast_to(offset[0], len(recording))
 
     def jacobian(self, recording: Recording, values: Mapping[str, float]) -> Array:
         """Return the derivative of τ_F by each model parameter at fixed internal states, shape (parameters, N)."""

@@ -193,7 +193,7 @@ def walk(
                 while moves < _LONGEST_WALK:
                     here, step = point[i], steps[i]
                     moved = here - direction * step / 2 if step < 0 else here * step ** (direction / 2)
-                    moved = float(np.clip(moved, parameter.lower, parameter.upper))
+                    moved = min(max(moved, parameter.lower), parameter.upper)
                     trial = (*point[:i], moved, *point[i + 1 :])
                     reached = value(trial) if moved != here else best
                     if reached <= best:
@@ -221,7 +221,7 @@ def halved(step: float, times: int = 1) -> float:
 def _onward(last: float, here: float, parameter: Parameter, step: float) -> float:
     """Return where the same move again leads."""
     moved = 2 * here - last if step < 0 or here * last <= 0 else here * here / last
-    return float(np.clip(moved, parameter.lower, parameter.upper))
+    return min(max(moved, parameter.lower), parameter.upper)
 
 
 def _wave_numbers(problem: Problem, regression: Regression, alone: Drive, least: float) -> WaveNumbers:
