@@ -192,7 +192,7 @@ class Recording(Shown):
         shift = np.cumsum(last - first + 1.0) - last
         of, wanted = (np.searchsorted(numbers, run) for run in (self.run[order], at.run))
         time = np.clip(at.time - delay, first[wanted], last[wanted]) + shift[wanted]
-        return np.interp(time, self.time[order] + shift[of], self.channels[name][order])
+        return np.asarray(np.interp(time, self.time[order] + shift[of], self.channels[name][order]))
 
     @cached_property
     def _one_after_another(self) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[Any], NDArray[Any]]:

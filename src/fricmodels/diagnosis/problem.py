@@ -188,10 +188,13 @@ class Problem:
         """Left side of the torque equation: driving torque less known inertia torque, shape (rows,)."""
         return self.driving if self.drive.inertia is None else self.driving - self.drive.inertia * self.momentum
 
-    @property
+    @cached_property
     def centre(self) -> NDArray[np.int64]:
-        """Index of the sample after the middle of each bump."""
-        return self.bumps.centre
+        """Index of the sample at the middle of each bump."""
+        index = np.arange(len(self.recording), dtype=float)
+        ones = self.bumps.integrals(np.ones((1, len(index))))[0]
+        middle: NDArray[np.int64] = np.rint(self.bumps.integrals(index[None])[0] / ones).astype(np.int64)
+        return middle
 
     def integrals(self, rows: Array) -> Array:
         """Return ∫φ f dt of rows evaluated at the quadrature's samples, shape (k, rows)."""

@@ -13,7 +13,6 @@ from __future__ import annotations
 
 import itertools
 from dataclasses import dataclass, replace
-from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -131,56 +130,55 @@ class Bumps:
         x = 2.0 * np.arange(1, self.width) / self.width - 1.0
         between = np.concatenate([[0.0], (1.0 - x**2) ** 2, [0.0]])
         between /= between.sum()
-        self._mean = self._windows(0.5 * (between[:-1] + between[1:]))
-        self._fall = self._windows(between[:-1] - between[1:])
-        # Every piece is cut into blocks of a bump's width, the last one filled up; eight bumps begin in each block.
-        places, counted = [np.zeros(0, dtype=np.int64)], [np.zeros(0, dtype=bool)]
-        for piece in segments(recording):
-            bumps = (piece.stop - piece.start) // self.hop - HOPS + 1
-            if bumps > 0:
-                blocks = -(-bumps // HOPS) + 1
-                places.append(np.minimum(piece.start + np.arange(blocks * self.width), piece.stop - 1))
-                counted.append(np.arange(blocks * HOPS) < bumps)
-        self._places, begins = np.concatenate(places), np.concatenate(counted)
-        self._kept = np.flatnonzero(begins)
-        moving = self._apply((~resting).astype(float)[None], self._mean)[0]
-        self._kept = self._kept[moving >= least_moving - 1e-12]
+        self._mean = 0.5 * (between[:-1] + between[1:])
+        self._fall = between[:-1] - between[1:]
+        self._pieces = [
+            slice(piece.start, piece.start + self.hop * ((piece.stop - piece.start) // self.hop))
+            for piece in segments(recording)
+            if piece.stop - piece.start >= self.width
+        ]
+        moving = self._apply((~resting).astype(float)[None], self._mean)[0] if self._pieces else np.zeros(0)
+        self._every = len(moving)
+        self._kept = np.flatnonzero(moving >= least_moving - 1e-12)
         self.count = len(self._kept)
-
-    @cached_property
-    def centre(self) -> NDArray[np.int64]:
-        """Index of the sample after the middle of each bump, shape (number of bumps,)."""
-        block, within = np.divmod(self._kept, HOPS)
-        begin: NDArray[np.int64] = self._places[block * self.width] + within * self.hop
-        return begin + self.width // 2
-
-    def _windows(self, kernel: Array) -> Array:
-        """Return what each of the eight bumps that begin in a block takes of its samples and of the next block's."""
-        both = np.zeros((HOPS, 2 * self.width))
-        for i in range(HOPS):
-            both[i, i * self.hop : i * self.hop + self.width] = kernel
-        return np.ascontiguousarray(both.reshape(HOPS, 2, self.width).transpose(1, 2, 0))
 
     def integrals(self, integrand: Array) -> Array:
         """Return ∫φ f dt for rows f, shape (k, number of bumps)."""
-        return self._apply(integrand, self._mean)
+        return self._keep(self._apply(integrand, self._mean))
 
     def momentum(self, velocity: Array) -> Array:
         """Return ∫φ dω = −∫φ' ω dt, shape (number of bumps,)."""
-        return np.asarray(self._apply(velocity[None], self._fall)[0])
+        return np.asarray(self._keep(self._apply(velocity[None], self._fall))[0])
 
     def spread(self, values: Array) -> Array:
         """Return Σ c φ(t) at the samples for one coefficient c a bump: the transpose of :meth:`integrals`."""
-        blocks = len(self._places) // self.width
-        every = np.zeros((blocks, HOPS))
-        every.reshape(-1)[self._kept] = values
-        parts = every @ self._mean[0].T
-        parts[1:] += every[:-1] @ self._mean[1].T
-        return np.bincount(self._places, parts.reshape(-1), self._samples)
+        every = np.zeros(self._every)
+        every[self._kept] = values
+        result = np.zeros(self._samples)
+        first = 0
+        for piece in self._pieces:
+            blocks = (piece.stop - piece.start) // self.hop
+            count = blocks - HOPS + 1
+            parts = np.zeros((blocks, self.hop))
+            for part, kernel in enumerate(self._mean.reshape(HOPS, self.hop)):
+                parts[part : part + count] += np.outer(every[first : first + count], kernel)
+            result[piece] = parts.ravel()
+            first += count
+        return result
 
-    def _apply(self, rows: Array, windows: Array) -> Array:
-        count = len(self._places) // self.width
-        blocks = np.take(rows, self._places, axis=1).reshape(len(rows), count, self.width)
-        sums = blocks @ windows[0]
-        sums[:, :-1] += blocks[:, 1:] @ windows[1]
-        return np.take(sums.reshape(len(rows), count * HOPS), self._kept, axis=1)
+    def _keep(self, values: Array) -> Array:
+        return values if self.count == values.shape[1] else np.take(values, self._kept, axis=1)
+
+    def _apply(self, rows: Array, kernel: Array) -> Array:
+        parts = kernel.reshape(HOPS, self.hop)
+        counts = [(piece.stop - piece.start) // self.hop - HOPS + 1 for piece in self._pieces]
+        sums = np.empty((len(rows), sum(counts)))
+        first = 0
+        for piece, count in zip(self._pieces, counts, strict=True):
+            for row, total in zip(rows[:, piece], sums[:, first : first + count], strict=True):
+                product = parts @ row.reshape(-1, self.hop).T
+                np.add(product[0, :count], product[1, 1 : 1 + count], out=total)
+                for part in range(2, HOPS):
+                    total += product[part, part : part + count]
+            first += count
+        return sums
