@@ -261,7 +261,7 @@ def long_run_sum(series: Array, terms: int) -> Array:
     return np.asarray(2.0 * projected @ projected.T / terms)
 
 
-@lru_cache(maxsize=2)
+@lru_cache(maxsize=1)
 def _cosines(rows: int, terms: int) -> Array:
     """Return cosines of 1/2, 1, ... periods over all rows, shape (rows, terms).
 
