@@ -16,7 +16,7 @@ from fricmodels.drive import Drive
 from fricmodels.effects import Presliding
 from fricmodels.expressions import maximum, minimum, sign, where
 from fricmodels.laws import CoulombViscous
-from fricmodels.memory import trace
+from fricmodels.memory import Memory
 from fricmodels.model import Model
 from fricmodels.parameter import Parameter, State
 from fricmodels.recording import Recording
@@ -32,7 +32,7 @@ def states(effect: str, parameters: dict[str, float], time: Array, **signals: Ar
     given = {name: signals.get(name, np.zeros(len(time))) for name in SIGNALS}
     run = np.zeros(len(time), dtype=np.int64)
     values = [parameters.get(p.declared.symbol, 1.0) for p in model.parameters]
-    return trace(model, given, time, run, values, 1e-9)
+    return Memory(model, given, time, run, 1e-9)(values)
 
 
 def test_presliding_after_a_reversal_is_the_closed_form() -> None:
@@ -153,7 +153,7 @@ def test_runs_begin_afresh() -> None:
     time = np.tile(np.linspace(0, 1, 101), 2)
     run = np.repeat([0, 1], 101)
     signals = {name: np.ones(202) for name in SIGNALS}
-    (z,) = trace(model, signals, time, run, values, 1e-9)
+    (z,) = Memory(model, signals, time, run, 1e-9)(values)
     np.testing.assert_array_equal(z[:101], z[101:])
     assert z[101] == 0.0
 
@@ -165,7 +165,7 @@ def test_several_memories_do_not_disturb_each_other() -> None:
     run = np.zeros(1001, dtype=np.int64)
     model = Model.parse("coulomb-viscous+presliding+rising-stiction")
     chosen = {"presliding.x_s": 0.03, "rising-stiction.T": 0.3, "rising-stiction.x_s": 0.05}
-    both = trace(model, signals, time, run, [chosen.get(p.key, 1.0) for p in model.parameters], 1e-9)
+    both = Memory(model, signals, time, run, 1e-9)([chosen.get(p.key, 1.0) for p in model.parameters])
     alone = states("presliding", {"x_s": 0.03}, time, velocity=signals["velocity"])
     alone += states("rising-stiction", {"T": 0.3, "x_s": 0.05}, time, velocity=signals["velocity"])
     np.testing.assert_allclose(both, alone, rtol=1e-12, atol=1e-14)
@@ -197,7 +197,7 @@ def test_a_switching_contact_is_advanced_by_its_own_formula() -> None:
     run = np.zeros(81, dtype=np.int64)
     model = Model(CoulombViscous(), [Presliding(), SpringAndSlider()])
     values = [{"presliding.x_s": 0.03, "spring-and-slider.x_s": 0.2}.get(p.key, 1.0) for p in model.parameters]
-    bent, z = trace(model, signals, time, run, values, 1e-9)
+    bent, z = Memory(model, signals, time, run, 1e-9)(values)
     expected = [0.0]
     for before, after in itertools.pairwise(velocity):
         expected.append(float(np.clip(expected[-1] + 0.05 * (before + after) / 2 / 0.2, -1, 1)))

@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +18,9 @@ from fricmodels.model import Model
 from fricmodels.parameter import Parameter
 from fricmodels.recording import Recording
 from fricmodels.term import SIGNALS
+
+if TYPE_CHECKING:
+    from fricmodels.memory import Memory
 
 Array = NDArray[np.float64]
 
@@ -153,9 +156,7 @@ class Drive:
         (torque,) = self._torque(*signals, *parameters, *states, chosen)
         return np.broadcast_to(torque[0], (len(recording),)).copy() if torque.shape[1] == 1 else torque[0]
 
-    def states(
-        self, recording: Recording, parameters: Sequence[float] | Array, *, whole: Recording | None = None
-    ) -> tuple[Array, ...]:
+    def states(self, recording: Recording, parameters: Sequence[float] | Array) -> tuple[Array, ...]:
         """Integrate the model's internal states along the recorded motion; empty for a model without memory.
 
         Of a recording that was cut from another one, they are those of the whole motion.
@@ -163,16 +164,23 @@ class Drive:
         Args:
             recording: gives the signals.
             parameters: the model's parameters, in order.
-            whole: what :meth:`fricmodels.recording.Recording.whole` returns, where it is at hand.
         """
         if not self.model.states:
             return ()
-        from fricmodels.memory import trace
-
-        whole = recording.whole() if whole is None else whole
-        signals = dict(zip(SIGNALS, self._signals(whole, None), strict=True))
-        along = trace(self.model, signals, whole.time, whole.run, parameters, rest_width(recording))
+        along = self.memory(recording.whole(), rest_width(recording))(parameters)
         return along if recording.origin is None else tuple(state[recording.origin.index] for state in along)
+
+    def memory(self, recording: Recording, width: float) -> Memory:
+        """Return what integrates the model's internal states along a motion, for whatever parameters.
+
+        Args:
+            recording: gives the signals.
+            width: width of rest [velocity].
+        """
+        from fricmodels.memory import Memory
+
+        signals = dict(zip(SIGNALS, self._signals(recording, None), strict=True))
+        return Memory(self.model, signals, recording.time, recording.run, width)
 
     def sticking_interval(
         self, recording: Recording, values: Mapping[str, float], *, states: Sequence[Array] | None = None
@@ -210,8 +218,9 @@ class Drive:
         if states is None:
             states = self.states(recording, parameters)
         design, offset = self._linear_part(*signals, *nonlinear, *states, rest_width(recording))
-        shape = (design.shape[0], len(recording))
-        return np.broadcast_to(design, shape), np.broadcast_to(offset[0], shape[1:])
+        if design.shape[1] == len(recording):
+            return design, offset[0]
+        return np.broadcast_to(design, (len(design), len(recording))), np.broadcast_to(offset[0], len(recording))
 
     def jacobian(self, recording: Recording, values: Mapping[str, float]) -> Array:
         """Return the derivative of τ_F by each model parameter at fixed internal states, shape (parameters, N)."""
@@ -308,7 +317,4 @@ class Drive:
 
 def rest_width(recording: Recording) -> float:
     """Return the speed below which a drive counts as at rest for a law's slope: 1e-6 of the peak speed."""
-    if "velocity" not in recording:
-        return 1e-9
-    peak = float(np.max(np.abs(recording.velocity), initial=0.0))
-    return 1e-6 * peak if peak > 0 else 1e-9
+    return 1e-6 * recording.peak_speed or 1e-9

@@ -90,6 +90,11 @@ def exp(x: Expression) -> Expression:
     return _casadi().exp(x)
 
 
+def expm1(x: Expression) -> Expression:
+    """Return e^x − 1, which is exact near 0 too."""
+    return _casadi().expm1(x)
+
+
 def log(x: Expression) -> Expression:
     """Return the natural logarithm of x."""
     return _casadi().log(x)

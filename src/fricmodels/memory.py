@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Mapping
 from functools import lru_cache
@@ -14,18 +15,13 @@ from fricmodels.kernels import Scan
 from fricmodels.model import Model
 from fricmodels.term import SIGNALS
 
+Array = NDArray[np.float64]
+
 _GAMMA = 1 - 1 / math.sqrt(2)
 
 
-def trace(
-    model: Model,
-    signals: Mapping[str, ArrayLike],
-    time: NDArray[np.float64],
-    run: NDArray[np.int64],
-    parameters: ArrayLike,
-    width: float,
-) -> tuple[NDArray[np.float64], ...]:
-    r"""Return each internal state of a model at every sample, one array of shape (N,) for each.
+class Memory:
+    r"""The internal states of a model along one motion, for whatever parameters.
 
     Every run starts from the declared initial states. With rates f, their derivative F by the states and the step h,
     a step is the second-order Rosenbrock formula
@@ -42,26 +38,36 @@ def trace(
         model: the model with memory.
         signals: value or array of shape (N,) of each signal that the model needs.
         time: sample times [s]; run: run number of each sample.
-        parameters: all of the model's parameters, in order.
         width: width of rest.
 
     Source: J. G. Verwer et al., "A second-order Rosenbrock method", SIAM J. Sci. Comput. 20 (1999).
     """
-    scan = _scan(model)
-    first = [state.initial for state in model.states]
-    needed = _needed(model)
-    rows = np.empty((len(time) - 1, 1 + 2 * len(needed)))
-    rows[:, 0] = np.diff(time)
-    for i, name in enumerate(needed, start=1):
-        values = np.broadcast_to(signals[name], time.shape)
-        rows[:, i], rows[:, i + len(needed)] = values[:-1], values[1:]
-    broken = np.flatnonzero(np.diff(run)) + 1
-    states = np.empty((len(time), len(first)))
-    for begin, end in zip([0, *broken], [*broken, len(time)], strict=True):
-        _, outputs, _ = scan(first, rows[begin : end - 1], [*np.asarray(parameters, dtype=float), width])
-        states[begin] = first
-        states[begin + 1 : end] = outputs
-    return tuple(states.T)
+
+    def __init__(
+        self, model: Model, signals: Mapping[str, ArrayLike], time: Array, run: NDArray[np.int64], width: float
+    ) -> None:
+        self._scan, self._width = _scan(model), width
+        self._first = [state.initial for state in model.states]
+        needed = _needed(model)
+        self._rows = np.empty((len(time) - 1, 1 + 2 * len(needed)))
+        self._rows[:, 0] = np.diff(time)
+        for i, name in enumerate(needed, start=1):
+            values = np.broadcast_to(signals[name], time.shape)
+            self._rows[:, i], self._rows[:, i + len(needed)] = values[:-1], values[1:]
+        self._edges = [0, *(np.flatnonzero(np.diff(run)) + 1).tolist(), len(time)]
+
+    def __call__(self, parameters: ArrayLike) -> tuple[Array, ...]:
+        """Return each state at every sample, one array of shape (N,) for each.
+
+        Args:
+            parameters: all of the model's parameters, in order.
+        """
+        states = np.empty((self._edges[-1], len(self._first)))
+        constants = [*np.asarray(parameters, dtype=float), self._width]
+        for begin, end in itertools.pairwise(self._edges):
+            states[begin] = self._first
+            self._scan(self._first, self._rows[begin : end - 1], constants, outputs=states[begin + 1 : end])
+        return tuple(states.T)
 
 
 def _needed(model: Model) -> list[str]:
@@ -97,6 +103,9 @@ def _scan(model: Model) -> Scan:
     given = casadi.vertcat(signals, *(e.later[name] for name in _needed(model)), e.step)
     for i, expression in e.advanced.items():
         following[i] = casadi.substitute(expression, given, casadi.vertcat(begin, end, h))
+    slope = casadi.jacobian(following, e.states)
+    if not casadi.depends_on(slope, e.states):  # all but a product and a sum can then be done ahead of the states
+        following = casadi.mtimes(slope, e.states) + casadi.substitute(following, e.states, 0)
     constants = casadi.vertcat(e.parameters, e.width)
     step = casadi.Function(
         "memory", [e.states, casadi.vertcat(h, begin, end), constants], [following, following], {"cse": True}

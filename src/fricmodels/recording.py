@@ -190,11 +190,19 @@ class Recording(Shown):
         return ["torque", *(["load_torque"] if delay > 0 and "load_torque" in self else [])]
 
     def _before(self, name: str, delay: float, at: Recording) -> NDArray[np.float64]:
-        before = np.empty(len(at))
-        for number in np.unique(self.run):
-            inside, wanted = self.run == number, at.run == number
-            before[wanted] = np.interp(at.time[wanted] - delay, self.time[inside], self.channels[name][inside])
-        return before
+        order, numbers, first, last = self._one_after_another
+        # On an axis on which every run begins where the one before has ended.
+        shift = np.cumsum(last - first + 1.0) - last
+        of, wanted = (np.searchsorted(numbers, run) for run in (self.run[order], at.run))
+        time = np.clip(at.time - delay, first[wanted], last[wanted]) + shift[wanted]
+        return np.asarray(np.interp(time, self.time[order] + shift[of], self.channels[name][order]))
+
+    @cached_property
+    def _one_after_another(self) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[Any], NDArray[Any]]:
+        """Samples in order of their runs, the numbers of the runs, and when each begins and ends."""
+        order = np.argsort(self.run, kind="stable")
+        numbers, first, count = np.unique(self.run[order], return_index=True, return_counts=True)
+        return order, numbers, self.time[order[first]], self.time[order[first + count - 1]]
 
     def require(self, signals: frozenset[str], wanted_by: str) -> None:
         """Check that every signal that a model touches is there.
@@ -263,6 +271,11 @@ class Recording(Shown):
         """Median sampling interval within runs [s]."""
         steps = np.diff(self.time)[np.diff(self.run) == 0]
         return float(np.median(steps)) if len(steps) else float("nan")
+
+    @cached_property
+    def peak_speed(self) -> float:
+        """Largest speed [rad/s or m/s]; 0 without a velocity."""
+        return float(np.max(np.abs(self.channels["velocity"]), initial=0.0)) if "velocity" in self.channels else 0.0
 
     @cached_property
     def checksum(self) -> str:

@@ -14,7 +14,7 @@ from __future__ import annotations
 import math
 from copy import copy
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from operator import mul
 
 import numpy as np
@@ -257,10 +257,18 @@ def cosine_terms(independent: float, rows: int) -> int:
 
 def long_run_sum(series: Array, terms: int) -> Array:
     """Return the covariance of the sum over time of series, shape (q, M) → (q, q), by ν equal-weighted cosines."""
-    from scipy.fft import dct
-
-    projected = dct(series, type=2, axis=1)[:, 1 : terms + 1] / 2
+    projected = series @ _cosines(series.shape[1], terms)
     return np.asarray(2.0 * projected @ projected.T / terms)
+
+
+@lru_cache(maxsize=1)
+def _cosines(rows: int, terms: int) -> Array:
+    """Return cosines of 1/2, 1, ... periods over all rows, shape (rows, terms).
+
+    So few of them cost less than a transform that yields as many as there are rows.
+    """
+    phases = np.outer(np.arange(rows) + 0.5, np.pi / rows * np.arange(1, terms + 1))
+    return np.asarray(np.cos(phases, out=phases))
 
 
 def compare(loss: Array, other: Array, terms: int) -> tuple[float, float]:

@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fricmodels.diagnosis.problem import CERTAIN, Problem
+from fricmodels.diagnosis.problem import Problem
+from fricmodels.diagnosis.unclear import CERTAIN
 from fricmodels.signals import smoothed_velocity
 
 Array = NDArray[np.float64]

@@ -7,19 +7,21 @@ testing an effect is a question of linear regression, whatever the effect is.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property, lru_cache
+from functools import cache, cached_property, lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fricmodels.diagnosis.remembered import Remembered
+from fricmodels.diagnosis.unclear import direction_unclear
 from fricmodels.dimension import Motion
-from fricmodels.drive import Drive
+from fricmodels.drive import Drive, rest_width
+from fricmodels.memory import Memory
 from fricmodels.model import Model
 from fricmodels.recording import Recording
-from fricmodels.signals import best_half_width, lanczos_derivative, noise, resting, smoothed_velocity, stretches
+from fricmodels.signals import best_half_width, lanczos_derivative, noise, resting
 from fricmodels.signals.weak_form import HOPS, Bumps, Quadrature
 from fricmodels.term import Effect, Law, Parameters, Signals
 
@@ -32,8 +34,6 @@ _BLOCK = 8_192
 _NARROWEST, _WIDEST = 16, 128
 _ROOM = 2**28
 """Bytes of integrals that a problem remembers."""
-CERTAIN = 3.0
-"""Standard errors from zero at which the direction of motion is certain."""
 _NOISE_SHARE = 0.01
 """The bump is widened until the noise of the velocity adds less than this share of the RMS torque to a row."""
 
@@ -99,8 +99,7 @@ class Problem:
         width = _bump_width(part, inertia, sigma)
         part = part.with_channels(torque_rate=part.signal("motor_torque_rate"))
         at_rest = resting(part)
-        hidden = _hidden_turns(drive, part, smooth, parameters)
-        unclear = _widened(at_rest | _unclear_direction(part, width) | hidden, 1 + part.derived_over)
+        unclear = direction_unclear(drive, part, smooth, at_rest, width, parameters)
         quadrature = Quadrature.of(part, smooth, unclear)
         bumps = Bumps(part, width, unclear, least_moving=1.0, half_width=part.derived_over)
         problem = cls(drive, part, smooth, at_rest, quadrature, bumps, sigma, half_width, (0.0, 0.0), delay=delay)
@@ -235,18 +234,24 @@ class Problem:
     def _regressors(self, drive: Drive, nonlinear: Sequence[float], points: Recording) -> tuple[Array, Array]:
         if not drive.model.states:
             return drive.regressors(points, nonlinear)
-        along, whole = self._along
         given = iter(nonlinear)
         parameters = [0.0 if is_linear else next(given) for is_linear in drive.model.linear]
-        cell = self.quadrature.cell
-        states = [np.concatenate([z, z[cell], z[cell + 1]]) for z in drive.states(along, parameters, whole=whole)]
+        states = [state[self._places] for state in self._memory(drive)(parameters)]
         return drive.regressors(points, nonlinear, states=states)
 
     @cached_property
-    def _along(self) -> tuple[Recording, Recording]:
-        """The smooth motion, and the whole of which it is a part."""
+    def _memory(self) -> Callable[[Drive], Memory]:
+        """What integrates a drive's internal states along the smooth motion, or the whole of which it is a part."""
         along = replace(self.recording, channels={**self.recording.channels, "velocity": self.smooth})
-        return along, along.whole()
+        whole, width = along.whole(), rest_width(along)
+        return cache(lambda drive: drive.memory(whole, width))
+
+    @cached_property
+    def _places(self) -> NDArray[np.int64]:
+        """Sample of the whole motion whose internal states are those of each sample of the quadrature."""
+        cell, origin = self.quadrature.cell, self.recording.origin
+        places = np.concatenate([np.arange(len(self.recording)), cell, cell + 1])
+        return places if origin is None else origin.index[places]
 
     @cached_property
     def motor_torque(self) -> Array:
@@ -304,49 +309,6 @@ class Problem:
 @lru_cache(maxsize=256)
 def _alone(effect: Effect, motion: Motion) -> Drive:
     return Drive(Model(NoFriction(), [effect]), 1.0, motion)
-
-
-def _unclear_direction(recording: Recording, width: int) -> NDArray[np.bool_]:
-    """Mark where the drive creeps so slowly that noise hides which way, for longer than an eighth of a bump.
-
-    There the friction torque is not known, nor whether the drive moves at all. A reversal passes through faster.
-    """
-    velocity, error = smoothed_velocity(recording)
-    slow = np.abs(velocity) <= CERTAIN * error
-    unclear = np.zeros(len(recording), dtype=bool)
-    for part in stretches(recording.time, recording.run):
-        borders = np.flatnonzero(np.diff(slow[part].astype(np.int8))) + 1
-        edges = np.concatenate([[0], borders, [part.stop - part.start]]) + part.start
-        long = slow[edges[:-1]] & (np.diff(edges) > max(2, width // HOPS))
-        unclear[part] = np.repeat(long, np.diff(edges))
-    return unclear
-
-
-def _hidden_turns(
-    drive: Drive, recording: Recording, smooth: Array, parameters: Mapping[str, float]
-) -> NDArray[np.bool_]:
-    """Mark passages near zero speed of which the samples do not show the course.
-
-    Where the velocity could have reached zero between two samples, it passed cleanly only if the torque at both drives
-    it on in one direction, beyond what friction holds. Otherwise it may have stuck, or turned twice, in between.
-    """
-    first, last = smooth[:-1], smooth[1:]
-    near = np.minimum(np.abs(first), np.abs(last)) < np.abs(last - first)
-    cell = np.flatnonzero((near | (first * last < 0)) & (np.diff(recording.run) == 0))
-    marked = np.zeros(len(recording), dtype=bool)
-    if len(cell):
-        least, greatest = drive.sticking_interval(recording, parameters)
-        net = recording.torque - recording.load_torque
-        side = np.where(net > greatest, 1, np.where(net < least, -1, 0))
-        hidden = cell[(side[cell] != side[cell + 1]) | (side[cell] == 0)]
-        marked[hidden] = marked[hidden + 1] = True
-    return marked
-
-
-def _widened(mask: NDArray[np.bool_], reach: int) -> NDArray[np.bool_]:
-    """Mark also the ``reach`` samples before and after each marked one."""
-    near = np.convolve(mask.astype(float), np.ones(2 * reach + 1), "same")
-    return np.asarray(near > 0.5)
 
 
 def noise_like(recording: Recording, deviation: float, rng: np.random.Generator) -> Array:

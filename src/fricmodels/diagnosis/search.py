@@ -69,7 +69,7 @@ def search(problem: Problem, regression: Regression, effect: Effect, alone: Driv
         return Found(point, columns[kept], kept, gained, trials, delay)
 
     def value(point: tuple[float, ...]) -> float:
-        return at(point).explained
+        return regression.explained(problem.columns(alone, point, delay)[0], lower, upper)[0]
 
     if not nonlinear:
         found = at((), 2.0 * len(_SHIFTS) if delay else 1.0)
@@ -77,13 +77,12 @@ def search(problem: Problem, regression: Regression, effect: Effect, alone: Driv
     points, spacing, trials, nonlinear = _starts(problem, regression, alone, nonlinear)
     if not points:
         return None
-    tried = sorted((at(point, trials) for point in points), key=lambda found: -found.explained)
-    best = tried[0]
-    if best.explained <= 0:
-        return best if np.any(regression.visible(problem.columns(alone, best.nonlinear)[0])) else None
-    first = best.nonlinear
+    reached = {point: value(point) for point in points}
+    starts = sorted(points, key=lambda point: -reached[point])[:_STARTS]
+    first = starts[0]
+    if reached[first] <= 0:
+        return at(first, trials) if np.any(regression.visible(problem.columns(alone, first)[0])) else None
     if len(nonlinear) > _FEW:  # sought together, so many values have more than one summit
-        starts = [found.nonlinear for found in tried[:_STARTS]]
         first = max((walk(value, start, nonlinear, spacing, _TRIAL_ROUNDS) for start in starts), key=value)
         spacing = [halved(step, _TRIAL_ROUNDS) for step in spacing]
     return at(walk(value, first, nonlinear, spacing), trials)
@@ -218,7 +217,7 @@ def walk(
                 while moves < _LONGEST_WALK:
                     here, step = point[i], steps[i]
                     moved = here - direction * step / 2 if step < 0 else here * step ** (direction / 2)
-                    moved = float(np.clip(moved, parameter.lower, parameter.upper))
+                    moved = min(max(moved, parameter.lower), parameter.upper)
                     trial = (*point[:i], moved, *point[i + 1 :])
                     reached = value(trial) if moved != here else best
                     if reached <= best:
@@ -246,7 +245,7 @@ def halved(step: float, times: int = 1) -> float:
 def _onward(last: float, here: float, parameter: Parameter, step: float) -> float:
     """Return where the same move again leads."""
     moved = 2 * here - last if step < 0 or here * last <= 0 else here * here / last
-    return float(np.clip(moved, parameter.lower, parameter.upper))
+    return min(max(moved, parameter.lower), parameter.upper)
 
 
 def _wave_numbers(problem: Problem, regression: Regression, alone: Drive, least: float) -> WaveNumbers:

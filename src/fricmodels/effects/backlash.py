@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from fricmodels.expressions import Expression, absolute, exp, maximum, minimum, sign, sqrt, where
+from fricmodels.expressions import Expression, absolute, exp, expm1, maximum, minimum, sign, sqrt, where
 from fricmodels.parameter import Parameter, State
 from fricmodels.term import Effect, Parameters, Signals
 
@@ -78,7 +78,7 @@ class Backlash(Effect):
 
     def torque(self, s: Signals, p: Parameters) -> Expression:
         """Return what is missing within the gap, and the blow at its end."""
-        within = where(absolute(s.x) < p.w / 2, 1, 0) * where(s.x == 0, 0, 1)
+        within = (absolute(s.x) < p.w / 2) * (s.x != 0)
         missing = s.acceleration + _braking(s.velocity, p) + p.a / p.F * s.load_torque
         return p.J_l * ((1 - within) * s.v / _blow(p) - within * missing)
 
@@ -110,11 +110,12 @@ class Backlash(Effect):
         there = where(reached > 0, 1, -1)
         share = where(strikes, (there * half - known) / where(moved == 0, 1, moved), 0)
         # However short a blow is, the samples after it add up to its momentum.
-        lasts = exp(-h / _blow(p))
-        blow = there * maximum(there * (s.v + share * (left - s.v)), 0) * (1 - lasts) * _blow(p) / h
+        struck = there * maximum(there * (s.v + share * (left - s.v)), 0)
+        blow = -struck * expm1(-h / _blow(p)) * _blow(p) / h
+        fading = where(s.v == 0, 0, s.v * exp(-h / _blow(p)))
         return {
             "x": where(contact, known, where(strikes, there * half, reached)),
-            "v": where(contact, s.v * lasts, where(strikes, blow, left)),
+            "v": where(contact, fading, where(strikes, blow, left)),
         }
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -9,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from fricmodels.kernels.instructions import instructions
 
-_BLOCK = 8192
+_BLOCK = 16_384
 """Samples evaluated together: the work vectors then stay in the processor's cache."""
 
 
@@ -63,6 +64,10 @@ _FUNCTIONS: dict[str, Any] = {
 }
 
 
+_Step = tuple[Callable[..., Any] | None, tuple[int, ...], tuple[int, int]]
+"""An operation, the places of its operands and of its result, 0; or ``None``, a place, and an output and its row."""
+
+
 class ArrayFunction:
     """A CasADi ``SX`` function, evaluated for all samples at once.
 
@@ -72,20 +77,36 @@ class ArrayFunction:
     """
 
     def __init__(self, function: Any) -> None:
-        self._instructions = instructions(function)
-        self._slots = {}
-        position = 0
-        for i in range(function.n_in()):
-            for element in range(function.nnz_in(i)):
-                self._slots[i, element] = position
-                position += 1
-        self._arity = position
+        elements = [(i, element) for i in range(function.n_in()) for element in range(function.nnz_in(i))]
+        self._arity = len(elements)
         self._rows = [function.size_out(i) for i in range(function.n_out())]
-        self._places = [
+        places = [
             [row + column * function.size_out(i)[0] for row, column in zip(*sparsity, strict=True)]
             for i in range(function.n_out())
             for sparsity in [function.sparsity_out(i).get_triplet()]
         ]
+        listed = instructions(function)
+        self._constants = [step.constant for step in listed if step.operation == "OP_CONST"]
+        first = self._arity + len(self._constants)
+        constants = iter(range(self._arity, first))
+        given = {element: place for place, element in enumerate(elements)}
+        where: dict[int, int] = {}  # place of what the function's own work vector holds
+        self._steps: list[_Step] = []
+        for step in listed:
+            if step.operation == "OP_OUTPUT":
+                index, element = step.outputs
+                self._steps.append((None, (where[step.inputs[0]],), (index, places[index][element])))
+                continue
+            (result,) = step.outputs
+            if step.operation == "OP_CONST":
+                where[result] = next(constants)
+            elif step.operation == "OP_INPUT":
+                where[result] = given[step.inputs[0], step.inputs[1]]
+            else:
+                operands = tuple(where[i] for i in step.inputs[: function_arity(step.operation)])
+                where[result] = first + result
+                self._steps.append((_FUNCTIONS[step.operation], operands, (where[result], 0)))
+        self._places = max([first, *(place + 1 for operation, _, (place, _) in self._steps if operation)])
 
     def __call__(self, *arguments: ArrayLike) -> list[NDArray[np.float64]]:
         """Evaluate; see the class.
@@ -105,19 +126,14 @@ class ArrayFunction:
         return results
 
     def _evaluate(self, values: list[NDArray[np.float64]], results: list[NDArray[np.float64]]) -> None:
-        work: dict[int, Any] = {}
+        work: list[Any] = [*values, *self._constants]
+        work += [None] * (self._places - len(work))
         with np.errstate(all="ignore"):
-            for step in self._instructions:
-                if step.operation == "OP_CONST":
-                    work[step.outputs[0]] = step.constant
-                elif step.operation == "OP_INPUT":
-                    work[step.outputs[0]] = values[self._slots[step.inputs[0], step.inputs[1]]]
-                elif step.operation == "OP_OUTPUT":
-                    index, element = step.outputs
-                    results[index][self._places[index][element]] = work[step.inputs[0]]
+            for operation, operands, (place, row) in self._steps:
+                if operation is None:
+                    results[place][row] = work[operands[0]]
                 else:
-                    function = _FUNCTIONS[step.operation]
-                    work[step.outputs[0]] = function(*(work[i] for i in step.inputs[: function_arity(step.operation)]))
+                    work[place] = operation(*[work[i] for i in operands])
 
 
 _UNARY = {name for name, function in _FUNCTIONS.items() if isinstance(function, np.ufunc) and function.nin == 1} | {

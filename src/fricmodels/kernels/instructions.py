@@ -23,7 +23,7 @@ _BINARY = {
     "OP_ATAN2": "atan2({0}, {1})",
     "OP_COPYSIGN": "copysign({0}, {1})",
     "OP_FMOD": "fmod({0}, {1})",
-    "OP_IF_ELSE_ZERO": "where({0}, {1})",
+    "OP_IF_ELSE_ZERO": "({1} if {0} else 0.0)",
 }
 _UNARY = {
     "OP_ASSIGN": "{0}",
@@ -53,7 +53,7 @@ _UNARY = {
     "OP_LOG1P": "log1p({0})",
 }
 OPERATIONS: dict[str, str] = {**_BINARY, **_UNARY}
-"""Name of a CasADi operation → the same in scalar Python; ``where(c, x)`` is x where c holds, else 0."""
+"""Name of a CasADi operation → the same in scalar Python."""
 
 
 @dataclass(frozen=True)

@@ -22,18 +22,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from fricmodels.kernels.instructions import OPERATIONS, instructions
+from fricmodels.kernels.branches import Operation, written
+from fricmodels.kernels.instructions import instructions
 
 _HEADER = '''"""Generated; safe to delete."""
 from math import (acos, asin, atan, atan2, ceil, copysign, cos, cosh, erf, exp, expm1, floor, fmod, log, log1p,
                   sin, sinh, sqrt, tan, tanh)
 
 from numba import njit
-
-
-@njit(cache=True)
-def where(condition, value):
-    return value if condition else 0.0
 
 
 @njit(cache=True, error_model="numpy", nogil=True, fastmath={"contract", "arcp"})
@@ -58,11 +54,18 @@ class Scan:
         self._compiled = None
 
     def __call__(
-        self, state: ArrayLike, inputs: ArrayLike, constants: ArrayLike, *, stride: int = 1
+        self,
+        state: ArrayLike,
+        inputs: ArrayLike,
+        constants: ArrayLike,
+        *,
+        stride: int = 1,
+        outputs: NDArray[np.float64] | None = None,
     ) -> tuple[NDArray[np.float64], NDArray[np.float64], int]:
         """Run over the rows of ``inputs``, shape (N, m).
 
-        With ``stride`` k only every k-th output is kept: row i is the output of step ``i k + k − 1``.
+        With ``stride`` k only every k-th output is kept: row i is the output of step ``i k + k − 1``. They are
+        written to ``outputs``, contiguous and of shape (N // stride, o), where it is given.
 
         Returns:
             The last state (n,), the outputs (N // stride, o), and the number of steps done: fewer than N when the
@@ -71,16 +74,17 @@ class Scan:
         first = np.array(state, dtype=float).reshape(self.n_states)
         rows = np.ascontiguousarray(inputs, dtype=float).reshape(-1, self.n_inputs)
         fixed = np.array(constants, dtype=float).reshape(self.n_constants)
-        outputs = np.full((len(rows) // stride, self.n_outputs), np.nan)
+        if outputs is None:
+            outputs = np.empty((len(rows) // stride, self.n_outputs))
         if self._compiled is None:
             self._compiled = _load(self.source).scan
         done = self._compiled(first, rows, fixed, stride, outputs)  # type: ignore[misc]
+        outputs[done // stride :] = np.nan
         return first, outputs, int(done)
 
 
 def _source(step: Any) -> str:
     n = step.numel_in(0)
-    body: list[str] = []
     next_state = ["0.0"] * n
     outputs = ["0.0"] * step.numel_out(1)
     places = []
@@ -88,7 +92,7 @@ def _source(step: Any) -> str:
         rows, _ = step.sparsity_out(i).get_triplet()
         places.append(rows)
     names: dict[int, str] = {}
-    fresh = 0
+    operations: list[Operation] = []
     for instruction in instructions(step):
         if instruction.operation == "OP_OUTPUT":
             index, element = instruction.outputs
@@ -102,12 +106,11 @@ def _source(step: Any) -> str:
         if instruction.operation == "OP_CONST":
             names[instruction.outputs[0]] = _literal(instruction.constant)
             continue
-        operands = [names[i] for i in instruction.inputs if i in names]
-        expression = OPERATIONS[instruction.operation].format(*operands)
-        name = f"w{fresh}"
-        fresh += 1
-        body.append(f"{name} = {expression}")
+        operands = tuple(names[i] for i in instruction.inputs if i in names)
+        name = f"w{len(operations)}"
+        operations.append(Operation(name, instruction.operation, operands))
         names[instruction.outputs[0]] = name
+    body = written(operations, {*next_state, *outputs})
     lines = [f"    c{i} = constants[{i}]" for i in range(step.numel_in(2))]
     lines += [f"    s{i} = state[{i}]" for i in range(n)]
     lines += ["    kept = 0", "    left = stride", "    for k in range(inputs.shape[0]):"]

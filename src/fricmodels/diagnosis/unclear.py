@@ -1,0 +1,83 @@
+"""Samples of which it is not known for certain how the drive moved: about standstill, and where it passes near it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fricmodels.drive import Drive
+from fricmodels.recording import Recording
+from fricmodels.signals import smoothed_velocity, stretches
+from fricmodels.signals.weak_form import HOPS
+
+Array = NDArray[np.float64]
+
+CERTAIN = 3.0
+"""Standard errors from zero at which the direction of motion is certain."""
+
+
+def direction_unclear(
+    drive: Drive,
+    recording: Recording,
+    smooth: Array,
+    resting: NDArray[np.bool_],
+    width: int,
+    parameters: Mapping[str, float],
+) -> NDArray[np.bool_]:
+    """Mark the samples whose direction of motion is not certain, and those that their smoothing reaches.
+
+    Args:
+        drive: with the model under test.
+        recording: prepared.
+        smooth: velocity freed of noise.
+        resting: samples at rest.
+        width: samples that a bump spans.
+        parameters: the model's parameters by key.
+    """
+    unclear = resting | _creeping(recording, width) | _hidden_turns(drive, recording, smooth, parameters)
+    return _widened(unclear, 1 + recording.derived_over)
+
+
+def _creeping(recording: Recording, width: int) -> NDArray[np.bool_]:
+    """Mark where the drive creeps so slowly that noise hides which way, for longer than an eighth of a bump.
+
+    There the friction torque is not known, nor whether the drive moves at all. A reversal passes through faster.
+    """
+    velocity, error = smoothed_velocity(recording)
+    slow = np.abs(velocity) <= CERTAIN * error
+    unclear = np.zeros(len(recording), dtype=bool)
+    for part in stretches(recording.time, recording.run):
+        borders = np.flatnonzero(np.diff(slow[part].astype(np.int8))) + 1
+        edges = np.concatenate([[0], borders, [part.stop - part.start]]) + part.start
+        long = slow[edges[:-1]] & (np.diff(edges) > max(2, width // HOPS))
+        unclear[part] = np.repeat(long, np.diff(edges))
+    return unclear
+
+
+def _hidden_turns(
+    drive: Drive, recording: Recording, smooth: Array, parameters: Mapping[str, float]
+) -> NDArray[np.bool_]:
+    """Mark passages near zero speed of which the samples do not show the course.
+
+    Where the velocity could have reached zero between two samples, it passed cleanly only if the torque at both drives
+    it on in one direction, beyond what friction holds. Otherwise it may have stuck, or turned twice, in between.
+    """
+    first, last = smooth[:-1], smooth[1:]
+    near = np.minimum(np.abs(first), np.abs(last)) < np.abs(last - first)
+    cell = np.flatnonzero((near | (first * last < 0)) & (np.diff(recording.run) == 0))
+    marked = np.zeros(len(recording), dtype=bool)
+    if len(cell):
+        least, greatest = drive.sticking_interval(recording, parameters)
+        net = recording.torque - recording.load_torque
+        side = np.where(net > greatest, 1, np.where(net < least, -1, 0))
+        hidden = cell[(side[cell] != side[cell + 1]) | (side[cell] == 0)]
+        marked[hidden] = marked[hidden + 1] = True
+    return marked
+
+
+def _widened(mask: NDArray[np.bool_], reach: int) -> NDArray[np.bool_]:
+    """Mark also the ``reach`` samples before and after each marked one."""
+    near = np.convolve(mask.astype(float), np.ones(2 * reach + 1), "same")
+    return np.asarray(near > 0.5)

@@ -1,0 +1,56 @@
+"""The bumps of the weak form against their definition."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from fricmodels.dimension import Motion
+from fricmodels.recording import Recording
+from fricmodels.signals.weak_form import HOPS, Bumps
+
+RUNS = {"one run": [203], "uneven ones": [31, 5, 64, 127, 32], "none long enough": [10, 12]}
+
+
+def recording(lengths: list[int]) -> Recording:
+    run = np.repeat(np.arange(len(lengths)), lengths)
+    time = 0.01 * np.arange(len(run))
+    return Recording("bumps", Motion.ROTARY, {"time": time, "torque": np.zeros(len(run))}, run)
+
+
+def by_definition(lengths: list[int], width: int, unclear: NDArray[np.bool_]) -> NDArray[np.float64]:
+    """Return the weight of every sample in every bump of which no sample is unclear, shape (bumps, N)."""
+    x = 2.0 * np.arange(width + 1) / width - 1.0
+    bump = (1.0 - x**2) ** 2
+    kernel = (bump[:-1] + bump[1:]) / 2 / bump.sum()
+    rows, begin = [], 0
+    for length in lengths:
+        for start in range(begin, begin + length // (width // HOPS) * (width // HOPS) - width + 1, width // HOPS):
+            row = np.zeros(sum(lengths))
+            row[start : start + width] = kernel
+            if not unclear[start : start + width].any():
+                rows.append(row)
+        begin += length
+    return np.array(rows).reshape(len(rows), sum(lengths))
+
+
+@pytest.mark.parametrize("width", [8, 24, 32])
+@pytest.mark.parametrize("name", RUNS)
+def test_integrals_momentum_and_spread(name: str, width: int) -> None:
+    rng = np.random.default_rng(0)
+    lengths = RUNS[name]
+    count = sum(lengths)
+    unclear = rng.random(count) < 0.01
+    bumps = Bumps(recording(lengths), width, unclear, least_moving=1.0)
+    weights = by_definition(lengths, width, unclear)
+    assert bumps.count == len(weights)
+    rows = rng.normal(size=(3, count))
+    np.testing.assert_allclose(bumps.integrals(rows), rows @ weights.T, rtol=1e-12, atol=1e-14)
+    assert bumps.integrals(rows[:0]).shape == (0, bumps.count)
+    # ∫φ dω of a constant is nothing; of a straight line of slope one a sample, what φ adds up to: one.
+    np.testing.assert_allclose(bumps.momentum(np.full(count, 3.0)), 0, atol=1e-13)
+    if width > HOPS:
+        np.testing.assert_allclose(bumps.momentum(np.arange(count, dtype=float)), 1, rtol=1e-12)
+    values = rng.normal(size=bumps.count)
+    np.testing.assert_allclose(bumps.spread(values), values @ weights, rtol=1e-12, atol=1e-14)
