@@ -11,7 +11,7 @@ from fricmodels.diagnosis import survey as surveys
 from fricmodels.diagnosis.estimate import estimate
 from fricmodels.diagnosis.search import halved, walk
 from fricmodels.diagnosis.survey import noise_share, survey
-from fricmodels.dimension import ACCELERATION, DISPLACEMENT, FORCE, INERTIA, TIME, VELOCITY
+from fricmodels.dimension import ACCELERATION, DISPLACEMENT, FORCE, INERTIA, TIME, VELOCITY, Motion
 from fricmodels.drive import Drive
 from fricmodels.model import Model
 from fricmodels.parameter import Parameter
@@ -222,3 +222,24 @@ def test_no_duration_is_many_times_the_recordings(made: Made) -> None:
     (tested,) = survey(problem, found.parameters, only=["drift"]).tested
     assert 10 < tested.parameters["T"] / np.ptp(recording.time) <= 15
     assert tested.evidence.explained > 0.9
+
+
+def test_a_period_must_be_passed_as_a_whole(made: Made) -> None:
+    """A stop at one end of the travel is no cogging of a period that the drive never passed."""
+    recording = made()
+    position = recording["position"]
+    stop = 4.0 * np.maximum(0.0, position - np.quantile(position, 0.8)) / np.ptp(position)
+    problem, found = estimate(
+        Drive(Model.parse("coulomb-viscous"), 2.0),
+        recording.with_channels(derived=False, torque=recording.torque + stop),
+    )
+    (tested,) = survey(problem, found.parameters, only=["cogging"]).tested
+    assert tested.parameters["k"] * np.ptp(position) >= 2 * np.pi * (1 - 1e-9)
+
+
+@pytest.mark.parametrize(("motion", "seen"), [(Motion.ROTARY, True), (Motion.LINEAR, False)])
+def test_a_linear_axis_does_not_turn(made: Made, motion: Motion, seen: bool) -> None:
+    problem, found = estimate(Drive(Model.parse("coulomb-viscous"), 2.0, motion), made(motion=motion))
+    result = survey(problem, found.parameters, only=["gravity"])
+    assert bool(result.tested) is seen
+    assert ("gravity" in result.unseen) is not seen

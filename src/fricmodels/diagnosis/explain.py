@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from fricmodels.diagnosis.diagnose import Diagnosis, Finding
+from fricmodels.diagnosis.floor import LEAST_TORQUE
 from fricmodels.diagnosis.ladder import Ladder
 from fricmodels.diagnosis.unexplained import PERSISTENT
 
@@ -19,8 +20,9 @@ def explain(diagnosis: Diagnosis, ladder: Ladder | None = None) -> str:
     parts = [opening]
     if diagnosis.verdict == "adequate":
         parts.append(
-            "Nothing that could be predicted is left in the residual: the model is adequate for this recording. "
-            "This does not exclude effects that the recording could not have shown."
+            f"Nothing that could be predicted and comes to {100 * LEAST_TORQUE:.2g} % of the torque is left in the "
+            "residual: the model is adequate for this recording. This does not exclude effects that the recording "
+            "could not have shown."
         )
         errors = comparison.errors
         if max(errors.percent, errors.held_out_percent) > 5 * max(comparison.noise_floor_percent, 1.0):

@@ -129,7 +129,7 @@ def _starts(
 ) -> tuple[list[tuple[float, ...]], list[float], float, list[Parameter]]:
     """Return starting points, the spacing of each parameter (a ratio if above 1, else a step), and the trials.
 
-    The parameters come back with the bounds that this recording sets: a period must be passed more than once.
+    The parameters come back with the bounds that this recording sets: a period must be passed as a whole.
     """
     choices: list[list[float]] = []
     spacing: list[float] = []
@@ -141,7 +141,7 @@ def _starts(
             choices.append(list(waves.strongest))
             spacing.append(-waves.resolution)
             trials *= waves.independent
-            lower = max(parameter.lower, waves.slowest)
+            lower = max(parameter.lower, 2 * waves.resolution)
             bounded.append(replace(parameter, lower=lower, initial=max(parameter.initial, lower)))
             continue
         bounded.append(parameter)

@@ -25,13 +25,11 @@ class WaveNumbers:
         strongest: wave numbers [1/rad or 1/m] of the highest peaks, the highest first; empty where none can be told.
         resolution: π over the range of position; closer ones are not told apart.
         independent: how many independent ones were looked at.
-        slowest: smallest wave number that can be told from a slower shape.
     """
 
     strongest: tuple[float, ...]
     resolution: float
     independent: float
-    slowest: float = 0.0
 
 
 def wave_numbers(position: Array, weights: Array, fastest: float, least: float = 0.0) -> WaveNumbers:
@@ -61,4 +59,4 @@ def wave_numbers(position: Array, weights: Array, fastest: float, least: float =
     peaks = np.unique(np.concatenate([peaks, edges]))
     strongest = peaks[np.argsort(power[peaks])[::-1][:PEAKS]]
     independent = max(1.0, float((min(fastest, k[-1]) - slowest) * span / np.pi))
-    return WaveNumbers(tuple(float(k[i]) for i in strongest), float(np.pi / span), independent, slowest)
+    return WaveNumbers(tuple(float(k[i]) for i in strongest), float(np.pi / span), independent)
