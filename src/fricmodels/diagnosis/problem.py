@@ -341,8 +341,7 @@ def _bump_width(recording: Recording, inertia: float, deviation: float) -> int:
     wanted = _NOISE_SHARE * torque * recording.interval
     shortest = int(np.min(np.unique(recording.run, return_counts=True)[1]))
     derived_over = recording.derived_over
-    smeared = 2 * (derived_over + 1) if derived_over else 0
-    narrowest = -(-max(_NARROWEST + smeared, 6 * derived_over) // HOPS) * HOPS
+    narrowest = max(_NARROWEST, -(-6 * derived_over // HOPS) * HOPS)
     widest = max(narrowest, min(_WIDEST, shortest // 40 // HOPS * HOPS))
     sample = noise_like(recording, deviation, np.random.default_rng(0))
     moving = np.zeros(len(recording), dtype=bool)
