@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from fricmodels.diagnosis.evidence import Regression
-from fricmodels.diagnosis.problem import Problem, noise_like
+from fricmodels.diagnosis.problem import Problem, momentum_noise
 
 LEAST_TORQUE = 0.003
 """An effect must come to this share of the RMS torque. What happens between samples is not recorded: on simulated
@@ -15,8 +13,7 @@ drives with nothing hidden, sampling and differentiation alone leave 0.03 to 0.3
 def floor(problem: Problem) -> float:
     """Return the sum of squares [(N m)² or N²] that noise and sampling may leave in the rows of a fitted model."""
     inertia, _ = problem.drive.split(problem.estimated or {})
-    sample = noise_like(problem.recording, problem.velocity_noise, np.random.default_rng(0))
-    noise = inertia * problem.bumps.momentum(sample)
+    noise = inertia * momentum_noise(problem.bumps, problem.recording, problem.velocity_noise)
     return float(noise @ noise + LEAST_TORQUE**2 * (problem.driving @ problem.driving))
 
 

@@ -22,7 +22,7 @@ from fricmodels.memory import Memory
 from fricmodels.model import Model
 from fricmodels.recording import Recording
 from fricmodels.signals import best_half_width, lanczos_derivative, noise, resting
-from fricmodels.signals.weak_form import HOPS, Bumps, Quadrature
+from fricmodels.signals.weak_form import HOPS, Bumps, Quadrature, mean_velocity
 from fricmodels.term import Effect, Law, Parameters, Signals
 
 Array = NDArray[np.float64]
@@ -101,7 +101,7 @@ class Problem:
         at_rest = resting(part)
         unclear = direction_unclear(drive, part, smooth, at_rest, width, parameters)
         quadrature = Quadrature.of(part, smooth, unclear)
-        bumps = Bumps(part, width, unclear, least_moving=1.0, half_width=part.derived_over)
+        bumps = Bumps(part, width, unclear, least_moving=1.0, over_cells=part.derived_over > 0)
         problem = cls(drive, part, smooth, at_rest, quadrature, bumps, sigma, half_width, (0.0, 0.0), delay=delay)
         return replace(problem, law_share=problem.law_has(parameters))
 
@@ -157,8 +157,11 @@ class Problem:
 
     @cached_property
     def momentum(self) -> Array:
-        """∫φ dω, shape (rows,)."""
-        return np.asarray(self.bumps.momentum(self.recording.velocity))
+        """∫φ dω, shape (rows,); where the velocity was derived, by the positions themselves."""
+        recording = self.recording
+        derived = recording.derived_over > 0
+        velocity = mean_velocity(recording, recording["position"]) if derived else recording.velocity
+        return np.asarray(self.bumps.momentum(velocity))
 
     @cached_property
     def driving(self) -> Array:
@@ -320,6 +323,21 @@ def noise_like(recording: Recording, deviation: float, rng: np.random.Generator)
     return np.asarray(lanczos_derivative(time, noise(time, position, run) * white, width, run)[1])
 
 
+def momentum_noise(bumps: Bumps, recording: Recording, deviation: float) -> Array:
+    """Return the momentum per inertia that noise alone would show, shape (rows,).
+
+    Args:
+        bumps: of the recording.
+        recording: whose position or velocity is noisy.
+        deviation: standard deviation of the noise of a measured velocity.
+    """
+    white = np.random.default_rng(0).standard_normal(len(recording))
+    if not recording.derived_over:
+        return bumps.momentum(deviation * white)
+    own = noise(recording.time, recording["position"], recording.run)
+    return bumps.momentum(mean_velocity(recording, own * white))
+
+
 def spread(recording: Recording) -> Recording:
     """Return at most :data:`MAX_SAMPLES` samples, as blocks spread evenly over a longer recording."""
     count = len(recording)
@@ -340,13 +358,11 @@ def _bump_width(recording: Recording, inertia: float, deviation: float) -> int:
     torque = float(np.sqrt(np.mean(recording.torque**2)))
     wanted = _NOISE_SHARE * torque * recording.interval
     shortest = int(np.min(np.unique(recording.run, return_counts=True)[1]))
-    derived_over = recording.derived_over
-    narrowest = max(_NARROWEST, -(-6 * derived_over // HOPS) * HOPS)
-    widest = max(narrowest, min(_WIDEST, shortest // 40 // HOPS * HOPS))
-    sample = noise_like(recording, deviation, np.random.default_rng(0))
+    widest = max(_NARROWEST, min(max(_WIDEST, 6 * recording.derived_over), shortest // 40) // HOPS * HOPS)
     moving = np.zeros(len(recording), dtype=bool)
-    for width in range(narrowest, widest, HOPS):
-        rows = inertia * Bumps(recording, width, moving, half_width=derived_over).momentum(sample)
+    for width in range(_NARROWEST, widest, HOPS):
+        bumps = Bumps(recording, width, moving, over_cells=recording.derived_over > 0)
+        rows = inertia * momentum_noise(bumps, recording, deviation)
         if not len(rows) or float(np.sqrt(np.mean(rows**2))) <= wanted:
             return width
     return widest

@@ -18,7 +18,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fricmodels.recording import Recording
-from fricmodels.signals.lanczos import even_weights
 
 Array = NDArray[np.float64]
 
@@ -105,22 +104,30 @@ class Quadrature:
         return values
 
 
-def _cells(width: int, half_width: int) -> tuple[Array, Array]:
-    """Return a bump's weights of the cells of the velocity, and of those of everything else, each of sum 1.
+def mean_velocity(recording: Recording, position: Array) -> Array:
+    """Return the mean velocity from each sample to the next, shape (N,): what positions say without any smoothing.
 
-    Lanczos' derivative is a mean of the differences between neighbouring positions; these are means of the velocity
-    over a cell, whose changes weigh the acceleration by hats two cells wide.
+    At the last sample of a run there is none; 0 stands there, and no bump reaches it.
     """
-    inner = width - 2 * (half_width + 1) if half_width else width
+    step = np.diff(recording.time)
+    within = (np.diff(recording.run) == 0) & (step > 0)
+    velocity = np.zeros(len(recording))
+    velocity[:-1][within] = np.diff(position)[within] / step[within]
+    return velocity
+
+
+def _cells(width: int, over_cells: bool) -> tuple[Array, Array]:
+    """Return a bump's weights of the changes of velocity, and of everything else in each cell, each of sum 1.
+
+    The change between the mean velocities of two cells weighs the acceleration by a hat over both.
+    """
+    inner = width - 1 if over_cells else width
     x = 2.0 * np.arange(1, inner) / inner - 1.0
-    narrow = (1.0 - x**2) ** 2
-    narrow /= narrow.sum()
-    wide = narrow
-    if half_width:
-        _, slope = even_weights(half_width)
-        differences = -np.cumsum(slope)[:-1]
-        wide = np.convolve(np.convolve(narrow, differences), [0.5, 0.5])
-    return np.pad(narrow, (width + 1 - len(narrow)) // 2), np.pad(wide, (width + 1 - len(wide)) // 2)
+    changes = (1.0 - x**2) ** 2
+    changes /= changes.sum()
+    if not over_cells:
+        return np.pad(changes, 1), np.pad(changes, 1)
+    return np.pad(changes, (1, 2)), np.pad(np.convolve(changes, [0.5, 0.5]), 1)
 
 
 def _share(velocity: Array, change: Array) -> Array:
@@ -138,9 +145,8 @@ class Bumps:
         width: samples that a bump spans; rounded to a multiple of 8.
         resting: samples at rest, or otherwise of no use.
         least_moving: share of a bump's weight that must be in motion; a bump with less is left out.
-        half_width: of the differentiator that gave the velocity from positions, 0 where it was measured. Such a
-            velocity is a mean over 2h + 1 samples; all else is weighted by the bump smeared alike, so that no torque
-            that changes fast is missed.
+        over_cells: whether the velocity is the mean over each cell, see :func:`mean_velocity`. All else is then
+            weighted by the bump smeared alike, so that no torque that changes fast is missed.
     """
 
     def __init__(
@@ -150,15 +156,15 @@ class Bumps:
         resting: NDArray[np.bool_],
         *,
         least_moving: float = 0.5,
-        half_width: int = 0,
+        over_cells: bool = False,
     ) -> None:
         self._samples = len(recording)
         self.hop = max(1, round(width / HOPS))
         self.width = self.hop * HOPS
-        narrow, between = _cells(self.width, half_width)
+        changes, between = _cells(self.width, over_cells)
         self._mean = 0.5 * (between[:-1] + between[1:])
         self._fall = between[:-1] - between[1:]
-        self._velocity_fall = narrow[:-1] - narrow[1:]
+        self._velocity_fall = changes[:-1] - changes[1:]
         self._pieces = [
             slice(piece.start, piece.start + self.hop * ((piece.stop - piece.start) // self.hop))
             for piece in segments(recording)
