@@ -32,6 +32,8 @@ MAX_SAMPLES = 163_840
 
 _BLOCK = 8_192
 _NARROWEST, _WIDEST = 16, 128
+_DERIVED = 6
+"""A bump spans at least so many half widths of the derivation of the velocity, at which friction is evaluated."""
 _ROOM = 2**28
 """Bytes of integrals that a problem remembers."""
 _NOISE_SHARE = 0.01
@@ -358,9 +360,10 @@ def _bump_width(recording: Recording, inertia: float, deviation: float) -> int:
     torque = float(np.sqrt(np.mean(recording.torque**2)))
     wanted = _NOISE_SHARE * torque * recording.interval
     shortest = int(np.min(np.unique(recording.run, return_counts=True)[1]))
-    widest = max(_NARROWEST, min(max(_WIDEST, 6 * recording.derived_over), shortest // 40) // HOPS * HOPS)
+    narrowest = max(_NARROWEST, -(-_DERIVED * recording.derived_over // HOPS) * HOPS)
+    widest = max(narrowest, min(_WIDEST, shortest // 40 // HOPS * HOPS))
     moving = np.zeros(len(recording), dtype=bool)
-    for width in range(_NARROWEST, widest, HOPS):
+    for width in range(narrowest, widest, HOPS):
         bumps = Bumps(recording, width, moving, over_cells=recording.derived_over > 0)
         rows = inertia * momentum_noise(bumps, recording, deviation)
         if not len(rows) or float(np.sqrt(np.mean(rows**2))) <= wanted:
