@@ -47,7 +47,7 @@ def ladder(folder: Path) -> Ladder:
 
 
 def test_what_is_missing_goes_with_the_torque_along_the_motion(ladder: Ladder) -> None:
-    """The authors' better models lose in proportion to the motor torque and to the load, each; no one effect does so."""
+    """The better models of the source lose in proportion to motor torque and load, each; no one effect does so."""
     assert ladder.first.verdict == "unknown-effect"
     assert ladder.first.view is not None
     assert ladder.first.view.channels.startswith("motor torque")
