@@ -52,7 +52,7 @@ def beaten(result: Survey, first: Tested, seen: Sequence[View]) -> bool:
     position.
     """
     total = float(np.sum(result.regression.loss))
-    least = _much(result)
+    least = max(LEAST_TORQUE**2 * float(np.sum(result.problem.driving**2)), _BEATEN * total)
     own = float(np.sum(first.evidence.loss))
     for view in seen:
         if _own_kind(result, first, view):
@@ -64,12 +64,6 @@ def beaten(result: Survey, first: Tested, seen: Sequence[View]) -> bool:
         if p_value < _WORSE and (half > 0 if view.channels in PERSISTENT else more > least):
             return True
     return False
-
-
-def _much(result: Survey) -> float:
-    """Return by how much less a channel must leave than an effect to be the better predictor [(N m)² or N²]."""
-    total = float(np.sum(result.regression.loss))
-    return max(LEAST_TORQUE**2 * float(np.sum(result.problem.driving**2)), _BEATEN * total)
 
 
 def doubtful(result: Survey, parameters: Mapping[str, float], first: Tested, seen: Sequence[View]) -> bool:
@@ -152,8 +146,7 @@ def _simpler(result: Survey, columns: Array, together: Array, single: View) -> b
     shapes = len(single.columns) / len(columns)
     if np.sum(together) < _SIMPLER * min(1.0, shapes) * np.sum(alone) and compare(alone, together, terms)[1] < _WORSE:
         return True
-    as_little = np.sum(together) - np.sum(alone) < _much(result) or compare(together, alone, terms)[1] >= _WORSE
-    return bool(_SIMPLER * shapes > 1 and as_little)
+    return _SIMPLER * shapes > 1 and compare(together, alone, terms)[1] >= _WORSE
 
 
 def directions(result: Survey, tested: Tested) -> Array:
