@@ -89,7 +89,6 @@ def run(arguments: argparse.Namespace) -> dict[str, Row]:
     print(f"{len(wanted)} trials, {len(wanted) - len(waiting)} of them stored in {path.name}", flush=True)
     if not waiting or arguments.no_run:
         return rows
-    os.environ.update(dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_NUM_THREADS"), "1"))
     began, done = time.perf_counter(), 0
     context = multiprocessing.get_context("spawn")
     with ProcessPool(arguments.jobs, context=context) as pool, path.open("a", encoding="utf-8") as file:
@@ -146,6 +145,7 @@ def main() -> None:
     for name, value in (few if arguments.quick else defaults).items():
         if getattr(arguments, name) is None:
             setattr(arguments, name, value)
+    os.environ.update(dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_NUM_THREADS"), "1"))
     rows = run(arguments)
     measured = Path(arguments.out).with_name("hidden_effects_times.json")
     if arguments.times:
