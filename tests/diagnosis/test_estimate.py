@@ -98,3 +98,10 @@ def test_a_delay_is_the_whole_shift_in_time(made: Made, samples: int) -> None:
     assert found.parameters["sensor-delay.T"] == pytest.approx(samples * late.interval, rel=0.01)
     assert problem.delay == pytest.approx(samples * late.interval, rel=0.01)
     assert found.standard_errors["sensor-delay.T"] < 0.1 * late.interval
+
+
+def test_an_inertia_that_is_estimated_is_known_as_well_as_its_error_says(made: Made) -> None:
+    _, found = estimate(Drive(Model.parse("coulomb-viscous"), None), made(noise=1.0))
+    error = found.standard_errors["J"]
+    assert 0 < error < 0.002 * 2.0
+    assert abs(found.parameters["J"] - 2.0) < 5 * error

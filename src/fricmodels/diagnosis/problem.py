@@ -172,6 +172,11 @@ class Problem:
         return np.asarray(self.integrals((recording.torque - recording.load_torque)[None])[0])
 
     @cached_property
+    def acceleration(self) -> Array:
+        """∫φ (dω/dt) dt of the acceleration that effects are given, shape (rows,)."""
+        return np.asarray(self.integrals(self.quadrature.recording["acceleration"][None])[0])
+
+    @cached_property
     def torque_rate(self) -> Array:
         """∫φ dτ_m = −∫φ' τ_m dt, shape (rows,)."""
         return np.asarray(self.bumps.change(self.recording.torque))
@@ -302,8 +307,7 @@ class Problem:
                 ends.append(np.asarray(theta) @ design + offset)
             stacked.append(((ends[1] - ends[0]) / (2 * step))[None])
         if self.drive.inertia is None:
-            # As momentum, and as the acceleration that effects are given: neither is a cause of its own then.
-            stacked += [self.momentum[None], self.integrals(self.quadrature.recording["acceleration"][None])]
+            stacked.append(self.momentum[None])
         return np.vstack(stacked)
 
     def alone(self, effect: Effect) -> Drive:
