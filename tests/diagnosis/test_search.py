@@ -243,3 +243,11 @@ def test_a_linear_axis_does_not_turn(made: Made, motion: Motion, seen: bool) -> 
     result = survey(problem, found.parameters, only=["gravity"])
     assert bool(result.tested) is seen
     assert ("gravity" in result.unseen) is not seen
+
+
+def test_an_estimated_inertia_has_no_error_of_its_own(made: Made) -> None:
+    """Its momentum is that of the velocity, and the acceleration another filter's: their difference is no cause."""
+    problem, found = estimate(Drive(Model.parse("coulomb-viscous"), None), made())
+    result = survey(problem, found.parameters, only=["inertia-error"])
+    assert not result.tested
+    assert "inertia is estimated" in result.unseen["inertia-error"]

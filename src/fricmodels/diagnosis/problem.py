@@ -172,11 +172,6 @@ class Problem:
         return np.asarray(self.integrals((recording.torque - recording.load_torque)[None])[0])
 
     @cached_property
-    def acceleration(self) -> Array:
-        """∫φ (dω/dt) dt of the acceleration that effects are given, shape (rows,)."""
-        return np.asarray(self.integrals(self.quadrature.recording["acceleration"][None])[0])
-
-    @cached_property
     def torque_rate(self) -> Array:
         """∫φ dτ_m = −∫φ' τ_m dt, shape (rows,)."""
         return np.asarray(self.bumps.change(self.recording.torque))

@@ -130,6 +130,8 @@ def _candidate(problem: Problem, regression: Regression, effect: Effect) -> Test
     if effect.angular and problem.drive.motion is Motion.LINEAR:
         return "a linear axis does not turn"
     alone = problem.alone(effect)
+    if problem.drive.inertia is None and alone.model.needs == {"acceleration"}:
+        return "the inertia is estimated, and takes up whatever goes with the acceleration; give it to see more"
     missing = [signal for signal in sorted(alone.model.required) if not _has(problem, signal)]
     if missing:
         return f"the recording has no {SIGNAL_CHANNEL[missing[0]].replace('_', ' ')}"
@@ -200,12 +202,11 @@ def _whole_shift(regression: Regression, found: Found) -> Evidence:
 def regression_of(
     problem: Problem, parameters: Mapping[str, float], also: Array | None = None, added: str = ""
 ) -> Regression:
-    """Return the base model's regression, with freedoms of how recordings are made that are no effects.
+    """Return the base model's regression, with two freedoms of how recordings are made that are no effects.
 
     The instant of every reversal may be off by part of a sample, and torque and motion may be shifted against each
     other by up to one sample (a held torque by half of one). A larger shift is held at one sample; what is left over
-    is then for the candidate ``sensor-delay`` to explain. An inertia that is estimated is free as momentum and as the
-    acceleration that effects are given: the difference, one of filters, is no cause of its own.
+    is then for the candidate ``sensor-delay`` to explain.
 
     Args:
         problem: drive and recording.
@@ -217,10 +218,7 @@ def regression_of(
     if also is not None:
         base = np.vstack([base, also])
     delayed = "sensor-delay" in {added, *(effect.name for effect in problem.drive.model.effects)}
-    nuisances = [problem.sign_change]
-    if problem.drive.inertia is None:
-        nuisances.append(problem.acceleration)
-    base = np.vstack([base, *nuisances])
+    base = np.vstack([base, problem.sign_change[None]])
     if delayed:
         return Regression(base, problem.target, problem.independent)
     direction, most = problem.torque_rate, problem.recording.interval
