@@ -130,7 +130,7 @@ def _candidate(problem: Problem, regression: Regression, effect: Effect) -> Test
     if effect.angular and problem.drive.motion is Motion.LINEAR:
         return "a linear axis does not turn"
     alone = problem.alone(effect)
-    if problem.drive.inertia is None and alone.model.needs == {"acceleration"}:
+    if problem.drive.inertia is None and alone.model.needs == {"acceleration"} and not effect.states:
         return "the inertia is estimated, and takes up whatever goes with the acceleration; give it to see more"
     missing = [signal for signal in sorted(alone.model.required) if not _has(problem, signal)]
     if missing:
