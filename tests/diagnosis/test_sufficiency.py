@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from fricmodels.diagnosis import diagnose
+from fricmodels.diagnosis.diagnose import refused
 from fricmodels.diagnosis.estimate import estimate
 from fricmodels.diagnosis.sufficiency import doubtful
 from fricmodels.diagnosis.survey import survey
@@ -98,3 +99,17 @@ def test_what_remembers_must_leave_nothing_to_a_channel(made: Made) -> None:
         result = survey(problem, found.parameters, only=["presliding"])
         doubts.append(doubtful(result, found.parameters, result.tested[0], []))
     assert doubts == [False, True]
+
+
+@pytest.mark.parametrize(
+    ("effect", "channels"),
+    [
+        ("torque-offset", "a constant torque, as in 'torque-offset'"),
+        ("inertia-error", "acceleration, as in 'inertia-error'"),
+        ("presliding", "the course of the motion before, as in 'presliding'"),
+    ],
+)
+def test_what_is_refused_still_tells_the_channel(made: Made, effect: str, channels: str) -> None:
+    problem, found = estimate(Drive(LAW, 2.0), made("coulomb-viscous+asymmetry", {"asymmetry.c": 0.3}))
+    (tested,) = survey(problem, found.parameters, only=[effect]).tested
+    assert refused(problem, tested).channels == channels

@@ -243,7 +243,7 @@ def examine(comparison: Comparison, *, leave_out: Iterable[str] = ()) -> Diagnos
     view = next((v for v in seen if v.channels not in PERSISTENT), seen[0] if seen else None)
     asked = best is not None and (beaten(result, best.first, seen) or doubtful(result, parameters, best.first, seen))
     if best is not None and asked and not enough(result, parameters, out, seen):
-        view, best = view or _refused(result.problem, best.first), None
+        view, best = view or refused(result.problem, best.first), None
     findings = [] if best is None else [_finding(best)]
     found = {name for finding in findings for name in finding.names}
     verdict: Verdict = "adequate"
@@ -255,10 +255,10 @@ def examine(comparison: Comparison, *, leave_out: Iterable[str] = ()) -> Diagnos
     return Diagnosis(comparison, verdict, tuple(findings), view, visibility(result, found), passing)
 
 
-def _refused(problem: Problem, tested: Tested) -> View:
+def refused(problem: Problem, tested: Tested) -> View:
     """Return what is predictable from that on which an effect depends which is not the missing one."""
-    needs = sorted(problem.alone(tested.effect).model.needs)
-    of = "the course of the motion before" if tested.effect.states else " and ".join(needs).replace("_", " ")
+    needs = " and ".join(sorted(problem.alone(tested.effect).model.needs)).replace("_", " ")
+    of = "the course of the motion before" if tested.effect.states else needs or "a constant torque"
     return View(f"{of}, as in '{tested.name}'", tested.evidence, tested.adjusted, tested.found.columns)
 
 
