@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from fricmodels.diagnosis import survey as surveys
 from fricmodels.diagnosis.estimate import estimate
-from fricmodels.diagnosis.search import halved, walk
+from fricmodels.diagnosis.search import halved, starting_points, walk
 from fricmodels.diagnosis.survey import noise_share, survey
 from fricmodels.dimension import ACCELERATION, DISPLACEMENT, FORCE, INERTIA, TIME, VELOCITY, Motion
 from fricmodels.drive import Drive
@@ -226,15 +227,13 @@ def test_no_duration_is_many_times_the_recordings(made: Made) -> None:
 
 def test_a_period_must_be_passed_as_a_whole(made: Made) -> None:
     """A stop at one end of the travel is no cogging of a period that the drive never passed."""
-    recording = made()
-    position = recording["position"]
-    stop = 4.0 * np.maximum(0.0, position - np.quantile(position, 0.8)) / np.ptp(position)
-    problem, found = estimate(
-        Drive(Model.parse("coulomb-viscous"), 2.0),
-        recording.with_channels(derived=False, torque=recording.torque + stop),
-    )
-    (tested,) = survey(problem, found.parameters, only=["cogging"]).tested
-    assert tested.parameters["k"] * np.ptp(position) >= 2 * np.pi * (1 - 1e-9)
+    problem, found = estimate(Drive(Model.parse("coulomb-viscous"), 2.0), made())
+    cogging = load().effects["cogging"]()
+    (wave_number,) = [replace(p, lower=0.1, initial=0.1) for p in cogging.parameters if p.periodic]
+    regression = surveys.regression_of(problem, found.parameters)
+    *_, (bounded,) = starting_points(problem, regression, problem.alone(cogging), [wave_number])
+    assert bounded.lower == pytest.approx(2 * np.pi / np.ptp(problem.recording["position"]), rel=0.01)
+    assert bounded.initial >= bounded.lower
 
 
 @pytest.mark.parametrize(("motion", "seen"), [(Motion.ROTARY, True), (Motion.LINEAR, False)])

@@ -74,7 +74,7 @@ def search(problem: Problem, regression: Regression, effect: Effect, alone: Driv
     if not nonlinear:
         found = at((), 2.0 * len(_SHIFTS) if delay else 1.0)
         return found if np.any(found.kept) or np.any(regression.visible(problem.columns(alone)[0])) else None
-    points, spacing, trials, nonlinear = _starts(problem, regression, alone, nonlinear)
+    points, spacing, trials, nonlinear = starting_points(problem, regression, alone, nonlinear)
     if not points:
         return None
     reached = {point: value(point) for point in points}
@@ -124,7 +124,7 @@ def _delay(problem: Problem, regression: Regression, alone: Drive) -> float:
     return float(refined.x) * interval
 
 
-def _starts(
+def starting_points(
     problem: Problem, regression: Regression, alone: Drive, nonlinear: list[Parameter]
 ) -> tuple[list[tuple[float, ...]], list[float], float, list[Parameter]]:
     """Return starting points, the spacing of each parameter (a ratio if above 1, else a step), and the trials.
