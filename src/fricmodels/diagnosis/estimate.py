@@ -8,9 +8,10 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from fricmodels.diagnosis.ascent import walk
 from fricmodels.diagnosis.evidence import cosine_terms, long_run_sum
 from fricmodels.diagnosis.problem import Problem
-from fricmodels.diagnosis.search import in_gap, is_instant, search, walk
+from fricmodels.diagnosis.search import in_gap, is_instant, search
 from fricmodels.diagnosis.survey import regression_of
 from fricmodels.drive import Drive
 from fricmodels.errors import InputError

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from fricmodels.diagnosis.ascent import simplexes, walk
 from fricmodels.diagnosis.evidence import Regression
 from fricmodels.diagnosis.problem import Problem
 from fricmodels.dimension import DISPLACEMENT, FORCE, TIME
@@ -20,14 +20,14 @@ from fricmodels.term import Effect
 
 Array = NDArray[np.float64]
 
-_ROUNDS = 7
-_LONGEST_WALK = 12
 _SHIFTS = (1, 2, 3, 5, 8, 12, 18, 27, 40)
 """Delays that are tried first, in samples."""
 _FARTHEST = 5.0
 """How many times the longest that is tried first a length or a duration may become."""
-_FEW, _STARTS, _TRIAL_ROUNDS = 2, 4, 3
-"""More nonlinear parameters than a few are sought from the best of several starts, each tried for some rounds."""
+_FEW = 2
+"""More nonlinear parameters than a few are sought together, from several starts."""
+_SIGNED = 0.2
+"""Spacing of a parameter of either sign of which only one value is tried first."""
 
 
 @dataclass(frozen=True)
@@ -78,13 +78,12 @@ def search(problem: Problem, regression: Regression, effect: Effect, alone: Driv
     if not points:
         return None
     reached = {point: value(point) for point in points}
-    starts = sorted(points, key=lambda point: -reached[point])[:_STARTS]
+    starts = sorted(points, key=lambda point: -reached[point])
     first = starts[0]
     if reached[first] <= 0:
         return at(first, trials) if np.any(regression.visible(problem.columns(alone, first)[0])) else None
-    if len(nonlinear) > _FEW:  # sought together, so many values have more than one summit
-        first = max((walk(value, start, nonlinear, spacing, _TRIAL_ROUNDS) for start in starts), key=value)
-        spacing = [halved(step, _TRIAL_ROUNDS) for step in spacing]
+    if len(nonlinear) > _FEW:
+        return at(simplexes(value, starts, nonlinear, spacing), trials)
     return at(walk(value, first, nonlinear, spacing), trials)
 
 
@@ -127,7 +126,8 @@ def _delay(problem: Problem, regression: Regression, alone: Drive) -> float:
 def starting_points(
     problem: Problem, regression: Regression, alone: Drive, nonlinear: list[Parameter]
 ) -> tuple[list[tuple[float, ...]], list[float], float, list[Parameter]]:
-    """Return starting points, the spacing of each parameter (a ratio if above 1, else a step), and the trials.
+    """Return starting points, the spacing of each parameter (a ratio if positive, else a difference, as of
+    :func:`.ascent.simplexes`), and the trials.
 
     The parameters come back with the bounds that this recording sets: a period must be passed as a whole.
     """
@@ -149,31 +149,29 @@ def starting_points(
         scan = [value * size for value in parameter.scan] or [parameter.initial]
         choices.append(scan)
         trials *= len(scan)
-        ratio = scan[1] / scan[0] if len(scan) > 1 and scan[0] > 0 else 2.0
-        spacing.append(-(scan[1] - scan[0]) if is_instant(parameter) and len(scan) > 1 else ratio)
-    choices, idle = _without_idle(problem, alone, choices)
-    return [tuple(point) for point in itertools.product(*choices)], spacing, trials / idle, bounded
+        if parameter.lower < 0 or scan[0] <= 0:
+            spacing.append(-(scan[1] - scan[0]) if len(scan) > 1 else -_SIGNED * size)
+        else:
+            spacing.append(scan[1] / scan[0] if len(scan) > 1 else 2.0)
+    for i in _idle(problem, alone, choices):
+        trials /= len(choices[i])
+        choices[i], spacing[i] = choices[i][:1], 1.0
+    return [tuple(point) for point in itertools.product(*choices)], spacing, trials, bounded
 
 
-def _without_idle(problem: Problem, alone: Drive, choices: list[list[float]]) -> tuple[list[list[float]], float]:
-    """Leave one value of each parameter that makes no difference on this recording, such as one of a load without load.
-
-    Returns:
-        The values to try, and by how many times there are fewer.
-    """
+def _idle(problem: Problem, alone: Drive, choices: list[list[float]]) -> list[int]:
+    """Return which parameters make no difference on this recording, such as one of a load without load."""
     if not all(choices):
-        return choices, 1.0
+        return []
     middle = [values[len(values) // 2] for values in choices]
-    kept, fewer = [], 1.0
+    idle = []
     for i, values in enumerate(choices):
         if len(values) > 2:
             ends = values[0], values[-1]
             first, last = (problem.columns(alone, [*middle[:i], end, *middle[i + 1 :]])[0] for end in ends)
             if np.any(first) and np.array_equal(first, last):
-                fewer *= len(values)
-                values = values[:1]
-        kept.append(values)
-    return kept, fewer
+                idle.append(i)
+    return idle
 
 
 def is_instant(parameter: Parameter) -> bool:
@@ -189,63 +187,6 @@ def in_gap(instant: float, time: Array, resolution: float) -> float:
     before = np.flatnonzero(np.diff(time) > resolution)
     near = before[(time[before] - resolution < instant) & (instant < time[before + 1] + resolution)]
     return float(0.5 * (time[near[0]] + time[near[0] + 1])) if len(near) else instant
-
-
-def walk(
-    value: Callable[[tuple[float, ...]], float],
-    point: tuple[float, ...],
-    parameters: Sequence[Parameter],
-    spacing: Sequence[float],
-    rounds: int = _ROUNDS,
-) -> tuple[float, ...]:
-    """Climb from a point, each parameter in turn, by steps that halve each round, and then along what a round moved.
-
-    Args:
-        value: what is to be made large.
-        point: where to begin.
-        parameters: with their bounds.
-        spacing: first step of each parameter: a ratio if positive, a difference if negative.
-        rounds: how often the steps are halved.
-    """
-    steps = list(spacing)
-    best = value(point)
-    for _ in range(rounds):
-        begin = point
-        for i, parameter in enumerate(parameters):
-            for direction in (-1, 1):
-                moves = 0
-                while moves < _LONGEST_WALK:
-                    here, step = point[i], steps[i]
-                    moved = here - direction * step / 2 if step < 0 else here * step ** (direction / 2)
-                    moved = min(max(moved, parameter.lower), parameter.upper)
-                    trial = (*point[:i], moved, *point[i + 1 :])
-                    reached = value(trial) if moved != here else best
-                    if reached <= best:
-                        break
-                    point, best, moves = trial, reached, moves + 1
-                if moves:
-                    break
-        last = begin
-        for _ in range(_LONGEST_WALK if sum(a != b for a, b in zip(begin, point, strict=True)) > 1 else 0):
-            trial = tuple(map(_onward, last, point, parameters, steps))
-            reached = value(trial)
-            if reached <= best:
-                break
-            last, point, best = point, trial, reached
-        steps = [halved(step) for step in steps]
-    return point
-
-
-def halved(step: float, times: int = 1) -> float:
-    """Return a step, a ratio if positive and a difference if negative, halved so many times."""
-    share = 0.5**times
-    return step * share if step < 0 else step**share
-
-
-def _onward(last: float, here: float, parameter: Parameter, step: float) -> float:
-    """Return where the same move again leads."""
-    moved = 2 * here - last if step < 0 or here * last <= 0 else here * here / last
-    return min(max(moved, parameter.lower), parameter.upper)
 
 
 def _wave_numbers(problem: Problem, regression: Regression, alone: Drive, least: float) -> WaveNumbers:

@@ -73,6 +73,15 @@ class Backlash(Effect):
         meaning="dry friction torque of the load, against which a load torque counts",
         scan=(0.14, 0.2, 0.28),
     )
+    b = Parameter(
+        "b",
+        unit="1",
+        initial=0.0,
+        lower=-0.9,
+        upper=0.9,
+        meaning="difference of the load's dry friction between the directions, over their sum",
+        scan=(0.0,),
+    )
     x = State("x", unit="rad", meaning="twist between motor and load, 0 where it is not known")
     v = State("v", unit="rad/s", meaning="rate of twist")
 
@@ -94,8 +103,8 @@ class Backlash(Effect):
     def advance(self, s: Signals, later: Signals, h: Expression, p: Parameters) -> Mapping[str, Expression]:
         """Return the twist after a step in which the velocity changes linearly; the load rests, strikes or leaves."""
         first, last, half = s.velocity, later.velocity, p.w / 2
-        pushed = p.a / p.F * (s.load_torque + later.load_torque) / 2
-        rigid = (last - first) / h + _braking((first + last) / 2, p) + pushed
+        pushed = p.a * (p.b + (s.load_torque + later.load_torque) / 2 / p.F)
+        rigid = (last - first) / h + _braking((first + last) / 2, p) + pushed - p.a * p.b
         side = where(s.x == 0, where(rigid >= 0, 1, -1), where(s.x > 0, 1, -1))
         known = where(s.x == 0, side * half, s.x)
         contact = (absolute(known) >= half) * (side * (rigid + s.v / _blow(p)) >= 0)
@@ -126,4 +135,4 @@ def _blow(p: Parameters) -> Expression:
 
 def _braking(velocity: Expression, p: Parameters) -> Expression:
     """Return the deceleration of the load by its own friction."""
-    return p.a * sign(velocity) + p.a / p.omega_v * velocity
+    return p.a * (sign(velocity) + p.b) + p.a / p.omega_v * velocity
