@@ -1,0 +1,110 @@
+"""Climbs to the summit of a function of a few physical parameters, which may lie on a long and narrow ridge."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fricmodels.parameter import Parameter
+
+Array = NDArray[np.float64]
+Point = tuple[float, ...]
+
+_ROUNDS = 7
+_LONGEST_WALK = 12
+_STARTS, _SHORT, _LONG = 12, 40, 300
+"""So many simplexes are begun, with so many trials each; the best one has so many more."""
+_EDGE, _LAST_EDGE = 0.5, 0.25
+"""Edges of a simplex at first and when it is begun anew, in spacings of what was tried before."""
+_SURE = 1e-4
+"""A simplex has arrived when its corners differ by this share of the value and of an edge."""
+
+
+def walk(
+    value: Callable[[Point], float], point: Point, parameters: Sequence[Parameter], spacing: Sequence[float]
+) -> Point:
+    """Climb from a point, each parameter in turn, by steps that halve each round, and then along what a round moved.
+
+    Args:
+        value: what is to be made large.
+        point: where to begin.
+        parameters: with their bounds.
+        spacing: first step of each parameter: a ratio if positive, a difference if negative.
+    """
+    steps = list(spacing)
+    best = value(point)
+    for _ in range(_ROUNDS):
+        begin = point
+        for i, parameter in enumerate(parameters):
+            for direction in (-1, 1):
+                moves = 0
+                while moves < _LONGEST_WALK:
+                    here, step = point[i], steps[i]
+                    moved = here - direction * step / 2 if step < 0 else here * step ** (direction / 2)
+                    moved = min(max(moved, parameter.lower), parameter.upper)
+                    trial = (*point[:i], moved, *point[i + 1 :])
+                    reached = value(trial) if moved != here else best
+                    if reached <= best:
+                        break
+                    point, best, moves = trial, reached, moves + 1
+                if moves:
+                    break
+        last = begin
+        for _ in range(_LONGEST_WALK if sum(a != b for a, b in zip(begin, point, strict=True)) > 1 else 0):
+            trial = tuple(map(_onward, last, point, parameters, steps))
+            reached = value(trial)
+            if reached <= best:
+                break
+            last, point, best = point, trial, reached
+        steps = [step / 2 if step < 0 else step**0.5 for step in steps]
+    return point
+
+
+def _onward(last: float, here: float, parameter: Parameter, step: float) -> float:
+    """Return where the same move again leads."""
+    moved = 2 * here - last if step < 0 or here * last <= 0 else here * here / last
+    return min(max(moved, parameter.lower), parameter.upper)
+
+
+def simplexes(
+    value: Callable[[Point], float],
+    starts: Sequence[Point],
+    parameters: Sequence[Parameter],
+    spacing: Sequence[float],
+) -> Point:
+    """Climb from several points, all parameters together, for many of them have many summits and narrow ridges.
+
+    Source: Nelder and Mead (1965), in logarithms of parameters whose spacing is a ratio.
+
+    Args:
+        value: what is to be made large.
+        starts: where to begin, the most hopeful first.
+        parameters: with their bounds.
+        spacing: of what was tried before in each parameter: a ratio if positive, a difference if negative; one that
+            makes no difference has a ratio of 1 and stays.
+    """
+    from scipy.optimize import minimize
+
+    free = [i for i, step in enumerate(spacing) if step != 1.0]
+    unit = [-spacing[i] if spacing[i] < 0 else math.log(spacing[i]) for i in free]
+
+    def climbed(start: Point, edge: float, trials: int) -> Point:
+        begin = [(start[i] if spacing[i] < 0 else math.log(start[i])) / u for i, u in zip(free, unit, strict=True)]
+
+        def at(coordinates: Array) -> Point:
+            point = list(start)
+            for i, u, coordinate in zip(free, unit, coordinates.tolist(), strict=True):
+                moved = u * coordinate if spacing[i] < 0 else math.exp(min(u * coordinate, 700.0))
+                point[i] = min(max(moved, parameters[i].lower), parameters[i].upper)
+            return tuple(point)
+
+        corners = np.array(begin) + edge * np.vstack([np.zeros(len(free)), np.eye(len(free))])
+        least = _SURE * abs(value(start))
+        options = {"maxfev": trials, "initial_simplex": corners, "xatol": _SURE * edge, "fatol": least}
+        return at(minimize(lambda x: -value(at(x)), np.array(begin), method="Nelder-Mead", options=options).x)
+
+    best = max((climbed(start, _EDGE, _SHORT) for start in starts[:_STARTS]), key=value)
+    return climbed(best, _LAST_EDGE, _LONG)
