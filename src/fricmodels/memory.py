@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from functools import lru_cache
 from typing import Any
 
@@ -13,11 +13,37 @@ from numpy.typing import ArrayLike, NDArray
 
 from fricmodels.kernels import Scan
 from fricmodels.model import Model
-from fricmodels.term import SIGNALS
+from fricmodels.term import SIGNALS, Term
 
 Array = NDArray[np.float64]
 
 _GAMMA = 1 - 1 / math.sqrt(2)
+
+
+class Past:
+    """A recorded motion as a term sees it that looks back: ``past.now("velocity")``, ``past.ago("velocity", 0.01)``.
+
+    Args:
+        signals: value or array of shape (N,) of each signal.
+        time: sample times [s].
+        edges: index of the first sample of every run, and N.
+    """
+
+    def __init__(self, signals: Mapping[str, ArrayLike], time: Array, edges: list[int]) -> None:
+        self._signals, self._time, self._edges = signals, time, edges
+
+    def now(self, name: str) -> Array:
+        """Return a signal, shape (N,)."""
+        return np.broadcast_to(np.asarray(self._signals[name], dtype=float), self._time.shape)
+
+    def ago(self, name: str, duration: float) -> Array:
+        """Return a signal as it was a time before, shape (N,); before a run began, as it was at its beginning."""
+        values, time = self.now(name), self._time
+        there = np.empty(len(time))
+        for begin, end in itertools.pairwise(self._edges):
+            own = slice(begin, end)
+            there[own] = np.interp(time[own] - duration, time[own], values[own])
+        return there
 
 
 class Memory:
@@ -32,7 +58,8 @@ class Memory:
         z_{n+1} &= z_n + \tfrac h2 (3 k_1 + k_2), \qquad \gamma = 1 - 1/\sqrt2
 
     which is L-stable: a contact that bends within less than a sample settles at once instead of ringing. States that a
-    term advances itself (:meth:`fricmodels.term.Term.advance`) follow its formula.
+    term advances itself (:meth:`fricmodels.term.Term.advance`) follow its formula, and those that it finds in the
+    recording (:meth:`fricmodels.term.Term.recalled`) are what it found.
 
     Args:
         model: the model with memory.
@@ -55,6 +82,8 @@ class Memory:
             values = np.broadcast_to(signals[name], time.shape)
             self._rows[:, i], self._rows[:, i + len(needed)] = values[:-1], values[1:]
         self._edges = [0, *(np.flatnonzero(np.diff(run)) + 1).tolist(), len(time)]
+        self._past = Past(signals, time, self._edges)
+        self._recalling = list(_recalling(model))
 
     def __call__(self, parameters: ArrayLike) -> tuple[Array, ...]:
         """Return each state at every sample, one array of shape (N,) for each.
@@ -63,11 +92,28 @@ class Memory:
             parameters: all of the model's parameters, in order.
         """
         states = np.empty((self._edges[-1], len(self._first)))
-        constants = [*np.asarray(parameters, dtype=float), self._width]
-        for begin, end in itertools.pairwise(self._edges):
-            states[begin] = self._first
-            self._scan(self._first, self._rows[begin : end - 1], constants, outputs=states[begin + 1 : end])
+        values = np.asarray(parameters, dtype=float)
+        if sum(len(term.states) for term, _, _ in self._recalling) < len(self._first):
+            constants = [*values, self._width]
+            for begin, end in itertools.pairwise(self._edges):
+                states[begin] = self._first
+                self._scan(self._first, self._rows[begin : end - 1], constants, outputs=states[begin + 1 : end])
+        for term, first_parameter, first_state in self._recalling:
+            symbols = [p.symbol for p in term.parameters]
+            own = dict(zip(symbols, values[first_parameter:].tolist(), strict=False))
+            found = term.recalled(self._past, own)
+            for i, state in enumerate(term.states, start=first_state):
+                states[:, i] = found[state.symbol]
         return tuple(states.T)
+
+
+def _recalling(model: Model) -> Iterator[tuple[Term, int, int]]:
+    """Yield the terms that find their states in a recording, with the index of their first parameter and state."""
+    parameter = state = 0
+    for term in model.terms:
+        if type(term).recalled is not Term.recalled:
+            yield term, parameter, state
+        parameter, state = parameter + len(term.parameters), state + len(term.states)
 
 
 def _needed(model: Model) -> list[str]:

@@ -22,6 +22,12 @@ from fricmodels.dimension import (
 from fricmodels.expressions import Expression
 from fricmodels.parameter import Parameter, State
 
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from fricmodels.memory import Past
+
 SIGNALS: Mapping[str, Dimension] = {
     "velocity": VELOCITY,
     "position": DISPLACEMENT,
@@ -138,6 +144,17 @@ class Term(ABC):
         Args:
             s: signals and states at the beginning of the step; later: signals at its end, the velocity changing
                 linearly between; h: its length [s]; p: the parameters.
+        """
+        return {}
+
+    def recalled(self, past: Past, parameters: Mapping[str, float]) -> Mapping[str, NDArray[np.float64]]:
+        """Return every declared state at every sample of a recorded motion, by symbol; nothing to follow the rates.
+
+        Only terms write this whose rates stand for something that a recording holds as it was, such as the speed of a
+        while ago. Whoever does not know the past, a filter or a simulation, follows the rates.
+
+        Args:
+            past: the motion, see :class:`fricmodels.memory.Past`; parameters: values by symbol.
         """
         return {}
 

@@ -24,8 +24,9 @@ _SHIFTS = (1, 2, 3, 5, 8, 12, 18, 27, 40)
 """Delays that are tried first, in samples."""
 _FARTHEST = 5.0
 """How many times the longest that is tried first a length or a duration may become."""
-_FEW = 2
-"""More nonlinear parameters than a few are sought together, from several starts."""
+_STARTS, _FEW = 4, 2
+"""Where there is more than one nonlinear parameter there may be several summits: so many starts are tried. More than a
+few are sought together."""
 _SIGNED = 0.2
 """Spacing of a parameter of either sign of which only one value is tried first."""
 
@@ -84,7 +85,8 @@ def search(problem: Problem, regression: Regression, effect: Effect, alone: Driv
         return at(first, trials) if np.any(regression.visible(problem.columns(alone, first)[0])) else None
     if len(nonlinear) > _FEW:
         return at(simplexes(value, starts, nonlinear, spacing), trials)
-    return at(walk(value, first, nonlinear, spacing), trials)
+    few = starts[: _STARTS if len(nonlinear) > 1 else 1]
+    return at(max((walk(value, start, nonlinear, spacing) for start in few), key=value), trials)
 
 
 def _within_recording(problem: Problem, parameter: Parameter) -> Parameter:

@@ -3,10 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
 
 from fricmodels.expressions import Expression, absolute, exp, maximum, sign
 from fricmodels.parameter import Parameter, State
 from fricmodels.term import Effect, Parameters, Signals
+
+if TYPE_CHECKING:
+    from fricmodels.memory import Past
 
 
 class FrictionalLag(Effect):
@@ -17,7 +24,8 @@ class FrictionalLag(Effect):
         \qquad u(t) \approx |\omega(t - T)|
 
     It takes the falling and the viscous part of a law's friction away at the present speed and puts them back at the
-    speed u of a time T ago; at constant speed it is zero. The delay is Padé's of second order,
+    speed u of a time T ago; at constant speed it is zero. A recording holds that speed. To a filter or a simulation the
+    delay is Padé's of second order,
 
     .. math:: \dot x = v, \quad \dot v = |\omega| - 6v/T - 12x/T^2, \quad u = \max(|\omega| - 12v/T,\ 0).
 
@@ -41,7 +49,12 @@ class FrictionalLag(Effect):
         scan=(0.01, 0.03, 0.1, 0.3),
     )
     T = Parameter(
-        "T", unit="s", initial=1e-3, lower=1e-9, meaning="delay", scan=(0.0001, 0.0003, 0.001, 0.003, 0.01, 0.03)
+        "T",
+        unit="s",
+        initial=1e-3,
+        lower=1e-9,
+        meaning="delay",
+        scan=(0.0001, 0.0002, 0.0004, 0.0007, 0.0013, 0.0025, 0.005, 0.009, 0.017, 0.03),
     )
     x = State("x", unit="rad s", meaning="state of the delay")
     v = State("v", unit="rad", meaning="state of the delay")
@@ -56,3 +69,9 @@ class FrictionalLag(Effect):
     def rates(self, s: Signals, p: Parameters) -> Mapping[str, Expression]:
         """Return the rates of the delay's states."""
         return {"x": s.v, "v": absolute(s.velocity) - 6 * s.v / p.T - 12 * s.x / p.T**2}
+
+    def recalled(self, past: Past, parameters: Mapping[str, float]) -> Mapping[str, NDArray[np.float64]]:
+        """Return the states at which u is the speed that was recorded a time T ago."""
+        duration = parameters["T"]
+        now, then = np.abs(past.now("velocity")), np.abs(past.ago("velocity", duration))
+        return {"x": np.zeros(len(now)), "v": duration / 12 * (now - then)}

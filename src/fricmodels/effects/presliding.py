@@ -13,21 +13,24 @@ class Presliding(Effect):
     r"""The contact first bends before it slides: after a reversal friction builds up over a fixed distance (Dahl).
 
     .. math::
-        \tau = F\,(z - \operatorname{sgn}\omega) + D\,(\omega - |\omega| z), \qquad \dot z = (\omega - |\omega| z)/x_s
+        \tau = (F + G\operatorname{sgn}\omega)\,(z - \operatorname{sgn}\omega) + D\,(\omega - |\omega| z),
+        \qquad \dot z = (\omega - |\omega| z)/x_s
 
     Where a law's Coulomb torque jumps at a reversal, this term takes the jump away and gives it back over the
     displacement x_s: z follows sgn ω as 1 − 2 exp(−|q − q_r|/x_s) after a reversal at q_r. D is the damping of the
-    contact while it bends (LuGre); Dahl's model is D = 0.
+    contact while it bends (LuGre); Dahl's model is D = 0. On a drive that runs harder in one direction G is half of what
+    builds up more forward than backward.
 
     Source: Dahl (1968); steady sliding of LuGre, Canudas de Wit et al. (1995).
     """
 
     name = "presliding"
-    formula = "τ = F·(z − sgn ω) + D·(ω − |ω|·z);  dz/dt = (ω − |ω|·z)/x_s"
+    formula = "τ = (F + G·sgn ω)·(z − sgn ω) + D·(ω − |ω|·z);  dz/dt = (ω − |ω|·z)/x_s"
     signature = "a hysteresis loop in position after each reversal, of fixed width"
     needs_motion = "reversals"
     F = Parameter("F", unit="N m", lower=0.0, meaning="friction torque that builds up elastically")
     D = Parameter("D", unit="N m s/rad", lower=0.0, meaning="damping of the bending contact")
+    G = Parameter("G", unit="N m", meaning="half the difference of it between forward and backward")
     x_s = Parameter(
         "x_s",
         unit="rad",
@@ -39,8 +42,9 @@ class Presliding(Effect):
     z = State("z", meaning="deflection of the contact, −1 to 1")
 
     def torque(self, s: Signals, p: Parameters) -> Expression:
-        """Return F (z − sgn ω) + D (ω − |ω| z)."""
-        return p.F * (s.z - sign(s.velocity)) + p.D * (s.velocity - absolute(s.velocity) * s.z)
+        """Return (F + G sgn ω) (z − sgn ω) + D (ω − |ω| z)."""
+        side = sign(s.velocity)
+        return (p.F + p.G * side) * (s.z - side) + p.D * (s.velocity - absolute(s.velocity) * s.z)
 
     def rates(self, s: Signals, p: Parameters) -> Mapping[str, Expression]:
         """Return dz/dt = (ω − |ω| z)/x_s."""
