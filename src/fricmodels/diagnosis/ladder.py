@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -21,6 +21,8 @@ from fricmodels.shown import Shown
 
 MOST_TRIALS = 4
 """So many of the effects that pass are tried before a step is given up."""
+_NEARLY = 1.1
+"""A model that explains all that can be predicted may leave so many times the error of one that does not."""
 MOST_STEPS = 6
 """A model that lacks more effects than this is better thought about than extended."""
 
@@ -85,11 +87,11 @@ def improve(
     first = examine(comparison, leave_out=leave_out)
     climb = _Climb(recording, inertia, set(leave_out), {e.name for e in model.effects}, say, comparison, first)
     climb.up()
-    pruned = climb.prune()
+    changed = climb.prune() or climb.simplify()
     if climb.exchange():
         climb.look()
         climb.up()
-    elif pruned:
+    elif changed:
         climb.look()
     return Ladder(first, tuple(climb.rungs), climb.diagnosis, tuple(climb.steps), climb.note)
 
@@ -136,29 +138,47 @@ class _Climb:
     def up(self) -> None:
         """Add what is missing until nothing is, or nothing helps."""
         while self.diagnosis.findings and len(self.steps) < MOST_STEPS:
-            trial, name = self._step(self.diagnosis)
-            if trial is None:
-                self.note = f"'{name}' was found, but the error on data kept back does not fall with it"
+            step = self._step()
+            if not step:
+                found = self.diagnosis.findings[0].tested.name
+                self.note = f"'{found}' was found, but the error on data kept back does not fall with it"
                 return
-            self.steps.append(self.diagnosis)
-            self.rungs.append(Rung(trial, added=name))
+            for diagnosis, rung in step:
+                self.steps.append(diagnosis)
+                self.rungs.append(rung)
             self.look()
 
-    def _step(self, diagnosis: Diagnosis) -> tuple[Comparison | None, str]:
-        """Add the effect that was found; where it does not help on data kept back, the one that does so most.
+    def _step(self) -> list[tuple[Diagnosis, Rung]]:
+        """Add the effect that was found; where it does not help on data kept back, the one that does so most, or two.
 
         Returns:
-            The new comparison, if any effect helps, and the effect; else the one that did not.
+            The diagnoses that led to the new rungs, and these; empty where nothing helps.
         """
-        here, found = self._comparison, diagnosis.findings[0].tested
-        bigger = self._with(here, found)
-        if _held_out(bigger) < _held_out(here):
-            return bigger, found.name
-        others = [t for t in diagnosis.passing if t.name != found.name][: MOST_TRIALS - 1]
-        best = min(((self._with(here, t), t.name) for t in others), key=lambda pair: _held_out(pair[0]), default=None)
-        if best is None or not _held_out(best[0]) < _held_out(here):
-            return None, found.name
-        return best
+        diagnosis, here = self.diagnosis, self._comparison
+        found = diagnosis.findings[0].tested
+        tried = [Rung(self._with(here, found), added=found.name)]
+        if _held_out(tried[0].comparison) >= _held_out(here):
+            others = [t for t in diagnosis.passing if t.name != found.name][: MOST_TRIALS - 1]
+            tried += [Rung(self._with(here, t), added=t.name) for t in others]
+        best = min(tried, key=lambda rung: _held_out(rung.comparison))
+        return [(diagnosis, best)] if _held_out(best.comparison) < _held_out(here) else self._two(tried)
+
+    def _two(self, tried: Sequence[Rung]) -> list[tuple[Diagnosis, Rung]]:
+        """Add two effects of which neither helps alone: what the first one brings may be lost in what is still missing.
+
+        Args:
+            tried: the model with one effect more, one for each that was tried.
+        """
+        pairs = []
+        for rung in tried:
+            following = examine(rung.comparison, leave_out=self._out)
+            if following.findings:
+                second = following.findings[0].tested
+                pairs.append((rung, following, Rung(self._with(rung.comparison, second), added=second.name)))
+        best = min(pairs, key=lambda pair: _held_out(pair[2].comparison), default=None)
+        if best is None or _held_out(best[2].comparison) >= _held_out(self._comparison):
+            return []
+        return [(self.diagnosis, best[0]), (best[1], best[2])]
 
     def _with(self, comparison: Comparison, tested: Tested) -> Comparison:
         """Return the model with one more effect, refitted; as it is where that fails."""
@@ -209,20 +229,54 @@ class _Climb:
             diagnosis = examine(smaller, leave_out=self._out)
             if not diagnosis.findings:
                 continue
-            if name in diagnosis.findings[0].names:
-                self._named_again(name, diagnosis.findings[0])
+            found = diagnosis.findings[0]
+            other = self._with(smaller, found.tested) if found.tested.name != name else here
+            if other is here or not self._as_good(other):
+                if name in found.names:
+                    self._named_again(name, found)
                 continue
-            other = self._with(smaller, diagnosis.findings[0].tested)
-            if _held_out(other) > (1 + LEAST_GAIN / 2) * _held_out(here):
-                continue
-            self.rungs += [Rung(smaller, removed=name), Rung(other, added=diagnosis.findings[0].tested.name)]
+            self.rungs += [Rung(smaller, removed=name), Rung(other, added=found.tested.name)]
             self.steps.append(diagnosis)
             changed = True
         return changed
 
-    def _named_again(self, name: str, again: Finding) -> None:
+    def simplify(self) -> bool:
+        """Put an effect with fewer parameters in the place of one that, with all others there, does no more than it."""
+        changed = False
+        for name in self._added if len(self._added) > 1 else []:
+            step = self.steps[self._place(name)]
+            here = self._comparison
+            own = next(e for e in here.drive.model.effects if e.name == name)
+            simpler = [t for t in step.passing if len(t.effect.parameters) < len(own.parameters)]
+            for tested in [t for t in simpler if t.name not in self._added][:MOST_TRIALS]:
+                smaller = self._without(here, name)
+                other = self._fitted(smaller, smaller.drive.model.plus(tested.effect), here.estimate.parameters)
+                if self._as_good(other):
+                    self.rungs += [Rung(smaller, removed=name), Rung(other, added=tested.name)]
+                    self.steps.append(step)
+                    changed = True
+                    break
+        return changed
+
+    def _as_good(self, other: Comparison) -> bool:
+        """Whether a model may take the place of the present one.
+
+        It leaves as little, with more parameters clearly less; or else nothing that could be predicted.
+        """
+        share = _held_out(other) / _held_out(self._comparison)
+        larger = len(other.drive.model.parameters) > len(self._comparison.drive.model.parameters)
+        if share <= 1 + (-LEAST_GAIN if larger else LEAST_GAIN) / 2:
+            return True
+        unknown = self.diagnosis.verdict == "unknown-effect"
+        return unknown and share <= _NEARLY and examine(other, leave_out=self._out).verdict == "adequate"
+
+    def _place(self, name: str) -> int:
+        """Return which step last added an effect."""
         names = [rung.added for rung in self.rungs if rung.added]
-        place = len(names) - 1 - names[::-1].index(name)
+        return len(names) - 1 - names[::-1].index(name)
+
+    def _named_again(self, name: str, again: Finding) -> None:
+        place = self._place(name)
         step = self.steps[place]
         if step.findings[0].tested.name == name:
             names_now = (name, *(other for other in again.names if other != name))

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from fricmodels.diagnosis.ascent import simplexes, walk
 from fricmodels.diagnosis.evidence import Regression
 from fricmodels.diagnosis.problem import Problem
-from fricmodels.dimension import DISPLACEMENT, FORCE, TIME
+from fricmodels.dimension import DISPLACEMENT, FORCE, TIME, VELOCITY
 from fricmodels.drive import Drive
 from fricmodels.parameter import Parameter
 from fricmodels.recording import natural_size
@@ -23,7 +23,7 @@ Array = NDArray[np.float64]
 _SHIFTS = (1, 2, 3, 5, 8, 12, 18, 27, 40)
 """Delays that are tried first, in samples."""
 _FARTHEST = 5.0
-"""How many times the longest that is tried first a length or a duration may become."""
+"""How many times the longest that is tried first a length or a duration may become, and the lowest a speed."""
 _STARTS, _FEW = 4, 2
 """Where there is more than one nonlinear parameter there may be several summits: so many starts are tried. More than a
 few are sought together."""
@@ -93,14 +93,18 @@ def _within_recording(problem: Problem, parameter: Parameter) -> Parameter:
     """Return a parameter with the bounds that a recording sets: lengths and durations of which it can tell.
 
     A length is no more than the travel, since a longer one was never crossed, and neither is much longer than what is
-    tried first: a gap of most of the travel is none.
+    tried first: a gap of most of the travel is none. Nor is a speed much lower: what happens below it is over at once.
     """
-    is_length, is_duration = parameter.dimension == DISPLACEMENT, parameter.dimension == TIME
-    if not is_length and (not is_duration or is_instant(parameter)):
-        return parameter
-    longest = _FARTHEST * max(parameter.scan, default=1.0)
-    most = natural_size(problem.recording, parameter.dimension) * (min(1.0, longest) if is_length else longest)
-    return replace(parameter, initial=min(parameter.initial, most), upper=min(parameter.upper, most))
+    dimension, scan = parameter.dimension, parameter.scan or (1.0,)
+    size = natural_size(problem.recording, dimension)
+    lower, upper = parameter.lower, parameter.upper
+    if dimension == DISPLACEMENT:
+        upper = min(upper, size * min(1.0, _FARTHEST * max(scan)))
+    elif dimension == TIME and not is_instant(parameter):
+        upper = min(upper, size * _FARTHEST * max(scan))
+    elif dimension == VELOCITY:
+        lower = max(lower, size * min(scan) / _FARTHEST)
+    return replace(parameter, initial=min(max(parameter.initial, lower), upper), lower=lower, upper=upper)
 
 
 def _delay(problem: Problem, regression: Regression, alone: Drive) -> float:

@@ -18,8 +18,8 @@ class Presliding(Effect):
 
     Where a law's Coulomb torque jumps at a reversal, this term takes the jump away and gives it back over the
     displacement x_s: z follows sgn ω as 1 − 2 exp(−|q − q_r|/x_s) after a reversal at q_r. D is the damping of the
-    contact while it bends (LuGre); Dahl's model is D = 0. On a drive that runs harder in one direction G is half of what
-    builds up more forward than backward.
+    contact while it bends (LuGre); Dahl's model is D = 0. On a drive that runs harder in one direction G is half of
+    what builds up more forward than backward.
 
     Source: Dahl (1968); steady sliding of LuGre, Canudas de Wit et al. (1995).
     """
