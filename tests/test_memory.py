@@ -93,7 +93,7 @@ def test_halving_the_step_quarters_the_error() -> None:
 
 @pytest.mark.parametrize("omega", [2.0, 10.0, 20.0])
 def test_lagging_friction_is_that_of_the_speed_a_time_ago(omega: float) -> None:
-    """Viscous part alone: K (|ω(t − T)| − |ω(t)|), up to the delay's own phase error of (ωT)⁵/720."""
+    """Viscous part alone: K (|ω(t − T)| − |ω(t)|)."""
     T, time = 0.05, np.linspace(0, 4, 40_001)
 
     def speed(t: Array) -> Array:
@@ -106,7 +106,57 @@ def test_lagging_friction_is_that_of_the_speed_a_time_ago(omega: float) -> None:
     torque = drive.friction(recording, {"K_v": 0.0, "K_c": 0.0, **lag})
     late = time > 1
     delayed = 3 * (np.abs(speed(time - T)) - np.abs(speed(time))) * -1
-    assert np.max(np.abs(torque - delayed)[late]) < 3 * (omega * T) ** 5 / 720 + 1e-4
+    assert np.max(np.abs(torque - delayed)[late]) < 1e-6
+    early = time < T  # what was before the record is as it was at its beginning
+    np.testing.assert_allclose(torque[early], (3 * (2 - np.abs(speed(time))) * -1)[early], atol=1e-9)
+
+
+@pytest.mark.parametrize("omega", [2.0, 10.0, 20.0])
+def test_the_rates_of_lagging_friction_are_those_of_its_delay(omega: float) -> None:
+    """What a filter follows is what a recording shows, up to the phase error of the delay, (ωT)⁵/720."""
+    T = 0.05
+    model = Model.parse("coulomb-viscous+frictional-lag")
+    rates = model.expression()
+    import casadi
+
+    slope = casadi.Function("rates", [rates.states, rates.signals["velocity"], rates.parameters], [rates.rates])
+    values = [0.0, 0.0, 0.0, 1.0, 1.0, T]
+
+    def speed(t: Array) -> Array:
+        return np.asarray(2 + np.sin(omega * t))
+
+    def change(t: float, z: Array) -> Array:
+        return np.asarray(slope(z, speed(np.array(t)), values)).ravel()
+
+    time = np.linspace(0, 4, 8001)
+    found = solve_ivp(change, (0, 4), [0.0, 0.0], t_eval=time, rtol=1e-9, atol=1e-12)
+    followed = speed(time) - 12 * found.y[1] / T
+    late = time > 1
+    assert np.max(np.abs(followed - speed(time - T))[late]) < (omega * T) ** 5 / 720 + 1e-6
+
+
+def test_every_run_has_a_past_of_its_own() -> None:
+    time = np.concatenate([np.arange(100), np.arange(100)]) * 0.01
+    run = np.repeat([0, 1], 100)
+    velocity = np.concatenate([np.full(100, 1.0), np.full(100, 5.0)])
+    channels = {"time": time, "torque": np.zeros(200), "velocity": velocity}
+    recording = Recording("two", Motion.ROTARY, channels, run)
+    drive = Drive(Model.parse("coulomb-viscous+frictional-lag"), 1.0)
+    lag = {"frictional-lag.F_s": 1.0, "frictional-lag.K": 3.0, "frictional-lag.omega_s": 1.0, "frictional-lag.T": 0.3}
+    np.testing.assert_array_equal(drive.friction(recording, {"K_v": 0.0, "K_c": 0.0, **lag}), 0.0)
+
+
+def test_what_is_recalled_stands_beside_what_is_integrated() -> None:
+    """The states of two effects, one of each kind, are those that each has alone, in either order."""
+    time = np.linspace(0, 2, 4001)
+    velocity = np.sin(7 * time)
+    alone = {
+        "presliding": states("presliding", {"x_s": 0.01}, time, velocity=velocity),
+        "frictional-lag": states("frictional-lag", {"T": 0.1}, time, velocity=velocity),
+    }
+    for pair in (("presliding", "frictional-lag"), ("frictional-lag", "presliding")):
+        both = states("+".join(pair), {"x_s": 0.01, "T": 0.1}, time, velocity=velocity)
+        np.testing.assert_allclose(both, [*alone[pair[0]], *alone[pair[1]]], rtol=1e-12)
 
 
 def test_a_compliant_joint_resonates_where_and_as_much_as_the_textbook_says() -> None:

@@ -10,7 +10,7 @@ import pytest
 
 from fricmodels.diagnosis import survey as surveys
 from fricmodels.diagnosis.estimate import estimate
-from fricmodels.diagnosis.search import halved, starting_points, walk
+from fricmodels.diagnosis.search import starting_points
 from fricmodels.diagnosis.survey import noise_share, survey
 from fricmodels.dimension import ACCELERATION, DISPLACEMENT, FORCE, INERTIA, TIME, VELOCITY, Motion
 from fricmodels.drive import Drive
@@ -102,51 +102,6 @@ def test_play_is_found_with_a_load_and_without(made: Made) -> None:
 
 
 # ---- the walk ---------------------------------------------------------------------------------------------------
-
-
-def test_a_walk_climbs_to_the_top_by_ratios_and_by_steps() -> None:
-    parameters = [Parameter("x", initial=1.0, lower=0.0), Parameter("t")]
-
-    def hill(point: tuple[float, ...]) -> float:
-        return -(np.log(point[0] / 2.7) ** 2) - (point[1] - 0.3) ** 2
-
-    top = walk(hill, (2.0, 0.0), parameters, [2.0, -1.0])
-    assert top[0] == pytest.approx(2.7, rel=0.02)
-    assert top[1] == pytest.approx(0.3, abs=0.02)
-
-
-def test_a_walk_follows_a_valley_that_runs_between_the_axes() -> None:
-    parameters = [Parameter("x", initial=1.0, lower=0.0), Parameter("y", initial=1.0, lower=0.0)]
-
-    def ridge(point: tuple[float, ...]) -> float:
-        along, across = np.log(point[0] * point[1] / 36.0), np.log(point[0] / point[1])
-        return -(along**2) - 5 * across**2
-
-    top = walk(ridge, (1.0, 1.0), parameters, [2.0, 2.0])
-    assert top[0] == pytest.approx(6.0, rel=0.1)
-    assert top[1] == pytest.approx(6.0, rel=0.1)
-
-
-def test_halves_of_a_ratio_and_of_a_difference() -> None:
-    assert halved(16.0) == 4.0
-    assert halved(16.0, 2) == 2.0
-    assert halved(-1.0, 3) == -0.125
-
-
-def test_a_walk_stays_within_bounds_and_never_goes_down() -> None:
-    parameters = [Parameter("x", initial=1.0, lower=0.5, upper=2.0)]
-    seen: list[float] = []
-
-    def slope(point: tuple[float, ...]) -> float:
-        seen.append(point[0])
-        return point[0]
-
-    assert walk(slope, (1.0,), parameters, [4.0]) == (2.0,)
-    assert 0.5 <= min(seen) <= max(seen) <= 2.0
-    assert walk(lambda point: -abs(point[0] - 1.0), (1.0,), parameters, [1.3]) == (1.0,)
-
-
-# ---- columns that consist of noise ------------------------------------------------------------------------------
 
 
 def test_the_share_of_noise_grows_with_its_square(made: Made) -> None:

@@ -19,7 +19,7 @@ from fricmodels.simulation import simulate
 Array = NDArray[np.float64]
 
 J_L, WIDTH, BRAKING, SPEED, DRY = 2.0, 0.03, 1.5, 3.0, 3.0
-VALUES = {"J_l": J_L, "w": WIDTH, "a": BRAKING, "omega_v": SPEED, "F": DRY}
+VALUES = {"J_l": J_L, "w": WIDTH, "a": BRAKING, "omega_v": SPEED, "F": DRY, "b": 0.0}
 
 
 def drive(inertia: float = 4.5) -> Drive:
@@ -74,6 +74,13 @@ def test_a_load_that_the_load_torque_presses_to_one_flank_never_leaves_it() -> N
     assert not np.any(drive().friction(pressed, values()))
 
 
+@pytest.mark.parametrize("share", [-0.6, 0.3])
+def test_a_constant_load_torque_is_a_difference_between_the_directions(share: float) -> None:
+    loaded = drive().friction(turning(load_torque=share * DRY), values())
+    np.testing.assert_allclose(drive().friction(turning(), values(b=share)), loaded, rtol=1e-12)
+    assert np.max(np.abs(loaded - drive().friction(turning(), values()))) > 0.1
+
+
 def test_a_recording_without_a_load_torque_has_none() -> None:
     with_none = turning()
     without = Recording(
@@ -98,6 +105,9 @@ def test_a_shifted_start_and_the_other_direction_change_nothing_but_the_sign() -
     moving = recording.velocity != 0
     np.testing.assert_allclose(drive().friction(mirrored, values())[moving], -there[moving], atol=1e-9)
     np.testing.assert_allclose(drive().friction(later, values()), there, atol=1e-6 * np.max(np.abs(there)))
+    harder = drive().friction(recording, values(b=0.3))
+    easier = drive().friction(mirrored, values(b=-0.3))
+    np.testing.assert_allclose(easier[moving], -harder[moving], atol=1e-9)
 
 
 def test_a_simulated_blow_conserves_momentum() -> None:
@@ -111,8 +121,10 @@ def test_a_simulated_blow_conserves_momentum() -> None:
     assert slope > 2.0 / inertia  # the load's part of the friction and inertia is missing
 
 
+EVEN, UNEVEN = {"viscous": 4.0, "coulomb": 10.0}, {"viscous": (4.0, 4.0), "coulomb": (13.0, 7.0)}
 RIGS = {
     "unloaded": {},
+    "uneven": {"friction": UNEVEN},
     "loaded": {"load": {"bias": 1.0, "amplitude": 9.0, "frequency": 0.31}},
     "fast": {"excitation": {"kind": "tracking", "velocity": 2.0, "frequency": 0.5, "lines": 5, "bandwidth": 15.0}},
 }
@@ -124,7 +136,7 @@ def test_the_simulated_drive_leaves_what_the_effect_says(name: str) -> None:
     play = {"name": "backlash", "gap": 0.04, "contact_frequency": 120.0, "damping_ratio": 0.7}
     made = {
         "inertia": 2.0,
-        "friction": {"viscous": 4.0, "coulomb": 10.0},
+        "friction": EVEN,
         "effects": [{**play, "load_inertia_share": 0.4, "load_friction_share": 0.6}],
         "excitation": {"kind": "ramp", "velocity": 2.0, "period": 4.0, "bandwidth": 15.0},
         "rate": 500,
@@ -137,6 +149,7 @@ def test_the_simulated_drive_leaves_what_the_effect_says(name: str) -> None:
     _, acceleration = lanczos_derivative(recording.time, recording.velocity, 1)
     recording = recording.with_channels(acceleration=acceleration)
     truth = {"J_l": 0.8, "w": 0.04, "a": 6.0 / 0.8, "omega_v": 10.0 / 4.0, "F": 6.0}
+    truth["b"] = 0.3 if name == "uneven" else 0.0
     said = drive(2.0).friction(recording, values(**truth))
     left = rig.effect_torque()
     clear = np.convolve(np.abs(recording.velocity) < 0.02, np.ones(5), "same") == 0

@@ -14,29 +14,32 @@ class Backlash(Effect):
 
     .. math::
         \tau &= -J_l\,\big[\dot\omega + a\operatorname{sgn}\omega + \tfrac{a}{\omega_v}\,\omega
-                + \tfrac{a}{F}\,\tau_L\big] && \text{within the gap, } |x| < w/2 \\
+                + a\,\big(b + \tfrac{\tau_L}{F}\big)\big] && \text{within the gap, } |x| < w/2 \\
         \tau &= J_l\,v/T && \text{in contact}
 
     It takes away what a drive without play would need to move the load, and gives back the blow at the end of the gap.
     x is the twist between motor and load and v its rate, so that the load's speed is ω − v. Within the gap the load is
-    braked by its own friction and moved by the known load torque,
+    braked by its own friction, dry friction of a·(1 ± b) forward and backward among it, and moved by the known load
+    torque,
 
     .. math::
         \dot x = v, \qquad
-        \dot v = \dot\omega + a\operatorname{sgn}(\omega - v) + \tfrac{a}{\omega_v}(\omega - v) + \tfrac{a}{F}\,\tau_L
+        \dot v = \dot\omega + a\operatorname{sgn}(\omega - v) + \tfrac{a}{\omega_v}(\omega - v)
+                 + a\,\big(b + \tfrac{\tau_L}{F}\big)
 
     until it rests; in contact the motor takes it along, :math:`\dot x = 0,\ \dot v = -v/T`, and the contact can only
     push: it opens where the load would run ahead. The blow takes the time T, a fiftieth of √(w/a), short against all
     that is recorded; nothing bounces. The drive's inertia and friction stay the whole ones, motor and load. Where a
     drive stands in its gap at first is not known: x = 0 is taken for contact, on the flank that the first motion loads.
 
-    F, the dry friction J_l·a of a load on which all of the known load torque acts, is not to be told without one.
+    F, the dry friction J_l·a of a load on which all of the known load torque acts, is not to be told without one. A
+    constant torque on the load does what b does.
 
     Source: Nordin and Gutman (2002), the dead-zone model, with a contact that is stiff against all that is recorded.
     """
 
     name = "backlash"
-    formula = "τ = −J_l·(dω/dt + a·sgn ω + a·ω/ω_v + a·τ_L/F) while |x| < w/2, else J_l·v/T;  dx/dt = v"
+    formula = "τ = −J_l·(dω/dt + a·(sgn ω + b) + a·ω/ω_v + a·τ_L/F) while |x| < w/2, else J_l·v/T;  dx/dt = v"
     signature = "a pulse where the joint's torque turns, of fixed width in position, and a shock at its end"
     needs_motion = "reversals"
     optional = frozenset({"load_torque"})
@@ -79,7 +82,7 @@ class Backlash(Effect):
         initial=0.0,
         lower=-0.9,
         upper=0.9,
-        meaning="difference of the load's dry friction between the directions, over their sum",
+        meaning="share by which the load's dry friction is more forward and less backward, or a constant torque on it",
         scan=(0.0,),
     )
     x = State("x", unit="rad", meaning="twist between motor and load, 0 where it is not known")
@@ -88,12 +91,12 @@ class Backlash(Effect):
     def torque(self, s: Signals, p: Parameters) -> Expression:
         """Return what is missing within the gap, and the blow at its end."""
         within = (absolute(s.x) < p.w / 2) * (s.x != 0)
-        missing = s.acceleration + _braking(s.velocity, p) + p.a / p.F * s.load_torque
+        missing = s.acceleration + _braking(s.velocity, p) + _pushed(s.load_torque, p)
         return p.J_l * ((1 - within) * s.v / _blow(p) - within * missing)
 
     def rates(self, s: Signals, p: Parameters) -> Mapping[str, Expression]:
         """Return the rates of twist; the gap is closed and left in no time, which only :meth:`advance` can say."""
-        pushed = p.a / p.F * s.load_torque
+        pushed = _pushed(s.load_torque, p)
         side = where(s.x > 0, 1, -1)
         held = side * (s.acceleration + _braking(s.velocity, p) + pushed + s.v / _blow(p)) >= 0
         contact = (absolute(s.x) >= p.w / 2) * held
@@ -103,8 +106,8 @@ class Backlash(Effect):
     def advance(self, s: Signals, later: Signals, h: Expression, p: Parameters) -> Mapping[str, Expression]:
         """Return the twist after a step in which the velocity changes linearly; the load rests, strikes or leaves."""
         first, last, half = s.velocity, later.velocity, p.w / 2
-        pushed = p.a * (p.b + (s.load_torque + later.load_torque) / 2 / p.F)
-        rigid = (last - first) / h + _braking((first + last) / 2, p) + pushed - p.a * p.b
+        pushed = _pushed((s.load_torque + later.load_torque) / 2, p)
+        rigid = (last - first) / h + _braking((first + last) / 2, p) + pushed
         side = where(s.x == 0, where(rigid >= 0, 1, -1), where(s.x > 0, 1, -1))
         known = where(s.x == 0, side * half, s.x)
         contact = (absolute(known) >= half) * (side * (rigid + s.v / _blow(p)) >= 0)
@@ -135,4 +138,9 @@ def _blow(p: Parameters) -> Expression:
 
 def _braking(velocity: Expression, p: Parameters) -> Expression:
     """Return the deceleration of the load by its own friction."""
-    return p.a * (sign(velocity) + p.b) + p.a / p.omega_v * velocity
+    return p.a * sign(velocity) + p.a / p.omega_v * velocity
+
+
+def _pushed(load_torque: Expression, p: Parameters) -> Expression:
+    """Return the deceleration of the load by what acts on it whichever way it moves."""
+    return p.a * (p.b + load_torque / p.F)

@@ -1,0 +1,96 @@
+"""Climbing: summits are found along narrow ridges, within bounds, whatever the units."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from fricmodels.diagnosis.ascent import simplexes, walk
+from fricmodels.parameter import Parameter
+
+Point = tuple[float, ...]
+POSITIVE = Parameter("p", initial=1.0, lower=1e-12)
+SIGNED = Parameter("s", lower=-0.9, upper=0.9)
+
+
+def test_a_walk_climbs_to_the_top_by_ratios_and_by_steps() -> None:
+    parameters = [Parameter("x", initial=1.0, lower=0.0), Parameter("t")]
+
+    def hill(point: tuple[float, ...]) -> float:
+        return -(np.log(point[0] / 2.7) ** 2) - (point[1] - 0.3) ** 2
+
+    top = walk(hill, (2.0, 0.0), parameters, [2.0, -1.0])
+    assert top[0] == pytest.approx(2.7, rel=0.02)
+    assert top[1] == pytest.approx(0.3, abs=0.02)
+
+
+def test_a_walk_follows_a_valley_that_runs_between_the_axes() -> None:
+    parameters = [Parameter("x", initial=1.0, lower=0.0), Parameter("y", initial=1.0, lower=0.0)]
+
+    def ridge(point: tuple[float, ...]) -> float:
+        along, across = np.log(point[0] * point[1] / 36.0), np.log(point[0] / point[1])
+        return -(along**2) - 5 * across**2
+
+    top = walk(ridge, (1.0, 1.0), parameters, [2.0, 2.0])
+    assert top[0] == pytest.approx(6.0, rel=0.1)
+    assert top[1] == pytest.approx(6.0, rel=0.1)
+
+
+def test_a_walk_stays_within_bounds_and_never_goes_down() -> None:
+    parameters = [Parameter("x", initial=1.0, lower=0.5, upper=2.0)]
+    seen: list[float] = []
+
+    def slope(point: tuple[float, ...]) -> float:
+        seen.append(point[0])
+        return point[0]
+
+    assert walk(slope, (1.0,), parameters, [4.0]) == (2.0,)
+    assert 0.5 <= min(seen) <= max(seen) <= 2.0
+    assert walk(lambda point: -abs(point[0] - 1.0), (1.0,), parameters, [1.3]) == (1.0,)
+
+
+# ---- columns that consist of noise ------------------------------------------------------------------------------
+
+
+def ridge(point: Point) -> float:
+    """A curved ridge in the logarithm of one parameter and in another of either sign; its summit is at (3, 0.4, 20)."""
+    along, across, far = np.log(point[0] / 3), (point[1] - 0.4) / 0.2, np.log(point[2] / 20)
+    return -float((along - across**2) ** 2 * 30 + 0.5 * along**2 + 0.1 * across**2 + (far - along) ** 2)
+
+
+def test_simplexes_find_the_top_of_a_curved_ridge() -> None:
+    starts = [(1.0, 0.0, 5.0), (10.0, -0.2, 5.0), (1.0, 0.0, 50.0)]
+    found = simplexes(ridge, starts, [POSITIVE, SIGNED, POSITIVE], [2.0, -0.2, 2.0])
+    np.testing.assert_allclose(found, (3.0, 0.4, 20.0), rtol=0.02)
+
+
+def test_the_best_of_several_summits_is_taken() -> None:
+    def two(point: Point) -> float:
+        x, y, z = np.log(point)
+        return float(np.exp(-(x**2 + y**2 + z**2)) + 2 * np.exp(-((x - 4) ** 2 + (y - 4) ** 2 + (z + 4) ** 2)))
+
+    starts = [(1.1, 1.0, 1.0), (30.0, 30.0, 0.03)]
+    for order in (starts, starts[::-1]):
+        found = simplexes(two, order, [POSITIVE] * 3, [2.0] * 3)
+        np.testing.assert_allclose(np.log(found), (4.0, 4.0, -4.0), atol=0.05)
+
+
+def test_simplexes_stay_within_bounds_and_leave_what_makes_no_difference() -> None:
+    seen: list[Point] = []
+
+    def outward(point: Point) -> float:
+        seen.append(point)
+        return point[0] + point[1]
+
+    bounded = [Parameter("p", initial=1.0, lower=0.5, upper=7.0), SIGNED, POSITIVE]
+    found = simplexes(outward, [(1.0, 0.0, 3.0)], bounded, [2.0, -0.2, 1.0])
+    assert found == pytest.approx((7.0, 0.9, 3.0))
+    assert all(0.5 <= p <= 7.0 and -0.9 <= s <= 0.9 and other == 3.0 for p, s, other in seen)
+
+
+def test_the_summit_does_not_depend_on_the_units_nor_on_the_direction() -> None:
+    starts = [(1.0, 0.05, 5.0), (10.0, -0.2, 5.0)]
+    parameters, spacing = [POSITIVE, SIGNED, POSITIVE], [2.0, -0.2, 2.0]
+    one = simplexes(ridge, starts, parameters, spacing)
+    other = simplexes(lambda p: ridge((p[0] / 1e4, p[1], p[2])), [(a * 1e4, b, c) for a, b, c in starts], parameters, spacing)
+    np.testing.assert_allclose(other, (one[0] * 1e4, one[1], one[2]), rtol=1e-6)
