@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from fricmodels.diagnosis.channels import FINELY, FINELY_ALONG, FINELY_TORQUE
 from fricmodels.diagnosis.evidence import Regression, compare
-from fricmodels.diagnosis.floor import LEAST_TORQUE, share_explained
+from fricmodels.diagnosis.floor import LEAST_TORQUE, floor, share_explained
 from fricmodels.diagnosis.survey import Survey, Tested, regression_of, survey
 from fricmodels.diagnosis.unexplained import PERSISTENT, View, each, views
 from fricmodels.diagnosis.verdict import answer, predicts
@@ -123,8 +123,11 @@ def enough(result: Survey, parameters: Mapping[str, float], leave_out: Iterable[
 def _complete(result: Survey, regression: Regression, seen: Sequence[View]) -> bool:
     """Whether no channel predicts much of what is left of a residual with the effects that a regression has beyond it.
 
-    What merely lasts does not count: on a real drive something always does.
+    What merely lasts does not count: on a real drive something always does. Nor is there much where hardly more is left
+    than noise and sampling leave.
     """
+    if share_explained(result.problem, result.regression, float(np.sum(regression.loss))) > 1 - _LEFT_OVER:
+        return True
     after = Survey(result.problem, regression, (), {})
     most = float(np.sum(regression.loss)) - _LEFT_OVER * float(np.sum(result.regression.loss))
     return not any(
@@ -137,6 +140,8 @@ def _complete(result: Survey, regression: Regression, seen: Sequence[View]) -> b
 def _simpler(result: Survey, columns: Array, together: Array, single: View) -> bool:
     """Whether effects together are simpler than one channel: they leave far less, or as little with far fewer terms.
 
+    Whatever is less than noise and sampling leave is as little.
+
     Args:
         columns: of all effects together, shape (k, rows).
         together: squared held-out residual that they leave, shape (rows,).
@@ -146,7 +151,8 @@ def _simpler(result: Survey, columns: Array, together: Array, single: View) -> b
     shapes = len(single.columns) / len(columns)
     if np.sum(together) < _SIMPLER * min(1.0, shapes) * np.sum(alone) and compare(alone, together, terms)[1] < _WORSE:
         return True
-    return _SIMPLER * shapes > 1 and compare(together, alone, terms)[1] >= _WORSE
+    no_worse = float(np.sum(together)) <= floor(result.problem) or compare(together, alone, terms)[1] >= _WORSE
+    return _SIMPLER * shapes > 1 and no_worse
 
 
 def directions(result: Survey, tested: Tested) -> Array:
