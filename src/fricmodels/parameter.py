@@ -23,7 +23,7 @@ class Parameter:
         meaning: the quantity in words.
         scan: for a coefficient that enters nonlinearly, the dimensionless values to try first, in units of the
             recording's own scales (peak velocity, position range, duration); empty for linear ones.
-        part_of_law: whether it is a share of the law's own friction, and cannot be more than the law has.
+        part_of_drive: whether it is a share of the law's friction or of the drive's inertia, and no more than these.
         periodic: whether it is a wave number in position, to be searched for in the spectrum over position.
         delay: whether it is the time by which motion and torque were recorded apart, a factor of the signal
             ``motor_torque_rate``; see :meth:`fricmodels.drive.Drive.timed`.
@@ -37,7 +37,7 @@ class Parameter:
     at_least: str | None = None
     meaning: str = ""
     scan: tuple[float, ...] = ()
-    part_of_law: bool = False
+    part_of_drive: bool = False
     periodic: bool = False
     delay: bool = False
 

@@ -15,7 +15,6 @@ from fricmodels.diagnosis.survey import noise_share, survey
 from fricmodels.dimension import ACCELERATION, DISPLACEMENT, FORCE, INERTIA, TIME, VELOCITY, Motion
 from fricmodels.drive import Drive
 from fricmodels.model import Model
-from fricmodels.parameter import Parameter
 from fricmodels.plugins import load
 from fricmodels.recording import Recording, natural_size
 
@@ -37,7 +36,7 @@ CASES: list[tuple[str, Mapping[str, float], str, float]] = [
     ("torque-ripple", {"a": 0.0, "b": 0.02, "a_2": 0.0, "b_2": 0.0, "k": 6.1}, "k", 0.01),
     ("step-change", {"c": 0.6, "d": 0.2, "t_0": 6.3}, "t_0", 0.02),
     ("step-change", {"c": -0.4, "d": 0.0, "t_0": 11.1}, "t_0", 0.02),
-    ("presliding", {"F": 3.0, "D": 0.0, "x_s": 0.05}, "x_s", 0.1),
+    ("presliding", {"F": 3.0, "D": 0.0, "G": 0.0, "x_s": 0.05}, "x_s", 0.1),
     ("stribeck", {"F_s": 3.0, "omega_s": 1.0, "delta": 1.0}, "omega_s", 0.35),
 ]
 
@@ -203,5 +202,5 @@ def test_an_estimated_inertia_has_no_error_of_its_own(made: Made) -> None:
     """Its momentum is that of the velocity, and the acceleration another filter's: their difference is no cause."""
     problem, found = estimate(Drive(Model.parse("coulomb-viscous"), None), made())
     result = survey(problem, found.parameters, only=["inertia-error", "joint-compliance"])
-    assert [tested.name for tested in result.tested] == ["joint-compliance"]
+    assert "inertia-error" not in [tested.name for tested in result.tested]
     assert "inertia is estimated" in result.unseen["inertia-error"]

@@ -16,10 +16,11 @@ from numpy.typing import NDArray
 
 from fricmodels.diagnosis.remembered import Remembered
 from fricmodels.diagnosis.unclear import direction_unclear
-from fricmodels.dimension import Motion
+from fricmodels.dimension import FORCE, INERTIA, Motion
 from fricmodels.drive import Drive, rest_width
 from fricmodels.memory import Memory
 from fricmodels.model import Model
+from fricmodels.parameter import Parameter
 from fricmodels.recording import Recording
 from fricmodels.signals import best_half_width, lanczos_derivative, noise, resting
 from fricmodels.signals.weak_form import HOPS, Bumps, Quadrature, mean_velocity
@@ -122,6 +123,14 @@ class Problem:
             for side in (1, -1)
         )
         return most / (peak or 1.0), most
+
+    def most(self, parameter: Parameter) -> float:
+        """Return the most that a linear coefficient may be: of a share of the drive, all that this is known to have."""
+        if not parameter.part_of_drive:
+            return parameter.upper
+        if parameter.dimension == INERTIA:
+            return self.drive.inertia or parameter.upper
+        return self.law_share[parameter.dimension == FORCE]
 
     def _at_rest(self, count: int) -> list[Array]:
         return [np.full(count, state.initial) for state in self.drive.model.states]

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from fricmodels.diagnosis.ascent import simplexes, walk
 from fricmodels.diagnosis.evidence import Regression
 from fricmodels.diagnosis.problem import Problem
-from fricmodels.dimension import DISPLACEMENT, FORCE, TIME, VELOCITY
+from fricmodels.dimension import DISPLACEMENT, TIME, VELOCITY
 from fricmodels.drive import Drive
 from fricmodels.parameter import Parameter
 from fricmodels.recording import natural_size
@@ -61,7 +61,7 @@ def search(problem: Problem, regression: Regression, effect: Effect, alone: Driv
     nonlinear = [_within_recording(problem, p) for p in nonlinear]
     lower = np.array([p.lower for p in linear])
     delay = _delay(problem, regression, alone) if alone.model.delay and not nonlinear else 0.0
-    upper = np.array([problem.law_share[p.dimension == FORCE] if p.part_of_law else p.upper for p in linear])
+    upper = np.array([problem.most(p) for p in linear])
 
     def at(point: tuple[float, ...], trials: float = 1.0) -> Found:
         columns, _ = problem.columns(alone, point, delay)

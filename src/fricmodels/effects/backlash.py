@@ -43,7 +43,7 @@ class Backlash(Effect):
     signature = "a pulse where the joint's torque turns, of fixed width in position, and a shock at its end"
     needs_motion = "reversals"
     optional = frozenset({"load_torque"})
-    J_l = Parameter("J_l", unit="kg m^2", lower=0.0, meaning="inertia of the load behind the gap")
+    J_l = Parameter("J_l", unit="kg m^2", lower=0.0, part_of_drive=True, meaning="inertia of the load behind the gap")
     w = Parameter(
         "w",
         unit="rad",

@@ -36,9 +36,9 @@ class FrictionalLag(Effect):
     formula = "τ = [F_s·(exp(−u/ω_s) − exp(−|ω|/ω_s)) + K·(u − |ω|)]·sgn ω;  u(t) = |ω(t − T)|"
     signature = "a loop in velocity: friction differs between speeding up and slowing down"
     needs_motion = "slow, accelerated motion"
-    F_s = Parameter("F_s", unit="N m", lower=0.0, part_of_law=True, meaning="falling part of the friction that lags")
+    F_s = Parameter("F_s", unit="N m", lower=0.0, part_of_drive=True, meaning="falling part of the friction that lags")
     K = Parameter(
-        "K", unit="N m s/rad", lower=0.0, part_of_law=True, meaning="viscous coefficient of the friction that lags"
+        "K", unit="N m s/rad", lower=0.0, part_of_drive=True, meaning="viscous coefficient of the friction that lags"
     )
     omega_s = Parameter(
         "omega_s",

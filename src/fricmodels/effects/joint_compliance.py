@@ -23,7 +23,7 @@ class JointCompliance(Effect):
     formula = "τ = −J_l·dv/dt;  dx/dt = v;  dv/dt = dω/dt − ω_n²·x − 2·ζ·ω_n·v"
     signature = "a resonance"
     needs_motion = "acceleration up to the resonance"
-    J_l = Parameter("J_l", unit="kg m^2", lower=0.0, meaning="inertia of the link")
+    J_l = Parameter("J_l", unit="kg m^2", lower=0.0, part_of_drive=True, meaning="inertia of the link")
     omega_n = Parameter(
         "omega_n",
         unit="1/s",
