@@ -16,7 +16,7 @@ SOURCES = ROOT / "src"
 # The way of the data: a layer imports those above it in this list, and itself.
 LAYERS = (
     {"errors", "shown", "terminal"},
-    {"dimension"},
+    {"ascent", "dimension"},
     {"expressions", "parameter"},
     {"hookspecs", "term", "recording"},
     {"plugins", "kernels"},

@@ -89,7 +89,7 @@ def test_linear_parameters_are_found_from_the_expression() -> None:
 
 def test_what_shapes_the_memory_is_nonlinear_and_what_scales_it_is_linear() -> None:
     contact = linear("coulomb-viscous+presliding")
-    assert (contact["presliding.F"], contact["presliding.x_s"]) == (True, False)
+    assert (contact["presliding.F_1"], contact["presliding.x_s"]) == (True, False)
     lag = linear("coulomb-viscous+frictional-lag")
     assert (lag["frictional-lag.F_s"], lag["frictional-lag.K"]) == (True, True)
     assert (lag["frictional-lag.omega_s"], lag["frictional-lag.T"]) == (False, False)

@@ -36,7 +36,7 @@ CASES: list[tuple[str, Mapping[str, float], str, float]] = [
     ("torque-ripple", {"a": 0.0, "b": 0.02, "a_2": 0.0, "b_2": 0.0, "k": 6.1}, "k", 0.01),
     ("step-change", {"c": 0.6, "d": 0.2, "t_0": 6.3}, "t_0", 0.02),
     ("step-change", {"c": -0.4, "d": 0.0, "t_0": 11.1}, "t_0", 0.02),
-    ("presliding", {"F": 3.0, "D": 0.0, "G": 0.0, "x_s": 0.05}, "x_s", 0.1),
+    ("presliding", {"F_1": 3.0, "F_2": 3.0, "D": 0.0, "x_s": 0.05}, "x_s", 0.1),
     ("stribeck", {"F_s": 3.0, "omega_s": 1.0, "delta": 1.0}, "omega_s", 0.35),
 ]
 

@@ -91,7 +91,14 @@ def test_a_small_effect_in_much_noise_is_not_doubted(made: Made) -> None:
 
 def test_what_remembers_must_leave_nothing_to_a_channel(made: Made) -> None:
     """Presliding friction beside a weight: by itself it would do, but position predicts what it leaves."""
-    values = {"presliding.F": 2.0, "presliding.D": 0.0, "presliding.x_s": 0.1, "gravity.a": 0.8, "gravity.b": 0.0}
+    values = {
+        "presliding.F_1": 2.0,
+        "presliding.F_2": 2.0,
+        "presliding.D": 0.0,
+        "presliding.x_s": 0.1,
+        "gravity.a": 0.8,
+        "gravity.b": 0.0,
+    }
     alone = {**values, "gravity.a": 0.0}
     doubts = []
     for hidden in (alone, values):

@@ -136,7 +136,7 @@ def dahl_loop(amplitude: float, x_s: float, frequency: float = 1.0) -> tuple[Arr
     q = amplitude * np.sin(2 * np.pi * frequency * time)
     velocity = np.gradient(q, time)
     part = recorded(60_001, time=time, position=q, velocity=velocity)
-    left = torque("presliding", {"F": 1.0, "x_s": x_s}, part)
+    left = torque("presliding", {"F_1": 1.0, "F_2": 1.0, "x_s": x_s}, part)
     return q, left + np.where(velocity >= 0, 1.0, -1.0)
 
 

@@ -78,7 +78,7 @@ def test_two_nonlinear_parameters_of_an_effect() -> None:
 
 def test_term_with_memory() -> None:
     name = "coulomb-viscous+presliding"
-    given_values = {"K_v": 1e-4, "K_c": 1e-2, "presliding.F": 8e-3, "presliding.x_s": 0.05}
+    given_values = {"K_v": 1e-4, "K_c": 1e-2, "presliding.F_1": 8e-3, "presliding.F_2": 8e-3, "presliding.x_s": 0.05}
     truth = {p.key: given_values.get(p.key, p.declared.initial) for p in drive(name).parameters}
     fit = Batch({"width": 32}).fit(drive(name), multisine(name, truth))
     assert fit.parameters["K_v"] == pytest.approx(1e-4, rel=0.03)

@@ -14,9 +14,9 @@ from fricmodels.simulation import simulate
 INERTIA = 4.5
 LAW = {"K_v": 1.7, "K_c": 6.5}
 EFFECTS = {
-    "presliding": {"F": 6.0, "D": 5.0, "x_s": 0.08},
-    "backlash": {"J_l": 2.0, "w": 0.03, "a": 1.5, "omega_v": 3.0, "F": 3.0},
-    "frictional-lag": {"F_s": 4.0, "K": 1.0, "omega_s": 0.4, "T": 0.15},
+    "presliding": {"F_1": 6.0, "F_2": 6.0, "D": 5.0, "x_s": 0.08},
+    "backlash": {"J_l": 2.0, "w": 0.03, "a": 1.5, "omega_v": 3.0, "F": 3.0, "b": 0.2},
+    "frictional-lag": {"F_s": 4.0, "K": 1.0, "omega_s": 0.4, "T": 0.1},
     "rising-stiction": {"F": 6.0, "T": 1.0, "x_s": 0.1},
     "joint-compliance": {"J_l": 2.0, "omega_n": 9.0, "zeta": 0.05},
 }
@@ -38,7 +38,7 @@ def test_effect_with_memory(effect: str, noise: float) -> None:
     assert fit.status is Status.OK
     assert not fit.not_identified
     found = np.array([fit.parameters[key] / value for key, value in truth.items()])
-    coasting = {f"backlash.{symbol}" for symbol in ("a", "omega_v", "F")}  # seen only while the load is left alone
+    coasting = {f"backlash.{symbol}" for symbol in ("a", "omega_v", "F", "b")}  # seen only while the load is left alone
     within = np.array([0.25 if key in coasting else 0.08 for key in truth])
     assert np.all(np.abs(found - 1.0) < within), dict(zip(truth, found, strict=True))
     if not noise:

@@ -11,20 +11,19 @@ from numpy.typing import NDArray
 
 from estimators.batch.least_squares import NormalEquations
 from estimators.batch.separable import Separable
+from fricmodels.ascent import simplexes
 
 Array = NDArray[np.float64]
 
-MAX_STARTS = 64
+MAX_STARTS = 320
 """Most combinations of starting values that are tried."""
 TOLERANCE = 1e-6
 """A fall of the squared error by less than this share is the end: parameters move by less than a thousandth of the
 standard error, √(TOLERANCE)."""
 LARGEST_RATIO = 1.5
 """Largest step of a parameter on a logarithmic scale: a factor of e^1.5."""
-BEST_STARTS = 3
-"""So many starts of a model with memory are refined."""
-COARSE, CLIMBS = 3.0, 7
-"""First factor by which their parameters are stepped, and how often its logarithm is halved."""
+COARSE, STEP = 3.0, 0.2
+"""Factor between the values of a positive parameter that are tried first, and difference between those of another."""
 BEST_WAVES = 3
 """So many of the wave numbers that a spectrum shows are refined to the end."""
 
@@ -151,27 +150,18 @@ class Projection:
         if len(starts) > 1:
             starts = sorted(starts, key=lambda alpha: self._cost(alpha, unseen))
             remembers = bool(self._equations.separable.model.states)
-            starts = [self._climb(point, nonlinear) for point in starts[:BEST_STARTS]] if remembers else starts[:1]
+            starts = [self._climb(starts, nonlinear)] if remembers else starts[:1]
         if unseen:
             waves = self._waves(starts[0], nonlinear)
             starts = waves if start is None else [*starts, *waves]
         return min((self._descend(self._at(s), nonlinear, max_iterations) for s in starts), key=lambda at: at.cost)
 
-    def _climb(self, alpha: Array, nonlinear: Nonlinear) -> Array:
-        """Step each parameter in turn by a factor that shrinks, as long as the error falls.
-
-        The error of a model with memory is not smooth: contacts open and close at other samples.
-        """
-        least = self._cost(alpha)
-        for factor in COARSE ** (0.5 ** np.arange(CLIMBS)):
-            for j in np.flatnonzero(nonlinear.logarithmic & ~nonlinear.held):
-                for ratio in (factor, 1.0 / factor):
-                    trial = nonlinear.clip(np.where(np.arange(len(alpha)) == j, ratio * alpha, alpha))
-                    cost = self._cost(trial)
-                    if cost < least:
-                        alpha, least = trial, cost
-                        break
-        return alpha
+    def _climb(self, starts: Sequence[Array], nonlinear: Nonlinear) -> Array:
+        """Climb by simplexes: the error of a model with memory is not smooth, for contacts open at other samples."""
+        spacing = np.where(nonlinear.held, 1.0, np.where(nonlinear.logarithmic, COARSE, -STEP))
+        bounds = list(zip(nonlinear.lower.tolist(), nonlinear.upper.tolist(), strict=True))
+        points = [tuple(alpha.tolist()) for alpha in starts]
+        return np.array(simplexes(lambda point: -self._cost(np.array(point)), points, bounds, spacing.tolist()))
 
     def _rows_of(self, places: Sequence[int] | NDArray[np.int64]) -> frozenset[int]:
         """Return the linear parameters whose rows depend on some of the nonlinear parameters."""

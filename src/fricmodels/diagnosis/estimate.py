@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from fricmodels.diagnosis.ascent import walk
+from fricmodels.ascent import walk
 from fricmodels.diagnosis.evidence import cosine_terms, long_run_sum
 from fricmodels.diagnosis.problem import Problem
 from fricmodels.diagnosis.search import in_gap, is_instant, search
@@ -133,7 +133,8 @@ def _fit(problem: Problem, start: Mapping[str, float]) -> Estimate:
             ]
             costs = [at(choice)[0] for choice in choices]
             point = list(choices[int(np.argmin(costs))])
-    best = walk(lambda values: -at(values)[0], tuple(point), declared, ratios) if point else ()
+    bounds = [(p.lower, p.upper) for p in declared]
+    best = walk(lambda values: -at(values)[0], tuple(point), bounds, ratios) if point else ()
     time, resolution = np.sort(problem.recording.time), problem.bumps.width * problem.recording.interval
     best = tuple(
         in_gap(value, time, resolution) if is_instant(p) else value for value, p in zip(best, declared, strict=True)

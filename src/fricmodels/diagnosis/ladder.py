@@ -87,12 +87,11 @@ def improve(
     first = examine(comparison, leave_out=leave_out)
     climb = _Climb(recording, inertia, set(leave_out), {e.name for e in model.effects}, say, comparison, first)
     climb.up()
-    changed = climb.prune() or climb.simplify()
-    if climb.exchange():
+    pruned, exchanged, simplified = climb.prune(), climb.exchange(), climb.simplify()
+    if pruned or exchanged or simplified:
         climb.look()
+    if exchanged:
         climb.up()
-    elif changed:
-        climb.look()
     return Ladder(first, tuple(climb.rungs), climb.diagnosis, tuple(climb.steps), climb.note)
 
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from fricmodels.diagnosis.ascent import simplexes, walk
+from fricmodels.ascent import simplexes, walk
 from fricmodels.diagnosis.evidence import Regression
 from fricmodels.diagnosis.problem import Problem
 from fricmodels.dimension import DISPLACEMENT, TIME, VELOCITY
@@ -27,6 +27,8 @@ _FARTHEST = 5.0
 _STARTS, _FEW = 4, 2
 """Where there is more than one nonlinear parameter there may be several summits: so many starts are tried. More than a
 few are sought together."""
+_HOPELESS = 0.05
+"""What explains less than this share of the residual from all of its starts is sought no further."""
 _SIGNED = 0.2
 """Spacing of a parameter of either sign of which only one value is tried first."""
 
@@ -83,10 +85,12 @@ def search(problem: Problem, regression: Regression, effect: Effect, alone: Driv
     first = starts[0]
     if reached[first] <= 0:
         return at(first, trials) if np.any(regression.visible(problem.columns(alone, first)[0])) else None
+    bounds = [(p.lower, p.upper) for p in nonlinear]
     if len(nonlinear) > _FEW:
-        return at(simplexes(value, starts, nonlinear, spacing), trials)
+        worth = _HOPELESS * float(regression.residual @ regression.residual)
+        return at(simplexes(value, starts, bounds, spacing, worth), trials)
     few = starts[: _STARTS if len(nonlinear) > 1 else 1]
-    return at(max((walk(value, start, nonlinear, spacing) for start in few), key=value), trials)
+    return at(max((walk(value, start, bounds, spacing) for start in few), key=value), trials)
 
 
 def _within_recording(problem: Problem, parameter: Parameter) -> Parameter:
@@ -133,7 +137,7 @@ def starting_points(
     problem: Problem, regression: Regression, alone: Drive, nonlinear: list[Parameter]
 ) -> tuple[list[tuple[float, ...]], list[float], float, list[Parameter]]:
     """Return starting points, the spacing of each parameter (a ratio if positive, else a difference, as of
-    :func:`.ascent.simplexes`), and the trials.
+    :func:`fricmodels.ascent.simplexes`), and the trials.
 
     The parameters come back with the bounds that this recording sets: a period must be passed as a whole.
     """

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from fricmodels.expressions import Expression, absolute, sign
+from fricmodels.expressions import Expression, absolute, negative, positive, sign
 from fricmodels.parameter import Parameter, State
 from fricmodels.term import Effect, Parameters, Signals
 
@@ -13,38 +13,42 @@ class Presliding(Effect):
     r"""The contact first bends before it slides: after a reversal friction builds up over a fixed distance (Dahl).
 
     .. math::
-        \tau = (F + G\operatorname{sgn}\omega)\,(z - \operatorname{sgn}\omega) + D\,(\omega - |\omega| z),
-        \qquad \dot z = (\omega - |\omega| z)/x_s
+        \tau = F_\omega\,(z - \operatorname{sgn}\omega) + D\,(\omega - |\omega| z), \qquad
+        \dot z = (\omega - |\omega| z)/x_s
 
     Where a law's Coulomb torque jumps at a reversal, this term takes the jump away and gives it back over the
     displacement x_s: z follows sgn ω as 1 − 2 exp(−|q − q_r|/x_s) after a reversal at q_r. D is the damping of the
-    contact while it bends (LuGre); Dahl's model is D = 0. On a drive that runs harder in one direction G is half of
-    what builds up more forward than backward.
+    contact while it bends (LuGre); Dahl's model is D = 0. F_ω is F_1 for ω ≥ 0 and F_2 for ω < 0: a drive may run
+    harder in one direction.
 
     Source: Dahl (1968); steady sliding of LuGre, Canudas de Wit et al. (1995).
     """
 
     name = "presliding"
-    formula = "τ = (F + G·sgn ω)·(z − sgn ω) + D·(ω − |ω|·z);  dz/dt = (ω − |ω|·z)/x_s"
+    formula = "τ = (F_1 for ω ≥ 0, F_2 for ω < 0)·(z − sgn ω) + D·(ω − |ω|·z);  dz/dt = (ω − |ω|·z)/x_s"
     signature = "a hysteresis loop in position after each reversal, of fixed width"
     needs_motion = "reversals"
-    F = Parameter("F", unit="N m", lower=0.0, meaning="friction torque that builds up elastically")
+    F_1 = Parameter(
+        "F_1", unit="N m", lower=0.0, meaning="friction torque that builds up elastically, positive rotation"
+    )
+    F_2 = Parameter(
+        "F_2", unit="N m", lower=0.0, meaning="friction torque that builds up elastically, negative rotation"
+    )
     D = Parameter("D", unit="N m s/rad", lower=0.0, meaning="damping of the bending contact")
-    G = Parameter("G", unit="N m", meaning="half the difference of it between forward and backward")
     x_s = Parameter(
         "x_s",
         unit="rad",
         initial=1e-3,
         lower=1e-12,
         meaning="displacement over which it builds up",
-        scan=(0.00005, 0.0002, 0.0005, 0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2),
+        scan=(0.00005, 0.0002, 0.0005, 0.001, 0.002, 0.005, 0.01, 0.02, 0.05),
     )
     z = State("z", meaning="deflection of the contact, −1 to 1")
 
     def torque(self, s: Signals, p: Parameters) -> Expression:
-        """Return (F + G sgn ω) (z − sgn ω) + D (ω − |ω| z)."""
-        side = sign(s.velocity)
-        return (p.F + p.G * side) * (s.z - side) + p.D * (s.velocity - absolute(s.velocity) * s.z)
+        """Return F_ω (z − sgn ω) + D (ω − |ω| z)."""
+        dry = p.F_1 * positive(s.velocity) + p.F_2 * negative(s.velocity)
+        return dry * (s.z - sign(s.velocity)) + p.D * (s.velocity - absolute(s.velocity) * s.z)
 
     def rates(self, s: Signals, p: Parameters) -> Mapping[str, Expression]:
         """Return dz/dt = (ω − |ω| z)/x_s."""

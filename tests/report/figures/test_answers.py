@@ -311,7 +311,14 @@ def test_cells_are_even_cover_all_and_have_a_border_at_zero(one, other, cells):
 def test_friction_that_builds_up_over_a_distance_shows_as_a_loop(compared):
     """A drive that bends its contact before it slides: the torque turns over within three times x_s."""
     drive = Drive(Model.parse("coulomb-viscous+presliding"), INERTIA)
-    values = {"K_v": 0.5, "K_c": 3.0, "presliding.F": 3.0, "presliding.D": 0.0, "presliding.x_s": 0.01}
+    values = {
+        "K_v": 0.5,
+        "K_c": 3.0,
+        "presliding.F_1": 3.0,
+        "presliding.F_2": 3.0,
+        "presliding.D": 0.0,
+        "presliding.x_s": 0.01,
+    }
     time = 0.002 * np.arange(6000)
     torque = 6.0 * np.sin(3 * time) + 4.0 * np.sin(7.1 * time)
     recording = simulate(drive, values, time, torque, with_position=True, noise=0.1)

@@ -8,43 +8,42 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from fricmodels.parameter import Parameter
-
 Array = NDArray[np.float64]
 Point = tuple[float, ...]
+Bounds = tuple[float, float]
 
 _ROUNDS = 7
 _LONGEST_WALK = 12
-_STARTS, _SHORT, _LONG = 12, 40, 300
-"""So many simplexes are begun, with so many trials each; the best one has so many more."""
+_STARTS, _SHORT = 12, 40
+"""So many simplexes are begun, with so many trials each."""
+_LONG, _AGAIN, _ENOUGH = 150, 6, 0.003
+"""The best one has so many more, and begins anew so many times, as long as that raises the value by this share."""
 _EDGE, _LAST_EDGE = 0.5, 0.25
 """Edges of a simplex at first and when it is begun anew, in spacings of what was tried before."""
 _SURE = 1e-4
 """A simplex has arrived when its corners differ by this share of the value and of an edge."""
 
 
-def walk(
-    value: Callable[[Point], float], point: Point, parameters: Sequence[Parameter], spacing: Sequence[float]
-) -> Point:
+def walk(value: Callable[[Point], float], point: Point, bounds: Sequence[Bounds], spacing: Sequence[float]) -> Point:
     """Climb from a point, each parameter in turn, by steps that halve each round, and then along what a round moved.
 
     Args:
         value: what is to be made large.
         point: where to begin.
-        parameters: with their bounds.
+        bounds: of each parameter.
         spacing: first step of each parameter: a ratio if positive, a difference if negative.
     """
     steps = list(spacing)
     best = value(point)
     for _ in range(_ROUNDS):
         begin = point
-        for i, parameter in enumerate(parameters):
+        for i, (lower, upper) in enumerate(bounds):
             for direction in (-1, 1):
                 moves = 0
                 while moves < _LONGEST_WALK:
                     here, step = point[i], steps[i]
                     moved = here - direction * step / 2 if step < 0 else here * step ** (direction / 2)
-                    moved = min(max(moved, parameter.lower), parameter.upper)
+                    moved = min(max(moved, lower), upper)
                     trial = (*point[:i], moved, *point[i + 1 :])
                     reached = value(trial) if moved != here else best
                     if reached <= best:
@@ -54,7 +53,7 @@ def walk(
                     break
         last = begin
         for _ in range(_LONGEST_WALK if sum(a != b for a, b in zip(begin, point, strict=True)) > 1 else 0):
-            trial = tuple(map(_onward, last, point, parameters, steps))
+            trial = tuple(map(_onward, last, point, bounds, steps))
             reached = value(trial)
             if reached <= best:
                 break
@@ -63,17 +62,18 @@ def walk(
     return point
 
 
-def _onward(last: float, here: float, parameter: Parameter, step: float) -> float:
+def _onward(last: float, here: float, bounds: Bounds, step: float) -> float:
     """Return where the same move again leads."""
     moved = 2 * here - last if step < 0 or here * last <= 0 else here * here / last
-    return min(max(moved, parameter.lower), parameter.upper)
+    return min(max(moved, bounds[0]), bounds[1])
 
 
 def simplexes(
     value: Callable[[Point], float],
     starts: Sequence[Point],
-    parameters: Sequence[Parameter],
+    bounds: Sequence[Bounds],
     spacing: Sequence[float],
+    worth: float = -math.inf,
 ) -> Point:
     """Climb from several points, all parameters together, for many of them have many summits and narrow ridges.
 
@@ -82,9 +82,10 @@ def simplexes(
     Args:
         value: what is to be made large.
         starts: where to begin, the most hopeful first.
-        parameters: with their bounds.
+        bounds: of each parameter.
         spacing: of what was tried before in each parameter: a ratio if positive, a difference if negative; one that
             makes no difference has a ratio of 1 and stays.
+        worth: where no simplex comes near this value, the best one is not begun anew.
     """
     from scipy.optimize import minimize
 
@@ -98,7 +99,7 @@ def simplexes(
             point = list(start)
             for i, u, coordinate in zip(free, unit, coordinates.tolist(), strict=True):
                 moved = u * coordinate if spacing[i] < 0 else math.exp(min(u * coordinate, 700.0))
-                point[i] = min(max(moved, parameters[i].lower), parameters[i].upper)
+                point[i] = min(max(moved, bounds[i][0]), bounds[i][1])
             return tuple(point)
 
         corners = np.array(begin) + edge * np.vstack([np.zeros(len(free)), np.eye(len(free))])
@@ -107,4 +108,10 @@ def simplexes(
         return at(minimize(lambda x: -value(at(x)), np.array(begin), method="Nelder-Mead", options=options).x)
 
     best = max((climbed(start, _EDGE, _SHORT) for start in starts[:_STARTS]), key=value)
-    return climbed(best, _LAST_EDGE, _LONG)
+    reached = value(best)
+    for _ in range(_AGAIN if reached >= worth else 0):
+        before, best = reached, climbed(best, _LAST_EDGE, _LONG)
+        reached = value(best)
+        if reached - before <= _ENOUGH * abs(before):
+            break
+    return best

@@ -5,48 +5,46 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from fricmodels.diagnosis.ascent import simplexes, walk
-from fricmodels.parameter import Parameter
+from fricmodels.ascent import simplexes, walk
 
 Point = tuple[float, ...]
-POSITIVE = Parameter("p", initial=1.0, lower=1e-12)
-SIGNED = Parameter("s", lower=-0.9, upper=0.9)
+POSITIVE, SIGNED = (1e-12, np.inf), (-0.9, 0.9)
 
 
 def test_a_walk_climbs_to_the_top_by_ratios_and_by_steps() -> None:
-    parameters = [Parameter("x", initial=1.0, lower=0.0), Parameter("t")]
+    bounds = [(0.0, np.inf), (-np.inf, np.inf)]
 
     def hill(point: tuple[float, ...]) -> float:
         return -(np.log(point[0] / 2.7) ** 2) - (point[1] - 0.3) ** 2
 
-    top = walk(hill, (2.0, 0.0), parameters, [2.0, -1.0])
+    top = walk(hill, (2.0, 0.0), bounds, [2.0, -1.0])
     assert top[0] == pytest.approx(2.7, rel=0.02)
     assert top[1] == pytest.approx(0.3, abs=0.02)
 
 
 def test_a_walk_follows_a_valley_that_runs_between_the_axes() -> None:
-    parameters = [Parameter("x", initial=1.0, lower=0.0), Parameter("y", initial=1.0, lower=0.0)]
+    bounds = [(0.0, np.inf)] * 2
 
     def ridge(point: tuple[float, ...]) -> float:
         along, across = np.log(point[0] * point[1] / 36.0), np.log(point[0] / point[1])
         return -(along**2) - 5 * across**2
 
-    top = walk(ridge, (1.0, 1.0), parameters, [2.0, 2.0])
+    top = walk(ridge, (1.0, 1.0), bounds, [2.0, 2.0])
     assert top[0] == pytest.approx(6.0, rel=0.1)
     assert top[1] == pytest.approx(6.0, rel=0.1)
 
 
 def test_a_walk_stays_within_bounds_and_never_goes_down() -> None:
-    parameters = [Parameter("x", initial=1.0, lower=0.5, upper=2.0)]
+    bounds = [(0.5, 2.0)]
     seen: list[float] = []
 
     def slope(point: tuple[float, ...]) -> float:
         seen.append(point[0])
         return point[0]
 
-    assert walk(slope, (1.0,), parameters, [4.0]) == (2.0,)
+    assert walk(slope, (1.0,), bounds, [4.0]) == (2.0,)
     assert 0.5 <= min(seen) <= max(seen) <= 2.0
-    assert walk(lambda point: -abs(point[0] - 1.0), (1.0,), parameters, [1.3]) == (1.0,)
+    assert walk(lambda point: -abs(point[0] - 1.0), (1.0,), bounds, [1.3]) == (1.0,)
 
 
 # ---- columns that consist of noise ------------------------------------------------------------------------------
@@ -82,7 +80,7 @@ def test_simplexes_stay_within_bounds_and_leave_what_makes_no_difference() -> No
         seen.append(point)
         return point[0] + point[1]
 
-    bounded = [Parameter("p", initial=1.0, lower=0.5, upper=7.0), SIGNED, POSITIVE]
+    bounded = [(0.5, 7.0), SIGNED, POSITIVE]
     found = simplexes(outward, [(1.0, 0.0, 3.0)], bounded, [2.0, -0.2, 1.0])
     assert found == pytest.approx((7.0, 0.9, 3.0))
     assert all(0.5 <= p <= 7.0 and -0.9 <= s <= 0.9 and other == 3.0 for p, s, other in seen)
