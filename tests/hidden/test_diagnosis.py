@@ -98,6 +98,63 @@ def test_two_effects_are_found_in_turn(hidden: Draw) -> None:
     assert final.errors.held_out_percent < 0.5 * errors[0]
 
 
+HIDING = {
+    "neither helps alone": {
+        "inertia": 80.43669636378648,
+        "friction": {"viscous": 270.96386426114964, "coulomb": 29.142880297910917},
+        "effects": [
+            {"name": "inertia-error", "error": -0.14197431757033988},
+            {"name": "sensor-delay", "delay": 0.01770685948551036},
+        ],
+        "load": {"bias": 7.826893038840037, "amplitude": 43.818316100973156, "frequency": 0.19272405538671453},
+        "excitation": {
+            "kind": "tracking",
+            "bandwidth": 6.282511425929041,
+            "damping_ratio": 0.7989434184057994,
+            "velocity": 0.11337698247005447,
+            "frequency": 0.22730613073997133,
+            "lines": 6,
+        },
+        "rate": 192.1643102220055,
+        "hold": False,
+        "rest_speed": 1.6196711781436355e-05,
+        "samples": 20_000,
+        "seed": 340904914,
+    },
+    "a simpler one does as well": {
+        "inertia": 185.0,
+        "friction": {"viscous": 339.0, "coulomb": 34.0},
+        "effects": [{"name": "sensor-delay", "delay": 0.064}, {"name": "inertia-error", "error": -0.38}],
+        "load": {"bias": 4.2, "amplitude": 115.0, "frequency": 0.0887},
+        "excitation": {
+            "kind": "tracking",
+            "bandwidth": 2.8,
+            "damping_ratio": 0.85,
+            "velocity": 0.21,
+            "frequency": 0.104,
+            "lines": 3,
+        },
+        "rate": 168.0,
+        "samples": SAMPLES,
+        "seed": 2,
+    },
+}
+
+
+@pytest.mark.parametrize("case", HIDING)
+def test_two_effects_that_hide_each_other_are_found(case: str) -> None:
+    """The first one found stands for both; it gives way, or helps only together with the second."""
+    rig = Rig.model_validate({"motion": "linear", "sensors": {"velocity_noise_percent": 0.91}, **HIDING[case]})
+    ladder = improve(rig.simulate(), rig.friction.law, rig.inertia)
+    final = ladder.rungs[-1].comparison
+    assert {effect.name for effect in final.drive.model.effects} == {"inertia-error", "sensor-delay"}
+    errors = [rung.comparison.errors.held_out_percent for rung in ladder.rungs]
+    assert errors[-1] < 0.2 * errors[0]
+    assert ladder.last.verdict == "adequate"
+    if case == "neither helps alone":
+        assert errors[1] > errors[0]
+
+
 LOOK_ALIKES = {
     "load-friction": {"load-friction", "directional-efficiency"},
     "thermal": {"thermal", "drift", "step-change"},
