@@ -16,10 +16,10 @@ _ROUNDS = 7
 _LONGEST_WALK = 12
 _STARTS, _SHORT = 12, 40
 """So many simplexes are begun, with so many trials each."""
-_LONG, _AGAIN, _ENOUGH = 150, 6, 0.003
-"""The best one has so many more, and begins anew so many times, as long as that raises the value by this share."""
-_EDGE, _LAST_EDGE = 0.5, 0.25
-"""Edges of a simplex at first and when it is begun anew, in spacings of what was tried before."""
+_LONG, _ENOUGH = 150, 0.003
+"""The best one has so many more, and is begun anew as long as that raises the value by this share."""
+_EDGE, _EDGES = 0.5, (0.25, 0.5) * 4
+"""Edges of a simplex at first and whenever it is begun anew, in spacings of what was tried before."""
 _SURE = 1e-4
 """A simplex has arrived when its corners differ by this share of the value and of an edge."""
 
@@ -74,6 +74,7 @@ def simplexes(
     bounds: Sequence[Bounds],
     spacing: Sequence[float],
     worth: float = -math.inf,
+    patience: int = 0,
 ) -> Point:
     """Climb from several points, all parameters together, for many of them have many summits and narrow ridges.
 
@@ -86,6 +87,7 @@ def simplexes(
         spacing: of what was tried before in each parameter: a ratio if positive, a difference if negative; one that
             makes no difference has a ratio of 1 and stays.
         worth: where no simplex comes near this value, the best one is not begun anew.
+        patience: how many more times it is begun anew where that did not raise the value.
     """
     from scipy.optimize import minimize
 
@@ -109,9 +111,11 @@ def simplexes(
 
     best = max((climbed(start, _EDGE, _SHORT) for start in starts[:_STARTS]), key=value)
     reached = value(best)
-    for _ in range(_AGAIN if reached >= worth else 0):
-        before, best = reached, climbed(best, _LAST_EDGE, _LONG)
+    stalled = 0
+    for edge in _EDGES if reached >= worth else ():
+        before, best = reached, climbed(best, edge, _LONG)
         reached = value(best)
-        if reached - before <= _ENOUGH * abs(before):
+        stalled = stalled + 1 if reached - before <= _ENOUGH * abs(before) else 0
+        if stalled > patience:
             break
     return best

@@ -42,7 +42,7 @@ def test_a_complete_model_is_adequate(diagnosed: Callable[..., Diagnosis]) -> No
 HIDDEN: list[tuple[str, tuple[tuple[str, float], ...]]] = [
     ("cogging", (("a", 0.5), ("b", 0.0), ("k", 7.3))),
     ("step-change", (("c", 0.6), ("d", 0.0), ("t_0", 6.3))),
-    ("presliding", (("F", 3.0), ("D", 0.0), ("x_s", 0.05))),
+    ("presliding", (("F_1", 3.0), ("F_2", 3.0), ("D", 0.0), ("x_s", 0.05))),
     ("position-friction", (("a", 0.5), ("b", 0.2), ("k", 2.6))),
     ("gravity", (("a", 1.0), ("b", 0.5))),
     ("stiffness", (("k", 0.5), ("tau_0", 0.0))),

@@ -42,4 +42,5 @@ def test_effect_with_memory(effect: str, noise: float) -> None:
     within = np.array([0.25 if key in coasting else 0.08 for key in truth])
     assert np.all(np.abs(found - 1.0) < within), dict(zip(truth, found, strict=True))
     if not noise:
-        assert fit.provenance["relative_error"] < 0.2 * plain.provenance["relative_error"]
+        most = 0.35 if effect == "backlash" else 0.2  # a blow falls between two samples
+        assert fit.provenance["relative_error"] < most * plain.provenance["relative_error"]

@@ -161,7 +161,11 @@ class Projection:
         spacing = np.where(nonlinear.held, 1.0, np.where(nonlinear.logarithmic, COARSE, -STEP))
         bounds = list(zip(nonlinear.lower.tolist(), nonlinear.upper.tolist(), strict=True))
         points = [tuple(alpha.tolist()) for alpha in starts]
-        return np.array(simplexes(lambda point: -self._cost(np.array(point)), points, bounds, spacing.tolist()))
+
+        def value(point: tuple[float, ...]) -> float:
+            return -self._cost(np.array(point))
+
+        return np.array(simplexes(value, points, bounds, spacing.tolist(), patience=1))
 
     def _rows_of(self, places: Sequence[int] | NDArray[np.int64]) -> frozenset[int]:
         """Return the linear parameters whose rows depend on some of the nonlinear parameters."""

@@ -57,6 +57,10 @@ def model_of(cls: type[Term]) -> tuple[Model, dict[str, float], str]:
     return Model(plugins.load().laws["coulomb-viscous"](), [term]), dict(_BASE), f"{term.name}."
 
 
+_OFF_ZERO = 0.2
+"""Where zero is in the middle of a scan, so much of the natural size stands for it."""
+
+
 def suggested_truth(subject: Subject) -> dict[str, float]:
     """Return values of a term's parameters that matter in the rich motion.
 
@@ -86,7 +90,8 @@ def suggested_truth(subject: Subject) -> dict[str, float]:
 
 def _nonlinear_value(p: Parameter, reference: Recording) -> float:
     if p.scan:
-        return sorted(p.scan)[(len(p.scan) - 1) // 2] * natural_size(reference, p.dimension)
+        middle = sorted(p.scan)[(len(p.scan) - 1) // 2] * natural_size(reference, p.dimension)
+        return middle or _OFF_ZERO * natural_size(reference, p.dimension)  # of nothing no share can be found again
     return 1.02 * p.initial if p.periodic else p.initial
 
 
