@@ -47,7 +47,7 @@ def test_a_walk_stays_within_bounds_and_never_goes_down() -> None:
     assert walk(lambda point: -abs(point[0] - 1.0), (1.0,), bounds, [1.3]) == (1.0,)
 
 
-# ---- columns that consist of noise ------------------------------------------------------------------------------
+# ---- simplexes --------------------------------------------------------------------------------------------------
 
 
 def ridge(point: Point) -> float:

@@ -81,6 +81,23 @@ def test_powers_are_exact_above_the_width_and_continuous_at_it(x: float, exponen
         assert just_below == pytest.approx(width**exponent, rel=1e-8)
 
 
+@given(st.floats(-1e3, 1e3, allow_subnormal=False), st.floats(1.0, 10.0), st.floats(0.1, 10.0))
+def test_a_scale_divides_the_base_of_a_power(x: float, exponent: float, scale: float) -> None:
+    with ex.rest_treatment(1e-2, smooth=False):
+        unscaled = value(lambda v: ex.power(v, exponent), x)
+        scaled = value(lambda v: ex.power(v, exponent, scale), x)
+    assert scaled == pytest.approx(unscaled / scale**exponent, rel=1e-12)
+
+
+def test_a_power_with_a_scale_takes_no_power_of_a_unit() -> None:
+    """Half of a scale, in a unit of which the tenth power is beyond all numbers."""
+    unit = 2.0**120
+    with ex.rest_treatment(1e-12 * unit, smooth=False):
+        assert value(lambda v: ex.power(v, 10.0, unit), 0.5 * unit) == 2.0**-10
+    with ex.rest_treatment(1e-12 / unit, smooth=False):
+        assert value(lambda v: ex.power(v, 10.0, 1 / unit), 0.5 / unit) == 2.0**-10
+
+
 def test_the_other_functions_are_the_textbooks() -> None:
     pairs: list[tuple[Callable[[Any], Any], Callable[[float], float]]] = [
         (ex.absolute, abs),

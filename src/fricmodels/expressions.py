@@ -75,14 +75,18 @@ def absolute(x: Expression) -> Expression:
     return _casadi().fabs(x)
 
 
-def power(x: Expression, exponent: Expression) -> Expression:
-    """Return |x|^exponent, below the width of rest the chord through the origin, so that the slope stays finite."""
+def power(x: Expression, exponent: Expression, scale: Expression = 1) -> Expression:
+    """Return |x/scale|^exponent, below the width of rest the chord through the origin: the slope stays finite.
+
+    With a scale in the units of x no power of a unit is taken, which may be beyond all numbers.
+    """
     casadi = _casadi()
     rest = _rest.get()
     width = 1e-12 if rest is None else rest.width
     magnitude = casadi.fabs(x)
-    above = casadi.fmax(magnitude, width)
-    return casadi.if_else(magnitude >= width, above**exponent, magnitude * width ** (exponent - 1))
+    above = casadi.fmax(magnitude, width) / scale
+    chord = magnitude / scale * (width / scale) ** (exponent - 1)
+    return casadi.if_else(magnitude >= width, above**exponent, chord)
 
 
 def exp(x: Expression) -> Expression:

@@ -100,7 +100,7 @@ def test_play_is_found_with_a_load_and_without(made: Made) -> None:
     assert loaded.found.trials == found.found.trials
 
 
-# ---- the walk ---------------------------------------------------------------------------------------------------
+# ---- columns that consist of noise ------------------------------------------------------------------------------
 
 
 def test_the_share_of_noise_grows_with_its_square(made: Made) -> None:

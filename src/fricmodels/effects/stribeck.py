@@ -34,4 +34,4 @@ class Stribeck(Effect):
 
     def torque(self, s: Signals, p: Parameters) -> Expression:
         """Return F_s exp(−(|ω|/ω_s)^δ) sgn ω."""
-        return p.F_s * exp(-power(s.velocity, p.delta) / p.omega_s**p.delta) * sign(s.velocity)
+        return p.F_s * exp(-power(s.velocity, p.delta, p.omega_s)) * sign(s.velocity)

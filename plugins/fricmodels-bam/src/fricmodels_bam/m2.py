@@ -39,4 +39,4 @@ class Stribeck(CoulombViscous):
 
 def near_rest(s: Signals, p: Parameters) -> Expression:
     """Return the Stribeck factor S: 1 at rest, 0 at speed."""
-    return exp(-power(s.velocity, p.alpha) / p.omega_s**p.alpha)
+    return exp(-power(s.velocity, p.alpha, p.omega_s))

@@ -62,7 +62,7 @@ class BittencourtGunnarsson(Law):
         """Return dry friction under load, Stribeck friction at this temperature, and viscous friction at it."""
         alpha = self.exponent(p)
         load = absolute(s.load_torque)
-        near_rest = exp(-power(s.velocity, alpha) / p.phi_sl**alpha)
+        near_rest = exp(-power(s.velocity, alpha, p.phi_sl))
         dry = p.F_c0 + (p.F_cl + p.F_sl * near_rest) * load
         dry = dry + (p.F_s0 + p.F_sT * s.temperature) * mixed_lubrication(s, p, alpha)
         viscous = p.F_v0 + p.F_vT * exp(-s.temperature / p.T_v)
@@ -93,4 +93,4 @@ def mixed_lubrication(s: Signals, p: Parameters, alpha: Expression) -> Expressio
     """Return the share of the Stribeck friction left at this speed and temperature: 1 at rest, 0 at speed."""
     speed = p.phi_s0 + p.phi_sT * s.temperature
     exists = speed > 0
-    return where(exists, exp(-power(s.velocity, alpha) / where(exists, speed, 1) ** alpha), 0)
+    return where(exists, exp(-power(s.velocity, alpha, where(exists, speed, 1))), 0)
