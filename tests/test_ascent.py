@@ -94,3 +94,35 @@ def test_the_summit_does_not_depend_on_the_units() -> None:
         lambda p: ridge((p[0] / 1e4, p[1], p[2])), [(a * 1e4, b, c) for a, b, c in starts], parameters, spacing
     )
     np.testing.assert_allclose(other, (one[0] * 1e4, one[1], one[2]), rtol=1e-6)
+
+
+def test_what_is_not_worth_it_is_not_begun_anew() -> None:
+    trials: list[int] = []
+    for worth in (-np.inf, 1.0):
+        seen: list[Point] = []
+
+        def counted(point: Point, seen: list[Point] = seen) -> float:
+            seen.append(point)
+            return ridge(point)
+
+        simplexes(counted, [(1.0, 0.0, 5.0)], [POSITIVE, SIGNED, POSITIVE], [2.0, -0.2, 2.0], worth)
+        trials.append(len(seen))
+    assert trials[1] < 50 < trials[0], "one short simplex, for the ridge is nowhere above zero"
+
+
+def test_patience_begins_anew_where_it_did_not_help() -> None:
+    trials: list[int] = []
+    for patience in (0, 1):
+        seen: list[Point] = []
+
+        def counted(point: Point, seen: list[Point] = seen) -> float:
+            seen.append(point)
+            return 2.0 - sum(abs(x - 1.0) for x in point)
+
+        simplexes(counted, [(1.0, 1.0, 1.0)], [POSITIVE] * 3, [2.0] * 3, patience=patience)
+        trials.append(len(seen))
+    assert trials[1] > 1.5 * trials[0], "from the summit itself nothing is gained"
+
+
+def test_nothing_free_leaves_the_best_start() -> None:
+    assert simplexes(sum, [(1.0, 2.0), (3.0, 1.0)], [POSITIVE] * 2, [1.0, 1.0]) == (3.0, 1.0)

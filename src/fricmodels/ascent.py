@@ -81,7 +81,7 @@ def simplexes(
     Source: Nelder and Mead (1965), in logarithms of parameters whose spacing is a ratio.
 
     Args:
-        value: what is to be made large.
+        value: what is to be made large; it is asked again for some points, so that it should remember them.
         starts: where to begin, the most hopeful first.
         bounds: of each parameter.
         spacing: of what was tried before in each parameter: a ratio if positive, a difference if negative; one that
@@ -92,6 +92,8 @@ def simplexes(
     from scipy.optimize import minimize
 
     free = [i for i, step in enumerate(spacing) if step != 1.0]
+    if not free:
+        return max(starts, key=value)
     unit = [-spacing[i] if spacing[i] < 0 else math.log(spacing[i]) for i in free]
 
     def climbed(start: Point, edge: float, trials: int) -> Point:

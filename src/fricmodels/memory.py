@@ -100,8 +100,8 @@ class Memory:
                 self._scan(self._first, self._rows[begin : end - 1], constants, outputs=states[begin + 1 : end])
         for term, first_parameter, first_state in self._recalling:
             symbols = [p.symbol for p in term.parameters]
-            own = dict(zip(symbols, values[first_parameter:].tolist(), strict=False))
-            found = term.recalled(self._past, own)
+            own = values[first_parameter : first_parameter + len(symbols)].tolist()
+            found = term.recalled(self._past, dict(zip(symbols, own, strict=True)))
             for i, state in enumerate(term.states, start=first_state):
                 states[:, i] = found[state.symbol]
         return tuple(states.T)

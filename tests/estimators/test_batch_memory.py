@@ -16,7 +16,7 @@ LAW = {"K_v": 1.7, "K_c": 6.5}
 EFFECTS = {
     "presliding": {"F_1": 6.0, "F_2": 6.0, "D": 5.0, "x_s": 0.08},
     "backlash": {"J_l": 2.0, "w": 0.03, "a": 1.5, "omega_v": 3.0, "F": 3.0, "b": 0.2},
-    "frictional-lag": {"F_s": 4.0, "K": 1.0, "omega_s": 0.4, "T": 0.1},
+    "frictional-lag": {"F_s": 4.0, "K": 1.0, "omega_s": 0.4, "T": 0.15},
     "rising-stiction": {"F": 6.0, "T": 1.0, "x_s": 0.1},
     "joint-compliance": {"J_l": 2.0, "omega_n": 9.0, "zeta": 0.05},
 }
@@ -42,5 +42,31 @@ def test_effect_with_memory(effect: str, noise: float) -> None:
     within = np.array([0.25 if key in coasting else 0.08 for key in truth])
     assert np.all(np.abs(found - 1.0) < within), dict(zip(truth, found, strict=True))
     if not noise:
-        most = 0.35 if effect == "backlash" else 0.2  # a blow falls between two samples
+        most = 0.25 if effect == "frictional-lag" else 0.2  # a simulation only approximates a delay
         assert fit.provenance["relative_error"] < most * plain.provenance["relative_error"]
+
+
+def test_a_gap_is_found_in_a_fast_recording() -> None:
+    """Through bumps of a few milliseconds the error has many minima, far from the truth."""
+    time = 1e-3 * np.arange(20_000)
+    torque = 20 * np.sin(2.1 * time) + 12 * np.sin(0.9 * time + 1) + 6 * np.sin(7.3 * time)
+    truth = {**LAW, **{f"backlash.{symbol}": value for symbol, value in EFFECTS["backlash"].items()}}
+    drive = Drive(Model.parse("coulomb-viscous+backlash"), INERTIA)
+    load = 4 * np.sin(1.3 * time)
+    recording = simulate(drive, truth, time, torque, load_torque=load, substeps=4, noise=0.1, with_position=True)
+    fit = Batch().fit(drive, recording)
+    np.testing.assert_allclose([fit.parameters[key] for key in truth], list(truth.values()), rtol=0.08)
+
+
+def test_an_effect_with_memory_beside_a_periodic_one() -> None:
+    """A wave number has no place in a search by ratios; it comes from the spectrum of what the others leave."""
+    time = 2e-3 * np.arange(10_000)
+    torque = 20 * np.sin(2.1 * time) + 12 * np.sin(0.9 * time + 1) + 6 * np.sin(7.3 * time)
+    truth = LAW | {"presliding.F_1": 5.0, "presliding.F_2": 6.0, "presliding.D": 0.0, "presliding.x_s": 0.08}
+    wave = {"cogging.a": 2.0, "cogging.b": -1.0, "cogging.a_2": 0.0, "cogging.b_2": 0.0, "cogging.k": 7.3}
+    drive = Drive(Model.parse("coulomb-viscous+presliding+cogging"), INERTIA)
+    recording = simulate(drive, truth | wave, time, torque, substeps=4, noise=0.1, with_position=True)
+    fit = Batch().fit(drive, recording)
+    assert fit.parameters["cogging.k"] == pytest.approx(7.3, rel=2e-3)
+    for key in ("K_v", "K_c", "presliding.F_1", "presliding.F_2", "presliding.x_s", "cogging.a", "cogging.b"):
+        assert fit.parameters[key] == pytest.approx((truth | wave)[key], rel=0.1), key

@@ -15,6 +15,10 @@ from fricmodels.recording import Recording, natural_size
 
 Array = NDArray[np.float64]
 
+RATIO, SIGNED = 3.0, 0.2
+"""Ratio between values of a positive parameter that are tried first, and difference between those of another that has
+but one, in its natural size."""
+
 
 @dataclass(frozen=True)
 class Outcome:
@@ -71,7 +75,7 @@ class Plan:
 def nonlinear_search(drive: Drive, recording: Recording, plan: Plan = Plan()) -> Nonlinear:
     """Return where to look for the nonlinear parameters: their scans in the recording's own sizes."""
     chosen = [p for p in drive.parameters if not p.linear]
-    starts, logarithmic, reach = [], [], []
+    starts, logarithmic, reach, spacing = [], [], [], []
     for p in chosen:
         size = natural_size(recording, p.dimension)
         scan = tuple(value * size for value in p.declared.scan)
@@ -81,12 +85,16 @@ def nonlinear_search(drive: Drive, recording: Recording, plan: Plan = Plan()) ->
         logarithmic.append(ratio)
         span = natural_size(recording, p.dimension**-1) if p.declared.periodic else 0.0
         reach.append(LARGEST_RATIO if ratio else np.pi / span if span > 0.0 else np.inf)
+        apart = scan[1] - scan[0] if len(scan) > 1 else SIGNED * size
+        stays = p.declared.periodic or p.key in plan.held
+        spacing.append(1.0 if stays else RATIO if ratio else -apart)
     return Nonlinear(
         starts,
         np.array([p.declared.lower for p in chosen], dtype=float),
         np.array([p.declared.upper for p in chosen], dtype=float),
         np.array(logarithmic, dtype=bool),
         np.array(reach, dtype=float),
+        np.array(spacing, dtype=float),
         np.array([p.declared.periodic and p.key not in plan.start for p in chosen], dtype=bool),
         np.array([p.key in plan.held for p in chosen], dtype=bool),
     )

@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,8 +23,6 @@ TOLERANCE = 1e-6
 standard error, √(TOLERANCE)."""
 LARGEST_RATIO = 1.5
 """Largest step of a parameter on a logarithmic scale: a factor of e^1.5."""
-COARSE, STEP = 3.0, 0.2
-"""Factor between the values of a positive parameter that are tried first, and difference between those of another."""
 BEST_WAVES = 3
 """So many of the wave numbers that a spectrum shows are refined to the end."""
 
@@ -60,6 +59,8 @@ class Nonlinear:
         lower, upper: bounds.
         logarithmic: which are searched on a logarithmic scale.
         reach: largest step of each, of the logarithm where the scale is logarithmic.
+        spacing: of the starting values, a ratio where the scale is logarithmic, else a negative difference; one that
+            stays while starting values are compared has a ratio of 1.
         periodic: which are wave numbers to be searched for in a spectrum over position.
         held: which stay at their start.
     """
@@ -69,6 +70,7 @@ class Nonlinear:
     upper: Array
     logarithmic: NDArray[np.bool_]
     reach: Array
+    spacing: Array
     periodic: NDArray[np.bool_]
     held: NDArray[np.bool_]
 
@@ -150,22 +152,22 @@ class Projection:
         if len(starts) > 1:
             starts = sorted(starts, key=lambda alpha: self._cost(alpha, unseen))
             remembers = bool(self._equations.separable.model.states)
-            starts = [self._climb(starts, nonlinear)] if remembers else starts[:1]
+            starts = [self._climb(starts, nonlinear, unseen)] if remembers else starts[:1]
         if unseen:
             waves = self._waves(starts[0], nonlinear)
             starts = waves if start is None else [*starts, *waves]
         return min((self._descend(self._at(s), nonlinear, max_iterations) for s in starts), key=lambda at: at.cost)
 
-    def _climb(self, starts: Sequence[Array], nonlinear: Nonlinear) -> Array:
+    def _climb(self, starts: Sequence[Array], nonlinear: Nonlinear, without: frozenset[int]) -> Array:
         """Climb by simplexes: the error of a model with memory is not smooth, for contacts open at other samples."""
-        spacing = np.where(nonlinear.held, 1.0, np.where(nonlinear.logarithmic, COARSE, -STEP))
         bounds = list(zip(nonlinear.lower.tolist(), nonlinear.upper.tolist(), strict=True))
         points = [tuple(alpha.tolist()) for alpha in starts]
 
+        @cache
         def value(point: tuple[float, ...]) -> float:
-            return -self._cost(np.array(point))
+            return -self._cost(np.array(point), without)
 
-        return np.array(simplexes(value, points, bounds, spacing.tolist(), patience=1))
+        return np.array(simplexes(value, points, bounds, nonlinear.spacing.tolist(), patience=1))
 
     def _rows_of(self, places: Sequence[int] | NDArray[np.int64]) -> frozenset[int]:
         """Return the linear parameters whose rows depend on some of the nonlinear parameters."""
@@ -252,7 +254,7 @@ class Projection:
         if not split.moving:
             return columns, target, np.zeros((0, len(target)))
         rows = self._equations.moving(alpha, slopes)
-        for row, values in zip(split.moving, rows, strict=False):
+        for row, values in zip(split.moving, rows[: len(split.moving)], strict=True):
             if row == len(split.linear):
                 target = target - values
             else:

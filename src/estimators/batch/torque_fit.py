@@ -21,6 +21,9 @@ from fricmodels.signals.weak_form import HOPS, Bumps, Quadrature, segments
 
 Array = NDArray[np.float64]
 
+SMOOTH = 64
+"""Samples that a bump spans when the nonlinear parameters of a model with memory are sought: through narrower ones a
+contact that closes a sample late is an error of its own, and the search ends where few are late, far from the truth."""
 AS_GOOD = 1.1
 """Standard errors larger than the smallest by no more than this factor are as good."""
 
@@ -174,13 +177,16 @@ def weak_fit(
 ) -> TorqueFit:
     """Fit the weak form, the friction evaluated at ``velocity``; ``start`` is for the nonlinear parameters.
 
-    Without a width, those of :func:`possible_widths` are tried. Wide bumps suppress noise, narrow ones keep more of
-    the motion; taken is the narrowest whose standard errors are, in the geometric mean, within a tenth of the smallest.
+    Without a width, those of :func:`possible_widths` are tried, for a model with memory from what a search through
+    smooth ones found. Wide bumps suppress noise, narrow ones keep more of the motion; taken is the narrowest whose standard errors are, in the geometric mean, within a tenth of the smallest.
     """
     quadrature = Quadrature.of(recording, velocity, resting)
     if width is not None:
         return _fit_width(drive, recording, quadrature, width, resting, plan, start)
     widths = possible_widths(recording)
+    if drive.model.states and start is None:
+        smooth = max(w for w in widths if w <= SMOOTH)
+        start = _fit_width(drive, recording, quadrature, smooth, resting, plan).solution.alpha
     fits: list[TorqueFit] = []
     spreads: list[float] = []
     for candidate in widths:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 from dataclasses import dataclass, replace
+from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -71,6 +72,7 @@ def search(problem: Problem, regression: Regression, effect: Effect, alone: Driv
         kept = theta != 0
         return Found(point, columns[kept], kept, gained, trials, delay)
 
+    @cache
     def value(point: tuple[float, ...]) -> float:
         return regression.explained(problem.columns(alone, point, delay)[0], lower, upper)[0]
 
@@ -80,10 +82,9 @@ def search(problem: Problem, regression: Regression, effect: Effect, alone: Driv
     points, spacing, trials, nonlinear = starting_points(problem, regression, alone, nonlinear)
     if not points:
         return None
-    reached = {point: value(point) for point in points}
-    starts = sorted(points, key=lambda point: -reached[point])
+    starts = sorted(points, key=value, reverse=True)
     first = starts[0]
-    if reached[first] <= 0:
+    if value(first) <= 0:
         return at(first, trials) if np.any(regression.visible(problem.columns(alone, first)[0])) else None
     bounds = [(p.lower, p.upper) for p in nonlinear]
     if len(nonlinear) > _FEW:
