@@ -15,7 +15,7 @@ def test_a_walk_climbs_to_the_top_by_ratios_and_by_steps() -> None:
     bounds = [(0.0, np.inf), (-np.inf, np.inf)]
 
     def hill(point: tuple[float, ...]) -> float:
-        return -(np.log(point[0] / 2.7) ** 2) - (point[1] - 0.3) ** 2
+        return -float(np.log(point[0] / 2.7) ** 2 + (point[1] - 0.3) ** 2)
 
     top = walk(hill, (2.0, 0.0), bounds, [2.0, -1.0])
     assert top[0] == pytest.approx(2.7, rel=0.02)
@@ -27,7 +27,7 @@ def test_a_walk_follows_a_valley_that_runs_between_the_axes() -> None:
 
     def ridge(point: tuple[float, ...]) -> float:
         along, across = np.log(point[0] * point[1] / 36.0), np.log(point[0] / point[1])
-        return -(along**2) - 5 * across**2
+        return -float(along**2 + 5 * across**2)
 
     top = walk(ridge, (1.0, 1.0), bounds, [2.0, 2.0])
     assert top[0] == pytest.approx(6.0, rel=0.1)
@@ -117,7 +117,7 @@ def test_patience_begins_anew_where_it_did_not_help() -> None:
 
         def counted(point: Point, seen: list[Point] = seen) -> float:
             seen.append(point)
-            return 2.0 - sum(abs(x - 1.0) for x in point)
+            return 2.0 - float(sum(abs(x - 1.0) for x in point))
 
         simplexes(counted, [(1.0, 1.0, 1.0)], [POSITIVE] * 3, [2.0] * 3, patience=patience)
         trials.append(len(seen))

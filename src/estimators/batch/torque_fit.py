@@ -178,7 +178,8 @@ def weak_fit(
     """Fit the weak form, the friction evaluated at ``velocity``; ``start`` is for the nonlinear parameters.
 
     Without a width, those of :func:`possible_widths` are tried, for a model with memory from what a search through
-    smooth ones found. Wide bumps suppress noise, narrow ones keep more of the motion; taken is the narrowest whose standard errors are, in the geometric mean, within a tenth of the smallest.
+    smooth ones found. Wide bumps suppress noise, narrow ones keep more of the motion; taken is the narrowest whose
+    standard errors are, in the geometric mean, within a tenth of the smallest.
     """
     quadrature = Quadrature.of(recording, velocity, resting)
     if width is not None:
