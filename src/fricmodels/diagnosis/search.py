@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from fricmodels.ascent import simplexes, walk
 from fricmodels.diagnosis.evidence import Regression
 from fricmodels.diagnosis.problem import Problem
-from fricmodels.dimension import DISPLACEMENT, TIME, VELOCITY
+from fricmodels.dimension import DIMENSIONLESS, DISPLACEMENT, TIME
 from fricmodels.drive import Drive
 from fricmodels.parameter import Parameter
 from fricmodels.recording import natural_size
@@ -24,7 +24,7 @@ Array = NDArray[np.float64]
 _SHIFTS = (1, 2, 3, 5, 8, 12, 18, 27, 40)
 """Delays that are tried first, in samples."""
 _FARTHEST = 5.0
-"""How many times the longest that is tried first a length or a duration may become, and the lowest a speed."""
+"""How far beyond the largest and the smallest that is tried first a parameter may go."""
 _STARTS, _FEW = 4, 2
 """Where there is more than one nonlinear parameter there may be several summits: so many starts are tried. More than a
 few are sought together."""
@@ -95,20 +95,23 @@ def search(problem: Problem, regression: Regression, effect: Effect, alone: Driv
 
 
 def _within_recording(problem: Problem, parameter: Parameter) -> Parameter:
-    """Return a parameter with the bounds that a recording sets: lengths and durations of which it can tell.
+    """Return a parameter with the bounds that a recording sets: sizes of which it can tell.
 
-    A length is no more than the travel, since a longer one was never crossed, and neither is much longer than what is
-    tried first: a gap of most of the travel is none. Nor is a speed much lower: what happens below it is over at once.
+    None is much larger than what is tried first, or, but for lengths and durations, much smaller: a load whose friction
+    stops it a million times sooner than the drive ever stops is another effect in disguise. A length is no more than
+    the travel, since a longer one was never crossed.
     """
-    dimension, scan = parameter.dimension, parameter.scan or (1.0,)
+    dimension, scan = parameter.dimension, parameter.scan
+    if dimension == DIMENSIONLESS or parameter.periodic or is_instant(parameter):
+        return parameter
     size = natural_size(problem.recording, dimension)
     lower, upper = parameter.lower, parameter.upper
-    if dimension == DISPLACEMENT:
-        upper = min(upper, size * min(1.0, _FARTHEST * max(scan)))
-    elif dimension == TIME and not is_instant(parameter):
+    if scan and min(scan) > 0:
         upper = min(upper, size * _FARTHEST * max(scan))
-    elif dimension == VELOCITY:
-        lower = max(lower, size * min(scan) / _FARTHEST)
+        if dimension not in (DISPLACEMENT, TIME):
+            lower = max(lower, size * min(scan) / _FARTHEST)
+    if dimension == DISPLACEMENT:
+        upper = min(upper, size)
     return replace(parameter, initial=min(max(parameter.initial, lower), upper), lower=lower, upper=upper)
 
 
