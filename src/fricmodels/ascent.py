@@ -14,8 +14,12 @@ Bounds = tuple[float, float]
 
 _ROUNDS = 7
 _LONGEST_WALK = 12
-_STARTS, _SHORT = 12, 40
+_STARTS, _GLANCE = 12, 12
 """So many simplexes are begun, with so many trials each."""
+_BEST, _SHORT = 8, 28
+"""So many of them have so many more."""
+_UNLIKELY = 0.25
+"""Where none has come to this share of what is worth it by then, none will."""
 _LONG, _ENOUGH = 150, 0.003
 """The best one has so many more, and is begun anew as long as that raises the value by this share."""
 _EDGE, _EDGES = 0.5, (0.25, 0.5) * 4
@@ -86,7 +90,8 @@ def simplexes(
         bounds: of each parameter.
         spacing: of what was tried before in each parameter: a ratio if positive, a difference if negative; one that
             makes no difference has a ratio of 1 and stays.
-        worth: where no simplex comes near this value, the best one is not begun anew.
+        worth: a value below which the search is not worth going on: where no simplex comes near it at once, or the
+            best one does not reach it, it ends early.
         patience: how many more times it is begun anew where that did not raise the value.
     """
     from scipy.optimize import minimize
@@ -96,28 +101,40 @@ def simplexes(
         return max(starts, key=value)
     unit = [-spacing[i] if spacing[i] < 0 else math.log(spacing[i]) for i in free]
 
-    def climbed(start: Point, edge: float, trials: int) -> Point:
-        begin = [(start[i] if spacing[i] < 0 else math.log(start[i])) / u for i, u in zip(free, unit, strict=True)]
+    def at(coordinates: Array) -> Point:
+        point = list(starts[0])
+        for i, u, coordinate in zip(free, unit, coordinates.tolist(), strict=True):
+            moved = u * coordinate if spacing[i] < 0 else math.exp(min(u * coordinate, 700.0))
+            point[i] = min(max(moved, bounds[i][0]), bounds[i][1])
+        return tuple(point)
 
-        def at(coordinates: Array) -> Point:
-            point = list(start)
-            for i, u, coordinate in zip(free, unit, coordinates.tolist(), strict=True):
-                moved = u * coordinate if spacing[i] < 0 else math.exp(min(u * coordinate, 700.0))
-                point[i] = min(max(moved, bounds[i][0]), bounds[i][1])
-            return tuple(point)
+    def around(point: Point, edge: float) -> Array:
+        begin = [(point[i] if spacing[i] < 0 else math.log(point[i])) / u for i, u in zip(free, unit, strict=True)]
+        return np.array(begin) + edge * np.vstack([np.zeros(len(free)), np.eye(len(free))])
 
-        corners = np.array(begin) + edge * np.vstack([np.zeros(len(free)), np.eye(len(free))])
-        least = _SURE * abs(value(start))
-        options = {"maxfev": trials, "initial_simplex": corners, "xatol": _SURE * edge, "fatol": least}
-        return at(minimize(lambda x: -value(at(x)), np.array(begin), method="Nelder-Mead", options=options).x)
+    def climb(corners: Array, edge: float, trials: int) -> Array:
+        """Return the corners after so many trials, the best first."""
+        options = {
+            "maxfev": trials,
+            "initial_simplex": corners,
+            "xatol": _SURE * edge,
+            "fatol": _SURE * abs(value(at(corners[0]))),
+        }
+        found = minimize(lambda x: -value(at(x)), corners[0], method="Nelder-Mead", options=options)
+        return np.asarray(found.final_simplex[0])
 
-    best = max((climbed(start, _EDGE, _SHORT) for start in starts[:_STARTS]), key=value)
-    reached = value(best)
+    def height(corners: Array) -> float:
+        return value(at(corners[0]))
+
+    begun = [climb(around(start, _EDGE), _EDGE, _GLANCE) for start in starts[:_STARTS]]
+    begun.sort(key=height, reverse=True)
+    if height(begun[0]) >= _UNLIKELY * worth:
+        begun = [climb(corners, _EDGE, len(corners) + _SHORT) for corners in begun[:_BEST]]
+    best = at(max(begun, key=height)[0])
     stalled = 0
-    for edge in _EDGES if reached >= worth else ():
-        before, best = reached, climbed(best, edge, _LONG)
-        reached = value(best)
-        stalled = stalled + 1 if reached - before <= _ENOUGH * abs(before) else 0
+    for edge in _EDGES if value(best) >= worth else ():
+        before, best = value(best), at(climb(around(best, edge), edge, _LONG)[0])
+        stalled = stalled + 1 if value(best) - before <= _ENOUGH * abs(before) else 0
         if stalled > patience:
             break
     return best

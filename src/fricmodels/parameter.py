@@ -24,6 +24,8 @@ class Parameter:
         scan: for a coefficient that enters nonlinearly, the dimensionless values to try first, in units of the
             recording's own scales (peak velocity, position range, duration); empty for linear ones.
         part_of_drive: whether it is a share of the law's friction or of the drive's inertia, and no more than these.
+        secondary: whether it sizes a part of an effect that may be missing or all there is, so that no value of it is
+            unphysical.
         periodic: whether it is a wave number in position, to be searched for in the spectrum over position.
         delay: whether it is the time by which motion and torque were recorded apart, a factor of the signal
             ``motor_torque_rate``; see :meth:`fricmodels.drive.Drive.timed`.
@@ -38,6 +40,7 @@ class Parameter:
     meaning: str = ""
     scan: tuple[float, ...] = ()
     part_of_drive: bool = False
+    secondary: bool = False
     periodic: bool = False
     delay: bool = False
 

@@ -8,9 +8,8 @@ import numpy as np
 import pytest
 
 from fricmodels.diagnosis import diagnose
-from fricmodels.diagnosis.diagnose import refused
 from fricmodels.diagnosis.estimate import estimate
-from fricmodels.diagnosis.sufficiency import doubtful
+from fricmodels.diagnosis.sufficiency import doubtful, shape_of
 from fricmodels.diagnosis.survey import survey
 from fricmodels.diagnosis.unexplained import views
 from fricmodels.diagnosis.verdict import SIGNIFICANCE
@@ -118,5 +117,5 @@ def test_what_remembers_must_leave_nothing_to_a_channel(made: Made) -> None:
 )
 def test_what_is_refused_still_tells_the_channel(made: Made, effect: str, channels: str) -> None:
     problem, found = estimate(Drive(LAW, 2.0), made("coulomb-viscous+asymmetry", {"asymmetry.c": 0.3}))
-    (tested,) = survey(problem, found.parameters, only=[effect]).tested
-    assert refused(problem, tested).channels == channels
+    result = survey(problem, found.parameters, only=[effect])
+    assert shape_of(result, result.tested[0]).channels == channels

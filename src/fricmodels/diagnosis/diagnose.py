@@ -13,7 +13,7 @@ from fricmodels.diagnosis.estimate import Estimate, estimate
 from fricmodels.diagnosis.look_alikes import separated_by
 from fricmodels.diagnosis.power import Visibility, visibility
 from fricmodels.diagnosis.problem import Problem
-from fricmodels.diagnosis.sufficiency import beaten, doubtful, enough, predictable
+from fricmodels.diagnosis.sufficiency import is_sufficient, predictable, shape_of
 from fricmodels.diagnosis.survey import Tested, survey
 from fricmodels.diagnosis.unexplained import PERSISTENT, View
 from fricmodels.diagnosis.verdict import Answer, accepted, answer
@@ -241,9 +241,8 @@ def examine(comparison: Comparison, *, leave_out: Iterable[str] = ()) -> Diagnos
     best = answer(result)
     seen = predictable(result)
     view = next((v for v in seen if v.channels not in PERSISTENT), seen[0] if seen else None)
-    asked = best is not None and (beaten(result, best.first, seen) or doubtful(result, parameters, best.first, seen))
-    if best is not None and asked and not enough(result, parameters, out, seen):
-        view, best = view or refused(result.problem, best.first), None
+    if best is not None and not is_sufficient(result, parameters, out, best.first, seen):
+        view, best = view or shape_of(result, best.first), None
     findings = [] if best is None else [_finding(best)]
     found = {name for finding in findings for name in finding.names}
     verdict: Verdict = "adequate"
@@ -253,13 +252,6 @@ def examine(comparison: Comparison, *, leave_out: Iterable[str] = ()) -> Diagnos
         verdict = "unknown-effect"
     passing = tuple(accepted(result)) if findings else ()
     return Diagnosis(comparison, verdict, tuple(findings), view, visibility(result, found), passing)
-
-
-def refused(problem: Problem, tested: Tested) -> View:
-    """Return what is predictable from that on which an effect depends which is not the missing one."""
-    needs = " and ".join(sorted(problem.alone(tested.effect).model.needs)).replace("_", " ")
-    of = "the course of the motion before" if tested.effect.states else needs or "a constant torque"
-    return View(f"{of}, as in '{tested.name}'", tested.evidence, tested.adjusted, tested.found.columns)
 
 
 def _finding(best: Answer) -> Finding:

@@ -28,8 +28,12 @@ _FARTHEST = 5.0
 _STARTS, _FEW = 4, 2
 """Where there is more than one nonlinear parameter there may be several summits: so many starts are tried. More than a
 few are sought together."""
-_HOPELESS = 0.05
-"""What explains less than this share of the residual from all of its starts is sought no further."""
+_HOPELESS, _NEAR = 0.05, 0.5
+"""What explains less than this share of the residual, or of what another effect explains, is sought no further."""
+_END = 1.001
+"""Within a thousandth of a bound a parameter is at its end."""
+_UNLIKELY = 0.25
+"""Nor is what explains less than this share of that from its best start."""
 _SIGNED = 0.2
 """Spacing of a parameter of either sign of which only one value is tried first."""
 
@@ -45,6 +49,7 @@ class Found:
         explained: sum of squares that they explain beyond the base model.
         trials: about how many independent values were tried; it multiplies the p-value.
         delay: the effect's delay [s], where one of its linear parameters is such; its column holds the whole shift.
+        stretched: whether an effect that remembers the motion explains most at the end of what this recording can tell.
     """
 
     nonlinear: tuple[float, ...]
@@ -53,10 +58,18 @@ class Found:
     explained: float
     trials: float
     delay: float = 0.0
+    stretched: bool = False
 
 
-def search(problem: Problem, regression: Regression, effect: Effect, alone: Drive) -> Found | None:
-    """Return the best nonlinear parameters of an effect, or ``None`` where none makes it visible."""
+def search(problem: Problem, regression: Regression, effect: Effect, alone: Drive, rival: float = 0.0) -> Found | None:
+    """Return the best nonlinear parameters of an effect, or ``None`` where none makes it visible.
+
+    Args:
+        problem, regression: the rows.
+        effect: the candidate.
+        alone: a drive with nothing but the effect.
+        rival: sum of squares that another effect explains. What does not come near it is sought no further.
+    """
     if alone.model.delay:
         regression = regression.unshifted
     linear = [p for p, is_linear in zip(effect.parameters, alone.model.linear, strict=True) if is_linear]
@@ -87,19 +100,29 @@ def search(problem: Problem, regression: Regression, effect: Effect, alone: Driv
     if value(first) <= 0:
         return at(first, trials) if np.any(regression.visible(problem.columns(alone, first)[0])) else None
     bounds = [(p.lower, p.upper) for p in nonlinear]
+
+    def reached(point: tuple[float, ...]) -> Found:
+        ended = any(
+            step != 1.0 and not p.lower * _END < x < p.upper / _END
+            for p, x, step in zip(nonlinear, point, spacing, strict=True)
+            if not p.secondary and p.dimension != DIMENSIONLESS
+        )
+        return replace(at(point, trials), stretched=bool(effect.states) and ended)
+
+    worth = max(_HOPELESS * float(regression.residual @ regression.residual), _NEAR * rival)
     if len(nonlinear) > _FEW:
-        worth = _HOPELESS * float(regression.residual @ regression.residual)
-        return at(simplexes(value, starts, bounds, spacing, worth), trials)
-    few = starts[: _STARTS if len(nonlinear) > 1 else 1]
-    return at(max((walk(value, start, bounds, spacing) for start in few), key=value), trials)
+        return reached(simplexes(value, starts, bounds, spacing, worth))
+    best = walk(value, first, bounds, spacing)
+    more = starts[1:_STARTS] if len(nonlinear) > 1 and value(best) >= _UNLIKELY * worth else ()
+    return reached(max((best, *(walk(value, start, bounds, spacing) for start in more)), key=value))
 
 
 def _within_recording(problem: Problem, parameter: Parameter) -> Parameter:
     """Return a parameter with the bounds that a recording sets: sizes of which it can tell.
 
-    None is much larger than what is tried first, or, but for lengths and durations, much smaller: a load whose friction
-    stops it a million times sooner than the drive ever stops is another effect in disguise. A length is no more than
-    the travel, since a longer one was never crossed.
+    None is much larger or smaller than what is tried first: a load whose friction stops it a million times sooner than
+    the drive ever stops is another effect in disguise, and so is a stiction that rises between two samples. A length is
+    no more than the travel, since a longer one was never crossed.
     """
     dimension, scan = parameter.dimension, parameter.scan
     if dimension == DIMENSIONLESS or parameter.periodic or is_instant(parameter):
@@ -107,9 +130,7 @@ def _within_recording(problem: Problem, parameter: Parameter) -> Parameter:
     size = natural_size(problem.recording, dimension)
     lower, upper = parameter.lower, parameter.upper
     if scan and min(scan) > 0:
-        upper = min(upper, size * _FARTHEST * max(scan))
-        if dimension not in (DISPLACEMENT, TIME):
-            lower = max(lower, size * min(scan) / _FARTHEST)
+        lower, upper = max(lower, size * min(scan) / _FARTHEST), min(upper, size * _FARTHEST * max(scan))
     if dimension == DISPLACEMENT:
         upper = min(upper, size)
     return replace(parameter, initial=min(max(parameter.initial, lower), upper), lower=lower, upper=upper)

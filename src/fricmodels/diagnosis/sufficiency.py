@@ -18,7 +18,7 @@ from fricmodels.diagnosis.evidence import Regression, compare
 from fricmodels.diagnosis.floor import LEAST_TORQUE, floor, share_explained
 from fricmodels.diagnosis.survey import Survey, Tested, regression_of, survey
 from fricmodels.diagnosis.unexplained import PERSISTENT, View, each, views
-from fricmodels.diagnosis.verdict import answer, predicts
+from fricmodels.diagnosis.verdict import accepted, answer, predicts
 
 Array = NDArray[np.float64]
 
@@ -33,10 +33,9 @@ _LEFT_OVER = 0.05
 _SIMPLER = 0.5
 """Effects together must leave less than this share of what the best channel leaves, and the less the more terms they
 have, or as little with less than this share of its shapes; or else the channel is the simpler cause."""
-_MOST_EFFECTS = 3
-_LEAST, _MOST = 1 / _MOST_EFFECTS, 0.7
-"""Of what a model should not have left an effect must explain a third, as the largest of three does at least; what
-remembers must explain most of it, and so must several together."""
+_LEAST, _MOST = 1 / 3, (0.7, 0.85, 0.95)
+"""Of what a model should not have left an effect must explain a third, as the largest of three does at least. One that
+remembers must explain most of it, and so must several together, the more so the more they are."""
 
 
 def predictable(result: Survey) -> list[View]:
@@ -44,11 +43,38 @@ def predictable(result: Survey) -> list[View]:
     return [v for v in views(result.problem, result.regression) if predicts(result, v.evidence, v.p_value)]
 
 
+def is_sufficient(
+    result: Survey, parameters: Mapping[str, float], leave_out: Iterable[str], first: Tested, seen: Sequence[View]
+) -> bool:
+    """Whether an effect is what is missing, by itself or with further ones, and not only resembles it.
+
+    Args:
+        result: the survey that it comes from.
+        parameters: the model's estimated parameters.
+        leave_out: effects that are not considered.
+        first: the effect.
+        seen: what predicts the residual, best first.
+    """
+    if first.found.stretched:
+        return False
+    shapes = [*seen, *(shape_of(result, t) for t in accepted(result) if t.found.stretched)]
+    shapes.sort(key=lambda view: float(np.sum(view.evidence.loss)))
+    asked = beaten(result, first, shapes) or doubtful(result, parameters, first, seen)
+    return not asked or enough(result, parameters, leave_out, shapes)
+
+
+def shape_of(result: Survey, tested: Tested) -> View:
+    """Return what an effect explains that is not what is missing: it goes with that on which the effect depends."""
+    needs = " and ".join(sorted(result.problem.alone(tested.effect).model.needs)).replace("_", " ")
+    of = "the course of the motion before" if tested.effect.states else needs or "a constant torque"
+    return View(f"{of}, as in '{tested.name}'", tested.evidence, tested.adjusted, directions(result, tested))
+
+
 def beaten(result: Survey, first: Tested, seen: Sequence[View]) -> bool:
     """Whether some channel predicts significantly and much more than an effect.
 
     What went shortly before stands for all that lasts, whatever the number of its causes: of that an effect need only
-    explain half. Nor is an effect refused by more of its own kind: poles, slots and teeth have each their own wave over
+    explain half, unless it is such a cause itself. Nor is an effect refused by more of its own kind: poles, slots and teeth have each their own wave over
     position.
     """
     total = float(np.sum(result.regression.loss))
@@ -61,7 +87,8 @@ def beaten(result: Survey, first: Tested, seen: Sequence[View]) -> bool:
         predicted = float(np.sum(view.evidence.loss))
         more = own - predicted
         half = own - 0.5 * (total + predicted)
-        if p_value < _WORSE and (half > 0 if view.channels in PERSISTENT else more > least):
+        lasting = view.channels in PERSISTENT and not first.effect.states
+        if p_value < _WORSE and (half > 0 if lasting else more > least):
             return True
     return False
 
@@ -77,7 +104,9 @@ def doubtful(result: Survey, parameters: Mapping[str, float], first: Tested, see
     if not first.effect.states:
         return share < _LEAST
     columns = directions(result, first)
-    return share < _MOST or not _complete(result, regression_of(result.problem, parameters, columns, first.name), seen)
+    return share < _MOST[0] or not _complete(
+        result, regression_of(result.problem, parameters, columns, first.name), seen
+    )
 
 
 def _own_kind(result: Survey, tested: Tested, view: View) -> bool:
@@ -97,25 +126,27 @@ def _own_kind(result: Survey, tested: Tested, view: View) -> bool:
 def enough(result: Survey, parameters: Mapping[str, float], leave_out: Iterable[str], seen: Sequence[View]) -> bool:
     """Whether the effects found one after the other explain more than any channel, and leave nothing to predict.
 
-    Where one channel alone explains nearly as much as all of them together, one cause is the simpler explanation.
+    Where one channel alone explains nearly as much as all of them together, one cause is the simpler explanation. What
+    merely lasts is such a channel only where one of the effects remembers.
     """
-    single = next((view for view in seen if view.channels not in PERSISTENT), None)
     problem = result.problem
-    out = set(leave_out)
+    out, remembers = set(leave_out), False
     columns, first = np.zeros((0, problem.rows)), result
-    for effects in range(_MOST_EFFECTS):
+    for effects, most in enumerate(_MOST):
         if effects:
             result = survey(problem, parameters, leave_out=out, also=columns)
         best = answer(result)
-        if best is None:
+        if best is None or best.first.found.stretched:
             return False
         columns = np.vstack([columns, directions(result, best.first)])
         out |= {best.first.name}
+        remembers |= bool(best.first.effect.states)
         regression = regression_of(problem, parameters, columns, best.first.name)
         together = regression.loss
-        if share_explained(problem, first.regression, float(np.sum(together))) < _MOST:
+        if share_explained(problem, first.regression, float(np.sum(together))) < most:
             continue
         if _complete(first, regression, seen):
+            single = next((view for view in seen if remembers or view.channels not in PERSISTENT), None)
             return single is None or _simpler(first, columns, together, single)
     return False
 

@@ -108,25 +108,28 @@ def survey(
     tested: list[Tested] = []
     unseen: dict[str, str] = {}
     registered = plugins.load().effects
-    for name in registered:
+    rival, total = 0.0, float(regression.residual @ regression.residual)
+    # The search for an effect with memory is long, and goes on only as far as it may yet compare with the others.
+    for name in sorted(registered, key=lambda name: bool(registered[name].states)):
         if name in skipped or (only is not None and name not in only):
             continue
         try:
-            outcome = _candidate(problem, regression, _effect(registered[name]))
+            outcome = _candidate(problem, regression, _effect(registered[name]), rival)
         except Exception as error:  # an effect of a plugin may do anything; the others go on
             outcome = f"it could not be tested: {type(error).__name__}: {error}"
         if isinstance(outcome, str):
             unseen[name] = outcome
         else:
             tested.append(outcome)
+            rival = max(rival, outcome.evidence.explained * total)
     adjusted = benjamini_yekutieli(np.array([t.p_value for t in tested]))
     ranked = [replace(t, adjusted=float(p)) for t, p in zip(tested, adjusted, strict=True)]
     ranked.sort(key=lambda t: float(np.sum(t.evidence.loss)))
     return Survey(problem, regression, tuple(ranked), unseen)
 
 
-def _candidate(problem: Problem, regression: Regression, effect: Effect) -> Tested | str:
-    """Test one effect, or say why it cannot be tested."""
+def _candidate(problem: Problem, regression: Regression, effect: Effect, rival: float) -> Tested | str:
+    """Test one effect, or say why it cannot be tested; another explains as much as its rival (sum of squares)."""
     if effect.angular and problem.drive.motion is Motion.LINEAR:
         return "a linear axis does not turn"
     alone = problem.alone(effect)
@@ -135,7 +138,7 @@ def _candidate(problem: Problem, regression: Regression, effect: Effect) -> Test
     missing = [signal for signal in sorted(alone.model.required) if not _has(problem, signal)]
     if missing:
         return f"the recording has no {SIGNAL_CHANNEL[missing[0]].replace('_', ' ')}"
-    found = search(problem, regression, effect, alone)
+    found = search(problem, regression, effect, alone, rival)
     if found is None:
         return "what it would add to the residual cannot be told from what the model already has"
     if np.any(found.kept):
