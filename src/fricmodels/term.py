@@ -176,3 +176,13 @@ class Effect(Term):
 
     needs_motion: ClassVar[str] = ""
     """What a recording must contain to show it: slow motion, reversals, a wide speed range, …"""
+
+    def own_friction(self, speed: float, parameters: Mapping[str, float]) -> float:
+        """Return the friction [N m or N] at a speed of that part of the drive which the effect is about; 0 if of none.
+
+        It is linear in the linear parameters, and cannot be more than all of the drive's friction.
+
+        Args:
+            speed: positive [rad/s or m/s]; parameters: values by symbol.
+        """
+        return 0.0

@@ -128,17 +128,19 @@ def test_words_for_every_verdict(diagnosis: Diagnosis, ladder: Ladder) -> None:
     assert "\n" not in told
 
 
-def test_an_error_that_happened_once_is_told_of_an_adequate_model(diagnosis: Diagnosis) -> None:
+def test_an_error_that_nothing_predicts_is_told(diagnosis: Diagnosis) -> None:
     comparison = diagnosis.comparison
-    adequate = replace(diagnosis, verdict="adequate", findings=())
+    silent = replace(diagnosis, verdict="unknown-effect", findings=(), view=None)
     for fitted, held_out in ((40.0, 1.0), (1.0, 40.0)):
         errors = replace(comparison.errors, percent=fitted, held_out_percent=held_out)
-        told = explain(replace(adequate, comparison=replace(comparison, errors=errors, noise_floor_percent=0.2)))
+        spoilt = replace(comparison, errors=errors, noise_floor_percent=0.2)
+        assert spoilt.is_far_above_noise
+        told = explain(replace(silent, comparison=spoilt))
         assert "far above the noise" in told
         assert f"lie in '{comparison.where[0].regime}'" in told
-    errors = replace(comparison.errors, percent=1.0, held_out_percent=1.0)
-    quiet = replace(comparison, errors=errors, noise_floor_percent=0.2)
-    assert "far above the noise" not in explain(replace(adequate, comparison=quiet))
+    for fitted, noise in ((1.0, 0.2), (40.0, 39.8)):
+        errors = replace(comparison.errors, percent=fitted, held_out_percent=1.0)
+        assert not replace(comparison, errors=errors, noise_floor_percent=noise).is_far_above_noise
 
 
 def test_tables_hold_no_colours_where_they_are_piped(diagnosis: Diagnosis, ladder: Ladder) -> None:

@@ -7,6 +7,11 @@ from fricmodels.diagnosis.floor import LEAST_TORQUE
 from fricmodels.diagnosis.ladder import Ladder
 from fricmodels.diagnosis.unexplained import PERSISTENT
 
+IN_NO_CHANNEL = (
+    "The error is far above the noise, and yet nothing predicts it: something acts on the drive that is in none of the "
+    "recorded channels, or only once, or in the stretches around standstill that are too unclear to be tested."
+)
+
 
 def explain(diagnosis: Diagnosis, ladder: Ladder | None = None) -> str:
     """Return what was found and what it means, in a few sentences."""
@@ -24,15 +29,6 @@ def explain(diagnosis: Diagnosis, ladder: Ladder | None = None) -> str:
             "residual: the model is adequate for this recording. This does not exclude effects that the recording "
             "could not have shown."
         )
-        errors = comparison.errors
-        if max(errors.percent, errors.held_out_percent) > 5 * max(comparison.noise_floor_percent, 1.0):
-            worst = comparison.where[0]
-            parts.append(
-                "Its error is far above the noise all the same: something acts on the drive that is in none of the "
-                "recorded channels, or only once, or in the stretches around standstill that are too unclear to be "
-                f"tested. What was fitted leaves {errors.percent:.3g} %; {100 * worst.share_of_squared_error:.0f} % of "
-                f"the squared error lie in '{worst.regime}'."
-            )
     elif diagnosis.verdict == "unknown-effect":
         parts.append(unknown(diagnosis))
     else:
@@ -69,9 +65,15 @@ def sentence(finding: Finding) -> str:
 
 def unknown(diagnosis: Diagnosis) -> str:
     """Return in words that something predictable remains which no known effect explains."""
-    view = diagnosis.view
-    if view is None or diagnosis.verdict != "unknown-effect":
+    view, comparison = diagnosis.view, diagnosis.comparison
+    if diagnosis.verdict != "unknown-effect":
         return ""
+    if view is None:
+        worst = comparison.where[0]
+        return (
+            f"{IN_NO_CHANNEL} What was fitted leaves {comparison.errors.percent:.3g} %; "
+            f"{100 * worst.share_of_squared_error:.0f} % of the squared error lie in '{worst.regime}'."
+        )
     falls = f"(it falls by {100 * view.evidence.gain:.0f} % on blocks that were not used for fitting)"
     if view.channels in PERSISTENT:
         return (

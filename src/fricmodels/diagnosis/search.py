@@ -77,17 +77,27 @@ def search(problem: Problem, regression: Regression, effect: Effect, alone: Driv
     nonlinear = [_within_recording(problem, p) for p in nonlinear]
     lower = np.array([p.lower for p in linear])
     delay = _delay(problem, regression, alone) if alone.model.delay and not nonlinear else 0.0
-    upper = np.array([problem.most(p) for p in linear])
+    bounded = np.array([problem.most(p) for p in linear])
+    takes_part = type(effect).own_friction is not Effect.own_friction
+    peak = float(np.max(np.abs(problem.recording.velocity)))
+
+    def upper(point: tuple[float, ...]) -> Array:
+        """Return the most of each linear parameter: its part of the drive has no more friction than all of it."""
+        if not takes_part:
+            return bounded
+        given = {p.symbol: x for p, x in zip(nonlinear, point, strict=True)} | {p.symbol: 0.0 for p in linear}
+        each = np.array([effect.own_friction(peak, given | {p.symbol: 1.0}) for p in linear])
+        return np.asarray(np.minimum(bounded, problem.law_share[1] / np.maximum(each, 1e-300)))
 
     def at(point: tuple[float, ...], trials: float = 1.0) -> Found:
         columns, _ = problem.columns(alone, point, delay)
-        gained, theta = regression.explained(columns, lower, upper)
+        gained, theta = regression.explained(columns, lower, upper(point))
         kept = theta != 0
         return Found(point, columns[kept], kept, gained, trials, delay)
 
     @cache
     def value(point: tuple[float, ...]) -> float:
-        return regression.explained(problem.columns(alone, point, delay)[0], lower, upper)[0]
+        return regression.explained(problem.columns(alone, point, delay)[0], lower, upper(point))[0]
 
     if not nonlinear:
         found = at((), 2.0 * len(_SHIFTS) if delay else 1.0)

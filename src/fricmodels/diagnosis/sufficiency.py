@@ -74,8 +74,8 @@ def beaten(result: Survey, first: Tested, seen: Sequence[View]) -> bool:
     """Whether some channel predicts significantly and much more than an effect.
 
     What went shortly before stands for all that lasts, whatever the number of its causes: of that an effect need only
-    explain half, unless it is such a cause itself. Nor is an effect refused by more of its own kind: poles, slots and teeth have each their own wave over
-    position.
+    explain half, unless it is such a cause itself. Nor is an effect refused by more of its own kind: poles, slots and
+    teeth have each their own wave over position.
     """
     total = float(np.sum(result.regression.loss))
     least = max(LEAST_TORQUE**2 * float(np.sum(result.problem.driving**2)), _BEATEN * total)

@@ -132,6 +132,11 @@ class Backlash(Effect):
             "v": where(contact, fading, where(strikes, blow, left)),
         }
 
+    def own_friction(self, speed: float, parameters: Mapping[str, float]) -> float:
+        """Return J_l·a·(1 + ω/ω_v), dry and viscous friction of the load."""
+        p = parameters
+        return p["J_l"] * p["a"] * (1 + speed / p["omega_v"])
+
 
 def _blow(p: Parameters) -> Expression:
     """Return the duration of a blow."""

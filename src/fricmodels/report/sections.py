@@ -66,8 +66,12 @@ def found(data: Data, rungs: Sequence[Rung]) -> Section:
 
 
 def unknown_words(data: Data) -> str:
-    """Say what predicts the residual that no known effect explains."""
+    """Say what predicts the residual that no known effect explains, or that nothing does."""
+    from fricmodels.diagnosis.explain import IN_NO_CHANNEL
+
     view = data["unknown"]
+    if view is None:
+        return IN_NO_CHANNEL
     return (
         f"Something remains that no known effect explains: the residual can be predicted from {view['channels']}; with "
         f"that it falls by {100 * view['held_out_gain']:.0f} % on blocks that were not used for fitting. Look at the "

@@ -18,8 +18,6 @@ if TYPE_CHECKING:
     from fricmodels.diagnosis.ladder import Ladder, Rung
 
 Data = Mapping[str, Any]
-_FAR_ABOVE = 5
-"""An error so many times the noise floor is not explained by noise."""
 
 
 def of_ladder(ladder: Ladder, options: Sequence[str] = ()) -> Page:
@@ -120,25 +118,13 @@ class _Steps:
 def verdict(data: Data) -> Verdict:
     """Return the answer in one sentence, and what follows from it."""
     model, rungs = data["model"], data["ladder"]
-    held_out = data["rms_torque_error"]["held_out_percent"]
-    noise = data["noise_floor_percent"] or 0.0
     left = _left(data)
     details = [sections.ladder_words(data)] if len(rungs) > 1 else [left]
     if data["unknown"] is not None and data["effects"]:
         details.append(sections.unknown_words(data))
     if data["verdict"] == "adequate":
-        doubt = held_out is not None and held_out > _FAR_ABOVE * max(noise, 1.0)
-        details.append(
-            "Its error is far above the noise all the same: something acts on the drive that is in none of the "
-            "recorded channels, or in the stretches around standstill that are too unclear to be tested."
-            if doubt
-            else "This does not exclude effects that the recording could not have shown; they are listed below."
-        )
-        return Verdict(
-            f"The model {model} is adequate: nothing that could be predicted is left.",
-            "warn" if doubt else "good",
-            details,
-        )
+        details.append("This does not exclude effects that the recording could not have shown; they are listed below.")
+        return Verdict(f"The model {model} is adequate: nothing that could be predicted is left.", "good", details)
     if data["verdict"] == "unknown-effect":
         return Verdict(
             f"Something is missing from the model {model} that no known effect explains.",
