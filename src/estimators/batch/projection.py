@@ -147,18 +147,22 @@ class Projection:
         """
         if not self._equations.separable.nonlinear:
             return self._at(np.zeros(0))
+        remembers = bool(self._equations.separable.model.states)
         unseen = self._rows_of(np.flatnonzero(nonlinear.periodic))
         starts = [nonlinear.clip(point) for point in (nonlinear.combinations() if start is None else [start])]
         if len(starts) > 1:
             starts = sorted(starts, key=lambda alpha: self._cost(alpha, unseen))
-            remembers = bool(self._equations.separable.model.states)
             starts = [self._climb(starts, nonlinear, unseen)] if remembers else starts[:1]
         if unseen:
             waves = self._waves(starts[0], nonlinear)
+            if remembers and start is None:
+                seen = nonlinear.periodic & ~nonlinear.held
+                found = replace(nonlinear, spacing=np.where(seen, -nonlinear.reach, nonlinear.spacing))
+                waves = [self._climb(waves, found)]
             starts = waves if start is None else [*starts, *waves]
         return min((self._descend(self._at(s), nonlinear, max_iterations) for s in starts), key=lambda at: at.cost)
 
-    def _climb(self, starts: Sequence[Array], nonlinear: Nonlinear, without: frozenset[int]) -> Array:
+    def _climb(self, starts: Sequence[Array], nonlinear: Nonlinear, without: frozenset[int] = frozenset()) -> Array:
         """Climb by simplexes: the error of a model with memory is not smooth, for contacts open at other samples."""
         bounds = list(zip(nonlinear.lower.tolist(), nonlinear.upper.tolist(), strict=True))
         points = [tuple(alpha.tolist()) for alpha in starts]
