@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
 
 from fricmodels.diagnosis import survey as surveys
 from fricmodels.diagnosis.estimate import estimate
-from fricmodels.diagnosis.search import starting_points
+from fricmodels.diagnosis.search import search, starting_points
 from fricmodels.diagnosis.survey import noise_share, survey
 from fricmodels.dimension import ACCELERATION, DISPLACEMENT, FORCE, INERTIA, TIME, VELOCITY, Motion
 from fricmodels.drive import Drive
@@ -204,3 +205,64 @@ def test_an_estimated_inertia_has_no_error_of_its_own(made: Made) -> None:
     result = survey(problem, found.parameters, only=["inertia-error", "joint-compliance"])
     assert [tested.name for tested in result.tested] == ["joint-compliance"]
     assert "inertia is estimated" in result.unseen["inertia-error"]
+
+
+# ---- the end of what a recording can tell -------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("hidden", "values", "resembles"),
+    [
+        ("presliding", {"F_1": 3.0, "F_2": 3.0, "D": 0.0, "x_s": 0.05}, "backlash"),
+        ("stribeck", {"F_s": 3.0, "omega_s": 0.2, "delta": 1.0}, "rising-stiction"),
+    ],
+)
+def test_what_resembles_an_effect_is_stretched_and_the_effect_is_not(
+    made: Made, hidden: str, values: Mapping[str, float], resembles: str
+) -> None:
+    recording = made(f"coulomb-viscous+{hidden}", {f"{hidden}.{key}": value for key, value in values.items()})
+    assert not examined(recording, hidden).found.stretched
+    other = examined(recording, resembles)
+    assert other.found.stretched
+    assert other.evidence.explained > 0.3, "it would be a candidate"
+
+
+def test_no_parameter_goes_far_beyond_what_is_tried_first(made: Made) -> None:
+    recording = made(
+        "coulomb-viscous+presliding", {"presliding.F_1": 3.0, "presliding.F_2": 3.0, "presliding.x_s": 0.05}
+    )
+    found = examined(recording, "backlash")
+    for parameter in found.effect.parameters:
+        if len(parameter.scan) > 1:
+            size = found.parameters[parameter.symbol] / natural_size(recording, parameter.dimension)
+            assert min(parameter.scan) / 5.001 <= size <= 5.001 * max(parameter.scan), parameter.symbol
+
+
+def test_the_load_behind_a_gap_has_no_more_friction_than_the_drive(made: Made) -> None:
+    recording = made("coulomb-viscous+stribeck", {"stribeck.F_s": 3.0, "stribeck.omega_s": 0.2, "stribeck.delta": 1.0})
+    problem, found = estimate(Drive(Model.parse("coulomb-viscous"), 2.0), recording)
+    (tested,) = survey(problem, found.parameters, only=["backlash"]).tested
+    peak = float(np.max(np.abs(recording.velocity)))
+    assert 0 < tested.effect.own_friction(peak, tested.parameters) <= problem.law_share[1] * (1 + 1e-9)
+
+
+def test_a_search_that_cannot_compare_with_a_rival_ends_early(made: Made) -> None:
+    recording = made("coulomb-viscous+gravity", {"gravity.a": 1.0, "gravity.b": 0.5})
+    problem, found = estimate(Drive(Model.parse("coulomb-viscous"), 2.0), recording)
+    regression = surveys.regression_of(problem, found.parameters)
+    effect = load().effects["backlash"]()
+    total = float(regression.residual @ regression.residual)
+    asked: list[int] = []
+    for rival in (0.0, total):
+        fresh = replace(problem)
+        calls: list[float] = []
+        whole = fresh.columns
+
+        def counted(*given: Any, calls: list[float] = calls, whole: Any = whole) -> Any:
+            calls.append(1.0)
+            return whole(*given)
+
+        object.__setattr__(fresh, "columns", counted)
+        search(fresh, regression, effect, fresh.alone(effect), rival)
+        asked.append(len(calls))
+    assert asked[1] < asked[0]

@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from fricmodels.diagnosis import diagnose
+from fricmodels.diagnosis import compare, diagnose, examine
 from fricmodels.diagnosis.estimate import estimate
-from fricmodels.diagnosis.sufficiency import doubtful, shape_of
+from fricmodels.diagnosis.sufficiency import doubtful, is_sufficient, shape_of
 from fricmodels.diagnosis.survey import survey
 from fricmodels.diagnosis.unexplained import views
-from fricmodels.diagnosis.verdict import SIGNIFICANCE
+from fricmodels.diagnosis.verdict import SIGNIFICANCE, answer
 from fricmodels.drive import Drive
 from fricmodels.model import Model
 from fricmodels.recording import Recording
@@ -119,3 +120,25 @@ def test_what_is_refused_still_tells_the_channel(made: Made, effect: str, channe
     problem, found = estimate(Drive(LAW, 2.0), made("coulomb-viscous+asymmetry", {"asymmetry.c": 0.3}))
     result = survey(problem, found.parameters, only=[effect])
     assert shape_of(result, result.tested[0]).channels == channels
+
+
+def test_an_effect_that_only_resembles_gives_way_or_is_refused(made: Made) -> None:
+    """Stiction that rises between two samples explains a Stribeck curve, and is not named for it."""
+    values = {"stribeck.F_s": 3.0, "stribeck.omega_s": 0.2, "stribeck.delta": 1.0}
+    problem, found = estimate(Drive(LAW, 2.0), made("coulomb-viscous+stribeck", values))
+    both = survey(problem, found.parameters, only=["stribeck", "rising-stiction"])
+    best = answer(both)
+    assert best is not None
+    assert best.first.name == "stribeck"
+    alone = survey(problem, found.parameters, only=["rising-stiction"])
+    best = answer(alone)
+    assert best is not None
+    assert not is_sufficient(alone, found.parameters, ["stribeck"], best.first, [])
+
+
+def test_an_error_that_nothing_predicts_is_not_adequate(made: Made) -> None:
+    comparison = compare(made(noise=1.0), LAW, 2.0)
+    assert examine(comparison).verdict == "adequate"
+    spoilt = replace(comparison, errors=replace(comparison.errors, percent=9.0), noise_floor_percent=1.0)
+    diagnosis = examine(spoilt)
+    assert (diagnosis.verdict, diagnosis.view, diagnosis.findings) == ("unknown-effect", None, ())
