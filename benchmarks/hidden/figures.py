@@ -252,7 +252,8 @@ def _alike(rows: list[Row]) -> list[str]:
 
 def _nulls(rows: list[Row]) -> list[str]:
     false = Counter(f"{_class(r['names'])} by {r['excitation']}" for r in rows if r["names"])
-    unknown = Counter(f"{r['view'] or 'no channel'} by {r['excitation']}" for r in rows if r["verdict"] == "unknown-effect")
+    silent = [r for r in rows if r["verdict"] == "unknown-effect"]
+    unknown = Counter(f"{r['view'] or 'no channel'} by {r['excitation']}" for r in silent)
     lines = [
         "## Nothing hidden",
         "",
