@@ -9,9 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fricmodels.ascent import walk
+from fricmodels.diagnosis.candidate import is_instant
 from fricmodels.diagnosis.evidence import cosine_terms, long_run_sum
 from fricmodels.diagnosis.problem import Problem
-from fricmodels.diagnosis.search import in_gap, is_instant, search
+from fricmodels.diagnosis.search import in_gap, search
 from fricmodels.diagnosis.survey import regression_of
 from fricmodels.drive import Drive
 from fricmodels.errors import InputError

@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 import itertools
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Sequence
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fricmodels.ascent import simplexes, walk
+from fricmodels.diagnosis.candidate import Candidate, Found, Point
 from fricmodels.diagnosis.evidence import Regression
 from fricmodels.diagnosis.problem import Problem
-from fricmodels.dimension import DIMENSIONLESS, DISPLACEMENT, TIME
+from fricmodels.dimension import DIMENSIONLESS
 from fricmodels.drive import Drive
 from fricmodels.parameter import Parameter
 from fricmodels.recording import natural_size
@@ -23,42 +25,17 @@ Array = NDArray[np.float64]
 
 _SHIFTS = (1, 2, 3, 5, 8, 12, 18, 27, 40)
 """Delays that are tried first, in samples."""
-_FARTHEST = 5.0
-"""How far beyond the largest and the smallest that is tried first a parameter may go."""
 _STARTS, _FEW = 4, 2
 """Where there is more than one nonlinear parameter there may be several summits: so many starts are tried. More than a
 few are sought together."""
 _HOPELESS, _NEAR = 0.05, 0.5
 """What explains less than this share of the residual, or of what another effect explains, is sought no further."""
-_END = 1.001
-"""Within a thousandth of a bound a parameter is at its end."""
 _UNLIKELY = 0.25
 """Nor is what explains less than this share of that from its best start."""
+_END = 1.001
+"""Within a thousandth of a bound a parameter is at its end."""
 _SIGNED = 0.2
 """Spacing of a parameter of either sign of which only one value is tried first."""
-
-
-@dataclass(frozen=True)
-class Found:
-    """The best values found for an effect's nonlinear parameters.
-
-    Attributes:
-        nonlinear: their values, in order.
-        columns: the effect's linear columns there that count, shape (q, rows).
-        kept: which of the linear parameters these are; the others are zero.
-        explained: sum of squares that they explain beyond the base model.
-        trials: about how many independent values were tried; it multiplies the p-value.
-        delay: the effect's delay [s], where one of its linear parameters is such; its column holds the whole shift.
-        stretched: whether an effect that remembers the motion explains most at the end of what this recording can tell.
-    """
-
-    nonlinear: tuple[float, ...]
-    columns: Array
-    kept: NDArray[np.bool_]
-    explained: float
-    trials: float
-    delay: float = 0.0
-    stretched: bool = False
 
 
 def search(problem: Problem, regression: Regression, effect: Effect, alone: Drive, rival: float = 0.0) -> Found | None:
@@ -72,78 +49,47 @@ def search(problem: Problem, regression: Regression, effect: Effect, alone: Driv
     """
     if alone.model.delay:
         regression = regression.unshifted
-    linear = [p for p, is_linear in zip(effect.parameters, alone.model.linear, strict=True) if is_linear]
-    nonlinear = [p for p, is_linear in zip(effect.parameters, alone.model.linear, strict=True) if not is_linear]
-    nonlinear = [_within_recording(problem, p) for p in nonlinear]
-    lower = np.array([p.lower for p in linear])
-    delay = _delay(problem, regression, alone) if alone.model.delay and not nonlinear else 0.0
-    bounded = np.array([problem.most(p) for p in linear])
-    takes_part = type(effect).own_friction is not Effect.own_friction
-    peak = float(np.max(np.abs(problem.recording.velocity)))
-
-    def upper(point: tuple[float, ...]) -> Array:
-        """Return the most of each linear parameter: its part of the drive has no more friction than all of it."""
-        if not takes_part:
-            return bounded
-        given = {p.symbol: x for p, x in zip(nonlinear, point, strict=True)} | {p.symbol: 0.0 for p in linear}
-        each = np.array([effect.own_friction(peak, given | {p.symbol: 1.0}) for p in linear])
-        return np.asarray(np.minimum(bounded, problem.law_share[1] / np.maximum(each, 1e-300)))
-
-    def at(point: tuple[float, ...], trials: float = 1.0) -> Found:
-        columns, _ = problem.columns(alone, point, delay)
-        gained, theta = regression.explained(columns, lower, upper(point))
-        kept = theta != 0
-        return Found(point, columns[kept], kept, gained, trials, delay)
-
-    @cache
-    def value(point: tuple[float, ...]) -> float:
-        return regression.explained(problem.columns(alone, point, delay)[0], lower, upper(point))[0]
-
-    if not nonlinear:
-        found = at((), 2.0 * len(_SHIFTS) if delay else 1.0)
+    candidate = Candidate(problem, regression, effect, alone)
+    if not candidate.nonlinear:
+        if alone.model.delay:
+            candidate = replace(candidate, delay=_delay(problem, regression, alone))
+        found = candidate.found((), 2.0 * len(_SHIFTS) if candidate.delay else 1.0)
         return found if np.any(found.kept) or np.any(regression.visible(problem.columns(alone)[0])) else None
-    points, spacing, trials, nonlinear = starting_points(problem, regression, alone, nonlinear)
+    points, spacing, trials, nonlinear = starting_points(problem, regression, alone, candidate.nonlinear)
     if not points:
         return None
+    value = cache(candidate.explained)
     starts = sorted(points, key=value, reverse=True)
-    first = starts[0]
-    if value(first) <= 0:
-        return at(first, trials) if np.any(regression.visible(problem.columns(alone, first)[0])) else None
-    bounds = [(p.lower, p.upper) for p in nonlinear]
-
-    def reached(point: tuple[float, ...]) -> Found:
-        ended = any(
-            step != 1.0 and not p.lower * _END < x < p.upper / _END
-            for p, x, step in zip(nonlinear, point, spacing, strict=True)
-            if not p.secondary and p.dimension != DIMENSIONLESS
-        )
-        return replace(at(point, trials), stretched=bool(effect.states) and ended)
-
+    if value(starts[0]) <= 0:
+        return candidate.found(starts[0], trials) if candidate.is_visible(starts[0]) else None
     worth = max(_HOPELESS * float(regression.residual @ regression.residual), _NEAR * rival)
-    if len(nonlinear) > _FEW:
-        return reached(simplexes(value, starts, bounds, spacing, worth))
-    best = walk(value, first, bounds, spacing)
-    more = starts[1:_STARTS] if len(nonlinear) > 1 and value(best) >= _UNLIKELY * worth else ()
-    return reached(max((best, *(walk(value, start, bounds, spacing) for start in more)), key=value))
+    best = _summit(value, starts, [(p.lower, p.upper) for p in nonlinear], spacing, worth)
+    stretched = bool(effect.states) and _is_at_an_end(nonlinear, best, spacing)
+    return candidate.found(best, trials, stretched=stretched)
 
 
-def _within_recording(problem: Problem, parameter: Parameter) -> Parameter:
-    """Return a parameter with the bounds that a recording sets: sizes of which it can tell.
+def _summit(
+    value: Callable[[Point], float],
+    starts: Sequence[Point],
+    bounds: Sequence[tuple[float, float]],
+    spacing: Sequence[float],
+    worth: float,
+) -> Point:
+    """Return where most is explained; ``starts`` are the most hopeful first, ``worth`` is what it must come near."""
+    if len(bounds) > _FEW:
+        return simplexes(value, starts, bounds, spacing, worth)
+    best = walk(value, starts[0], bounds, spacing)
+    more = starts[1:_STARTS] if len(bounds) > 1 and value(best) >= _UNLIKELY * worth else ()
+    return max((best, *(walk(value, start, bounds, spacing) for start in more)), key=value)
 
-    None is much larger or smaller than what is tried first: a load whose friction stops it a million times sooner than
-    the drive ever stops is another effect in disguise, and so is a stiction that rises between two samples. A length is
-    no more than the travel, since a longer one was never crossed.
-    """
-    dimension, scan = parameter.dimension, parameter.scan
-    if dimension == DIMENSIONLESS or parameter.periodic or is_instant(parameter):
-        return parameter
-    size = natural_size(problem.recording, dimension)
-    lower, upper = parameter.lower, parameter.upper
-    if scan and min(scan) > 0:
-        lower, upper = max(lower, size * min(scan) / _FARTHEST), min(upper, size * _FARTHEST * max(scan))
-    if dimension == DISPLACEMENT:
-        upper = min(upper, size)
-    return replace(parameter, initial=min(max(parameter.initial, lower), upper), lower=lower, upper=upper)
+
+def _is_at_an_end(nonlinear: Sequence[Parameter], point: Point, spacing: Sequence[float]) -> bool:
+    """Whether a parameter with a size went as far as this recording can tell, and makes a difference."""
+    return any(
+        step != 1.0 and not p.lower * _END < x < p.upper / _END
+        for p, x, step in zip(nonlinear, point, spacing, strict=True)
+        if not p.secondary and p.dimension != DIMENSIONLESS
+    )
 
 
 def _delay(problem: Problem, regression: Regression, alone: Drive) -> float:
@@ -170,7 +116,7 @@ def _delay(problem: Problem, regression: Regression, alone: Drive) -> float:
 
 def starting_points(
     problem: Problem, regression: Regression, alone: Drive, nonlinear: list[Parameter]
-) -> tuple[list[tuple[float, ...]], list[float], float, list[Parameter]]:
+) -> tuple[list[Point], list[float], float, list[Parameter]]:
     """Return starting points, the spacing of each parameter (a ratio if positive, else a difference, as of
     :func:`fricmodels.ascent.simplexes`), and the trials.
 
@@ -217,11 +163,6 @@ def _idle(problem: Problem, alone: Drive, choices: list[list[float]]) -> list[in
             if np.any(first) and np.array_equal(first, last):
                 idle.append(i)
     return idle
-
-
-def is_instant(parameter: Parameter) -> bool:
-    """Whether a parameter is a point in time, not a duration."""
-    return parameter.dimension == TIME and parameter.lower < 0
 
 
 def in_gap(instant: float, time: Array, resolution: float) -> float:

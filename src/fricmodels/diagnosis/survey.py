@@ -10,9 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fricmodels import plugins
+from fricmodels.diagnosis.candidate import Found
 from fricmodels.diagnosis.evidence import Evidence, Regression, benjamini_yekutieli, compare
 from fricmodels.diagnosis.problem import Problem
-from fricmodels.diagnosis.search import Found, search
+from fricmodels.diagnosis.search import search
 from fricmodels.diagnosis.shifted import ShiftedRegression
 from fricmodels.dimension import Motion
 from fricmodels.recording import SIGNAL_CHANNEL

@@ -1,0 +1,138 @@
+"""A candidate effect on the rows: what it explains wherever its nonlinear parameters are."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fricmodels.diagnosis.evidence import Regression
+from fricmodels.diagnosis.problem import Problem
+from fricmodels.dimension import DIMENSIONLESS, DISPLACEMENT, TIME
+from fricmodels.drive import Drive
+from fricmodels.parameter import Parameter
+from fricmodels.recording import natural_size
+from fricmodels.term import Effect
+
+Array = NDArray[np.float64]
+Point = tuple[float, ...]
+
+_FARTHEST = 5.0
+"""How far beyond the largest and the smallest that is tried first a parameter may go."""
+
+
+@dataclass(frozen=True)
+class Found:
+    """The best values found for an effect's nonlinear parameters.
+
+    Attributes:
+        nonlinear: their values, in order.
+        columns: the effect's linear columns there that count, shape (q, rows).
+        kept: which of the linear parameters these are; the others are zero.
+        explained: sum of squares that they explain beyond the base model.
+        trials: about how many independent values were tried; it multiplies the p-value.
+        delay: the effect's delay [s], where one of its linear parameters is such; its column holds the whole shift.
+        stretched: whether an effect that remembers the motion explains most at the end of what this recording can tell.
+    """
+
+    nonlinear: Point
+    columns: Array
+    kept: NDArray[np.bool_]
+    explained: float
+    trials: float
+    delay: float = 0.0
+    stretched: bool = False
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """An effect that may be missing.
+
+    Attributes:
+        problem, regression: the rows.
+        effect: the effect.
+        alone: a drive with nothing but it.
+        delay: its delay [s], where one of its linear parameters is such.
+    """
+
+    problem: Problem
+    regression: Regression
+    effect: Effect
+    alone: Drive
+    delay: float = 0.0
+
+    @cached_property
+    def linear(self) -> list[Parameter]:
+        """The linear parameters."""
+        return [p for p, linear in zip(self.effect.parameters, self.alone.model.linear, strict=True) if linear]
+
+    @cached_property
+    def nonlinear(self) -> list[Parameter]:
+        """The others, with the bounds that this recording sets."""
+        pairs = zip(self.effect.parameters, self.alone.model.linear, strict=True)
+        return [within_recording(self.problem, p) for p, linear in pairs if not linear]
+
+    def columns(self, point: Point) -> Array:
+        """Return the linear columns, shape (q, rows)."""
+        return self.problem.columns(self.alone, point, self.delay)[0]
+
+    def explained(self, point: Point) -> float:
+        """Return the sum of squares that the columns explain beyond the base model, within bounds."""
+        return self.regression.explained(self.columns(point), self._least, self._most(point))[0]
+
+    def is_visible(self, point: Point) -> bool:
+        """Whether anything is left of the columns beside the base model."""
+        return bool(np.any(self.regression.visible(self.columns(point))))
+
+    def found(self, point: Point, trials: float, *, stretched: bool = False) -> Found:
+        """Return what is found at a point after so many trials."""
+        columns = self.columns(point)
+        explained, theta = self.regression.explained(columns, self._least, self._most(point))
+        kept = theta != 0
+        return Found(point, columns[kept], kept, explained, trials, self.delay, stretched)
+
+    @cached_property
+    def _least(self) -> Array:
+        return np.array([p.lower for p in self.linear])
+
+    @cached_property
+    def _declared(self) -> Array:
+        return np.array([self.problem.most(p) for p in self.linear])
+
+    @cached_property
+    def _peak(self) -> float:
+        return float(np.max(np.abs(self.problem.recording.velocity)))
+
+    def _most(self, point: Point) -> Array:
+        """Return the most of each linear parameter: a part of the drive has no more friction than all of it."""
+        if type(self.effect).own_friction is Effect.own_friction:
+            return self._declared
+        given = {p.symbol: x for p, x in zip(self.nonlinear, point, strict=True)} | {p.symbol: 0.0 for p in self.linear}
+        each = np.array([self.effect.own_friction(self._peak, given | {p.symbol: 1.0}) for p in self.linear])
+        return np.asarray(np.minimum(self._declared, self.problem.law_share[1] / np.maximum(each, 1e-300)))
+
+
+def within_recording(problem: Problem, parameter: Parameter) -> Parameter:
+    """Return a parameter with the bounds that a recording sets: sizes of which it can tell.
+
+    None is much larger or smaller than what is tried first: a load whose friction stops it a million times sooner than
+    the drive ever stops is another effect in disguise, and so is a stiction that rises between two samples. A length is
+    no more than the travel, since a longer one was never crossed.
+    """
+    dimension, scan = parameter.dimension, parameter.scan
+    if dimension == DIMENSIONLESS or parameter.periodic or is_instant(parameter):
+        return parameter
+    size = natural_size(problem.recording, dimension)
+    lower, upper = parameter.lower, parameter.upper
+    if scan and min(scan) > 0:
+        lower, upper = max(lower, size * min(scan) / _FARTHEST), min(upper, size * _FARTHEST * max(scan))
+    if dimension == DISPLACEMENT:
+        upper = min(upper, size)
+    return replace(parameter, initial=min(max(parameter.initial, lower), upper), lower=lower, upper=upper)
+
+
+def is_instant(parameter: Parameter) -> bool:
+    """Whether a parameter is a point in time, not a duration."""
+    return parameter.dimension == TIME and parameter.lower < 0
