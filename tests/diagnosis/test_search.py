@@ -10,12 +10,14 @@ import numpy as np
 import pytest
 
 from fricmodels.diagnosis import survey as surveys
+from fricmodels.diagnosis.candidate import Candidate
 from fricmodels.diagnosis.estimate import estimate
-from fricmodels.diagnosis.search import search, starting_points
+from fricmodels.diagnosis.search import is_at_an_end, search, starting_points
 from fricmodels.diagnosis.survey import noise_share, survey
 from fricmodels.dimension import ACCELERATION, DISPLACEMENT, FORCE, INERTIA, TIME, VELOCITY, Motion
 from fricmodels.drive import Drive
 from fricmodels.model import Model
+from fricmodels.parameter import Parameter
 from fricmodels.plugins import load
 from fricmodels.recording import Recording, natural_size
 
@@ -266,3 +268,42 @@ def test_a_search_that_cannot_compare_with_a_rival_ends_early(made: Made) -> Non
         search(fresh, regression, effect, fresh.alone(effect), rival)
         asked.append(len(calls))
     assert asked[1] < asked[0]
+
+
+def test_a_part_of_the_drive_has_no_more_friction_than_the_drive(made: Made) -> None:
+    """The same torque, told to be a million times the friction of a part, cannot explain anything."""
+    recording = made("coulomb-viscous+gravity", {"gravity.a": 1.0, "gravity.b": 0.5})
+    problem, found = estimate(Drive(Model.parse("coulomb-viscous"), 2.0), recording)
+    regression = surveys.regression_of(problem, found.parameters)
+    free = load().effects["gravity"]()
+
+    class Part(type(free)):  # type: ignore[misc]
+        def own_friction(self, speed: float, parameters: Mapping[str, float]) -> float:
+            return 1e6 * sum(abs(value) for value in parameters.values()) * speed
+
+    explained = [
+        Candidate(problem, regression, effect, problem.alone(effect)).explained(()) for effect in (free, Part())
+    ]
+    assert explained[0] > 0.5 * float(regression.residual @ regression.residual)
+    assert explained[1] < 1e-3 * explained[0]
+
+
+LENGTH = Parameter("x", unit="rad", initial=1.0, lower=0.5, upper=2.0)
+
+
+@pytest.mark.parametrize(
+    ("parameter", "value", "spacing", "ended"),
+    [
+        (LENGTH, 0.5, 2.0, True),
+        (LENGTH, 2.0, 2.0, True),
+        (LENGTH, 1.99, 2.0, False),
+        (LENGTH, 2.0, 1.0, False),
+        (replace(LENGTH, secondary=True), 2.0, 2.0, False),
+        (replace(LENGTH, unit="1"), 2.0, 2.0, False),
+        (replace(LENGTH, lower=-0.5, initial=0.0), -0.5, -0.1, True),
+        (replace(LENGTH, lower=-0.5, initial=0.0), -0.4, -0.1, False),
+        (replace(LENGTH, lower=-np.inf, upper=np.inf), 1e300, 2.0, False),
+    ],
+)
+def test_the_end_of_a_parameter(parameter: Parameter, value: float, spacing: float, ended: bool) -> None:
+    assert is_at_an_end([parameter], (value,), [spacing]) is ended

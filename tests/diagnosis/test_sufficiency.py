@@ -9,13 +9,15 @@ import numpy as np
 import pytest
 
 from fricmodels.diagnosis import compare, diagnose, examine
+from fricmodels.diagnosis import survey as surveys
 from fricmodels.diagnosis.estimate import estimate
-from fricmodels.diagnosis.sufficiency import doubtful, is_sufficient, shape_of
+from fricmodels.diagnosis.sufficiency import beaten, doubtful, enough, is_sufficient, shape_of
 from fricmodels.diagnosis.survey import survey
-from fricmodels.diagnosis.unexplained import views
+from fricmodels.diagnosis.unexplained import OWN_PAST, View, views
 from fricmodels.diagnosis.verdict import SIGNIFICANCE, answer
 from fricmodels.drive import Drive
 from fricmodels.model import Model
+from fricmodels.plugins import load
 from fricmodels.recording import Recording
 
 Made = Callable[..., Recording]
@@ -142,3 +144,54 @@ def test_an_error_that_nothing_predicts_is_not_adequate(made: Made) -> None:
     spoilt = replace(comparison, errors=replace(comparison.errors, percent=9.0), noise_floor_percent=1.0)
     diagnosis = examine(spoilt)
     assert (diagnosis.verdict, diagnosis.view, diagnosis.findings) == ("unknown-effect", None, ())
+
+
+def stretched(tested: surveys.Tested) -> surveys.Tested:
+    return replace(tested, found=replace(tested.found, stretched=True))
+
+
+def test_what_is_stretched_comes_after_all_others_and_is_their_rival(made: Made) -> None:
+    """An offset explains most of an asymmetry, and stands alone until the asymmetry, stretched, shows what it lacks."""
+    problem, found = estimate(
+        Drive(LAW, 2.0), made("coulomb-viscous+asymmetry", {"asymmetry.c": 0.3, "asymmetry.d": 0.2})
+    )
+    result = survey(problem, found.parameters, only=["asymmetry", "torque-offset"])
+    best, other = result.tested
+    assert (best.name, other.name) == ("asymmetry", "torque-offset")
+    named = answer(result)
+    assert named is not None
+    assert named.first.name == "asymmetry"
+    doubted = replace(result, tested=(stretched(best), other))
+    named = answer(doubted)
+    assert named is not None
+    assert named.first.name == "torque-offset"
+    others = set(load().effects) - {"torque-offset"}
+    assert is_sufficient(replace(result, tested=(other,)), found.parameters, others, other, [])
+    assert not is_sufficient(doubted, found.parameters, others, other, [])
+
+
+@pytest.mark.parametrize(("effect", "refused"), [("presliding", True), ("gravity", False)])
+def test_what_lasts_excuses_only_effects_that_do_not(made: Made, effect: str, refused: bool) -> None:
+    """An effect that explains six tenths beside a past that predicts nine: there may be two causes, or a better one."""
+    problem, found = estimate(Drive(LAW, 2.0), made("coulomb-viscous+gravity", {"gravity.a": 1.0, "gravity.b": 0.5}))
+    result = survey(problem, found.parameters, only=[effect])
+    (tested,) = result.tested
+    base = result.regression.loss
+    first = replace(tested, evidence=replace(tested.evidence, loss=0.4 * base))
+    past = View(OWN_PAST, replace(tested.evidence, loss=0.1 * base), 1e-9, tested.found.columns)
+    assert beaten(result, first, [past]) is refused
+    channel = replace(past, channels="position")
+    assert beaten(result, first, [channel]), "a channel excuses nothing"
+
+
+@pytest.mark.parametrize(("noise", "together"), [(0.15, True), (0.5, False)])
+def test_two_effects_must_explain_most(made: Made, noise: float, together: bool) -> None:
+    """What is left beside them is white noise of the torque, which nothing predicts."""
+    values = {"asymmetry.c": 0.5, "asymmetry.d": 0.0, "gravity.a": 0.8, "gravity.b": 0.0}
+    recording = made("coulomb-viscous+asymmetry+gravity", values)
+    shaken = np.convolve(np.random.default_rng(3).standard_normal(len(recording)), np.ones(60) / 60**0.5, mode="same")
+    recording = recording.with_channels(derived=False, torque=recording.torque + noise * shaken)
+    problem, found = estimate(Drive(LAW, 2.0), recording)
+    result = survey(problem, found.parameters, only=["asymmetry", "gravity"])
+    others = set(load().effects) - {"asymmetry", "gravity"}
+    assert enough(result, found.parameters, others, []) is together

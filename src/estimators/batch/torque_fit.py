@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import dataclass
 
 import numpy as np
@@ -187,7 +188,8 @@ def weak_fit(
     widths = possible_widths(recording)
     if drive.model.states and start is None:
         smooth = max(w for w in widths if w <= SMOOTH)
-        start = _fit_width(drive, recording, quadrature, smooth, resting, plan).solution.alpha
+        with suppress(EstimationError):  # too few wide bumps; narrower ones may do
+            start = _fit_width(drive, recording, quadrature, smooth, resting, plan).solution.alpha
     fits: list[TorqueFit] = []
     spreads: list[float] = []
     for candidate in widths:

@@ -213,7 +213,7 @@ def noise_torques(recording: Recording, inertia: float, half_width: int) -> tupl
     """
     smooth, slope = (float(np.linalg.norm(weights)) for weights in even_weights(half_width))
     own = noise(recording.time, recording.velocity, recording.run)
-    if recording.derived_over:  # noise of a derivative is not white: most of it is taken out again
+    if recording.derived_over:  # noise of a derivative is not white
         like = noise_like(recording, own, np.random.default_rng(0))
         rate = float(np.std(lanczos_derivative(recording.time, like, half_width, recording.run)[1]))
     else:

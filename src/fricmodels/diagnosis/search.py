@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import cache
@@ -32,7 +33,7 @@ _HOPELESS, _NEAR = 0.05, 0.5
 """What explains less than this share of the residual, or of what another effect explains, is sought no further."""
 _UNLIKELY = 0.25
 """Nor is what explains less than this share of that from its best start."""
-_END = 1.001
+_AT_END = 1e-3
 """Within a thousandth of a bound a parameter is at its end."""
 _SIGNED = 0.2
 """Spacing of a parameter of either sign of which only one value is tried first."""
@@ -64,7 +65,7 @@ def search(problem: Problem, regression: Regression, effect: Effect, alone: Driv
         return candidate.found(starts[0], trials) if candidate.is_visible(starts[0]) else None
     worth = max(_HOPELESS * float(regression.residual @ regression.residual), _NEAR * rival)
     best = _summit(value, starts, [(p.lower, p.upper) for p in nonlinear], spacing, worth)
-    stretched = bool(effect.states) and _is_at_an_end(nonlinear, best, spacing)
+    stretched = bool(effect.states) and is_at_an_end(nonlinear, best, spacing)
     return candidate.found(best, trials, stretched=stretched)
 
 
@@ -83,12 +84,19 @@ def _summit(
     return max((best, *(walk(value, start, bounds, spacing) for start in more)), key=value)
 
 
-def _is_at_an_end(nonlinear: Sequence[Parameter], point: Point, spacing: Sequence[float]) -> bool:
-    """Whether a parameter with a size went as far as this recording can tell, and makes a difference."""
+def is_at_an_end(nonlinear: Sequence[Parameter], point: Point, spacing: Sequence[float]) -> bool:
+    """Whether a parameter with a size went as far as this recording can tell, and makes a difference.
+
+    Args:
+        nonlinear: with the bounds of this recording.
+        point: their values.
+        spacing: as of :func:`starting_points`.
+    """
     return any(
-        step != 1.0 and not p.lower * _END < x < p.upper / _END
+        math.isclose(x, end, rel_tol=_AT_END)
         for p, x, step in zip(nonlinear, point, spacing, strict=True)
-        if not p.secondary and p.dimension != DIMENSIONLESS
+        if step != 1.0 and not p.secondary and p.dimension != DIMENSIONLESS
+        for end in (p.lower, p.upper)
     )
 
 
