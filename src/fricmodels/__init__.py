@@ -14,7 +14,8 @@ from typing import TYPE_CHECKING, Any
 from fricmodels.hookspecs import hookimpl
 
 if TYPE_CHECKING:
-    from fricmodels.diagnosis.diagnose import compare, diagnose
+    from fricmodels.diagnosis.comparison import compare
+    from fricmodels.diagnosis.diagnose import diagnose
     from fricmodels.diagnosis.ladder import improve
     from fricmodels.drive import Drive
     from fricmodels.estimator import Estimator

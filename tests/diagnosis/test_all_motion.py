@@ -7,7 +7,7 @@ import pytest
 
 from fricmodels.diagnosis import examine
 from fricmodels.diagnosis.all_motion import left_over
-from fricmodels.diagnosis.diagnose import Comparison, compare
+from fricmodels.diagnosis.comparison import Comparison, compare
 from fricmodels.diagnosis.floor import LEAST_TORQUE
 from fricmodels.diagnosis.survey import survey
 from fricmodels.diagnosis.verdict import answer, torque_share

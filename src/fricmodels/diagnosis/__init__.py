@@ -2,17 +2,8 @@
 
 from __future__ import annotations
 
-from fricmodels.diagnosis.diagnose import (
-    Comparison,
-    Diagnosis,
-    compare,
-    compare_fit,
-    compare_model,
-    diagnose,
-    examine,
-    kept_back,
-    ready,
-)
+from fricmodels.diagnosis.comparison import Comparison, compare, compare_fit, compare_model, kept_back, ready
+from fricmodels.diagnosis.diagnose import Diagnosis, diagnose, examine
 from fricmodels.diagnosis.ladder import Ladder, improve
 
 __all__ = [

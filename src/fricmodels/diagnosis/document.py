@@ -10,7 +10,8 @@ from pathlib import Path
 from typing import Any
 
 from fricmodels import plugins
-from fricmodels.diagnosis.diagnose import Comparison, Diagnosis, Finding
+from fricmodels.diagnosis.comparison import Comparison
+from fricmodels.diagnosis.diagnose import Diagnosis, Finding
 from fricmodels.diagnosis.explain import explain, sentence
 from fricmodels.diagnosis.ladder import Ladder, added
 from fricmodels.dimension import Motion

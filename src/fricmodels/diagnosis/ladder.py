@@ -8,7 +8,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from fricmodels import plugins
-from fricmodels.diagnosis.diagnose import Comparison, Diagnosis, Finding, compare, compare_model, examine
+from fricmodels.diagnosis.comparison import Comparison, compare, compare_model
+from fricmodels.diagnosis.diagnose import Diagnosis, Finding, examine
 from fricmodels.diagnosis.evidence import Evidence, Regression
 from fricmodels.diagnosis.problem import Problem
 from fricmodels.diagnosis.survey import Tested

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from fricmodels.diagnosis.diagnose import Comparison
+from fricmodels.diagnosis.comparison import Comparison
 from fricmodels.score.torque import filtered_torque_error
 
 

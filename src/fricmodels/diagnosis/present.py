@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from fricmodels.diagnosis.diagnose import Comparison, Diagnosis, Finding
+from fricmodels.diagnosis.comparison import Comparison
+from fricmodels.diagnosis.diagnose import Diagnosis, Finding
 from fricmodels.diagnosis.estimate import Estimate
 from fricmodels.diagnosis.explain import explain
 from fricmodels.diagnosis.ladder import Ladder, Rung, added

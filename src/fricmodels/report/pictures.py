@@ -18,7 +18,7 @@ from fricmodels.report.wording import listed, number, percent
 if TYPE_CHECKING:
     from plotly.graph_objects import Figure
 
-    from fricmodels.diagnosis.diagnose import Comparison
+    from fricmodels.diagnosis.comparison import Comparison
     from fricmodels.term import Effect
 
 Array = NDArray[np.float64]

@@ -40,7 +40,7 @@ from fricmodels.report.wording import (
 )
 
 if TYPE_CHECKING:
-    from fricmodels.diagnosis.diagnose import Comparison
+    from fricmodels.diagnosis.comparison import Comparison
     from fricmodels.diagnosis.ladder import Rung
 
 Data = Mapping[str, Any]

@@ -14,7 +14,8 @@ from fricmodels.report.provenance import recording_section
 from fricmodels.report.wording import counted, listed, percent, physics
 
 if TYPE_CHECKING:
-    from fricmodels.diagnosis.diagnose import Comparison, Diagnosis
+    from fricmodels.diagnosis.comparison import Comparison
+    from fricmodels.diagnosis.diagnose import Diagnosis
     from fricmodels.diagnosis.ladder import Ladder, Rung
 
 Data = Mapping[str, Any]

@@ -15,7 +15,7 @@ from fricmodels.tournament.leaderboard import HELD_OUT, Leaderboard
 from fricmodels.tournament.origin import Origin
 
 if TYPE_CHECKING:
-    from fricmodels.diagnosis.diagnose import Comparison
+    from fricmodels.diagnosis.comparison import Comparison
     from fricmodels.tournament.sources import Loaded, Source
 
 Row = Mapping[str, Any]
@@ -115,7 +115,7 @@ def compared(loaded: Loaded, source: Source | None, row: Row) -> Comparison:
     Where all of a recording was fitted, that takes the place of what was kept back.
     """
     from fricmodels.diagnosis import compare_fit
-    from fricmodels.diagnosis.diagnose import Errors
+    from fricmodels.diagnosis.comparison import Errors
     from fricmodels.drive import Drive
     from fricmodels.model import Model
 

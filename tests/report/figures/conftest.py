@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 import numpy as np
 import pytest
 
-from fricmodels.diagnosis.diagnose import Comparison, compare_model, kept_back, ready
+from fricmodels.diagnosis.comparison import Comparison, compare_model, kept_back, ready
 from fricmodels.dimension import Motion
 from fricmodels.drive import Drive
 from fricmodels.model import Model

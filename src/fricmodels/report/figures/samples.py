@@ -16,7 +16,7 @@ from fricmodels.recording import Recording
 from fricmodels.report.figures.style import label, unit_of, words
 
 if TYPE_CHECKING:
-    from fricmodels.diagnosis.diagnose import Comparison
+    from fricmodels.diagnosis.comparison import Comparison
     from fricmodels.drive import Drive
 
 Array = NDArray[np.float64]

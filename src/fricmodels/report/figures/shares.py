@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from fricmodels.report.figures.style import LIGHT, Figure, escaped, graph_objects, styled
 
 if TYPE_CHECKING:
-    from fricmodels.diagnosis.diagnose import Comparison
+    from fricmodels.diagnosis.comparison import Comparison
 
 
 def error_shares(comparison: Comparison) -> Figure:

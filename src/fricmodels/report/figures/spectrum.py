@@ -15,7 +15,7 @@ from fricmodels.report.figures.samples import Samples
 from fricmodels.report.figures.style import LIGHT, Figure, graph_objects, label, logarithmic, styled
 
 if TYPE_CHECKING:
-    from fricmodels.diagnosis.diagnose import Comparison
+    from fricmodels.diagnosis.comparison import Comparison
 
 Array = NDArray[np.float64]
 

@@ -11,7 +11,7 @@ from fricmodels.report.figures.samples import Samples
 from fricmodels.report.figures.style import LIGHT, POINTS, Figure, graph_objects, styled, subplots, words
 
 if TYPE_CHECKING:
-    from fricmodels.diagnosis.diagnose import Comparison
+    from fricmodels.diagnosis.comparison import Comparison
 
 _PIXEL = 1 / 500
 """Share of the axis by which two shaded spans must be apart to be shown apart."""
