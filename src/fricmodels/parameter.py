@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Literal
 
 from fricmodels.dimension import Dimension, Motion, parse_unit
 
@@ -24,8 +25,8 @@ class Parameter:
         scan: for a coefficient that enters nonlinearly, the dimensionless values to try first, in units of the
             recording's own scales (peak velocity, position range, duration); empty for linear ones.
         part_of_drive: whether it is a share of the law's friction or of the drive's inertia, and no more than these.
-        secondary: whether it sizes a part of an effect that may be missing or all there is, so that no value of it is
-            unphysical.
+        doubtful_ends: the ends of what a recording can tell of it at which an effect with memory only resembles
+            another one; none where it sizes a part of the effect that may be missing or all there is.
         periodic: whether it is a wave number in position, to be searched for in the spectrum over position.
         delay: whether it is the time by which motion and torque were recorded apart, a factor of the signal
             ``motor_torque_rate``; see :meth:`fricmodels.drive.Drive.timed`.
@@ -40,7 +41,7 @@ class Parameter:
     meaning: str = ""
     scan: tuple[float, ...] = ()
     part_of_drive: bool = False
-    secondary: bool = False
+    doubtful_ends: tuple[Literal["lower", "upper"], ...] = ("lower", "upper")
     periodic: bool = False
     delay: bool = False
 

@@ -298,7 +298,7 @@ LENGTH = Parameter("x", unit="rad", initial=1.0, lower=0.5, upper=2.0)
         (LENGTH, 2.0, 2.0, True),
         (LENGTH, 1.99, 2.0, False),
         (LENGTH, 2.0, 1.0, False),
-        (replace(LENGTH, secondary=True), 2.0, 2.0, False),
+        (replace(LENGTH, doubtful_ends=()), 2.0, 2.0, False),
         (replace(LENGTH, unit="1"), 2.0, 2.0, False),
         (replace(LENGTH, lower=-0.5, initial=0.0), -0.5, -0.1, True),
         (replace(LENGTH, lower=-0.5, initial=0.0), -0.4, -0.1, False),

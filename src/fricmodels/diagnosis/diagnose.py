@@ -9,6 +9,7 @@ from typing import Literal
 from fricmodels.diagnosis.comparison import Comparison, compare
 from fricmodels.diagnosis.look_alikes import separated_by
 from fricmodels.diagnosis.power import Visibility, visibility
+from fricmodels.diagnosis.second_look import second_look
 from fricmodels.diagnosis.sufficiency import is_sufficient, predictable, shape_of
 from fricmodels.diagnosis.survey import Tested, survey
 from fricmodels.diagnosis.unexplained import PERSISTENT, View
@@ -81,9 +82,11 @@ def examine(comparison: Comparison, *, leave_out: Iterable[str] = ()) -> Diagnos
     best = answer(result)
     seen = predictable(result)
     view = next((v for v in seen if v.channels not in PERSISTENT), seen[0] if seen else None)
-    if best is not None and not is_sufficient(result, parameters, out, best.first, seen):
-        view, best = view or shape_of(result, best.first), None
-    findings = [] if best is None else [_finding(best)]
+    named = best if best is not None and is_sufficient(result, parameters, out, best.first, seen) else None
+    named = second_look(comparison, out, named)
+    if best is not None and named is None:
+        view = view or shape_of(result, best.first)
+    findings = [] if named is None else [_finding(named)]
     found = {name for finding in findings for name in finding.names}
     verdict: Verdict = "adequate"
     if findings:

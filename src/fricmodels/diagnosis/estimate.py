@@ -17,6 +17,7 @@ from fricmodels.diagnosis.survey import regression_of
 from fricmodels.drive import Drive
 from fricmodels.errors import InputError
 from fricmodels.recording import Recording, natural_size
+from fricmodels.score.torque import filtered_torque_error, sliding_half_width
 from fricmodels.term import Effect
 
 Array = NDArray[np.float64]
@@ -65,7 +66,17 @@ def estimate(drive: Drive, recording: Recording, start: Mapping[str, float] | No
                 problem = Problem.of(drive, recording, found.parameters)
             problem = replace(problem, estimated=found.parameters)
             found = _fit(problem, {**start, **found.parameters})
+    if drive.model.states:
+        # What remembers has most to say where it is not certain how the drive moved; that may mislead it, too.
+        other = _fit(problem.throughout, {**start, **found.parameters})
+        found = min(found, other, key=lambda e: _left(drive, recording, e.parameters))
     return replace(problem, law_share=problem.law_has(found.parameters), estimated=found.parameters), found
+
+
+def _left(drive: Drive, recording: Recording, parameters: Mapping[str, float]) -> float:
+    """Return the sum of squares that a model leaves over all of a recording."""
+    error = filtered_torque_error(drive, parameters, recording, sliding_half_width(recording))
+    return float(error @ error)
 
 
 def _started(drive: Drive, recording: Recording, start: Mapping[str, float]) -> Mapping[str, float]:

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fricmodels.diagnosis.remembered import Remembered
-from fricmodels.diagnosis.unclear import direction_unclear
+from fricmodels.diagnosis.unclear import creeping, direction_unclear
 from fricmodels.dimension import FORCE, INERTIA, Motion
 from fricmodels.drive import Drive, rest_width
 from fricmodels.memory import Memory
@@ -103,8 +103,7 @@ class Problem:
         part = part.with_channels(torque_rate=part.signal("motor_torque_rate"))
         at_rest = resting(part)
         unclear = direction_unclear(drive, part, smooth, at_rest, width, parameters)
-        quadrature = Quadrature.of(part, smooth, unclear)
-        bumps = Bumps(part, width, unclear, least_moving=1.0, over_cells=part.derived_over > 0)
+        quadrature, bumps = _rows(part, smooth, width, unclear)
         problem = cls(drive, part, smooth, at_rest, quadrature, bumps, sigma, half_width, (0.0, 0.0), delay=delay)
         return replace(problem, law_share=problem.law_has(parameters))
 
@@ -155,6 +154,17 @@ class Problem:
         return replace(
             self, recording=changed, smooth=velocity[:count], quadrature=replace(self.quadrature, recording=at)
         )
+
+    @cached_property
+    def throughout(self) -> Problem:
+        """The same problem on all motion, also where a drive without memory may have stuck or turned between samples.
+
+        What an effect with memory does it does there most of all, and how long the friction is not known there does not
+        matter to it: a contact that bends, or a gap, has its torque from the way that was covered.
+        """
+        unclear = self.resting | creeping(self.recording, self.bumps.width)
+        quadrature, bumps = _rows(self.recording, self.smooth, self.bumps.width, unclear)
+        return replace(self, quadrature=quadrature, bumps=bumps)
 
     @property
     def rows(self) -> int:
@@ -361,6 +371,11 @@ def spread(recording: Recording) -> Recording:
     fresh = np.repeat(np.arange(blocks), _BLOCK)
     _, run = np.unique(np.column_stack([fresh, chosen.run]), axis=0, return_inverse=True)
     return replace(chosen, run=run.astype(np.int64).ravel())
+
+
+def _rows(recording: Recording, smooth: Array, width: int, unclear: NDArray[np.bool_]) -> tuple[Quadrature, Bumps]:
+    bumps = Bumps(recording, width, unclear, least_moving=1.0, over_cells=recording.derived_over > 0)
+    return Quadrature.of(recording, smooth, unclear), bumps
 
 
 def _bump_width(recording: Recording, inertia: float, deviation: float) -> int:

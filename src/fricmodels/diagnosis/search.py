@@ -93,10 +93,10 @@ def is_at_an_end(nonlinear: Sequence[Parameter], point: Point, spacing: Sequence
         spacing: as of :func:`starting_points`.
     """
     return any(
-        math.isclose(x, end, rel_tol=_AT_END)
+        math.isclose(x, getattr(p, end), rel_tol=_AT_END)
         for p, x, step in zip(nonlinear, point, spacing, strict=True)
-        if step != 1.0 and not p.secondary and p.dimension != DIMENSIONLESS
-        for end in (p.lower, p.upper)
+        if step != 1.0 and p.dimension != DIMENSIONLESS
+        for end in p.doubtful_ends
     )
 
 

@@ -36,11 +36,11 @@ def direction_unclear(
         width: samples that a bump spans.
         parameters: the model's parameters by key.
     """
-    unclear = resting | _creeping(recording, width) | _hidden_turns(drive, recording, smooth, parameters)
+    unclear = resting | creeping(recording, width) | _hidden_turns(drive, recording, smooth, parameters)
     return _widened(unclear, 1 + recording.derived_over)
 
 
-def _creeping(recording: Recording, width: int) -> NDArray[np.bool_]:
+def creeping(recording: Recording, width: int) -> NDArray[np.bool_]:
     """Mark where the drive creeps so slowly that noise hides which way, for longer than an eighth of a bump.
 
     There the friction torque is not known, nor whether the drive moves at all. A reversal passes through faster.

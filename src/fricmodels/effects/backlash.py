@@ -67,7 +67,7 @@ class Backlash(Effect):
         lower=1e-9,
         meaning="speed at which the load's viscous friction is as much as its dry friction",
         scan=(0.5, 1.0, 2.0),
-        secondary=True,
+        doubtful_ends=(),
     )
     F = Parameter(
         "F",
@@ -76,7 +76,7 @@ class Backlash(Effect):
         lower=1e-12,
         meaning="dry friction torque of the load, against which a load torque counts",
         scan=(0.14, 0.2, 0.28),
-        secondary=True,
+        doubtful_ends=(),
     )
     b = Parameter(
         "b",

@@ -14,6 +14,8 @@ class RisingStiction(Effect):
 
     .. math:: \tau = F z \operatorname{sgn}\omega, \qquad \dot z = (1 - z)/T - |\omega| z/x_s
 
+    After rests that are all short against T, only F/T is to be told.
+
     Source: Rabinowicz (1958); rate and state friction, Dieterich (1979), Ruina (1983).
     """
 
@@ -22,7 +24,15 @@ class RisingStiction(Effect):
     signature = "a breakaway peak that grows with the time at rest"
     needs_motion = "rests of different lengths"
     F = Parameter("F", unit="N m", lower=0.0, meaning="rise of the breakaway torque after a long rest")
-    T = Parameter("T", unit="s", initial=1.0, lower=1e-9, meaning="time of the rise", scan=(0.003, 0.01, 0.03, 0.1))
+    T = Parameter(
+        "T",
+        unit="s",
+        initial=1.0,
+        lower=1e-9,
+        meaning="time of the rise",
+        scan=(0.003, 0.01, 0.03, 0.1),
+        doubtful_ends=("lower",),
+    )
     x_s = Parameter(
         "x_s",
         unit="rad",
