@@ -1,0 +1,123 @@
+"""Effects with memory that act where rows are silent are found on all motion, if the error falls with them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from fricmodels.diagnosis import examine
+from fricmodels.diagnosis.comparison import Comparison, compare, compare_model
+from fricmodels.diagnosis.second_look import second_look
+from fricmodels.diagnosis.survey import survey
+from fricmodels.diagnosis.verdict import Answer, answer
+from fricmodels.drive import Drive
+from fricmodels.model import Model
+from fricmodels.rig import Rig
+
+MASS, COULOMB = 90.0, 20.0
+BENT = {"name": "presliding", "kind": "maxwell-slip", "width": 0.0009, "damping_ratio": 0.5}
+
+
+def axis(*effects: dict[str, object], seed: int) -> Rig:
+    """Return an axis that rests between moves: its contact bends within the few samples about each rest."""
+    return Rig.model_validate(
+        {
+            "motion": "linear",
+            "inertia": MASS,
+            "friction": {"viscous": 60.0, "coulomb": COULOMB},
+            "effects": effects,
+            "excitation": {
+                "kind": "trapezoid",
+                "velocity": 0.45,
+                "acceleration": 0.7,
+                "span": 1.2,
+                "rests": [0.1, 3.0],
+                "slowest": 0.4,
+                "bandwidth": 4.0,
+                "damping_ratio": 0.8,
+            },
+            "sensors": {"velocity_noise_percent": 1.0, "position": True},
+            "rate": 100,
+            "samples": 12_000,
+            "seed": seed,
+        }
+    )
+
+
+@pytest.fixture(scope="module", params=(5, 6))
+def bent(request: pytest.FixtureRequest) -> Comparison:
+    """A contact that bends; the rows see a gap in one recording and nothing at all in the other."""
+    return compare(axis(BENT, seed=request.param).simulate(), "coulomb-viscous", MASS)
+
+
+@pytest.fixture(scope="module")
+def stiff() -> Comparison:
+    return compare(axis(seed=5).simulate(), "coulomb-viscous", MASS)
+
+
+def fitted(bent: Comparison, drive: Drive, parameters: Mapping[str, float], effect: str) -> Comparison:
+    start = {**bent.estimate.parameters, **{f"{effect}.{key}": value for key, value in parameters.items()}}
+    return compare_model(bent.train, bent.test, drive, start)
+
+
+def first(comparison: Comparison, *names: str) -> Answer | None:
+    """Return what the rows name."""
+    return answer(survey(replace(comparison.problem), comparison.estimate.parameters, only=names or None))
+
+
+def test_the_rows_alone_do_not_see_the_contact_bend(bent: Comparison) -> None:
+    seen = first(bent)
+    assert seen is None or "presliding" not in seen.names
+
+
+def test_it_is_named_on_all_motion_with_the_friction_that_it_has(bent: Comparison) -> None:
+    diagnosis = examine(bent)
+    (finding,) = diagnosis.findings
+    assert finding.names == ("presliding",)
+    assert finding.tested.parameters["F_1"] == pytest.approx(COULOMB, rel=0.1)
+    assert finding.tested.parameters["F_2"] == pytest.approx(COULOMB, rel=0.1)
+
+
+def test_nothing_is_named_on_the_same_motion_of_a_stiff_contact(stiff: Comparison) -> None:
+    assert examine(stiff).verdict == "adequate"
+    assert second_look(stiff, (), None) is None
+
+
+def test_without_it_no_other_one_takes_its_place(bent: Comparison) -> None:
+    assert not examine(bent, leave_out=["presliding"]).findings
+
+
+def test_an_effect_with_which_the_error_rises_is_not_named(bent: Comparison) -> None:
+    for name in ("backlash", "rising-stiction"):
+        (tested,) = survey(replace(bent.problem), bent.estimate.parameters, only=[name]).tested
+        found = second_look(bent, ["presliding"], Answer(tested, (tested,)))
+        drive = Drive(Model.parse(f"coulomb-viscous+{name}"), MASS, bent.drive.motion)
+        with_it = fitted(bent, drive, tested.parameters, name)
+        falls = with_it.errors.held_out_percent < bent.errors.held_out_percent
+        assert (found is not None) <= falls
+
+
+def test_an_effect_without_memory_is_left_as_the_rows_name_it(stiff: Comparison) -> None:
+    (tested,) = survey(replace(stiff.problem), stiff.estimate.parameters, only=["torque-offset"]).tested
+    named = Answer(tested, (tested,))
+    assert second_look(stiff, (), named) is named
+
+
+def test_the_model_with_it_is_fitted_to_all_motion(bent: Comparison) -> None:
+    drive = Drive(Model.parse("coulomb-viscous+presliding"), MASS, bent.drive.motion)
+    with_it = fitted(bent, drive, {"F_1": 60.0, "F_2": 60.0, "D": 100.0, "x_s": 3e-4}, "presliding")
+    assert with_it.estimate.parameters["presliding.F_1"] == pytest.approx(COULOMB, rel=0.1)
+    assert with_it.errors.percent < 0.7 * bent.errors.percent
+    assert with_it.errors.held_out_percent < 0.7 * bent.errors.held_out_percent
+
+
+def test_all_motion_has_the_rows_and_more(bent: Comparison) -> None:
+    rows, all_motion = bent.problem, bent.problem.throughout
+    assert all_motion.rows > rows.rows
+    assert np.isin(rows.centre, all_motion.centre).mean() > 0.99
+    assert all_motion.estimated == rows.estimated
+    resting = rows.resting[all_motion.centre]
+    assert not resting.any()
