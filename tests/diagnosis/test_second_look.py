@@ -12,7 +12,7 @@ from fricmodels.diagnosis import examine
 from fricmodels.diagnosis.comparison import Comparison, compare, compare_model
 from fricmodels.diagnosis.second_look import second_look
 from fricmodels.diagnosis.survey import survey
-from fricmodels.diagnosis.verdict import Answer, answer
+from fricmodels.diagnosis.verdict import Answer, answer, torque_share
 from fricmodels.drive import Drive
 from fricmodels.model import Model
 from fricmodels.rig import Rig
@@ -83,7 +83,8 @@ def test_it_is_named_on_all_motion_with_the_friction_that_it_has(bent: Compariso
 
 def test_nothing_is_named_on_the_same_motion_of_a_stiff_contact(stiff: Comparison) -> None:
     assert examine(stiff).verdict == "adequate"
-    assert second_look(stiff, (), None) is None
+    result = survey(replace(stiff.problem), stiff.estimate.parameters)
+    assert second_look(stiff, result, (), None) is None
 
 
 def test_without_it_no_other_one_takes_its_place(bent: Comparison) -> None:
@@ -92,8 +93,10 @@ def test_without_it_no_other_one_takes_its_place(bent: Comparison) -> None:
 
 def test_an_effect_with_which_the_error_rises_is_not_named(bent: Comparison) -> None:
     for name in ("backlash", "rising-stiction"):
-        (tested,) = survey(replace(bent.problem), bent.estimate.parameters, only=[name]).tested
-        found = second_look(bent, ["presliding"], Answer(tested, (tested,)))
+        result = survey(replace(bent.problem), bent.estimate.parameters, only=[name])
+        (tested,) = result.tested
+        assert torque_share(result, tested.evidence) < 0.2 * bent.errors.held_out_percent / 100
+        found = second_look(bent, result, ["presliding"], Answer(tested, (tested,)))
         drive = Drive(Model.parse(f"coulomb-viscous+{name}"), MASS, bent.drive.motion)
         with_it = fitted(bent, drive, tested.parameters, name)
         falls = with_it.errors.held_out_percent < bent.errors.held_out_percent
@@ -101,9 +104,9 @@ def test_an_effect_with_which_the_error_rises_is_not_named(bent: Comparison) -> 
 
 
 def test_an_effect_without_memory_is_left_as_the_rows_name_it(stiff: Comparison) -> None:
-    (tested,) = survey(replace(stiff.problem), stiff.estimate.parameters, only=["torque-offset"]).tested
-    named = Answer(tested, (tested,))
-    assert second_look(stiff, (), named) is named
+    result = survey(replace(stiff.problem), stiff.estimate.parameters, only=["torque-offset"])
+    named = Answer(result.tested[0], result.tested)
+    assert second_look(stiff, result, (), named) is named
 
 
 def test_the_model_with_it_is_fitted_to_all_motion(bent: Comparison) -> None:

@@ -83,7 +83,7 @@ def examine(comparison: Comparison, *, leave_out: Iterable[str] = ()) -> Diagnos
     seen = predictable(result)
     view = next((v for v in seen if v.channels not in PERSISTENT), seen[0] if seen else None)
     named = best if best is not None and is_sufficient(result, parameters, out, best.first, seen) else None
-    named = second_look(comparison, out, named)
+    named = second_look(comparison, result, out, named)
     if best is not None and named is None:
         view = view or shape_of(result, best.first)
     findings = [] if named is None else [_finding(named)]

@@ -66,8 +66,8 @@ def estimate(drive: Drive, recording: Recording, start: Mapping[str, float] | No
                 problem = Problem.of(drive, recording, found.parameters)
             problem = replace(problem, estimated=found.parameters)
             found = _fit(problem, {**start, **found.parameters})
-    if drive.model.states:
-        # What remembers has most to say where it is not certain how the drive moved; that may mislead it, too.
+    if drive.model.states or drive.model.delay:
+        # A memory or a delay has most to say where it is not certain how the drive moved; that may mislead it, too.
         other = _fit(problem.throughout, {**start, **found.parameters})
         found = min(found, other, key=lambda e: _left(drive, recording, e.parameters))
     return replace(problem, law_share=problem.law_has(found.parameters), estimated=found.parameters), found

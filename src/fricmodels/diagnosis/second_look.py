@@ -17,8 +17,8 @@ from fricmodels import plugins
 from fricmodels.diagnosis.comparison import Comparison, compare_model
 from fricmodels.diagnosis.problem import Problem
 from fricmodels.diagnosis.sufficiency import is_sufficient, predictable
-from fricmodels.diagnosis.survey import Tested, survey
-from fricmodels.diagnosis.verdict import LEAST_GAIN, Answer, accepted
+from fricmodels.diagnosis.survey import Survey, Tested, survey
+from fricmodels.diagnosis.verdict import LEAST_GAIN, Answer, accepted, torque_share
 from fricmodels.drive import Drive
 from fricmodels.errors import FricmodelsError
 
@@ -28,6 +28,8 @@ error. On 400 simulated drives with nothing hidden no effect that passes the oth
 _SMALLER_FALL, _FAR_LESS = 2.5, 0.75
 """Or by this, to this share; none of those does both. It must also leave this share of what the effect leaves that the
 rows name."""
+_MOST_OF_ERROR = 0.5
+"""Where the rows show at least half of the error, as a torque, what they name stands."""
 _SEEN = 0.5
 """Of an effect that does more than this share (squared) of what it does within the rows, these have judged already."""
 _MOST_TRIALS = 3
@@ -36,28 +38,32 @@ _AS_GOOD = 1.1
 """Effects are not told apart whose errors differ by less than a tenth."""
 
 
-def second_look(comparison: Comparison, leave_out: Iterable[str], named: Answer | None) -> Answer | None:
+def second_look(
+    comparison: Comparison, result: Survey, leave_out: Iterable[str], named: Answer | None
+) -> Answer | None:
     """Return what the rows name; or the effect with memory that explains all motion far better; or none.
 
-    An effect with memory is named only if the error falls with it, on what was kept back too.
+    An effect with memory that explains only a small part of the error in the rows is named only if the error falls with
+    it, on what was kept back too.
 
     Args:
         comparison: the fitted model.
+        result: the survey of its rows.
         leave_out: effects that are not considered.
         named: what the rows name; ``None`` if they name nothing.
     """
-    bound = before = _error(comparison)
-    helps = False
-    if named is not None:
-        if not named.first.effect.states:
-            return named
-        fitted = _with(comparison, named.first)
-        helps = fitted is not None and _helps(comparison, fitted)
-        bound = min(before, _error(fitted))
-        if helps and bound < _FAR_LESS * before:
-            return named
-    better = _on_all_motion(comparison, set(leave_out), bound if named is None else _FAR_LESS * bound)
-    return better or (named if helps else None)
+    before = _error(comparison)
+    if named is None:
+        return _on_all_motion(comparison, set(leave_out), before)
+    in_rows = 100 * torque_share(result, named.first.evidence)
+    if not named.first.effect.states or in_rows > _MOST_OF_ERROR * before:
+        return named
+    fitted = _with(comparison, named.first)
+    helps = fitted is not None and _helps(comparison, fitted)
+    after = min(before, _error(fitted))
+    if helps and after < _FAR_LESS * before:
+        return named
+    return _on_all_motion(comparison, set(leave_out), _FAR_LESS * after) or (named if helps else None)
 
 
 def _helps(comparison: Comparison, fitted: Comparison) -> bool:
