@@ -10,7 +10,7 @@ import pytest
 
 from fricmodels.diagnosis import examine
 from fricmodels.diagnosis.comparison import Comparison, compare, compare_model
-from fricmodels.diagnosis.second_look import second_look
+from fricmodels.diagnosis.second_look import _falls_far, _share_seen, second_look
 from fricmodels.diagnosis.survey import survey
 from fricmodels.diagnosis.verdict import Answer, answer, torque_share
 from fricmodels.drive import Drive
@@ -124,3 +124,19 @@ def test_all_motion_has_the_rows_and_more(bent: Comparison) -> None:
     assert all_motion.estimated == rows.estimated
     resting = rows.resting[all_motion.centre]
     assert not resting.any()
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "far"),
+    [(10.0, 9.1, True), (5.0, 4.2, False), (3.2, 1.9, True), (2.9, 1.5, False), (4.0, 5.0, False)],
+)
+def test_an_error_falls_far_by_its_size_or_by_less_and_its_share(before: float, after: float, far: bool) -> None:
+    assert _falls_far(before, after) is far
+
+
+def test_the_rows_see_hardly_anything_of_a_bending_contact_and_all_of_an_offset(bent: Comparison) -> None:
+    problem = replace(bent.problem)
+    result = survey(problem.throughout, bent.estimate.parameters, only=["presliding", "torque-offset"])
+    share = {tested.name: _share_seen(problem, tested) for tested in result.tested}
+    assert share["presliding"] < 0.1
+    assert share["torque-offset"] == pytest.approx(1.0, abs=0.1)
