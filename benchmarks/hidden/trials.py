@@ -8,12 +8,13 @@ from typing import Any
 
 import numpy as np
 
-from fricmodels.diagnosis import Comparison, Diagnosis, compare_model, examine, improve
+from fricmodels import plugins
+from fricmodels.diagnosis import Comparison, Diagnosis, examine, improve
+from fricmodels.diagnosis import comparison as comparisons
 from fricmodels.diagnosis.evidence import compare
 from fricmodels.diagnosis.ladder import added
 from fricmodels.diagnosis.survey import survey
 from fricmodels.diagnosis.verdict import SIGNIFICANCE
-from fricmodels.drive import Drive
 from fricmodels.errors import FricmodelsError
 from fricmodels.model import Model
 from fricmodels.rig import Rig, random_rig, strength
@@ -148,14 +149,11 @@ def _after(drawn: Case, diagnosis: Diagnosis, effect: str) -> Row:
 
 def with_effect(comparison: Comparison, effect: str, parameters: Mapping[str, float] | None) -> Comparison | None:
     """Fit the model with one effect more, from the survey's estimate of it."""
-    drive = comparison.drive
-    model = Model.parse(f"{drive.model.name}+{effect}")
     if parameters is None:
         result = survey(comparison.problem, comparison.estimate.parameters, only=[effect])
         parameters = result.tested[0].parameters if result.tested else {}
-    start = {**comparison.estimate.parameters, **{f"{effect}.{k}": v for k, v in parameters.items()}}
     try:
-        return compare_model(comparison.train, comparison.test, Drive(model, drive.inertia, drive.motion), start)
+        return comparisons.with_effect(comparison, plugins.load().effects[effect](), parameters)
     except FricmodelsError:
         return None
 

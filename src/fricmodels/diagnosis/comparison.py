@@ -20,6 +20,7 @@ from fricmodels.shown import Shown
 from fricmodels.signals import best_half_width, noise, prepare, with_derived_velocity
 from fricmodels.signals.lanczos import even_weights, lanczos_derivative
 from fricmodels.split import Split, split
+from fricmodels.term import Effect
 
 Array = NDArray[np.float64]
 FAR_ABOVE = 5.0
@@ -127,6 +128,29 @@ def compare_model(
     """
     problem, found = estimate(drive, train, start)
     return _compared(problem, found, train, test)
+
+
+def refitted(comparison: Comparison, model: Model, start: Mapping[str, float]) -> Comparison:
+    """Return another model fitted to the same data, with the same inertia if that is given.
+
+    Args:
+        comparison: whose data.
+        model: the other model.
+        start: nonlinear parameters to begin from, by key.
+    """
+    drive = comparison.drive
+    return compare_model(comparison.train, comparison.test, Drive(model, drive.inertia, drive.motion), start)
+
+
+def with_effect(comparison: Comparison, effect: Effect, parameters: Mapping[str, float]) -> Comparison:
+    """Return the model with one more effect, fitted anew from the effect's parameters by symbol.
+
+    Raises:
+        InputError: when the recording moves too little to fit it.
+    """
+    start = {f"{effect.name}.{symbol}": value for symbol, value in parameters.items()}
+    model = comparison.drive.model.plus(effect)
+    return refitted(comparison, model, {**comparison.estimate.parameters, **start})
 
 
 def compare_fit(

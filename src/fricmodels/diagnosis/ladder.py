@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from fricmodels import plugins
-from fricmodels.diagnosis.comparison import Comparison, compare, compare_model
+from fricmodels.diagnosis.comparison import Comparison, compare, refitted, with_effect
 from fricmodels.diagnosis.diagnose import Diagnosis, Finding, examine
 from fricmodels.diagnosis.evidence import Evidence, Regression
 from fricmodels.diagnosis.problem import Problem
@@ -86,7 +85,7 @@ def improve(
     comparison = compare(recording, model, inertia)
     say(f"testing effects on {model.name}")
     first = examine(comparison, leave_out=leave_out)
-    climb = _Climb(recording, inertia, set(leave_out), {e.name for e in model.effects}, say, comparison, first)
+    climb = _Climb(set(leave_out), {e.name for e in model.effects}, say, comparison, first)
     climb.up()
     pruned, exchanged, simplified = climb.prune(), climb.exchange(), climb.simplify()
     if pruned or exchanged or simplified:
@@ -100,7 +99,7 @@ class _Climb:
     """A ladder in the making.
 
     Args:
-        recording, inertia, leave_out: as given to :func:`improve`.
+        leave_out: as given to :func:`improve`.
         given: names of the effects that stay.
         say: takes one line at every step.
         comparison, diagnosis: of the model that was given.
@@ -108,15 +107,12 @@ class _Climb:
 
     def __init__(
         self,
-        recording: Recording,
-        inertia: float | None,
         leave_out: set[str],
         given: set[str],
         say: Callable[[str], None],
         comparison: Comparison,
         diagnosis: Diagnosis,
     ) -> None:
-        self._motion, self._inertia = recording.motion, inertia
         self._out, self._given, self._say = leave_out, given, say
         self.rungs, self.diagnosis, self.note = [Rung(comparison)], diagnosis, ""
         self.steps: list[Diagnosis] = []
@@ -183,19 +179,13 @@ class _Climb:
     def _with(self, comparison: Comparison, tested: Tested) -> Comparison:
         """Return the model with one more effect, refitted; as it is where that fails."""
         self._say(f"adding {tested.name}")
-        model = comparison.drive.model.plus(plugins.load().effects[tested.name]())
-        start = {**comparison.estimate.parameters, **_keyed(tested.name, tested.parameters)}
         try:
-            return self._fitted(comparison, model, start)
+            return with_effect(comparison, tested.effect, tested.parameters)
         except FricmodelsError:
             return comparison
 
     def _without(self, comparison: Comparison, name: str) -> Comparison:
-        return self._fitted(comparison, comparison.drive.model.minus(name), comparison.estimate.parameters)
-
-    def _fitted(self, comparison: Comparison, model: Model, start: Mapping[str, float]) -> Comparison:
-        drive = Drive(model, self._inertia, self._motion)
-        return compare_model(comparison.train, comparison.test, drive, start)
+        return refitted(comparison, comparison.drive.model.minus(name), comparison.estimate.parameters)
 
     def prune(self) -> bool:
         """Remove every added effect that the others have made superfluous; whether any was."""
@@ -250,7 +240,7 @@ class _Climb:
             simpler = [t for t in step.passing if len(t.effect.parameters) < len(own.parameters)]
             for tested in [t for t in simpler if t.name not in self._added][:MOST_TRIALS]:
                 smaller = self._without(here, name)
-                other = self._fitted(smaller, smaller.drive.model.plus(tested.effect), here.estimate.parameters)
+                other = refitted(smaller, smaller.drive.model.plus(tested.effect), here.estimate.parameters)
                 if self._as_good(other):
                     self.rungs += [Rung(smaller, removed=name), Rung(other, added=tested.name)]
                     self.steps.append(step)
@@ -302,10 +292,6 @@ def added(ladder: Ladder) -> list[Finding]:
         own = next(t for t in step.passing if t.name == rung.added)
         chosen.append(Finding(own, (own.name,), ""))
     return chosen or list(ladder.first.findings)
-
-
-def _keyed(effect: str, parameters: Mapping[str, float]) -> dict[str, float]:
-    return {f"{effect}.{symbol}": value for symbol, value in parameters.items()}
 
 
 def without(comparison: Comparison, effect: str) -> Evidence:

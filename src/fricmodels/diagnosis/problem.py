@@ -159,8 +159,8 @@ class Problem:
     def throughout(self) -> Problem:
         """The same problem on all motion, also where a drive without memory may have stuck or turned between samples.
 
-        What an effect with memory does it does there most of all, and how long the friction is not known there does not
-        matter to it: a contact that bends, or a gap, has its torque from the way that was covered.
+        An effect with memory may do most of what it does there, and need not know which way the drive moved at every
+        instant: the torque of a contact that bends, or of a gap, comes from the way that was covered.
         """
         unclear = self.resting | creeping(self.recording, self.bumps.width)
         quadrature, bumps = _rows(self.recording, self.smooth, self.bumps.width, unclear)

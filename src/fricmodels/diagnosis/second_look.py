@@ -14,12 +14,11 @@ from dataclasses import replace
 import numpy as np
 
 from fricmodels import plugins
-from fricmodels.diagnosis.comparison import Comparison, compare_model
+from fricmodels.diagnosis.comparison import Comparison, with_effect
 from fricmodels.diagnosis.problem import Problem
 from fricmodels.diagnosis.sufficiency import is_sufficient, predictable
 from fricmodels.diagnosis.survey import Survey, Tested, survey
 from fricmodels.diagnosis.verdict import LEAST_GAIN, Answer, accepted, torque_share
-from fricmodels.drive import Drive
 from fricmodels.errors import FricmodelsError
 
 _FALL = 4.0
@@ -117,15 +116,7 @@ def _error(comparison: Comparison | None) -> float:
 
 def _with(comparison: Comparison, tested: Tested) -> Comparison | None:
     """Return the model with one more effect, fitted anew; ``None`` where that fails."""
-    drive = comparison.drive
-    start = {f"{tested.name}.{symbol}": value for symbol, value in tested.parameters.items()}
-    model = drive.model.plus(tested.effect)
     try:
-        return compare_model(
-            comparison.train,
-            comparison.test,
-            Drive(model, drive.inertia, drive.motion),
-            {**comparison.estimate.parameters, **start},
-        )
+        return with_effect(comparison, tested.effect, tested.parameters)
     except FricmodelsError:
         return None
