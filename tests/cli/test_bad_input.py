@@ -177,3 +177,20 @@ def test_out_that_is_a_file(tmp_path: Path, capsys: pytest.CaptureFixture[str]) 
     out.write_text("mine")
     assert "out" in refused(capsys, ["run", str(tmp_path / "config.yaml"), "--out", str(out)])
     assert out.read_text() == "mine"
+
+
+def test_doubtful_units_are_a_warning_and_the_work_goes_on(tmp_path, capsys):
+    path = tmp_path / "log.csv"
+    rows = [[*row, f"{-np.cos(2 * np.pi * float(row[0])) * 180 / np.pi / (2 * np.pi):.6f}"] for row in motion()]
+    path.write_text(table(rows, f"{HEADER},position_rad"), encoding="utf-8")
+    assert main(["compare", str(path), "--model", "coulomb-viscous", "--inertia", "0.01"]) == 0
+    warned = capsys.readouterr().err.splitlines()
+    assert len(warned) == 1
+    assert warned[0].startswith(
+        f"warning: {path}: the velocity (velocity=velocity_rad_s) is 0.0174 times the change of"
+    )
+    assert "as between degrees and radians; give their units, as in --column" in warned[0]
+    config = tmp_path / "log.yaml"
+    config.write_text("name: log\ndatasets:\n  - {name: log, files: log.csv}\nmodels: coulomb-viscous\n", "utf-8")
+    assert main(["run", str(config), "--out", str(tmp_path / "out"), "--executor", "serial"]) == 0
+    assert capsys.readouterr().err.count("as between degrees and radians") == 1

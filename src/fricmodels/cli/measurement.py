@@ -43,19 +43,21 @@ def load(
     linear: bool,
     leave_out: list[str] | None = None,
 ) -> tuple[Recording, Model]:
-    """Read the recording and the model that the options name.
+    """Read the recording and the model that the options name; warn where the recording's units are doubtful.
 
     Raises:
         InputError: for anything that cannot be read or is not known.
     """
     from fricmodels import plugins
+    from fricmodels.cli.printing import warn
     from fricmodels.dimension import Motion
     from fricmodels.model import Model
-    from fricmodels.readers import read
+    from fricmodels.readers import doubts, read
 
     chosen = Model.parse(model)
     for effect in leave_out or ():
         plugins.load().effects.entry(effect)
     motion = Motion.LINEAR if linear else None
     recording = read(data, columns=columns or (), motion=motion, reader=reader, torque_constant=torque_constant)
+    warn(doubts(recording))
     return recording, chosen

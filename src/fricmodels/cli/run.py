@@ -32,7 +32,7 @@ def command(
     warn(plugins.load().failures)
     loaded = load_config(config)
     planned = plan(loaded, config.parent)
-    warn(planned.left_out)
+    warn([*planned.left_out, *planned.doubts])
     if report_file is not None:
         from fricmodels.report import check
 

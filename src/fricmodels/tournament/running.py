@@ -16,7 +16,7 @@ from fricmodels.tournament.execution import EXECUTORS, results
 from fricmodels.tournament.jobs import Job, Row, jobs
 from fricmodels.tournament.leaderboard import Leaderboard
 from fricmodels.tournament.origin import write_origin
-from fricmodels.tournament.sources import Source, load, sources
+from fricmodels.tournament.sources import Loaded, Source, load, sources
 from fricmodels.tournament.store import Store
 
 Report = Callable[[int, int, Job, Row], None]
@@ -30,12 +30,20 @@ class Interrupted(FricmodelsError):
 
 @dataclass(frozen=True)
 class Plan:
-    """All jobs of a tournament, checked against the recordings; nothing has been written yet."""
+    """All jobs of a tournament, checked against the recordings; nothing has been written yet.
+
+    Attributes:
+        config, jobs: what is run.
+        left_out: one line for each optional dataset that is not there.
+        digests: of the content of each recording.
+        doubts: what speaks against the units or the columns of a recording, a line each.
+    """
 
     config: Config
     jobs: tuple[Job, ...]
     left_out: tuple[str, ...]
     digests: Mapping[Source, str] = field(default_factory=dict)
+    doubts: tuple[str, ...] = ()
 
 
 def plan(config: Config, directory: str | Path = ".") -> Plan:
@@ -55,10 +63,16 @@ def plan(config: Config, directory: str | Path = ".") -> Plan:
             raise InputError(f"two estimators are called '{entrant.title}'; give one of them another 'label'")
     listed, left_out = sources(config, Path(directory))
     models = [model for name in config.model_names if (model := _built_in(name)) is not None]
-    digests = {source: _check(source, models) for source in listed if source.values["kind"] == "files"}
+    digests: dict[Source, str] = {}
+    doubts: list[str] = []
+    for source in listed:
+        if source.values["kind"] == "files":
+            loaded = _checked(source, models)
+            digests[source] = loaded.digest
+            doubts += loaded.doubts
     if not plugins.load().estimators:
         raise InputError("no estimator is registered; install the distribution that has them")
-    return Plan(config, tuple(jobs(config, listed, digests)), tuple(left_out), digests)
+    return Plan(config, tuple(jobs(config, listed, digests)), tuple(left_out), digests, tuple(dict.fromkeys(doubts)))
 
 
 def _built_in(name: str) -> Model | None:
@@ -73,13 +87,13 @@ def _built_in(name: str) -> Model | None:
     return model if all(entry.distribution == "fricmodels" for entry in entries) else None
 
 
-def _check(source: Source, models: list[Model]) -> str:
+def _checked(source: Source, models: list[Model]) -> Loaded:
     loaded = load(source)
     for model in models:
         for part in (loaded.prepared_train, loaded.prepared_test):
             if part is not None:
                 part.require(model.required, model.name)
-    return loaded.digest
+    return loaded
 
 
 def run(

@@ -64,6 +64,7 @@ class Loaded:
     """A recording, split into what is fitted and what is scored.
 
     ``train`` is as measured, with the velocity derived where it was not; the others are prepared for the score.
+    ``doubts`` are lines on units and columns of a file, see :func:`fricmodels.readers.doubts`.
     """
 
     train: Recording
@@ -71,6 +72,7 @@ class Loaded:
     prepared_test: Recording | None
     true_parameters: Mapping[str, float] | None
     digest: str
+    doubts: tuple[str, ...] = ()
 
 
 def sources(config: Config, directory: Path) -> tuple[list[Source], list[str]]:
@@ -180,6 +182,8 @@ def load(source: Source) -> Loaded:
     Raises:
         InputError: for anything in the file that cannot be used.
     """
+    from fricmodels.readers import doubts
+
     values = source.values
     recording, tests = _recordings(source, values)
     preparation = Preparation.model_validate(values["preparation"])
@@ -200,6 +204,7 @@ def load(source: Source) -> Loaded:
         prepare(test, preparation) if test is not None else None,
         recording.provenance.get("true_parameters"),
         hashlib.sha256(checksums.encode()).hexdigest(),
+        tuple(doubt for one in (recording, *tests) for doubt in doubts(one)) if values["kind"] == "files" else (),
     )
 
 
