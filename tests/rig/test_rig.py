@@ -169,3 +169,14 @@ def test_a_rig_travels_to_another_process_without_its_motion():
     assert "histories" in first.__dict__
     assert "histories" not in first.__getstate__()["__dict__"]
     assert "histories" in first.__dict__
+
+
+def test_a_drive_whose_controller_is_unstable_is_refused():
+    closed = {"kind": "tracking", "velocity": 2.0, "frequency": 0.3, "lines": 3, "bandwidth": 20.0}
+    joint = [{"name": "joint-compliance", "frequency": 25.0, "load_inertia_share": 0.9, "damping_ratio": 0.01}]
+    stable = rig(excitation={**closed, "bandwidth": 2.0}, effects=joint)
+    assert np.max(np.abs(stable.simulate().velocity)) < 4.0
+    unstable = rig(excitation=closed, effects=joint, sensors={"velocity_noise_percent": 5.0, "noisy_feedback": True})
+    with pytest.raises(InputError, match="runs away: its controller is unstable"):
+        unstable.simulate()
+    assert strength(unstable) > 100

@@ -123,8 +123,9 @@ def strength(rig: Rig) -> float:
     if not len(speeds):
         return float("nan")
     level = np.where(speeds > 0, rig.friction.level(abs(speeds), 0), rig.friction.level(abs(speeds), 1))
-    with np.errstate(over="ignore"):
-        return float(np.sqrt(np.mean(rig.effect_torque() ** 2) / np.mean(level**2)))
+    with np.errstate(over="ignore", invalid="ignore"):
+        left, friction = np.mean(rig.effect_torque() ** 2), np.mean(level**2)
+    return float(np.sqrt(left / friction)) if np.isfinite(left) and np.isfinite(friction) else float("inf")
 
 
 def with_size(rig: Rig, size: float) -> Rig:

@@ -24,6 +24,8 @@ NotNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
 Pair = tuple[NotNegative, NotNegative]
 _MOST_HARMONICS = 16
 _MOST_STEPS = 1000
+_RUNAWAY = 1000.0
+"""A controlled drive that is faster than so many times the fastest that is commanded has run away."""
 EXCLUSIVE = (("backlash", "joint-compliance"), ("presliding", "rising-stiction"), ("frictional-lag", "presliding"))
 """Effects that cannot be simulated together."""
 
@@ -192,7 +194,11 @@ class Rig(BaseModel):
         Returns:
             A recording with time, torque and, where the sensors have them, velocity, position, load torque and
             temperature; the truth is its provenance.
+
+        Raises:
+            InputError: when the drive swings by itself too fast for the rate, or runs away.
         """
+        self._check_bounded()
         moved, driven = self._delays
         warms = any(effect.name == "thermal" for effect in self.effects)
         parts: list[dict[str, Array]] = []
@@ -222,6 +228,19 @@ class Rig(BaseModel):
             kept -= {"temperature"}
         channels = {name: values for name, values in whole.items() if name in kept}
         return Recording(self.name, self.motion, channels, run.astype(np.int64), provenance=self.truth)
+
+    def _check_bounded(self) -> None:
+        """Raise an error for a drive that runs away."""
+        fastest = max(float(np.max(np.abs(history.velocity))) for history in self.histories)
+        if isinstance(self.excitation, ClosedLoop):
+            time = np.arange(self.samples, dtype=np.float64) / self.rate
+            commanded = self.excitation.command(time, np.random.default_rng([self.seed, 0])).velocity
+            if not fastest <= _RUNAWAY * float(np.max(np.abs(commanded))):
+                raise InputError(
+                    f"rig '{self.name}' runs away: its controller is unstable with these effects; lower its 'bandwidth'"
+                )
+        elif not np.isfinite(fastest):
+            raise InputError(f"rig '{self.name}' runs away: nothing bounds its speed; lower the torque or the effects")
 
     @cached_property
     def histories(self) -> tuple[History, ...]:
