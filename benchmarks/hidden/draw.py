@@ -1,14 +1,17 @@
-"""Draws recordings whose hidden effects matter, judged without any effect's own expression."""
+"""Draws recordings whose hidden effects matter: to the drive, and to a model to which the true effect is added."""
 
 from __future__ import annotations
 
 import zlib
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
 
 import numpy as np
 
+from fricmodels import plugins
 from fricmodels.diagnosis import Comparison, compare_model, kept_back, ready
+from fricmodels.diagnosis import comparison as comparisons
+from fricmodels.diagnosis.survey import survey
 from fricmodels.drive import Drive
 from fricmodels.errors import FricmodelsError
 from fricmodels.model import Model
@@ -16,7 +19,8 @@ from fricmodels.recording import Recording
 from fricmodels.rig import Rig, random_rig
 
 MATTERS = 0.9
-"""Held-out error without the effect over that with it; at or below this the effect matters."""
+"""Held-out error without the effect in the drive over that with it; at or below this the effect matters to the drive.
+And held-out error with the effect in the model over that without it."""
 LARGER = (1.0, 1.7, 1.7, 1.7)
 """Steps by which a size is raised until the effect matters."""
 DRAWS = 4
@@ -49,14 +53,21 @@ EFFECTS = (
 
 @dataclass(frozen=True)
 class Case:
-    """A rig, its recording, the base law fitted to it, and what the base law leaves without the effects."""
+    """A rig, its recording, the base law fitted to it, and what the base law leaves without the effects.
+
+    Attributes:
+        true: the base law with the true effect, fitted, where the size was chosen by it.
+        unmet: kinds of motion that were given up because no size mattered.
+        too_small: smaller sizes that matter to the drive, but adding the true effect does not lower the error enough.
+    """
 
     rig: Rig
     recording: Recording
     comparison: Comparison
     clean_error: float
-    tries: int = 1
+    true: Comparison | None = None
     unmet: tuple[str, ...] = ()
+    too_small: tuple[Case, ...] = ()
 
     @property
     def error(self) -> float:
@@ -120,36 +131,54 @@ def slides(recording: Recording, *, both_ways: bool) -> bool:
     return bool(min(np.mean(speed > slow), np.mean(speed < -slow)) > 0.1)
 
 
-def mattering(rng: np.random.Generator, effects: Sequence[str], samples: int = 20_000) -> Case | None:
-    """Draw until the effects, together, lower the held-out error by a tenth when they are not there.
+def with_effect(
+    comparison: Comparison, effect: str, parameters: Mapping[str, float] | None = None
+) -> Comparison | None:
+    """Fit the model with one effect more, from the survey's estimate of it if no other is given."""
+    if parameters is None:
+        result = survey(comparison.problem, comparison.estimate.parameters, only=[effect])
+        parameters = result.tested[0].parameters if result.tested else {}
+    try:
+        return comparisons.with_effect(comparison, plugins.load().effects[effect](), parameters)
+    except FricmodelsError:
+        return None
 
-    A size that is too small is raised a few times, then another rig is drawn; ``unmet`` lists what was given up.
-    """
+
+def mattering(rng: np.random.Generator, effect: str, samples: int = 20_000) -> Case | None:
+    """Draw until an effect matters. A size that is too small is raised a few times, then another rig is drawn."""
     unmet: list[str] = []
-    tries = 0
+    too_small: list[Case] = []
     for _ in range(DRAWS):
-        rig = random_rig(rng, effects, samples=samples)
-        tried = grown(rig)
-        tries += len(LARGER)
-        if tried is not None:
-            return Case(tried.rig, tried.recording, tried.comparison, tried.clean_error, tries, tuple(unmet))
+        rig = random_rig(rng, [effect], samples=samples)
+        for trial in grown(rig):
+            if trial.true is not None:
+                return replace(trial, unmet=tuple(unmet), too_small=tuple(too_small))
+            too_small.append(trial)
         unmet.append(rig.excitation.kind)
     return None
 
 
-def grown(rig: Rig, *, both_ways: bool = True) -> Case | None:
-    """Return the rig at the smallest of a few sizes at which its effects matter, or ``None``."""
+def grown(rig: Rig, *, both_ways: bool = True) -> Iterator[Case]:
+    """Yield a rig with one effect at rising sizes from the first that matters to the drive, until adding it helps.
+
+    The last has a model with the true effect, ``true``, with which the held-out error is a tenth lower, unless there is
+    no such size.
+    """
     clean_error: float | None = None
     factor = 1.0
     for step in LARGER:
         factor *= step
         try:
             trial = case(rig.with_strength(factor) if factor != 1.0 else rig, clean_error)
-        except (FricmodelsError, ValueError):  # a share beyond its range, or a drive that is stuck
-            return None
+        except (FricmodelsError, ValueError):  # a share beyond its range, a drive that is stuck or runs away
+            continue
         clean_error = trial.clean_error
         if not slides(trial.recording, both_ways=both_ways):
-            return None
-        if trial.ratio <= MATTERS:
-            return trial
-    return None
+            return
+        if trial.ratio > MATTERS:
+            continue
+        true = with_effect(trial.comparison, rig.effects[0].name)
+        if true is not None and held_out(true) <= MATTERS * trial.error:
+            yield replace(trial, true=true)
+            return
+        yield trial

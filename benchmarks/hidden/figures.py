@@ -61,6 +61,7 @@ def summary(rows: Sequence[Row], times: Mapping[str, float]) -> list[str]:
         none = Counter(r["effect"] for r in rows if r["kind"] == "single" and r["status"] == "no size matters")
         lines += [f"- no size of {name} mattered in {n} trials of {_count(rows, name)}" for name, n in none.items()]
     unmet = Counter((r["effect"], kind) for r in of["single"] for kind in r["unmet"])
+    lines += ["", *_too_small(of["single"])]
     if unmet:
         worst = ", ".join(f"{name} by {kind} ({n})" for (name, kind), n in unmet.most_common(12))
         lines += ["", f"Draws given up because no size mattered: {worst}."]
@@ -164,6 +165,27 @@ def _confusion(single: list[Row]) -> list[str]:
 
 def _class(names: Sequence[str]) -> str:
     return names[0] + (f" [{', '.join(sorted(names[1:]))}]" if len(names) > 1 else "")
+
+
+def _too_small(single: list[Row]) -> list[str]:
+    """Return what is said of the sizes that the challenge does not count."""
+    lines = [
+        "## Sizes that are not asked for",
+        "",
+        "Before a size was raised, or another rig drawn: the effect matters to the drive, but adding the true effect",
+        "and fitting it does not lower the held-out error by a tenth.",
+        "",
+    ]
+    head = ["effect", "recordings", "right class first", "adequate", "unknown", "wrong name"]
+    lines += [_line(head), "|" + "---|" * len(head)]
+    for name in EFFECTS:
+        small = [s for r in single if r["effect"] == name for s in r["too_small"]]
+        if small:
+            hits = sum(name in s["names"] for s in small)
+            silent = [sum(s["verdict"] == v for s in small) for v in ("adequate", "unknown-effect")]
+            cells = [len(small), hits, *silent, len(small) - hits - sum(silent)]
+            lines.append(_line([f"`{name}`", *cells]))
+    return lines
 
 
 def _by(field: str, single: list[Row]) -> list[str]:
@@ -276,14 +298,15 @@ def report(lines: Sequence[str], command: str, page: Path) -> str:
 
 INTRODUCTION = """\
 Recordings are drawn from the [rig](rig.md) with scale, excitation, size, noise (0.2–5 % of the RMS velocity) and seed
-at random. An effect counts as hidden only where it matters: the base law, fitted to the recording and to that of the
-same rig without the effect, has a held-out RMS torque error of at most 0.9 times as much without it. No effect's own
-expression takes part in that. The stated inertia is given to the diagnosis.
+at random. An effect counts as hidden only where it matters twice. To the drive: the base law, fitted to the recording
+and to that of the same rig without the effect, has a held-out RMS torque error of at most 0.9 times as much without it;
+no effect's own expression takes part in that. And to the model, as is asked: with the true effect added and fitted, the
+held-out error is at most 0.9 times as much. A size that is too small is raised. The stated inertia is given.
 
 - **right class**: the hidden effect is in the class of look-alikes that is named first.
 - **removed**: the true effect, the look-alikes named with it, and every effect that explains at least 98 % of what the
   true one does, are taken off the list of candidates.
-- **two effects**: each alone raises the held-out error so; both are in classes that `improve` kept.
+- **two effects**: each alone matters so; both are in classes that `improve` kept.
 - **look-alikes**: recordings made so that another effect leaves less than 2 % of what the true one explains.
 - **stepwise** is forward selection by F tests, **pysindy** an ensemble of sequentially thresholded regressions, both on
   the Lanczos-filtered derivative without samples at rest, with columns for every effect (see `hidden/peers.py`)."""

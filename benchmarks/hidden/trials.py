@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 
-from fricmodels import plugins
 from fricmodels.diagnosis import Comparison, Diagnosis, examine, improve
-from fricmodels.diagnosis import comparison as comparisons
 from fricmodels.diagnosis.evidence import compare
 from fricmodels.diagnosis.ladder import added
 from fricmodels.diagnosis.survey import survey
@@ -19,7 +16,19 @@ from fricmodels.errors import FricmodelsError
 from fricmodels.model import Model
 from fricmodels.rig import Rig, random_rig, strength
 from hidden import look_alikes, peers
-from hidden.draw import EFFECTS, MATTERS, Case, blank, case, fitted, generator, grown, held_out, mattering
+from hidden.draw import (
+    EFFECTS,
+    MATTERS,
+    Case,
+    blank,
+    case,
+    fitted,
+    generator,
+    grown,
+    held_out,
+    mattering,
+    with_effect,
+)
 
 Row = dict[str, Any]
 SMALLER = (0.125, 0.25, 0.5, 1.0)
@@ -73,7 +82,7 @@ def said(diagnosis: Diagnosis) -> Row:
 
 def single(rng: np.random.Generator, effect: str, index: int) -> Row:
     """One hidden effect that matters."""
-    drawn = mattering(rng, [effect])
+    drawn = mattering(rng, effect)
     if drawn is None:
         return {"status": "no size matters"}
     began = time.perf_counter()
@@ -90,9 +99,21 @@ def single(rng: np.random.Generator, effect: str, index: int) -> Row:
         **said(diagnosis),
         "examine_seconds": seconds,
         "truth": truth,
-        "after": _after(drawn, diagnosis, effect),
+        "after": _after(drawn, diagnosis),
         "removed": {**said(without), "left_out": sorted(out)},
+        "too_small": [_small(c) for c in drawn.too_small],
         "peers": peers.first_named(drawn.rig, drawn.recording),
+    }
+
+
+def _small(drawn: Case) -> Row:
+    """What is said of a size that matters to the drive, though adding the true effect hardly lowers the error."""
+    diagnosis = examine(drawn.comparison)
+    return {
+        "excitation": drawn.rig.excitation.kind,
+        "ratio": drawn.ratio,
+        "verdict": diagnosis.verdict,
+        "names": list(diagnosis_names(diagnosis)),
     }
 
 
@@ -129,33 +150,14 @@ def _removed(comparison: Comparison, out: set[str], explained: float) -> tuple[D
         out = out | {first.name}
 
 
-def _after(drawn: Case, diagnosis: Diagnosis, effect: str) -> Row:
+def _after(drawn: Case, diagnosis: Diagnosis) -> Row:
     """Return held-out errors with what was named and with the true effect, both refitted."""
     first = diagnosis.findings[0].tested if diagnosis.findings else None
-    if first is not None and first.name == effect:
-        true = named = with_effect(drawn.comparison, effect, first.parameters)
-    else:
-        true = with_effect(drawn.comparison, effect, None)
-        named = with_effect(drawn.comparison, first.name, first.parameters) if first else drawn.comparison
-    if true is None or named is None:
+    named = with_effect(drawn.comparison, first.name, first.parameters) if first else drawn.comparison
+    if drawn.true is None or named is None:
         return {"ratio": None, "message": "the model with the effect could not be fitted"}
-    return {
-        "named": held_out(named),
-        "true": held_out(true),
-        "base": drawn.error,
-        "ratio": held_out(named) / held_out(true),
-    }
-
-
-def with_effect(comparison: Comparison, effect: str, parameters: Mapping[str, float] | None) -> Comparison | None:
-    """Fit the model with one effect more, from the survey's estimate of it."""
-    if parameters is None:
-        result = survey(comparison.problem, comparison.estimate.parameters, only=[effect])
-        parameters = result.tested[0].parameters if result.tested else {}
-    try:
-        return comparisons.with_effect(comparison, plugins.load().effects[effect](), parameters)
-    except FricmodelsError:
-        return None
+    true = held_out(drawn.true)
+    return {"named": held_out(named), "true": true, "base": drawn.error, "ratio": held_out(named) / true}
 
 
 def null(rng: np.random.Generator, effect: str, index: int) -> Row:
@@ -173,7 +175,7 @@ def null(rng: np.random.Generator, effect: str, index: int) -> Row:
 
 
 def pair(rng: np.random.Generator, effect: str, index: int) -> Row:
-    """Two hidden effects; each alone lowers the held-out error by a tenth when it is taken away."""
+    """Two hidden effects, of which each alone would matter."""
     drawn = _pair(rng)
     if drawn is None:
         return {"status": "no size matters"}
@@ -200,10 +202,10 @@ def _pair(rng: np.random.Generator) -> Case | None:
             rig = random_rig(rng, names)
         except (FricmodelsError, ValueError):  # they cannot be simulated or shown together
             continue
-        alone = [grown(rig.model_copy(update={"effects": (e,)})) for e in rig.effects]
-        if any(a is None for a in alone):
+        alone = [[*grown(rig.model_copy(update={"effects": (e,)}))][-1:] for e in rig.effects]
+        if not all(last and last[0].true for last in alone):
             continue
-        both = rig.model_copy(update={"effects": tuple(a.rig.effects[0] for a in alone if a is not None)})
+        both = rig.model_copy(update={"effects": tuple(last[0].rig.effects[0] for last in alone)})
         try:
             drawn = case(both)
         except (FricmodelsError, ValueError):
@@ -215,7 +217,7 @@ def _pair(rng: np.random.Generator) -> Case | None:
 
 def power(rng: np.random.Generator, effect: str, index: int) -> Row:
     """The same recording with smaller and smaller effects, and what its null could have shown."""
-    drawn = mattering(rng, [effect])
+    drawn = mattering(rng, effect)
     if drawn is None:
         return {"status": "no size matters"}
     clean = blank(drawn.rig)
@@ -238,17 +240,17 @@ def alike(rng: np.random.Generator, effect: str, index: int) -> Row:
     """A recording on which members of a class explain the data equally well."""
     for _ in range(8):
         rig, members = look_alikes.SITUATIONS[effect](rng)
-        drawn = grown(rig, both_ways=effect != look_alikes.ONE_DIRECTION)
+        drawn = next(grown(rig, both_ways=effect != look_alikes.ONE_DIRECTION), None)
         if drawn is None:
             continue
         true = rig.effects[0].name
-        best = with_effect(drawn.comparison, true, None)
+        best = with_effect(drawn.comparison, true)
         if best is None:
             continue
         explained = drawn.error**2 - held_out(best) ** 2
         equal = []
         for other in members:
-            fit = None if other == true else with_effect(drawn.comparison, other, None)
+            fit = None if other == true else with_effect(drawn.comparison, other)
             if fit and held_out(fit) ** 2 - held_out(best) ** 2 < look_alikes.SAME * explained:
                 equal.append(other)
         equal = _untold(drawn.comparison, true, equal)
