@@ -21,6 +21,8 @@ Point = tuple[float, ...]
 
 _FARTHEST = 5.0
 """How far beyond the largest and the smallest that is tried first a parameter may go."""
+_SHORTEST = 2.0
+"""The shortest duration that can be told, in sampling intervals: sampling alone delays by part of one."""
 
 
 @dataclass(frozen=True)
@@ -119,7 +121,7 @@ def within_recording(problem: Problem, parameter: Parameter) -> Parameter:
 
     None is much larger or smaller than what is tried first: a load whose friction stops it a million times sooner than
     the drive ever stops is another effect in disguise, and so is a stiction that rises between two samples. A length is
-    no more than the travel, since a longer one was never crossed.
+    no more than the travel, since a longer one was never crossed; a duration no less than a few samples.
     """
     dimension, scan = parameter.dimension, parameter.scan
     if dimension == DIMENSIONLESS or parameter.periodic or is_instant(parameter):
@@ -130,6 +132,8 @@ def within_recording(problem: Problem, parameter: Parameter) -> Parameter:
         lower, upper = max(lower, size * min(scan) / _FARTHEST), min(upper, size * _FARTHEST * max(scan))
     if dimension == DISPLACEMENT:
         upper = min(upper, size)
+    if dimension == TIME:
+        lower = min(max(lower, _SHORTEST * problem.recording.interval), upper)
     return replace(parameter, initial=min(max(parameter.initial, lower), upper), lower=lower, upper=upper)
 
 

@@ -51,7 +51,12 @@ class Answer:
 
 def accepted(survey: Survey) -> list[Tested]:
     """Return the candidates that pass both gates, and are large enough in the rows or over all motion."""
-    return [t for t in survey.tested if _is_sure(t.evidence, t.adjusted, _HELD_OUT) and _is_large(survey, t)]
+    return [t for t in sure(survey) if _is_large(survey, t)]
+
+
+def sure(survey: Survey) -> list[Tested]:
+    """Return the candidates that pass both gates, however small they are."""
+    return [t for t in survey.tested if _is_sure(t.evidence, t.adjusted, _HELD_OUT)]
 
 
 def predicts(survey: Survey, evidence: Evidence, adjusted: float) -> bool:
