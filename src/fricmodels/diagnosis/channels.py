@@ -66,6 +66,8 @@ def _of_motion(problem: Problem) -> Shapes:
         "motor torque, along the motion": lambda: side * np.abs(_powers(problem.motor_torque)),
         TORQUE_RATE: lambda: np.vstack([points["torque_rate"], side * np.abs(points["torque_rate"])]),
         "acceleration": lambda: np.vstack([points["acceleration"], side * np.abs(points["acceleration"])]),
+        # To first order friction that lags: the rate of what depends on speed.
+        "acceleration and speed": lambda: points["acceleration"] * _hats(speed, _HATS),
     }
     if "temperature" in points:
         warm = points["temperature"] - np.mean(points["temperature"])
