@@ -173,6 +173,18 @@ def test_no_length_is_longer_than_the_travel(made: Made) -> None:
         assert 0 < tested.parameters[lengths[tested.name]] <= np.ptp(recording["position"])
 
 
+@pytest.mark.parametrize(("samples", "stretched"), [(0.7, True), (30.0, False)])
+def test_no_duration_is_shorter_than_two_samples(made: Made, samples: float, stretched: bool) -> None:
+    """Sampling alone delays friction by part of a sample."""
+    falling = {"stribeck.F_s": 4.0, "stribeck.omega_s": 0.3, "stribeck.delta": 1.0}
+    lagging = {"frictional-lag.F_s": 4.0, "frictional-lag.omega_s": 0.3, "frictional-lag.T": samples * 2e-3}
+    recording = made("coulomb-viscous+stribeck+frictional-lag", falling | lagging)
+    problem, found = estimate(Drive(Model.parse("coulomb-viscous+stribeck"), 2.0), recording)
+    (tested,) = survey(problem, found.parameters, only=["frictional-lag"]).tested
+    assert tested.found.stretched is stretched
+    assert tested.parameters["T"] == pytest.approx(max(samples, 2.0) * recording.interval, rel=0.1)
+
+
 def test_no_duration_is_many_times_the_recordings(made: Made) -> None:
     """A drift in proportion to time has no end of its own."""
     recording = made("coulomb-viscous+drift", {"drift.a": 0.0, "drift.b": 0.1, "drift.T": 1e6})

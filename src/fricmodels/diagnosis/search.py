@@ -145,7 +145,8 @@ def starting_points(
             continue
         bounded.append(parameter)
         size = natural_size(problem.recording, parameter.dimension)
-        scan = [value * size for value in parameter.scan] or [parameter.initial]
+        tried = [value * size for value in parameter.scan] or [parameter.initial]
+        scan = list(dict.fromkeys(min(max(value, parameter.lower), parameter.upper) for value in tried))
         choices.append(scan)
         trials *= len(scan)
         if parameter.lower < 0 or scan[0] <= 0:

@@ -100,12 +100,17 @@ def _best(
     before = _error(comparison)
     chosen = [t for t in passing if t.effect.states and not t.found.stretched][:_MOST_TRIALS]
     trials = sorted((_error(_with(comparison, t)), i, t) for i, t in enumerate(chosen))
-    if not trials or trials[0][0] > min(bound, _LESS * before) or before**2 - trials[0][0] ** 2 < _FALL**2:
+    if not trials or trials[0][0] > bound or not _falls_far(before, trials[0][0]):
         return None
     error, _, first = trials[0]
     if not is_sufficient(result, comparison.estimate.parameters, leave_out, first, predictable(result)):
         return None
     return Answer(first, tuple(t for other, _, t in trials if other <= _AS_GOOD * error))
+
+
+def _falls_far(before: float, after: float) -> bool:
+    """Whether an error [% of the RMS torque] falls by more than it does where nothing is hidden."""
+    return after <= _LESS * before and before**2 - after**2 > _FALL**2
 
 
 def _share_seen(problem: Problem, tested: Tested) -> float:

@@ -50,8 +50,18 @@ class Answer:
 
 
 def accepted(survey: Survey) -> list[Tested]:
-    """Return the candidates that pass both gates, and are large enough in the rows or over all motion."""
-    return [t for t in sure(survey) if _is_large(survey, t)]
+    """Return the candidates that pass both gates, and are large enough in the rows or over all motion.
+
+    Over all motion none counts that does not come near the best one in the rows.
+    """
+    passing = sure(survey)
+    best = min((_rms(t) for t in passing if not t.found.stretched), default=np.inf)
+    return [
+        t
+        for t in passing
+        if torque_share(survey, t.evidence) > LEAST_TORQUE
+        or (_rms(t) < _FAR_WORSE * best and _is_large_over_all(survey, t))
+    ]
 
 
 def sure(survey: Survey) -> list[Tested]:
@@ -68,9 +78,7 @@ def _is_sure(evidence: Evidence, adjusted: float, level: float) -> bool:
     return adjusted < SIGNIFICANCE and evidence.gain > LEAST_GAIN and evidence.gain_p_value < level
 
 
-def _is_large(survey: Survey, tested: Tested) -> bool:
-    if torque_share(survey, tested.evidence) > LEAST_TORQUE:
-        return True
+def _is_large_over_all(survey: Survey, tested: Tested) -> bool:
     if not _is_judged(survey, tested):
         return False
     problem = survey.problem
