@@ -24,7 +24,11 @@ from fricmodels.dimension import (
     Scales,
 )
 from fricmodels.errors import InputError
+from fricmodels.parameter import Parameter
 from fricmodels.shown import Shown
+
+_RECORD = 20_000
+"""Samples of a record in which a time of the drive's own is counted."""
 
 CHANNELS: Mapping[str, Dimension] = {
     "time": TIME,
@@ -302,3 +306,15 @@ def natural_size(recording: Recording, dimension: Dimension) -> float:
     if along == 0:
         return float(size * duration**time)
     return float(size * peak**-time * length ** (along + time))
+
+
+def scan_size(recording: Recording, parameter: Parameter) -> float:
+    """Return the recording's own size of a parameter, in which its ``scan`` is counted.
+
+    A time of the drive's own does not grow with how long was recorded: it is counted in 20 000 samples at most.
+    """
+    size = natural_size(recording, parameter.dimension)
+    if not parameter.own_time:
+        return size
+    records = float(np.ptp(recording.time)) / (_RECORD * recording.interval)
+    return float(size * max(records, 1.0) ** -float(parameter.dimension.time))

@@ -19,7 +19,7 @@ from fricmodels.drive import Drive
 from fricmodels.model import Model
 from fricmodels.parameter import Parameter
 from fricmodels.plugins import load
-from fricmodels.recording import Recording, natural_size
+from fricmodels.recording import Recording, natural_size, scan_size
 
 Made = Callable[..., Recording]
 
@@ -183,6 +183,20 @@ def test_no_duration_is_shorter_than_two_samples(made: Made, samples: float, str
     (tested,) = survey(problem, found.parameters, only=["frictional-lag"]).tested
     assert tested.found.stretched is stretched
     assert tested.parameters["T"] == pytest.approx(max(samples, 2.0) * recording.interval, rel=0.1)
+
+
+@pytest.mark.parametrize("samples", [5_000, 20_000, 80_000])
+def test_a_time_of_the_drive_is_sought_where_it_is_however_long_the_record(samples: int) -> None:
+    time = np.arange(samples) * 1e-3
+    channels = {"time": time, "torque": np.cos(time), "velocity": np.sin(time), "position": -np.cos(time)}
+    recording = Recording("sine", Motion.ROTARY, channels, np.zeros(samples, dtype=np.int64))
+    own, whole = Parameter("T", unit="s", own_time=True), Parameter("T", unit="s")
+    records = max(samples / 20_000, 1.0)
+    assert scan_size(recording, own) == pytest.approx(samples * 1e-3 / records, rel=1e-3)
+    assert scan_size(recording, whole) == pytest.approx(samples * 1e-3, rel=1e-3)
+    rate, length = replace(own, unit="1/s"), replace(own, unit="rad")
+    assert scan_size(recording, rate) == pytest.approx(1e3 / samples * records, rel=1e-3)
+    assert scan_size(recording, length) == pytest.approx(2.0, rel=1e-2)
 
 
 def test_no_duration_is_many_times_the_recordings(made: Made) -> None:

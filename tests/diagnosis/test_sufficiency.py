@@ -195,3 +195,21 @@ def test_two_effects_must_explain_most(made: Made, noise: float, together: bool)
     result = survey(problem, found.parameters, only=["asymmetry", "gravity"])
     others = set(load().effects) - {"asymmetry", "gravity"}
     assert enough(result, found.parameters, others, []) is together
+
+
+@pytest.mark.parametrize("samples", [10, 20])
+def test_friction_that_lags_is_no_wrong_inertia(made: Made, samples: int) -> None:
+    """To first order it is an inertia that depends on speed, and only at some speeds it is there."""
+    falling = {"stribeck.F_s": 3.0, "stribeck.omega_s": 1.0, "stribeck.delta": 1.0}
+    lagging = {"frictional-lag.F_s": 3.0, "frictional-lag.omega_s": 1.0, "frictional-lag.T": samples * 2e-3}
+    recording = made("coulomb-viscous+stribeck+frictional-lag", falling | lagging)
+    comparison = compare(recording, "coulomb-viscous+stribeck", 2.0)
+    assert examine(comparison).findings[0].names == ("frictional-lag",)
+    result = survey(replace(comparison.problem), comparison.estimate.parameters, only=["inertia-error"])
+    (wrong,) = result.tested
+    assert wrong.evidence.gain > 0.1
+    (lag,) = [v for v in views(result.problem, result.regression) if v.channels == "acceleration and speed"]
+    assert lag.evidence.explained > wrong.evidence.explained + 0.1
+    assert beaten(result, wrong, [lag])
+    without = examine(comparison, leave_out=["frictional-lag"])
+    assert not {"inertia-error", "torque-gain"} & {name for finding in without.findings for name in finding.names}

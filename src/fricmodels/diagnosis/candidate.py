@@ -13,7 +13,7 @@ from fricmodels.diagnosis.problem import Problem
 from fricmodels.dimension import DIMENSIONLESS, DISPLACEMENT, TIME
 from fricmodels.drive import Drive
 from fricmodels.parameter import Parameter
-from fricmodels.recording import natural_size
+from fricmodels.recording import scan_size
 from fricmodels.term import Effect
 
 Array = NDArray[np.float64]
@@ -126,7 +126,7 @@ def within_recording(problem: Problem, parameter: Parameter) -> Parameter:
     dimension, scan = parameter.dimension, parameter.scan
     if dimension == DIMENSIONLESS or parameter.periodic or is_instant(parameter):
         return parameter
-    size = natural_size(problem.recording, dimension)
+    size = scan_size(problem.recording, parameter)
     lower, upper = parameter.lower, parameter.upper
     if scan and min(scan) > 0:
         lower, upper = max(lower, size * min(scan) / _FARTHEST), min(upper, size * _FARTHEST * max(scan))

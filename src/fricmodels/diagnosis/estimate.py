@@ -16,7 +16,7 @@ from fricmodels.diagnosis.search import in_gap, search
 from fricmodels.diagnosis.survey import regression_of
 from fricmodels.drive import Drive
 from fricmodels.errors import InputError
-from fricmodels.recording import Recording, natural_size
+from fricmodels.recording import Recording, scan_size
 from fricmodels.score.torque import filtered_torque_error, sliding_half_width
 from fricmodels.term import Effect
 
@@ -133,13 +133,13 @@ def _fit(problem: Problem, start: Mapping[str, float]) -> Estimate:
     point: list[float] = []
     ratios = []
     for p in nonlinear:
-        size = natural_size(problem.recording, p.declared.dimension)
+        size = scan_size(problem.recording, p.declared)
         scan = [value * size for value in p.declared.scan] or [p.declared.initial]
         point.append(start.get(p.key, scan[len(scan) // 2]))
         ratios.append(1.02 if p.declared.periodic else (1.3 if p.key in start else 2.0))
     for i, p in enumerate(nonlinear):
         if p.key not in start and p.declared.scan:
-            size = natural_size(problem.recording, p.declared.dimension)
+            size = scan_size(problem.recording, p.declared)
             choices: list[tuple[float, ...]] = [
                 (*point[:i], value * size, *point[i + 1 :]) for value in p.declared.scan
             ]

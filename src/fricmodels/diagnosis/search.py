@@ -18,7 +18,7 @@ from fricmodels.diagnosis.problem import Problem
 from fricmodels.dimension import DIMENSIONLESS
 from fricmodels.drive import Drive
 from fricmodels.parameter import Parameter
-from fricmodels.recording import natural_size
+from fricmodels.recording import scan_size
 from fricmodels.signals.order_spectrum import WaveNumbers, wave_numbers
 from fricmodels.term import Effect
 
@@ -144,7 +144,7 @@ def starting_points(
             bounded.append(replace(parameter, lower=lower, initial=max(parameter.initial, lower)))
             continue
         bounded.append(parameter)
-        size = natural_size(problem.recording, parameter.dimension)
+        size = scan_size(problem.recording, parameter)
         tried = [value * size for value in parameter.scan] or [parameter.initial]
         scan = list(dict.fromkeys(min(max(value, parameter.lower), parameter.upper) for value in tried))
         choices.append(scan)

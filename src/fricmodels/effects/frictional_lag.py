@@ -54,6 +54,7 @@ class FrictionalLag(Effect):
         initial=1e-3,
         lower=1e-9,
         meaning="delay",
+        own_time=True,
         scan=(0.0001, 0.0002, 0.0004, 0.0007, 0.0013, 0.0025, 0.005, 0.009, 0.017, 0.03),
     )
     x = State("x", unit="rad s", meaning="state of the delay")

@@ -30,6 +30,7 @@ class RisingStiction(Effect):
         initial=1.0,
         lower=1e-9,
         meaning="time of the rise",
+        own_time=True,
         scan=(0.003, 0.01, 0.03, 0.1),
         doubtful_ends=("lower",),
     )

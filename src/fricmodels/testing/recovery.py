@@ -16,7 +16,7 @@ from fricmodels.errors import EstimationError, FricmodelsError
 from fricmodels.fit import Fit, Status
 from fricmodels.model import Model
 from fricmodels.parameter import Parameter
-from fricmodels.recording import Recording, natural_size
+from fricmodels.recording import Recording, scan_size
 from fricmodels.signals import Preparation, prepare
 from fricmodels.simulation import simulate
 from fricmodels.term import Effect, Law, Term
@@ -90,8 +90,8 @@ def suggested_truth(subject: Subject) -> dict[str, float]:
 
 def _nonlinear_value(p: Parameter, reference: Recording) -> float:
     if p.scan:
-        middle = sorted(p.scan)[(len(p.scan) - 1) // 2] * natural_size(reference, p.dimension)
-        return middle or _OFF_ZERO * natural_size(reference, p.dimension)  # of nothing no share can be found again
+        middle = sorted(p.scan)[(len(p.scan) - 1) // 2] * scan_size(reference, p)
+        return middle or _OFF_ZERO * scan_size(reference, p)  # of nothing no share can be found again
     return 1.02 * p.initial if p.periodic else p.initial
 
 

@@ -78,6 +78,7 @@ class GeneralisedMaxwellSlip(Law):
         initial=1e-2,
         lower=1e-9,
         meaning="time in which friction of slipping approaches its curve, F_c/C",
+        own_time=True,
         scan=(0.0003, 0.003),
     )
     phi_1 = State("phi_1", meaning="torque of element 1 over its Coulomb torque")
