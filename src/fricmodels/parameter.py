@@ -27,8 +27,8 @@ class Parameter:
         part_of_drive: whether it is a share of the law's friction or of the drive's inertia, and no more than these.
         doubtful_ends: the ends of what a recording can tell of it at which an effect with memory only resembles
             another one; none where it sizes a part of the effect that may be missing or all there is.
-        own_time: whether a time or a rate is the drive's own, as that of a resonance, and has nothing to do with how long
-            was recorded: ``scan`` counts it in durations of no more than 20 000 samples.
+        own_time: whether a time or a rate is the drive's own, as that of a resonance, however long was recorded;
+            ``scan`` counts it in durations of no more than 20 000 samples.
         periodic: whether it is a wave number in position, to be searched for in the spectrum over position.
         delay: whether it is the time by which motion and torque were recorded apart, a factor of the signal
             ``motor_torque_rate``; see :meth:`fricmodels.drive.Drive.timed`.
