@@ -144,12 +144,12 @@ def with_effect(
         return None
 
 
-def mattering(rng: np.random.Generator, effect: str, samples: int = 20_000) -> Case | None:
+def mattering(rng: np.random.Generator, effect: str) -> Case | None:
     """Draw until an effect matters. A size that is too small is raised a few times, then another rig is drawn."""
     unmet: list[str] = []
     too_small: list[Case] = []
     for _ in range(DRAWS):
-        rig = random_rig(rng, [effect], samples=samples)
+        rig = random_rig(rng, [effect])
         for trial in grown(rig):
             if trial.true is not None:
                 return replace(trial, unmet=tuple(unmet), too_small=tuple(too_small))
@@ -182,3 +182,8 @@ def grown(rig: Rig, *, both_ways: bool = True) -> Iterator[Case]:
             yield replace(trial, true=true)
             return
         yield trial
+
+
+def helping(rig: Rig) -> Case | None:
+    """Return the rig with one effect at the smallest size at which it matters and adding it helps, or ``None``."""
+    return next((trial for trial in grown(rig) if trial.true is not None), None)

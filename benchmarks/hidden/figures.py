@@ -111,6 +111,10 @@ def _line(cells: Sequence[object]) -> str:
     return "| " + " | ".join(str(cell) for cell in cells) + " |"
 
 
+def _titles(cells: Sequence[object]) -> list[str]:
+    return [_line(cells), "|" + "---|" * len(cells)]
+
+
 def _unknown(row: Row) -> bool:
     return bool(row["removed"]["verdict"] == "unknown-effect")
 
@@ -128,7 +132,7 @@ def _both(row: Row) -> bool:
 
 def _effects(single: list[Row]) -> list[str]:
     head = ["effect", "right class first", "true name first", "after ≤ 1.1", "removed → unknown", "wrong name", *PEERS]
-    lines = ["## By effect (asked: ≥ 90 % each)", "", _line(head), "|" + "---|" * len(head)]
+    lines = ["## By effect (asked: ≥ 90 % each)", "", *_titles(head)]
     for name in EFFECTS:
         rows = [r for r in single if r["effect"] == name]
         if rows:
@@ -177,7 +181,7 @@ def _too_small(single: list[Row]) -> list[str]:
         "",
     ]
     head = ["effect", "recordings", "right class first", "adequate", "unknown", "wrong name"]
-    lines += [_line(head), "|" + "---|" * len(head)]
+    lines += _titles(head)
     for name in EFFECTS:
         small = [s for r in single if r["effect"] == name for s in r["too_small"]]
         if small:
@@ -203,7 +207,7 @@ def _power(rows: list[Row]) -> list[str]:
     sizes = [f"{_edge(a)}–{_edge(b)}" for a, b in pairwise(SIZES)]
     gains = [f"{_gain(a)}–{_gain(b)} %" for a, b in pairwise(GAINS)]
     head = ["effect", "smallest (median, % of RMS torque)", *sizes, *gains]
-    lines += [_line(head), "|" + "---|" * len(head)]
+    lines += _titles(head)
     for name in (*EFFECTS, ""):
         chosen = [r for r in rows if name in ("", r["effect"])]
         points = [(r, p) for r in chosen for p in r["points"]]

@@ -26,6 +26,7 @@ from hidden.draw import (
     generator,
     grown,
     held_out,
+    helping,
     mattering,
     with_effect,
 )
@@ -202,10 +203,10 @@ def _pair(rng: np.random.Generator) -> Case | None:
             rig = random_rig(rng, names)
         except (FricmodelsError, ValueError):  # they cannot be simulated or shown together
             continue
-        alone = [[*grown(rig.model_copy(update={"effects": (e,)}))][-1:] for e in rig.effects]
-        if not all(last and last[0].true for last in alone):
+        alone = [helping(rig.model_copy(update={"effects": (e,)})) for e in rig.effects]
+        if any(a is None for a in alone):
             continue
-        both = rig.model_copy(update={"effects": tuple(last[0].rig.effects[0] for last in alone)})
+        both = rig.model_copy(update={"effects": tuple(a.rig.effects[0] for a in alone if a is not None)})
         try:
             drawn = case(both)
         except (FricmodelsError, ValueError):
@@ -244,7 +245,7 @@ def alike(rng: np.random.Generator, effect: str, index: int) -> Row:
         if drawn is None:
             continue
         true = rig.effects[0].name
-        best = with_effect(drawn.comparison, true)
+        best = drawn.true or with_effect(drawn.comparison, true)
         if best is None:
             continue
         explained = drawn.error**2 - held_out(best) ** 2

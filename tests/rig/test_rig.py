@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -179,4 +181,11 @@ def test_a_drive_whose_controller_is_unstable_is_refused():
     unstable = rig(excitation=closed, effects=joint, sensors={"velocity_noise_percent": 5.0, "noisy_feedback": True})
     with pytest.raises(InputError, match="runs away: its controller is unstable"):
         unstable.simulate()
+    second_lost = rig(runs=2)
+    second_lost.__dict__["histories"] = tuple(
+        replace(h, velocity=np.full_like(h.velocity, value))
+        for h, value in zip(second_lost.histories, (1.0, np.nan), strict=True)
+    )
+    with pytest.raises(InputError, match="runs away: nothing bounds"):
+        second_lost.simulate()
     assert strength(unstable) > 100

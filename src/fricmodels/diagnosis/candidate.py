@@ -121,7 +121,7 @@ def within_recording(problem: Problem, parameter: Parameter) -> Parameter:
 
     None is much larger or smaller than what is tried first: a load whose friction stops it a million times sooner than
     the drive ever stops is another effect in disguise, and so is a stiction that rises between two samples. A length is
-    no more than the travel, since a longer one was never crossed; a duration no less than a few samples.
+    no more than the travel, since a longer one was never crossed; a duration no less than two samples.
     """
     dimension, scan = parameter.dimension, parameter.scan
     if dimension == DIMENSIONLESS or parameter.periodic or is_instant(parameter):

@@ -47,7 +47,11 @@ def doubts(recording: Recording) -> list[str]:
 
 def _of_rate(recording: Recording, quantity: str, rate: str) -> str:
     """Return how a rate differs from the change of its quantity; nothing if it does not, or if it cannot be told."""
-    tried = [_compared(recording, recording[quantity], recording[rate], length) for length in _LENGTHS]
+    values, measured = recording[quantity], recording[rate]
+    within = np.diff(recording.run) == 0
+    steps = np.where(within, 0.5 * (measured[1:] + measured[:-1]) * np.diff(recording.time), 0.0)
+    area = np.concatenate([[0.0], np.cumsum(steps)])
+    tried = [_compared(values, area, recording.run, length) for length in _LENGTHS]
     found = [outcome for outcome in tried if outcome is not None]
     if not found:
         return ""
@@ -68,16 +72,19 @@ def _of_rate(recording: Recording, quantity: str, rate: str) -> str:
     )
 
 
-def _compared(recording: Recording, values: Array, rate: Array, length: int) -> tuple[float, float] | None:
+def _compared(values: Array, area: Array, run: NDArray[np.int64], length: int) -> tuple[float, float] | None:
     """Return the ratio of a rate to the change of its quantity over windows, and the share of windows that agree.
 
     The ratio is a median, since an angle may be wrapped; the windows are those of the larger half of the changes.
+
+    Args:
+        values: the quantity, shape (N,).
+        area: integral of the rate from the beginning, shape (N,).
+        run: number of each sample's run, shape (N,).
+        length: of a window, in samples.
     """
-    within = np.diff(recording.run) == 0
-    steps = np.diff(recording.time)
-    area = np.concatenate([[0.0], np.cumsum(np.where(within, 0.5 * (rate[1:] + rate[:-1]) * steps, 0.0))])
     starts = np.arange(0, len(values) - length, length)
-    starts = starts[recording.run[starts] == recording.run[starts + length]]
+    starts = starts[run[starts] == run[starts + length]]
     if len(starts) < _LEAST:
         return None
     integral, change = area[starts + length] - area[starts], values[starts + length] - values[starts]

@@ -231,7 +231,7 @@ class Rig(BaseModel):
 
     def _check_bounded(self) -> None:
         """Raise an error for a drive that runs away."""
-        fastest = max(float(np.max(np.abs(history.velocity))) for history in self.histories)
+        fastest = float(np.max([np.max(np.abs(history.velocity)) for history in self.histories]))
         if isinstance(self.excitation, ClosedLoop):
             time = np.arange(self.samples, dtype=np.float64) / self.rate
             commanded = self.excitation.command(time, np.random.default_rng([self.seed, 0])).velocity
