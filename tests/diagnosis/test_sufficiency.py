@@ -19,6 +19,7 @@ from fricmodels.drive import Drive
 from fricmodels.model import Model
 from fricmodels.plugins import load
 from fricmodels.recording import Recording
+from fricmodels.rig import random_rig
 
 Made = Callable[..., Recording]
 LAW = Model.parse("coulomb-viscous")
@@ -211,5 +212,14 @@ def test_friction_that_lags_is_no_wrong_inertia(made: Made, samples: int) -> Non
     (lag,) = [v for v in views(result.problem, result.regression) if v.channels == "acceleration and speed"]
     assert lag.evidence.explained > wrong.evidence.explained + 0.1
     assert beaten(result, wrong, [lag])
+
+
+@pytest.mark.parametrize("seed", [0, 9, 10])
+def test_friction_that_lags_is_unknown_when_it_is_no_candidate(seed: int) -> None:
+    """Without the view of acceleration and speed it is a wrong inertia, or a joint that rings."""
+    rng = np.random.default_rng(seed)
+    rig = random_rig(rng, ["frictional-lag"], excitation="multisine", noise_percent=0.5, size=0.2)
+    comparison = compare(rig.simulate(), rig.friction.law, rig.inertia)
+    assert examine(comparison).findings[0].names == ("frictional-lag",)
     without = examine(comparison, leave_out=["frictional-lag"])
-    assert not {"inertia-error", "torque-gain"} & {name for finding in without.findings for name in finding.names}
+    assert (without.verdict, without.findings) == ("unknown-effect", ())
