@@ -7,10 +7,10 @@ from pathlib import Path
 
 from fricmodels import plugins
 from fricmodels.diagnosis.look_alikes import experiment
-from fricmodels.diagnosis.problem import NoFriction
 from fricmodels.model import Model
 from fricmodels.recording import SIGNAL_CHANNEL
 from fricmodels.term import Effect
+from fricmodels.weakform.problem import NoFriction
 
 PAGE = Path(__file__).parent / "effects.md"
 BEGIN, END = "<!-- generated: begin -->", "<!-- generated: end -->"

@@ -16,7 +16,7 @@ SOURCES = ROOT / "src"
 # The way of the data: a layer imports those above it in this list, and itself.
 LAYERS = (
     {"errors", "shown", "terminal"},
-    {"ascent", "dimension"},
+    {"dimension"},
     {"expressions", "parameter"},
     {"hookspecs", "term", "recording"},
     {"plugins", "kernels"},
@@ -26,6 +26,7 @@ LAYERS = (
     {"estimator"},
     {"signals", "simulation", "readers", "split", "description", "laws", "effects", "rig"},
     {"score"},
+    {"weakform"},
     {"tournament", "diagnosis", "testing"},
     {"export", "report"},
     {"notebook"},

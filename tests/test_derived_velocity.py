@@ -7,7 +7,8 @@ import pytest
 
 from fricmodels.dimension import Motion
 from fricmodels.recording import Recording
-from fricmodels.signals.weak_form import Bumps, mean_velocity
+from fricmodels.weakform.test_functions import TestFunctions as Functions
+from fricmodels.weakform.test_functions import mean_velocity
 
 
 @pytest.mark.parametrize("jitter", [0.0, 0.3])
@@ -24,7 +25,7 @@ def test_torque_that_jumps_is_balanced_by_positions(width: int, jitter: float) -
     time = np.concatenate([[0.0], np.cumsum(step[:-1])])
     channels = {"time": time, "torque": torque, "velocity": velocity, "position": position}
     recording = Recording("made", Motion.ROTARY, channels, np.zeros(count, dtype=np.int64))
-    bumps = Bumps(recording, width, np.zeros(count, dtype=bool), over_cells=True)
+    bumps = Functions(recording, width, np.zeros(count, dtype=bool), over_cells=True)
     # Between two mean velocities lie half of a cell before a sample and half of the one after.
     impulse = 0.5 * (torque * step + np.append(0.0, (torque * step)[:-1]))
     changes = np.append(0.0, np.diff(mean_velocity(recording, position)))[:-1]
@@ -41,11 +42,11 @@ def test_over_a_run_that_ends_nothing_is_carried() -> None:
     run = np.repeat([0, 1], count)
     channels = {"time": time, "torque": np.zeros(2 * count), "position": position}
     recording = Recording("two", Motion.ROTARY, channels, run)
-    bumps = Bumps(recording, 16, np.zeros(2 * count, dtype=bool), over_cells=True)
+    bumps = Functions(recording, 16, np.zeros(2 * count, dtype=bool), over_cells=True)
     both = bumps.momentum(mean_velocity(recording, position))
     single = []
     for number in (0, 1):
         one = recording.select(run == number)
-        alone = Bumps(one, 16, np.zeros(count, dtype=bool), over_cells=True)
+        alone = Functions(one, 16, np.zeros(count, dtype=bool), over_cells=True)
         single.append(alone.momentum(mean_velocity(one, one["position"])))
     assert both == pytest.approx(np.concatenate(single), abs=1e-12)

@@ -83,9 +83,9 @@ def test_the_navigation_names_pages_that_exist() -> None:
 
 
 def test_the_plugin_of_the_page_is_an_effect(tmp_path: Path) -> None:
-    from fricmodels.diagnosis.problem import NoFriction
     from fricmodels.dimension import Motion
     from fricmodels.model import Model
+    from fricmodels.weakform.problem import NoFriction
 
     files = dict(FILE.findall((DOCS / "plugins.md").read_text(encoding="utf-8")))
     module = tmp_path / "my_effects.py"

@@ -11,7 +11,7 @@ import numpy as np
 from fricmodels import plugins
 from fricmodels.diagnosis import Comparison, compare_model, kept_back, ready
 from fricmodels.diagnosis import comparison as comparisons
-from fricmodels.diagnosis.survey import survey
+from fricmodels.diagnosis.candidate_tests import candidate_tests
 from fricmodels.drive import Drive
 from fricmodels.errors import FricmodelsError
 from fricmodels.model import Model
@@ -136,7 +136,7 @@ def with_effect(
 ) -> Comparison | None:
     """Fit the model with one effect more, from the survey's estimate of it if no other is given."""
     if parameters is None:
-        result = survey(comparison.problem, comparison.estimate.parameters, only=[effect])
+        result = candidate_tests(comparison.problem, comparison.estimate.parameters, only=[effect])
         parameters = result.tested[0].parameters if result.tested else {}
     try:
         return comparisons.with_effect(comparison, plugins.load().effects[effect](), parameters)

@@ -8,13 +8,13 @@ from typing import Any
 import numpy as np
 
 from fricmodels.diagnosis import Comparison, Diagnosis, examine, improve
-from fricmodels.diagnosis.evidence import compare
+from fricmodels.diagnosis.candidate_tests import candidate_tests
 from fricmodels.diagnosis.ladder import added
-from fricmodels.diagnosis.survey import survey
 from fricmodels.diagnosis.verdict import SIGNIFICANCE
 from fricmodels.errors import FricmodelsError
 from fricmodels.model import Model
 from fricmodels.rig import Rig, random_rig, strength
+from fricmodels.weakform.regression import compare
 from hidden import look_alikes, peers
 from hidden.draw import (
     EFFECTS,
@@ -125,7 +125,7 @@ def diagnosis_names(diagnosis: Diagnosis) -> tuple[str, ...]:
 
 def _evidence(comparison: Comparison, effect: str) -> Row:
     """Return what the evidence for the true effect was, for looking into failures."""
-    result = survey(comparison.problem, comparison.estimate.parameters)
+    result = candidate_tests(comparison.problem, comparison.estimate.parameters)
     if effect in result.unseen:
         return {"unseen": result.unseen[effect]}
     names = [t.name for t in result.tested]
@@ -264,7 +264,7 @@ def alike(rng: np.random.Generator, effect: str, index: int) -> Row:
 
 def _untold(comparison: Comparison, true: str, equal: list[str]) -> list[str]:
     """Return the effects that a paired test does not tell from the true one either, however little noise there is."""
-    result = survey(comparison.problem, comparison.estimate.parameters)
+    result = candidate_tests(comparison.problem, comparison.estimate.parameters)
     losses = {t.name: t.evidence.loss for t in result.tested}
     terms = result.regression.terms
     return [

@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fricmodels.diagnosis import Comparison, Diagnosis, Ladder, compare_model, diagnose, improve, ready
+from fricmodels.diagnosis.candidate_tests import candidate_tests
 from fricmodels.diagnosis.explain import explain
-from fricmodels.diagnosis.survey import survey
 from fricmodels.drive import Drive
 from fricmodels.errors import FricmodelsError
 from fricmodels.model import Model
@@ -223,7 +223,7 @@ def by_hand_table(story: Story, model: str, additions: Sequence[str]) -> str:
 
 def _start(comparison: Comparison, effects: Sequence[str]) -> dict[str, float]:
     """Return where the survey of a fitted model finds the effects' parameters."""
-    found = survey(comparison.problem, comparison.estimate.parameters, only=effects)
+    found = candidate_tests(comparison.problem, comparison.estimate.parameters, only=effects)
     own = {f"{t.name}.{symbol}": value for t in found.tested for symbol, value in t.parameters.items()}
     return {**comparison.estimate.parameters, **own}
 

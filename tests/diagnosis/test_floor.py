@@ -7,12 +7,12 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from fricmodels.diagnosis.estimate import estimate
 from fricmodels.diagnosis.floor import LEAST_TORQUE, floor, share_explained
-from fricmodels.diagnosis.survey import regression_of
 from fricmodels.drive import Drive
 from fricmodels.model import Model
 from fricmodels.recording import Recording
+from fricmodels.weakform.estimate import estimate
+from fricmodels.weakform.shifted import regression_of
 
 Made = Callable[..., Recording]
 LAW = Model.parse("coulomb-viscous")

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from fricmodels.diagnosis.estimate import estimate
 from fricmodels.diagnosis.history import History
 from fricmodels.dimension import Motion
 from fricmodels.drive import Drive
 from fricmodels.model import Model
 from fricmodels.recording import Recording
+from fricmodels.weakform.estimate import estimate
 
 RATE, PERIOD, REST = 1000.0, 2.0, 0.5
 AMPLITUDE = 3.0

@@ -8,18 +8,24 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from fricmodels.diagnosis import candidate_tests as surveys
 from fricmodels.diagnosis import compare, diagnose, examine
-from fricmodels.diagnosis import survey as surveys
-from fricmodels.diagnosis.estimate import estimate
-from fricmodels.diagnosis.sufficiency import beaten, doubtful, enough, is_sufficient, shape_of
-from fricmodels.diagnosis.survey import survey
-from fricmodels.diagnosis.unexplained import OWN_PAST, View, views
-from fricmodels.diagnosis.verdict import SIGNIFICANCE, answer
+from fricmodels.diagnosis.candidate_tests import candidate_tests
+from fricmodels.diagnosis.predictability import OWN_PAST, ChannelPredictor, views
+from fricmodels.diagnosis.sufficiency import (
+    combination_suffices,
+    explains_too_little,
+    is_sufficient,
+    outpredicted_by_channel,
+    shape_of,
+)
+from fricmodels.diagnosis.verdict import SIGNIFICANCE, select_effect
 from fricmodels.drive import Drive
 from fricmodels.model import Model
 from fricmodels.plugins import load
 from fricmodels.recording import Recording
 from fricmodels.rig import random_rig
+from fricmodels.weakform.estimate import estimate
 
 Made = Callable[..., Recording]
 LAW = Model.parse("coulomb-viscous")
@@ -37,7 +43,7 @@ def test_the_channel_of_the_effect_is_the_best_predictor(made: Made, effect: str
     values, channel = HIDDEN[effect]
     recording = made(f"coulomb-viscous+{effect}", {f"{effect}.{key}": value for key, value in values.items()})
     problem, found = estimate(Drive(LAW, 2.0), recording)
-    result = survey(problem, found.parameters, only=[effect])
+    result = candidate_tests(problem, found.parameters, only=[effect])
     by_name = {view.channels: view for view in views(problem, result.regression)}
     assert by_name[channel].evidence.gain == pytest.approx(result.tested[0].evidence.gain, abs=0.01)
     assert result.tested[0].evidence.gain > 0.65
@@ -76,20 +82,20 @@ def test_cogging_of_several_orders_is_cogging(made: Made) -> None:
 def test_an_effect_must_explain_a_third_of_what_is_missing(made: Made, beside: float, expected: bool) -> None:
     values = {"asymmetry.c": 0.3, "asymmetry.d": 0.0, "gravity.a": beside, "gravity.b": 0.0}
     problem, found = estimate(Drive(LAW, 2.0), made("coulomb-viscous+asymmetry+gravity", values))
-    result = survey(problem, found.parameters, only=["asymmetry"])
+    result = candidate_tests(problem, found.parameters, only=["asymmetry"])
     first = result.tested[0]
     assert first.adjusted < SIGNIFICANCE
-    assert doubtful(result, found.parameters, first, []) is expected
+    assert explains_too_little(result, found.parameters, first, []) is expected
 
 
 def test_a_small_effect_in_much_noise_is_not_doubted(made: Made) -> None:
     """It explains little of the residual, of which noise leaves the rest."""
     problem, found = estimate(Drive(LAW, 2.0), made("coulomb-viscous+asymmetry", {"asymmetry.c": 0.06}, noise=5.0))
-    result = survey(problem, found.parameters, only=["asymmetry"])
+    result = candidate_tests(problem, found.parameters, only=["asymmetry"])
     first = result.tested[0]
     assert first.adjusted < SIGNIFICANCE
     assert first.evidence.explained < 0.33
-    assert not doubtful(result, found.parameters, first, [])
+    assert not explains_too_little(result, found.parameters, first, [])
 
 
 def test_what_remembers_must_leave_nothing_to_a_channel(made: Made) -> None:
@@ -106,8 +112,8 @@ def test_what_remembers_must_leave_nothing_to_a_channel(made: Made) -> None:
     doubts = []
     for hidden in (alone, values):
         problem, found = estimate(Drive(LAW, 2.0), made("coulomb-viscous+presliding+gravity", hidden))
-        result = survey(problem, found.parameters, only=["presliding"])
-        doubts.append(doubtful(result, found.parameters, result.tested[0], []))
+        result = candidate_tests(problem, found.parameters, only=["presliding"])
+        doubts.append(explains_too_little(result, found.parameters, result.tested[0], []))
     assert doubts == [False, True]
 
 
@@ -121,7 +127,7 @@ def test_what_remembers_must_leave_nothing_to_a_channel(made: Made) -> None:
 )
 def test_what_is_refused_still_tells_the_channel(made: Made, effect: str, channels: str) -> None:
     problem, found = estimate(Drive(LAW, 2.0), made("coulomb-viscous+asymmetry", {"asymmetry.c": 0.3}))
-    result = survey(problem, found.parameters, only=[effect])
+    result = candidate_tests(problem, found.parameters, only=[effect])
     assert shape_of(result, result.tested[0]).channels == channels
 
 
@@ -129,12 +135,12 @@ def test_an_effect_that_only_resembles_gives_way_or_is_refused(made: Made) -> No
     """Stiction that rises between two samples explains a Stribeck curve, and is not named for it."""
     values = {"stribeck.F_s": 3.0, "stribeck.omega_s": 0.2, "stribeck.delta": 1.0}
     problem, found = estimate(Drive(LAW, 2.0), made("coulomb-viscous+stribeck", values))
-    both = survey(problem, found.parameters, only=["stribeck", "rising-stiction"])
-    best = answer(both)
+    both = candidate_tests(problem, found.parameters, only=["stribeck", "rising-stiction"])
+    best = select_effect(both)
     assert best is not None
     assert best.first.name == "stribeck"
-    alone = survey(problem, found.parameters, only=["rising-stiction"])
-    best = answer(alone)
+    alone = candidate_tests(problem, found.parameters, only=["rising-stiction"])
+    best = select_effect(alone)
     assert best is not None
     assert not is_sufficient(alone, found.parameters, ["stribeck"], best.first, [])
 
@@ -147,23 +153,23 @@ def test_an_error_that_nothing_predicts_is_not_adequate(made: Made) -> None:
     assert (diagnosis.verdict, diagnosis.view, diagnosis.findings) == ("unknown-effect", None, ())
 
 
-def stretched(tested: surveys.Tested) -> surveys.Tested:
-    return replace(tested, found=replace(tested.found, stretched=True))
+def at_search_bound(tested: surveys.CandidateTest) -> surveys.CandidateTest:
+    return replace(tested, found=replace(tested.found, at_search_bound=True))
 
 
-def test_what_is_stretched_comes_after_all_others_and_is_their_rival(made: Made) -> None:
-    """An offset explains most of an asymmetry, and stands alone until the asymmetry, stretched, shows what it lacks."""
+def test_what_is_at_its_search_bound_comes_after_all_others_and_is_their_rival(made: Made) -> None:
+    """An offset stands for an asymmetry alone until the asymmetry, at its search bound, shows its lack."""
     problem, found = estimate(
         Drive(LAW, 2.0), made("coulomb-viscous+asymmetry", {"asymmetry.c": 0.3, "asymmetry.d": 0.2})
     )
-    result = survey(problem, found.parameters, only=["asymmetry", "torque-offset"])
+    result = candidate_tests(problem, found.parameters, only=["asymmetry", "torque-offset"])
     best, other = result.tested
     assert (best.name, other.name) == ("asymmetry", "torque-offset")
-    named = answer(result)
+    named = select_effect(result)
     assert named is not None
     assert named.first.name == "asymmetry"
-    doubted = replace(result, tested=(stretched(best), other))
-    named = answer(doubted)
+    doubted = replace(result, tested=(at_search_bound(best), other))
+    named = select_effect(doubted)
     assert named is not None
     assert named.first.name == "torque-offset"
     others = set(load().effects) - {"torque-offset"}
@@ -175,14 +181,14 @@ def test_what_is_stretched_comes_after_all_others_and_is_their_rival(made: Made)
 def test_what_lasts_excuses_only_effects_that_do_not(made: Made, effect: str, refused: bool) -> None:
     """An effect that explains six tenths beside a past that predicts nine: there may be two causes, or a better one."""
     problem, found = estimate(Drive(LAW, 2.0), made("coulomb-viscous+gravity", {"gravity.a": 1.0, "gravity.b": 0.5}))
-    result = survey(problem, found.parameters, only=[effect])
+    result = candidate_tests(problem, found.parameters, only=[effect])
     (tested,) = result.tested
     base = result.regression.loss
     first = replace(tested, evidence=replace(tested.evidence, loss=0.4 * base))
-    past = View(OWN_PAST, replace(tested.evidence, loss=0.1 * base), 1e-9, tested.found.columns)
-    assert beaten(result, first, [past]) is refused
+    past = ChannelPredictor(OWN_PAST, replace(tested.evidence, loss=0.1 * base), 1e-9, tested.found.columns)
+    assert outpredicted_by_channel(result, first, [past]) is refused
     channel = replace(past, channels="position")
-    assert beaten(result, first, [channel]), "a channel excuses nothing"
+    assert outpredicted_by_channel(result, first, [channel]), "a channel excuses nothing"
 
 
 @pytest.mark.parametrize(("noise", "together"), [(0.15, True), (0.5, False)])
@@ -193,9 +199,9 @@ def test_two_effects_must_explain_most(made: Made, noise: float, together: bool)
     shaken = np.convolve(np.random.default_rng(3).standard_normal(len(recording)), np.ones(60) / 60**0.5, mode="same")
     recording = recording.with_channels(derived=False, torque=recording.torque + noise * shaken)
     problem, found = estimate(Drive(LAW, 2.0), recording)
-    result = survey(problem, found.parameters, only=["asymmetry", "gravity"])
+    result = candidate_tests(problem, found.parameters, only=["asymmetry", "gravity"])
     others = set(load().effects) - {"asymmetry", "gravity"}
-    assert enough(result, found.parameters, others, []) is together
+    assert combination_suffices(result, found.parameters, others, []) is together
 
 
 @pytest.mark.parametrize("samples", [10, 20])
@@ -206,12 +212,12 @@ def test_friction_that_lags_is_no_wrong_inertia(made: Made, samples: int) -> Non
     recording = made("coulomb-viscous+stribeck+frictional-lag", falling | lagging)
     comparison = compare(recording, "coulomb-viscous+stribeck", 2.0)
     assert examine(comparison).findings[0].names == ("frictional-lag",)
-    result = survey(replace(comparison.problem), comparison.estimate.parameters, only=["inertia-error"])
+    result = candidate_tests(replace(comparison.problem), comparison.estimate.parameters, only=["inertia-error"])
     (wrong,) = result.tested
     assert wrong.evidence.gain > 0.1
     (lag,) = [v for v in views(result.problem, result.regression) if v.channels == "acceleration and speed"]
     assert lag.evidence.explained > wrong.evidence.explained + 0.1
-    assert beaten(result, wrong, [lag])
+    assert outpredicted_by_channel(result, wrong, [lag])
 
 
 @pytest.mark.parametrize("seed", [0, 9, 10])

@@ -9,14 +9,14 @@ import numpy as np
 import pytest
 
 from fricmodels.diagnosis import Diagnosis, diagnose
-from fricmodels.diagnosis.estimate import estimate
+from fricmodels.diagnosis.candidate_tests import candidate_tests
 from fricmodels.diagnosis.look_alikes import experiment, separated_by
-from fricmodels.diagnosis.survey import survey
-from fricmodels.diagnosis.verdict import accepted, answer
+from fricmodels.diagnosis.verdict import passing_all_gates, select_effect
 from fricmodels.drive import Drive
 from fricmodels.model import Model
 from fricmodels.plugins import load
 from fricmodels.recording import Recording
+from fricmodels.weakform.estimate import estimate
 
 Made = Callable[..., Recording]
 COGGING = {"cogging.a": 0.5, "cogging.b": 0.0, "cogging.k": 7.3}
@@ -104,11 +104,11 @@ def test_effects_above_the_smallest_visible_size_are_found_and_far_below_it_not(
 
 def test_the_answer_passes_the_gates_and_is_the_best_of_those_that_do(made: Made) -> None:
     problem, found = estimate(Drive(Model.parse("coulomb-viscous"), 2.0), made("coulomb-viscous+cogging", COGGING))
-    result = survey(problem, found.parameters, only=["cogging", "gravity", "drift", "stiffness"])
-    best = answer(result)
+    result = candidate_tests(problem, found.parameters, only=["cogging", "gravity", "drift", "stiffness"])
+    best = select_effect(result)
     assert best is not None
     assert best.first.name == "cogging"
-    assert best.first in accepted(result)
+    assert best.first in passing_all_gates(result)
     losses = [float(np.sum(t.evidence.loss)) for t in result.tested]
     assert losses == sorted(losses)
     assert all(t.adjusted >= t.p_value for t in result.tested)
@@ -117,7 +117,7 @@ def test_the_answer_passes_the_gates_and_is_the_best_of_those_that_do(made: Made
 def test_what_is_in_the_model_or_left_out_is_not_tested(made: Made) -> None:
     drive = Drive(Model.parse("coulomb-viscous+gravity"), 2.0)
     problem, found = estimate(drive, made(samples=4000))
-    result = survey(problem, found.parameters, leave_out=["cogging"], only=["gravity", "cogging", "drift"])
+    result = candidate_tests(problem, found.parameters, leave_out=["cogging"], only=["gravity", "cogging", "drift"])
     assert {t.name for t in result.tested} | set(result.unseen) == {"drift"}
 
 

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from fricmodels.diagnosis.problem import NoFriction
 from fricmodels.dimension import Motion
 from fricmodels.drive import Drive
 from fricmodels.model import Model
@@ -15,6 +14,7 @@ from fricmodels.recording import Recording
 from fricmodels.rig import Rig
 from fricmodels.signals import lanczos_derivative
 from fricmodels.simulation import simulate
+from fricmodels.weakform.problem import NoFriction
 
 Array = NDArray[np.float64]
 

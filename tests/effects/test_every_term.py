@@ -18,12 +18,12 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from fricmodels import plugins
-from fricmodels.diagnosis.problem import NoFriction
 from fricmodels.dimension import TIME, VELOCITY, Dimension, Scales
 from fricmodels.kernels import ArrayFunction, Scan
 from fricmodels.model import Model
 from fricmodels.parameter import Parameter
 from fricmodels.term import SIGNALS, Term
+from fricmodels.weakform.problem import NoFriction
 
 Array = NDArray[np.float64]
 

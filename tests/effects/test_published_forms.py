@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from fricmodels.diagnosis.problem import NoFriction
 from fricmodels.dimension import Motion
 from fricmodels.drive import Drive
 from fricmodels.model import Model
 from fricmodels.plugins import load
 from fricmodels.recording import Recording
+from fricmodels.weakform.problem import NoFriction
 
 Array = NDArray[np.float64]
 

@@ -25,14 +25,14 @@ from fricmodels.rig.demonstration import hidden
 def blocks(page: Page) -> list[Block]:
     found: list[Block] = []
 
-    def walk(some: object) -> None:
+    def coordinate_search(some: object) -> None:
         for block in some:  # type: ignore[attr-defined]
             found.append(block)
             if isinstance(block, Fold | Gallery):
-                walk(block.blocks)
+                coordinate_search(block.blocks)
 
     for section in page.sections:
-        walk(section.blocks)
+        coordinate_search(section.blocks)
     return found
 
 

@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 from estimators.batch.projection import LARGEST_RATIO, Nonlinear
 from fricmodels.drive import Drive, DriveParameter
 from fricmodels.errors import InputError, suggestion
-from fricmodels.recording import Recording, natural_size
+from fricmodels.recording import Recording
+from fricmodels.weakform.ranges import natural_size
 
 Array = NDArray[np.float64]
 

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from estimators.batch.least_squares import NormalEquations
 from estimators.batch.separable import Separable
-from fricmodels.ascent import simplexes
+from fricmodels.weakform.optimise import multistart_nelder_mead
 
 Array = NDArray[np.float64]
 
@@ -171,7 +171,7 @@ class Projection:
         def value(point: tuple[float, ...]) -> float:
             return -self._cost(np.array(point), without)
 
-        return np.array(simplexes(value, points, bounds, nonlinear.spacing.tolist(), patience=1))
+        return np.array(multistart_nelder_mead(value, points, bounds, nonlinear.spacing.tolist(), patience=1))
 
     def _rows_of(self, places: Sequence[int] | NDArray[np.int64]) -> frozenset[int]:
         """Return the linear parameters whose rows depend on some of the nonlinear parameters."""

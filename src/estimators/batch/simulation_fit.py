@@ -27,10 +27,11 @@ from estimators.batch.problem import Outcome, linear_constraints
 from estimators.batch.smoothing import explained_velocity
 from fricmodels.drive import Drive
 from fricmodels.model import Model
-from fricmodels.recording import Recording, natural_size
+from fricmodels.recording import Recording
 from fricmodels.signals import resting
-from fricmodels.signals.weak_form import segments
 from fricmodels.term import SIGNALS
+from fricmodels.weakform.ranges import natural_size
+from fricmodels.weakform.test_functions import segments
 
 Array = NDArray[np.float64]
 

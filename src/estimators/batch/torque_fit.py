@@ -18,7 +18,7 @@ from fricmodels.errors import EstimationError
 from fricmodels.recording import Recording
 from fricmodels.signals import Preparation
 from fricmodels.signals.order_spectrum import wave_numbers
-from fricmodels.signals.weak_form import HOPS, Bumps, Quadrature, segments
+from fricmodels.weakform.test_functions import HOPS, Quadrature, TestFunctions, segments
 
 Array = NDArray[np.float64]
 
@@ -63,7 +63,7 @@ class TorqueFit:
         return "" if self.solution.converged else f"no minimum after {self.solution.iterations} iterations"
 
 
-def weak_equations(drive: Drive, quadrature: Quadrature, bumps: Bumps, recording: Recording) -> Equations:
+def weak_equations(drive: Drive, quadrature: Quadrature, bumps: TestFunctions, recording: Recording) -> Equations:
     """Return the equation of motion seen through bumps."""
     split = separable(drive.model)
     driving = (quadrature.recording.torque - quadrature.recording.load_torque)[None]
@@ -288,7 +288,7 @@ def _fit_width(
     plan: Plan,
     start: Array | None = None,
 ) -> TorqueFit:
-    bumps = Bumps(recording, width, resting)
+    bumps = TestFunctions(recording, width, resting)
     if bumps.count <= len(drive.parameters):
         raise _too_few(drive, recording, bumps.count)
     equations = weak_equations(drive, quadrature, bumps, recording)

@@ -8,8 +8,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from fricmodels.diagnosis.estimate import Estimate, estimate
-from fricmodels.diagnosis.problem import Problem, noise_like
 from fricmodels.diagnosis.where import Regime, where
 from fricmodels.drive import Drive
 from fricmodels.errors import InputError
@@ -21,6 +19,8 @@ from fricmodels.signals import best_half_width, noise, prepare, with_derived_vel
 from fricmodels.signals.lanczos import even_weights, lanczos_derivative
 from fricmodels.split import Split, split
 from fricmodels.term import Effect
+from fricmodels.weakform.estimate import Estimate, estimate
+from fricmodels.weakform.problem import WeakFormProblem, noise_like
 
 Array = NDArray[np.float64]
 FAR_ABOVE = 5.0
@@ -61,7 +61,7 @@ class Comparison(Shown):
     errors: Errors
     noise_floor_percent: float
     where: tuple[Regime, ...]
-    problem: Problem
+    problem: WeakFormProblem
 
     @property
     def is_far_above_noise(self) -> bool:
@@ -169,11 +169,11 @@ def compare_fit(
     for p in drive.parameters:
         if p.key not in parameters:
             raise InputError(f"there is no value for '{p.key}' of '{drive.model.name}'; fit it again with this version")
-    problem = Problem.of(drive, train, parameters)
+    problem = WeakFormProblem.of(drive, train, parameters)
     return _compared(replace(problem, estimated=dict(parameters)), Estimate(parameters, errors), train, test)
 
 
-def _compared(problem: Problem, found: Estimate, train: Recording, test: Recording) -> Comparison:
+def _compared(problem: WeakFormProblem, found: Estimate, train: Recording, test: Recording) -> Comparison:
     drive = problem.drive
     half_width = sliding_half_width(train)
     error = filtered_torque_error(drive, found.parameters, train, half_width)

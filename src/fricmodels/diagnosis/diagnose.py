@@ -6,14 +6,14 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from typing import Literal
 
+from fricmodels.diagnosis.candidate_tests import CandidateTest, candidate_tests
 from fricmodels.diagnosis.comparison import Comparison, compare
 from fricmodels.diagnosis.look_alikes import separated_by
 from fricmodels.diagnosis.power import Visibility, visibility
-from fricmodels.diagnosis.second_look import second_look
+from fricmodels.diagnosis.predictability import AUTOREGRESSIVE, ChannelPredictor
+from fricmodels.diagnosis.refit_check import refit_check
 from fricmodels.diagnosis.sufficiency import is_sufficient, predictable, shape_of
-from fricmodels.diagnosis.survey import Tested, survey
-from fricmodels.diagnosis.unexplained import PERSISTENT, View
-from fricmodels.diagnosis.verdict import Answer, accepted, answer
+from fricmodels.diagnosis.verdict import LookAlikes, passing_all_gates, select_effect
 from fricmodels.model import Model
 from fricmodels.recording import Recording
 from fricmodels.shown import Shown
@@ -25,7 +25,7 @@ Verdict = Literal["adequate", "missing-effect", "undecided", "unknown-effect"]
 class Finding:
     """An effect that the data show, with its look-alikes."""
 
-    tested: Tested
+    tested: CandidateTest
     names: tuple[str, ...]
     separated_by: str
 
@@ -48,9 +48,9 @@ class Diagnosis(Shown):
     comparison: Comparison
     verdict: Verdict
     findings: tuple[Finding, ...]
-    view: View | None
+    view: ChannelPredictor | None
     visibility: Mapping[str, Visibility]
-    passing: tuple[Tested, ...] = ()
+    passing: tuple[CandidateTest, ...] = ()
 
 
 def diagnose(
@@ -78,12 +78,12 @@ def examine(comparison: Comparison, *, leave_out: Iterable[str] = ()) -> Diagnos
     """Test every effect on what a fitted model leaves over."""
     out = set(leave_out)
     parameters = comparison.estimate.parameters
-    result = survey(replace(comparison.problem), parameters, leave_out=out)  # a copy: what it remembers goes with it
-    best = answer(result)
+    result = candidate_tests(replace(comparison.problem), parameters, leave_out=out)
+    best = select_effect(result)
     seen = predictable(result)
-    view = next((v for v in seen if v.channels not in PERSISTENT), seen[0] if seen else None)
+    view = next((v for v in seen if v.channels not in AUTOREGRESSIVE), seen[0] if seen else None)
     named = best if best is not None and is_sufficient(result, parameters, out, best.first, seen) else None
-    named = second_look(comparison, result, out, named)
+    named = refit_check(comparison, result, out, named)
     if best is not None and named is None:
         view = view or shape_of(result, best.first)
     findings = [] if named is None else [_finding(named)]
@@ -93,9 +93,9 @@ def examine(comparison: Comparison, *, leave_out: Iterable[str] = ()) -> Diagnos
         verdict = "missing-effect" if len(findings[0].names) == 1 else "undecided"
     elif view is not None or comparison.is_far_above_noise:
         verdict = "unknown-effect"
-    passing = tuple(accepted(result)) if findings else ()
+    passing = tuple(passing_all_gates(result)) if findings else ()
     return Diagnosis(comparison, verdict, tuple(findings), view, visibility(result, found), passing)
 
 
-def _finding(best: Answer) -> Finding:
+def _finding(best: LookAlikes) -> Finding:
     return Finding(best.first, tuple(best.names), separated_by(best.names))

@@ -5,7 +5,7 @@ from __future__ import annotations
 from fricmodels.diagnosis.diagnose import Diagnosis, Finding
 from fricmodels.diagnosis.floor import LEAST_TORQUE
 from fricmodels.diagnosis.ladder import Ladder
-from fricmodels.diagnosis.unexplained import PERSISTENT
+from fricmodels.diagnosis.predictability import AUTOREGRESSIVE
 
 IN_NO_CHANNEL = (
     "The error is far above the noise, and yet nothing predicts it: something acts on the drive that is in none of the "
@@ -75,7 +75,7 @@ def unknown(diagnosis: Diagnosis) -> str:
             f"{100 * worst.share_of_squared_error:.0f} % of the squared error lie in '{worst.regime}'."
         )
     falls = f"(it falls by {100 * view.evidence.gain:.0f} % on blocks that were not used for fitting)"
-    if view.channels in PERSISTENT:
+    if view.channels in AUTOREGRESSIVE:
         return (
             f"Something else is missing that no known effect explains: what is left lasts or rings, so that it can be "
             f"predicted from {view.channels} {falls}, but from no recorded channel. Look for what was not recorded: "

@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fricmodels.diagnosis.problem import Problem
-from fricmodels.diagnosis.unclear import CERTAIN
 from fricmodels.signals import smoothed_velocity
+from fricmodels.weakform.problem import WeakFormProblem
+from fricmodels.weakform.unclear import CERTAIN
 
 Array = NDArray[np.float64]
 
@@ -35,7 +35,7 @@ class History:
     dwell: Array
 
     @classmethod
-    def of(cls, problem: Problem) -> History:
+    def of(cls, problem: WeakFormProblem) -> History:
         """Follow a recording through its reversals and rests; noise about zero speed is neither."""
         recording, cell, rest = problem.recording, problem.quadrature.cell, _at_rest(problem)
         _, error = smoothed_velocity(recording)
@@ -57,7 +57,7 @@ class History:
         return cls(*(np.concatenate([values, values[cell], values[after]]) for values in followed))
 
 
-def _at_rest(problem: Problem) -> NDArray[np.bool_]:
+def _at_rest(problem: WeakFormProblem) -> NDArray[np.bool_]:
     """Return where the drive rests; a motion shorter than half a bump within a rest is one of its noise."""
     rest = problem.resting.copy()
     edges = np.flatnonzero(np.diff(rest.astype(np.int8))) + 1
@@ -67,7 +67,7 @@ def _at_rest(problem: Problem) -> NDArray[np.bool_]:
     return rest
 
 
-def _rested(problem: Problem, rest: NDArray[np.bool_], fresh: NDArray[np.bool_]) -> Array:
+def _rested(problem: WeakFormProblem, rest: NDArray[np.bool_], fresh: NDArray[np.bool_]) -> Array:
     """Return how long the last rest was, up to a smoothing window after its end; later 0 [s]."""
     time = problem.recording.time
     index = np.arange(len(time))
@@ -93,7 +93,7 @@ def _turns(sign: Array, sure: NDArray[np.bool_], fresh: NDArray[np.bool_]) -> tu
     return turned, _latest(side, turned)
 
 
-def _path(problem: Problem) -> Array:
+def _path(problem: WeakFormProblem) -> Array:
     """Return the distance travelled since the beginning, shape (N,)."""
     recording = problem.recording
     if "position" in recording:

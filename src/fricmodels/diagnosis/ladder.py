@@ -7,17 +7,17 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from fricmodels.diagnosis.candidate_tests import CandidateTest
 from fricmodels.diagnosis.comparison import Comparison, compare, refitted, with_effect
 from fricmodels.diagnosis.diagnose import Diagnosis, Finding, examine
-from fricmodels.diagnosis.evidence import Evidence, Regression
-from fricmodels.diagnosis.problem import Problem
-from fricmodels.diagnosis.survey import Tested
 from fricmodels.diagnosis.verdict import LEAST_GAIN, SIGNIFICANCE
 from fricmodels.drive import Drive
 from fricmodels.errors import FricmodelsError
 from fricmodels.model import Model
 from fricmodels.recording import Recording
 from fricmodels.shown import Shown
+from fricmodels.weakform.problem import WeakFormProblem
+from fricmodels.weakform.regression import Evidence, Regression
 
 MOST_TRIALS = 4
 """So many of the effects that pass are tried before a step is given up."""
@@ -176,7 +176,7 @@ class _Climb:
             return []
         return [(self.diagnosis, best[0]), (best[1], best[2])]
 
-    def _with(self, comparison: Comparison, tested: Tested) -> Comparison:
+    def _with(self, comparison: Comparison, tested: CandidateTest) -> Comparison:
         """Return the model with one more effect, refitted; as it is where that fails."""
         self._say(f"adding {tested.name}")
         try:
@@ -303,7 +303,7 @@ def without(comparison: Comparison, effect: str) -> Evidence:
     alone = problem.alone(own)
     delay = 0.0
     if alone.model.delay:  # its own problem has the record without the delay
-        problem, delay = Problem.of(smaller, comparison.train, parameters), problem.delay
+        problem, delay = WeakFormProblem.of(smaller, comparison.train, parameters), problem.delay
     rest = replace(problem, drive=smaller).base(parameters)
     flags = alone.model.linear
     nonlinear = [

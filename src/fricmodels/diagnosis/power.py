@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from fricmodels import plugins
+from fricmodels.diagnosis.candidate_tests import CandidateTest, CandidateTests
 from fricmodels.diagnosis.floor import LEAST_TORQUE
-from fricmodels.diagnosis.survey import Survey, Tested
 from fricmodels.diagnosis.verdict import LEAST_GAIN, SIGNIFICANCE
 
 
@@ -29,7 +29,7 @@ class Visibility:
     missing: str
 
 
-def visibility(survey: Survey, found: Iterable[str]) -> dict[str, Visibility]:
+def visibility(survey: CandidateTests, found: Iterable[str]) -> dict[str, Visibility]:
     """Return, for every effect that was not found, what the recording could have shown of it."""
     effects = plugins.load().effects
     names = set(found)
@@ -44,7 +44,7 @@ def visibility(survey: Survey, found: Iterable[str]) -> dict[str, Visibility]:
     return dict(sorted(rows.items()))
 
 
-def _smallest(survey: Survey, tested: Tested) -> Visibility:
+def _smallest(survey: CandidateTests, tested: CandidateTest) -> Visibility:
     """Return the RMS torque at which both gates would be passed in half of all recordings like this one.
 
     First gate: the Wald statistic reaches its critical value. Second gate: the residual falls by the least gain,
@@ -66,7 +66,7 @@ def _smallest(survey: Survey, tested: Tested) -> Visibility:
         harmonic = float(np.sum(1 / np.arange(1, candidates + 1)))
         level = SIGNIFICANCE / (tested.found.trials * candidates * harmonic)
         critical = float(fisher.isf(max(level, 1e-300), q, freedom)) * regression.terms * q / freedom
-        free = regression.free(columns)
+        free = regression.project_out(columns)
         # A coefficient vector of Wald statistic equal to the critical one, along its least certain direction.
         spread, directions = np.linalg.eigh(tested.evidence.covariance)
         theta = directions[:, -1] * np.sqrt(critical * max(spread[-1], 0.0))

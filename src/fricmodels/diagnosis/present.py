@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 
 from fricmodels.diagnosis.comparison import Comparison
 from fricmodels.diagnosis.diagnose import Diagnosis, Finding
-from fricmodels.diagnosis.estimate import Estimate
 from fricmodels.diagnosis.explain import explain
 from fricmodels.diagnosis.ladder import Ladder, Rung, added
 from fricmodels.diagnosis.power import Visibility
@@ -21,6 +20,7 @@ from fricmodels.recording import Recording
 from fricmodels.score.torque import filtered_torque_error
 from fricmodels.signals import stretches
 from fricmodels.terminal import Band, Column, Marks, bar, plain, show_plot, show_table
+from fricmodels.weakform.estimate import Estimate
 
 if TYPE_CHECKING:
     from rich.console import Console

@@ -13,12 +13,13 @@ from collections.abc import Iterable, Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from fricmodels.diagnosis.channels import FINELY, FINELY_ALONG, FINELY_TORQUE
-from fricmodels.diagnosis.evidence import Regression, compare
+from fricmodels.diagnosis.basis_functions import FINELY, FINELY_ALONG, FINELY_TORQUE
+from fricmodels.diagnosis.candidate_tests import CandidateTest, CandidateTests, candidate_tests
 from fricmodels.diagnosis.floor import LEAST_TORQUE, floor, share_explained
-from fricmodels.diagnosis.survey import Survey, Tested, regression_of, survey
-from fricmodels.diagnosis.unexplained import PERSISTENT, View, each, views
-from fricmodels.diagnosis.verdict import accepted, answer, predicts
+from fricmodels.diagnosis.predictability import AUTOREGRESSIVE, ChannelPredictor, each, views
+from fricmodels.diagnosis.verdict import passing_all_gates, predicts, select_effect
+from fricmodels.weakform.regression import Regression, compare
+from fricmodels.weakform.shifted import regression_of
 
 Array = NDArray[np.float64]
 
@@ -38,13 +39,17 @@ _LEAST, _MOST = 1 / 3, (0.7, 0.85, 0.95)
 remembers must explain most of it, and so must several together, the more so the more they are."""
 
 
-def predictable(result: Survey) -> list[View]:
+def predictable(result: CandidateTests) -> list[ChannelPredictor]:
     """Return the views that predict the residual of a survey beyond all gates, best first."""
     return [v for v in views(result.problem, result.regression) if predicts(result, v.evidence, v.p_value)]
 
 
 def is_sufficient(
-    result: Survey, parameters: Mapping[str, float], leave_out: Iterable[str], first: Tested, seen: Sequence[View]
+    result: CandidateTests,
+    parameters: Mapping[str, float],
+    leave_out: Iterable[str],
+    first: CandidateTest,
+    seen: Sequence[ChannelPredictor],
 ) -> bool:
     """Whether an effect is what is missing, by itself or with further ones, and not only resembles it.
 
@@ -55,22 +60,24 @@ def is_sufficient(
         first: the effect.
         seen: what predicts the residual, best first.
     """
-    if first.found.stretched:
+    if first.found.at_search_bound:
         return False
-    shapes = [*seen, *(shape_of(result, t) for t in accepted(result) if t.found.stretched)]
+    shapes = [*seen, *(shape_of(result, t) for t in passing_all_gates(result) if t.found.at_search_bound)]
     shapes.sort(key=lambda view: float(np.sum(view.evidence.loss)))
-    asked = beaten(result, first, shapes) or doubtful(result, parameters, first, seen)
-    return not asked or enough(result, parameters, leave_out, shapes)
+    asked = outpredicted_by_channel(result, first, shapes) or explains_too_little(result, parameters, first, seen)
+    return not asked or combination_suffices(result, parameters, leave_out, shapes)
 
 
-def shape_of(result: Survey, tested: Tested) -> View:
+def shape_of(result: CandidateTests, tested: CandidateTest) -> ChannelPredictor:
     """Return what an effect explains that is not what is missing: it goes with that on which the effect depends."""
     needs = " and ".join(sorted(result.problem.alone(tested.effect).model.needs)).replace("_", " ")
     of = "the course of the motion before" if tested.effect.states else needs or "a constant torque"
-    return View(f"{of}, as in '{tested.name}'", tested.evidence, tested.adjusted, directions(result, tested))
+    return ChannelPredictor(
+        f"{of}, as in '{tested.name}'", tested.evidence, tested.adjusted, directions(result, tested)
+    )
 
 
-def beaten(result: Survey, first: Tested, seen: Sequence[View]) -> bool:
+def outpredicted_by_channel(result: CandidateTests, first: CandidateTest, seen: Sequence[ChannelPredictor]) -> bool:
     """Whether some channel predicts significantly and much more than an effect.
 
     What went shortly before stands for all that lasts, whatever the number of its causes: of that an effect need only
@@ -87,13 +94,15 @@ def beaten(result: Survey, first: Tested, seen: Sequence[View]) -> bool:
         predicted = float(np.sum(view.evidence.loss))
         more = own - predicted
         half = own - 0.5 * (total + predicted)
-        lasting = view.channels in PERSISTENT and not first.effect.states
+        lasting = view.channels in AUTOREGRESSIVE and not first.effect.states
         if p_value < _WORSE and (half > 0 if lasting else more > least):
             return True
     return False
 
 
-def doubtful(result: Survey, parameters: Mapping[str, float], first: Tested, seen: Sequence[View]) -> bool:
+def explains_too_little(
+    result: CandidateTests, parameters: Mapping[str, float], first: CandidateTest, seen: Sequence[ChannelPredictor]
+) -> bool:
     """Whether an effect leaves too much to be by itself what is missing.
 
     Where the true one is not among the candidates, others explain part of what it does. Effects that remember the
@@ -109,21 +118,23 @@ def doubtful(result: Survey, parameters: Mapping[str, float], first: Tested, see
     )
 
 
-def _own_kind(result: Survey, tested: Tested, view: View) -> bool:
+def _own_kind(result: CandidateTests, tested: CandidateTest, view: ChannelPredictor) -> bool:
     """Whether a view shows what an effect is by its nature, and most of the effect lies within its shapes."""
     needs = result.problem.alone(tested.effect).model.needs
     along = FINELY_ALONG if tested.effect.symmetry == "odd" else FINELY
     kind = FINELY_TORQUE if "motor_torque" in needs else along
     if view.channels != kind or not any(p.periodic for p in tested.effect.parameters):
         return False
-    own = result.regression.free(tested.evidence.coefficients[None] @ tested.found.columns)[0]
-    shapes = result.regression.free(view.columns)
+    own = result.regression.project_out(tested.evidence.coefficients[None] @ tested.found.columns)[0]
+    shapes = result.regression.project_out(view.columns)
     basis = np.linalg.svd(shapes, full_matrices=False)[2]
     left = own - (own @ basis.T) @ basis
     return bool(left @ left < _OUTSIDE * (own @ own))
 
 
-def enough(result: Survey, parameters: Mapping[str, float], leave_out: Iterable[str], seen: Sequence[View]) -> bool:
+def combination_suffices(
+    result: CandidateTests, parameters: Mapping[str, float], leave_out: Iterable[str], seen: Sequence[ChannelPredictor]
+) -> bool:
     """Whether the effects found one after the other explain more than any channel, and leave nothing to predict.
 
     Where one channel alone explains nearly as much as all of them together, one cause is the simpler explanation. What
@@ -134,9 +145,9 @@ def enough(result: Survey, parameters: Mapping[str, float], leave_out: Iterable[
     columns, first = np.zeros((0, problem.rows)), result
     for effects, most in enumerate(_MOST):
         if effects:
-            result = survey(problem, parameters, leave_out=out, also=columns)
-        best = answer(result)
-        if best is None or best.first.found.stretched:
+            result = candidate_tests(problem, parameters, leave_out=out, also=columns)
+        best = select_effect(result)
+        if best is None or best.first.found.at_search_bound:
             return False
         columns = np.vstack([columns, directions(result, best.first)])
         out |= {best.first.name}
@@ -146,12 +157,12 @@ def enough(result: Survey, parameters: Mapping[str, float], leave_out: Iterable[
         if share_explained(problem, first.regression, float(np.sum(together))) < most:
             continue
         if _complete(first, regression, seen):
-            single = next((view for view in seen if remembers or view.channels not in PERSISTENT), None)
+            single = next((view for view in seen if remembers or view.channels not in AUTOREGRESSIVE), None)
             return single is None or _simpler(first, columns, together, single)
     return False
 
 
-def _complete(result: Survey, regression: Regression, seen: Sequence[View]) -> bool:
+def _complete(result: CandidateTests, regression: Regression, seen: Sequence[ChannelPredictor]) -> bool:
     """Whether no channel predicts much of what is left of a residual with the effects that a regression has beyond it.
 
     What merely lasts does not count: on a real drive something always does. Nor is there much where hardly more is left
@@ -159,16 +170,16 @@ def _complete(result: Survey, regression: Regression, seen: Sequence[View]) -> b
     """
     if share_explained(result.problem, result.regression, float(np.sum(regression.loss))) > 1 - _LEFT_OVER:
         return True
-    after = Survey(result.problem, regression, (), {})
+    after = CandidateTests(result.problem, regression, (), {})
     most = float(np.sum(regression.loss)) - _LEFT_OVER * float(np.sum(result.regression.loss))
     return not any(
         predicts(after, v.evidence, v.p_value) and np.sum(v.evidence.loss) < most
         for v in each(result.problem, regression, [v.channels for v in seen])
-        if v.channels not in PERSISTENT
+        if v.channels not in AUTOREGRESSIVE
     )
 
 
-def _simpler(result: Survey, columns: Array, together: Array, single: View) -> bool:
+def _simpler(result: CandidateTests, columns: Array, together: Array, single: ChannelPredictor) -> bool:
     """Whether effects together are simpler than one channel: they leave far less, or as little with far fewer terms.
 
     Whatever is less than noise and sampling leave is as little.
@@ -186,7 +197,7 @@ def _simpler(result: Survey, columns: Array, together: Array, single: View) -> b
     return _SIMPLER * shapes > 1 and no_worse
 
 
-def directions(result: Survey, tested: Tested) -> Array:
+def directions(result: CandidateTests, tested: CandidateTest) -> Array:
     """Return an effect's columns and the tangents of its nonlinear parameters, shape (k, rows)."""
     problem, found = result.problem, tested.found
     alone = problem.alone(tested.effect)

@@ -6,11 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fricmodels.diagnosis.all_motion import left_over
-from fricmodels.diagnosis.evidence import Evidence, compare
+from fricmodels.diagnosis.candidate_tests import CandidateTest, CandidateTests
 from fricmodels.diagnosis.floor import LEAST_TORQUE
 from fricmodels.diagnosis.look_alikes import same_in_part
-from fricmodels.diagnosis.survey import Survey, Tested
+from fricmodels.weakform.all_motion import residual_rms
+from fricmodels.weakform.regression import Evidence, compare
 
 SIGNIFICANCE = 0.01
 """Chance, over all candidates of one survey, to accept an effect where there is none."""
@@ -37,11 +37,11 @@ _PRICE = 0.025
 
 
 @dataclass(frozen=True)
-class Answer:
+class LookAlikes:
     """The effect that explains a residual best, and those that explain it as well."""
 
-    first: Tested
-    members: tuple[Tested, ...]
+    first: CandidateTest
+    members: tuple[CandidateTest, ...]
 
     @property
     def names(self) -> list[str]:
@@ -49,13 +49,13 @@ class Answer:
         return [t.name for t in self.members]
 
 
-def accepted(survey: Survey) -> list[Tested]:
+def passing_all_gates(survey: CandidateTests) -> list[CandidateTest]:
     """Return the candidates that pass both gates, and are large enough in the rows or over all motion.
 
     Over all motion none counts that does not come near the best one in the rows.
     """
-    passing = sure(survey)
-    best = min((_rms(t) for t in passing if not t.found.stretched), default=np.inf)
+    passing = passing_significance(survey)
+    best = min((_rms(t) for t in passing if not t.found.at_search_bound), default=np.inf)
     return [
         t
         for t in passing
@@ -64,12 +64,12 @@ def accepted(survey: Survey) -> list[Tested]:
     ]
 
 
-def sure(survey: Survey) -> list[Tested]:
+def passing_significance(survey: CandidateTests) -> list[CandidateTest]:
     """Return the candidates that pass both gates, however small they are."""
     return [t for t in survey.tested if _is_sure(t.evidence, t.adjusted, _HELD_OUT)]
 
 
-def predicts(survey: Survey, evidence: Evidence, adjusted: float) -> bool:
+def predicts(survey: CandidateTests, evidence: Evidence, adjusted: float) -> bool:
     """Whether a channel predicts a residual: significantly, better on held-out blocks, and enough to matter."""
     return _is_sure(evidence, adjusted, _PREDICTED) and torque_share(survey, evidence) > LEAST_TORQUE
 
@@ -78,28 +78,28 @@ def _is_sure(evidence: Evidence, adjusted: float, level: float) -> bool:
     return adjusted < SIGNIFICANCE and evidence.gain > LEAST_GAIN and evidence.gain_p_value < level
 
 
-def _is_large_over_all(survey: Survey, tested: Tested) -> bool:
+def _is_large_over_all(survey: CandidateTests, tested: CandidateTest) -> bool:
     if not _is_judged(survey, tested):
         return False
     problem = survey.problem
     power = float(np.mean(problem.recording.torque[~problem.resting] ** 2))
-    return left_over(problem) ** 2 - _left_with(survey, tested) ** 2 > LEAST_OVER_ALL**2 * power
+    return residual_rms(problem) ** 2 - _left_with(survey, tested) ** 2 > LEAST_OVER_ALL**2 * power
 
 
-def torque_share(survey: Survey, evidence: Evidence) -> float:
+def torque_share(survey: CandidateTests, evidence: Evidence) -> float:
     """Return the RMS torque that columns explain beyond the base model, over the RMS torque."""
     explained = evidence.explained * float(np.mean(survey.regression.residual**2))
     return float(np.sqrt(max(explained, 0.0) / np.mean(survey.problem.driving**2)))
 
 
-def answer(survey: Survey) -> Answer | None:
+def select_effect(survey: CandidateTests) -> LookAlikes | None:
     """Return the best effect with its look-alike class, or ``None`` where no candidate passes."""
-    passing = accepted(survey)
+    passing = passing_all_gates(survey)
     if not passing:
         return None
     # At the end of what a recording can tell an effect only resembles another; any other that passes is more likely.
-    passing.sort(key=lambda t: (t.found.stretched, _cost(t)))
-    before = left_over(survey.problem)
+    passing.sort(key=lambda t: (t.found.at_search_bound, _cost(t)))
+    before = residual_rms(survey.problem)
     first = next((t for t in passing if not _spoils(survey, t, before)), None)
     if first is None:
         return None
@@ -115,39 +115,39 @@ def answer(survey: Survey) -> Answer | None:
             continue
         if not _spoils(survey, other, before):
             members.append(other)
-    return Answer(first, tuple(members))
+    return LookAlikes(first, tuple(members))
 
 
-def _spoils(survey: Survey, tested: Tested, before: float) -> bool:
+def _spoils(survey: CandidateTests, tested: CandidateTest, before: float) -> bool:
     """Whether an effect makes far worse what the rows leave out."""
     return _is_judged(survey, tested) and _left_with(survey, tested) > _SPOILT * before
 
 
-def _is_judged(survey: Survey, tested: Tested) -> bool:
+def _is_judged(survey: CandidateTests, tested: CandidateTest) -> bool:
     """Whether what an effect leaves sample by sample says anything: of a torque's rate samples are no measure."""
     return "motor_torque_rate" not in survey.problem.alone(tested.effect).model.needs
 
 
-def _left_with(survey: Survey, tested: Tested) -> float:
+def _left_with(survey: CandidateTests, tested: CandidateTest) -> float:
     """Return the RMS torque that an effect leaves over all motion."""
     alone = survey.problem.alone(tested.effect)
-    return left_over(survey.problem, alone, tested.found.nonlinear, tested.found.kept)
+    return residual_rms(survey.problem, alone, tested.found.nonlinear, tested.found.kept)
 
 
-def _rms(tested: Tested) -> float:
+def _rms(tested: CandidateTest) -> float:
     return float(np.sqrt(np.mean(tested.evidence.loss)))
 
 
-def _cost(tested: Tested) -> float:
+def _cost(tested: CandidateTest) -> float:
     return float(np.log(_rms(tested))) + _PRICE * len(tested.effect.parameters)
 
 
-def _contains(survey: Survey, larger: Tested, smaller: Tested) -> bool:
+def _contains(survey: CandidateTests, larger: CandidateTest, smaller: CandidateTest) -> bool:
     """Whether everything that the smaller effect adds lies within what the larger one can add."""
     if len(larger.effect.parameters) <= len(smaller.effect.parameters):
         return False
-    free = survey.regression.free(smaller.found.columns)
-    span = survey.regression.free(larger.found.columns)
+    free = survey.regression.project_out(smaller.found.columns)
+    span = survey.regression.project_out(larger.found.columns)
     basis = np.linalg.svd(span, full_matrices=False)[2]
     left = free - (free @ basis.T) @ basis
     return bool(np.sum(left**2) < 0.01 * np.sum(free**2))

@@ -109,10 +109,10 @@ def evidence(comparison: Comparison, effect: Effect) -> Picture:
         comparison: the model without the effect.
         effect: what is missing.
     """
-    from fricmodels.diagnosis.problem import NoFriction
     from fricmodels.model import Model
     from fricmodels.recording import SIGNAL_CHANNEL
     from fricmodels.report import figures
+    from fricmodels.weakform.problem import NoFriction
 
     model = Model(NoFriction(), [effect])
     name = comparison.drive.model.name

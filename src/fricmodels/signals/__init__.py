@@ -1,4 +1,4 @@
-"""Signals: derivatives, filters, noise, rest, resampling; the weak form is in :mod:`fricmodels.signals.weak_form`."""
+"""Signals: derivatives, filters, noise, rest, resampling."""
 
 from __future__ import annotations
 

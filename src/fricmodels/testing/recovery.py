@@ -16,12 +16,13 @@ from fricmodels.errors import EstimationError, FricmodelsError
 from fricmodels.fit import Fit, Status
 from fricmodels.model import Model
 from fricmodels.parameter import Parameter
-from fricmodels.recording import Recording, scan_size
+from fricmodels.recording import Recording
 from fricmodels.signals import Preparation, prepare
 from fricmodels.simulation import simulate
 from fricmodels.term import Effect, Law, Term
 from fricmodels.testing.faults import Fault, SkipTest
 from fricmodels.testing.subject import Array, Subject, in_order
+from fricmodels.weakform.ranges import scan_size
 
 if TYPE_CHECKING:
     from fricmodels.estimator import Estimator

@@ -13,7 +13,6 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from fricmodels.diagnosis.problem import NoFriction
 from fricmodels.dimension import VELOCITY, Dimension
 from fricmodels.errors import FricmodelsError
 from fricmodels.expressions import rest_treatment
@@ -21,6 +20,7 @@ from fricmodels.model import Model
 from fricmodels.parameter import Parameter
 from fricmodels.term import SIGNALS, Effect, Law, Parameters, Signals, Term
 from fricmodels.testing.faults import Fault
+from fricmodels.weakform.problem import NoFriction
 
 Array: TypeAlias = NDArray[np.float64]
 

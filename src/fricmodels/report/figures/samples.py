@@ -84,9 +84,9 @@ class Samples:
     @cached_property
     def friction_drive(self) -> Drive:
         """The part of the model that is friction: the law, and the effects whose equation has the velocity in it."""
-        from fricmodels.diagnosis.problem import NoFriction
         from fricmodels.drive import Drive
         from fricmodels.model import Model
+        from fricmodels.weakform.problem import NoFriction
 
         model = self.drive.model
         kept = [effect for effect in model.effects if "velocity" in Model(NoFriction(), [effect]).needs]

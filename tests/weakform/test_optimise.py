@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from fricmodels.ascent import simplexes, walk
+from fricmodels.weakform.optimise import coordinate_search, multistart_nelder_mead
 
 Point = tuple[float, ...]
 POSITIVE, SIGNED = (1e-12, np.inf), (-0.9, 0.9)
@@ -17,7 +17,7 @@ def test_a_walk_climbs_to_the_top_by_ratios_and_by_steps() -> None:
     def hill(point: tuple[float, ...]) -> float:
         return -float(np.log(point[0] / 2.7) ** 2 + (point[1] - 0.3) ** 2)
 
-    top = walk(hill, (2.0, 0.0), bounds, [2.0, -1.0])
+    top = coordinate_search(hill, (2.0, 0.0), bounds, [2.0, -1.0])
     assert top[0] == pytest.approx(2.7, rel=0.02)
     assert top[1] == pytest.approx(0.3, abs=0.02)
 
@@ -29,7 +29,7 @@ def test_a_walk_follows_a_valley_that_runs_between_the_axes() -> None:
         along, across = np.log(point[0] * point[1] / 36.0), np.log(point[0] / point[1])
         return -float(along**2 + 5 * across**2)
 
-    top = walk(ridge, (1.0, 1.0), bounds, [2.0, 2.0])
+    top = coordinate_search(ridge, (1.0, 1.0), bounds, [2.0, 2.0])
     assert top[0] == pytest.approx(6.0, rel=0.1)
     assert top[1] == pytest.approx(6.0, rel=0.1)
 
@@ -42,9 +42,9 @@ def test_a_walk_stays_within_bounds_and_never_goes_down() -> None:
         seen.append(point[0])
         return point[0]
 
-    assert walk(slope, (1.0,), bounds, [4.0]) == (2.0,)
+    assert coordinate_search(slope, (1.0,), bounds, [4.0]) == (2.0,)
     assert 0.5 <= min(seen) <= max(seen) <= 2.0
-    assert walk(lambda point: -abs(point[0] - 1.0), (1.0,), bounds, [1.3]) == (1.0,)
+    assert coordinate_search(lambda point: -abs(point[0] - 1.0), (1.0,), bounds, [1.3]) == (1.0,)
 
 
 # ---- simplexes --------------------------------------------------------------------------------------------------
@@ -58,7 +58,7 @@ def ridge(point: Point) -> float:
 
 def test_simplexes_find_the_top_of_a_curved_ridge() -> None:
     starts = [(1.0, 0.0, 5.0), (10.0, -0.2, 5.0), (1.0, 0.0, 50.0)]
-    found = simplexes(ridge, starts, [POSITIVE, SIGNED, POSITIVE], [2.0, -0.2, 2.0])
+    found = multistart_nelder_mead(ridge, starts, [POSITIVE, SIGNED, POSITIVE], [2.0, -0.2, 2.0])
     np.testing.assert_allclose(found, (3.0, 0.4, 20.0), rtol=0.02)
 
 
@@ -69,7 +69,7 @@ def test_the_best_of_several_summits_is_taken() -> None:
 
     starts = [(1.1, 1.0, 1.0), (30.0, 30.0, 0.03)]
     for order in (starts, starts[::-1]):
-        found = simplexes(two, order, [POSITIVE] * 3, [2.0] * 3)
+        found = multistart_nelder_mead(two, order, [POSITIVE] * 3, [2.0] * 3)
         np.testing.assert_allclose(np.log(found), (4.0, 4.0, -4.0), atol=0.05)
 
 
@@ -81,7 +81,7 @@ def test_simplexes_stay_within_bounds_and_leave_what_makes_no_difference() -> No
         return point[0] + point[1]
 
     bounded = [(0.5, 7.0), SIGNED, POSITIVE]
-    found = simplexes(outward, [(1.0, 0.0, 3.0)], bounded, [2.0, -0.2, 1.0])
+    found = multistart_nelder_mead(outward, [(1.0, 0.0, 3.0)], bounded, [2.0, -0.2, 1.0])
     assert found == pytest.approx((7.0, 0.9, 3.0))
     assert all(0.5 <= p <= 7.0 and -0.9 <= s <= 0.9 and other == 3.0 for p, s, other in seen)
 
@@ -89,8 +89,8 @@ def test_simplexes_stay_within_bounds_and_leave_what_makes_no_difference() -> No
 def test_the_summit_does_not_depend_on_the_units() -> None:
     starts = [(1.0, 0.05, 5.0), (10.0, -0.2, 5.0)]
     parameters, spacing = [POSITIVE, SIGNED, POSITIVE], [2.0, -0.2, 2.0]
-    one = simplexes(ridge, starts, parameters, spacing)
-    other = simplexes(
+    one = multistart_nelder_mead(ridge, starts, parameters, spacing)
+    other = multistart_nelder_mead(
         lambda p: ridge((p[0] / 1e4, p[1], p[2])), [(a * 1e4, b, c) for a, b, c in starts], parameters, spacing
     )
     np.testing.assert_allclose(other, (one[0] * 1e4, one[1], one[2]), rtol=1e-6)
@@ -105,7 +105,7 @@ def test_what_is_not_worth_it_is_not_begun_anew() -> None:
             seen.append(point)
             return ridge(point)
 
-        simplexes(counted, [(1.0, 0.0, 5.0)], [POSITIVE, SIGNED, POSITIVE], [2.0, -0.2, 2.0], worth)
+        multistart_nelder_mead(counted, [(1.0, 0.0, 5.0)], [POSITIVE, SIGNED, POSITIVE], [2.0, -0.2, 2.0], worth)
         trials.append(len(seen))
     assert trials[1] < 50 < trials[0], "one short simplex, for the ridge is nowhere above zero"
 
@@ -119,10 +119,10 @@ def test_patience_begins_anew_where_it_did_not_help() -> None:
             seen.append(point)
             return 2.0 - float(sum(abs(x - 1.0) for x in point))
 
-        simplexes(counted, [(1.0, 1.0, 1.0)], [POSITIVE] * 3, [2.0] * 3, patience=patience)
+        multistart_nelder_mead(counted, [(1.0, 1.0, 1.0)], [POSITIVE] * 3, [2.0] * 3, patience=patience)
         trials.append(len(seen))
     assert trials[1] > 1.5 * trials[0], "from the summit itself nothing is gained"
 
 
 def test_nothing_free_leaves_the_best_start() -> None:
-    assert simplexes(sum, [(1.0, 2.0), (3.0, 1.0)], [POSITIVE] * 2, [1.0, 1.0]) == (3.0, 1.0)
+    assert multistart_nelder_mead(sum, [(1.0, 2.0), (3.0, 1.0)], [POSITIVE] * 2, [1.0, 1.0]) == (3.0, 1.0)

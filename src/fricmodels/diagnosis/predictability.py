@@ -14,21 +14,21 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from fricmodels.diagnosis.channels import TORQUE_PAST, shapes
-from fricmodels.diagnosis.evidence import Evidence, Regression
-from fricmodels.diagnosis.problem import Problem
+from fricmodels.diagnosis.basis_functions import TORQUE_PAST, shapes
+from fricmodels.weakform.problem import WeakFormProblem
+from fricmodels.weakform.regression import Evidence, Regression
 
 Array = NDArray[np.float64]
 
 
 OWN_PAST = "its own course shortly before"
-PERSISTENT = frozenset({OWN_PAST, TORQUE_PAST})
+AUTOREGRESSIVE = frozenset({OWN_PAST, TORQUE_PAST})
 """Views that say nothing of a cause: all that lasts or rings shows in them."""
 _PAST = 12
 
 
 @dataclass(frozen=True)
-class View:
+class ChannelPredictor:
     """What one channel predicts of the residual.
 
     Attributes:
@@ -44,12 +44,12 @@ class View:
     columns: Array
 
 
-def views(problem: Problem, regression: Regression) -> list[View]:
+def views(problem: WeakFormProblem, regression: Regression) -> list[ChannelPredictor]:
     """Return every view of the residual, the best predictor first."""
     return sorted(each(problem, regression), key=lambda view: float(np.sum(view.evidence.loss)))
 
 
-def each(problem: Problem, regression: Regression, first: Sequence[str] = ()) -> Iterator[View]:
+def each(problem: WeakFormProblem, regression: Regression, first: Sequence[str] = ()) -> Iterator[ChannelPredictor]:
     """Yield every view of the residual, those of some channels first."""
     every = dict(shapes(problem, regression))
     every[OWN_PAST] = partial(own_past, problem, regression.residual)
@@ -59,10 +59,10 @@ def each(problem: Problem, regression: Regression, first: Sequence[str] = ()) ->
         chosen = np.flatnonzero(regression.visible(columns))[:room]
         if len(chosen):
             evidence = regression.test(columns[chosen])
-            yield View(channels, evidence, min(1.0, evidence.p_value * len(every)), columns[chosen])
+            yield ChannelPredictor(channels, evidence, min(1.0, evidence.p_value * len(every)), columns[chosen])
 
 
-def own_past(problem: Problem, residual: Array) -> Array:
+def own_past(problem: WeakFormProblem, residual: Array) -> Array:
     """Return the residual of earlier rows, so long before that they share no sample and no noise, shape (12, rows).
 
     Whatever lasts or rings shows in it, in whichever channel its cause may be.

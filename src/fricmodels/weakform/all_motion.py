@@ -11,14 +11,14 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from fricmodels.diagnosis.problem import Problem
 from fricmodels.drive import Drive
+from fricmodels.weakform.problem import WeakFormProblem
 
 Array = NDArray[np.float64]
 
 
-def left_over(
-    problem: Problem,
+def residual_rms(
+    problem: WeakFormProblem,
     effect: Drive | None = None,
     nonlinear: Sequence[float] = (),
     kept: NDArray[np.bool_] | None = None,

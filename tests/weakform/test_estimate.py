@@ -6,12 +6,12 @@ from collections.abc import Callable
 
 import pytest
 
-from fricmodels.diagnosis.estimate import estimate
 from fricmodels.dimension import Motion
 from fricmodels.drive import Drive
 from fricmodels.errors import InputError
 from fricmodels.model import Model
 from fricmodels.recording import Recording
+from fricmodels.weakform.estimate import estimate
 
 Made = Callable[..., Recording]
 TRUTH = {"J": 2.0, "K_v": 0.5, "K_c": 3.0}

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 from fricmodels.diagnosis import examine
+from fricmodels.diagnosis.candidate_tests import candidate_tests
 from fricmodels.diagnosis.comparison import Comparison, compare, with_effect
 from fricmodels.diagnosis.floor import LEAST_TORQUE
-from fricmodels.diagnosis.second_look import _falls_far, _share_seen, second_look
-from fricmodels.diagnosis.survey import survey
-from fricmodels.diagnosis.verdict import Answer, answer, torque_share
+from fricmodels.diagnosis.refit_check import _falls_far, _share_seen, refit_check
+from fricmodels.diagnosis.verdict import LookAlikes, select_effect, torque_share
 from fricmodels.effects.presliding import Presliding
 from fricmodels.rig import Rig
 
@@ -57,9 +57,11 @@ def stiff() -> Comparison:
     return compare(axis(seed=5).simulate(), "coulomb-viscous", MASS)
 
 
-def first(comparison: Comparison, *names: str) -> Answer | None:
+def first(comparison: Comparison, *names: str) -> LookAlikes | None:
     """Return what the rows name."""
-    return answer(survey(replace(comparison.problem), comparison.estimate.parameters, only=names or None))
+    return select_effect(
+        candidate_tests(replace(comparison.problem), comparison.estimate.parameters, only=names or None)
+    )
 
 
 def test_the_rows_alone_do_not_see_the_contact_bend(bent: Comparison) -> None:
@@ -77,8 +79,8 @@ def test_it_is_named_on_all_motion_with_the_friction_that_it_has(bent: Compariso
 
 def test_nothing_is_named_on_the_same_motion_of_a_stiff_contact(stiff: Comparison) -> None:
     assert examine(stiff).verdict == "adequate"
-    result = survey(replace(stiff.problem), stiff.estimate.parameters)
-    assert second_look(stiff, result, (), None) is None
+    result = candidate_tests(replace(stiff.problem), stiff.estimate.parameters)
+    assert refit_check(stiff, result, (), None) is None
 
 
 def test_without_it_no_other_one_takes_its_place(bent: Comparison) -> None:
@@ -90,19 +92,19 @@ def test_without_it_no_other_one_takes_its_place(bent: Comparison) -> None:
     [("backlash", False), ("rising-stiction", False), ("joint-compliance", False), ("presliding", True)],
 )
 def test_what_the_rows_name_stands_only_if_the_error_falls_with_it(bent: Comparison, name: str, helps: bool) -> None:
-    result = survey(replace(bent.problem), bent.estimate.parameters, only=[name])
+    result = candidate_tests(replace(bent.problem), bent.estimate.parameters, only=[name])
     (tested,) = result.tested
     assert torque_share(result, tested.evidence) < 0.2 * bent.errors.held_out_percent / 100
     with_it = with_effect(bent, tested.effect, tested.parameters)
     assert (with_it.errors.held_out_percent < bent.errors.held_out_percent) is helps
-    found = second_look(bent, result, ["presliding"], Answer(tested, (tested,)))
+    found = refit_check(bent, result, ["presliding"], LookAlikes(tested, (tested,)))
     assert (found is not None) is helps
 
 
 def test_an_effect_without_memory_is_left_as_the_rows_name_it(stiff: Comparison) -> None:
-    result = survey(replace(stiff.problem), stiff.estimate.parameters, only=["torque-offset"])
-    named = Answer(result.tested[0], result.tested)
-    assert second_look(stiff, result, (), named) is named
+    result = candidate_tests(replace(stiff.problem), stiff.estimate.parameters, only=["torque-offset"])
+    named = LookAlikes(result.tested[0], result.tested)
+    assert refit_check(stiff, result, (), named) is named
 
 
 def test_the_model_with_it_is_fitted_to_all_motion(bent: Comparison) -> None:
@@ -114,7 +116,7 @@ def test_the_model_with_it_is_fitted_to_all_motion(bent: Comparison) -> None:
 
 
 def test_all_motion_has_the_rows_and_more(bent: Comparison) -> None:
-    rows, all_motion = bent.problem, bent.problem.throughout
+    rows, all_motion = bent.problem, bent.problem.including_uncertain_motion
     assert all_motion.rows > rows.rows
     assert np.isin(rows.centre, all_motion.centre).mean() > 0.99
     assert all_motion.estimated == rows.estimated
@@ -132,7 +134,9 @@ def test_an_error_falls_far_by_its_size_and_its_share(before: float, after: floa
 
 def test_the_rows_see_hardly_anything_of_a_bending_contact_and_all_of_an_offset(bent: Comparison) -> None:
     problem = replace(bent.problem)
-    result = survey(problem.throughout, bent.estimate.parameters, only=["presliding", "torque-offset"])
+    result = candidate_tests(
+        problem.including_uncertain_motion, bent.estimate.parameters, only=["presliding", "torque-offset"]
+    )
     share = {tested.name: _share_seen(problem, tested) for tested in result.tested}
     assert share["presliding"] < 0.1
     assert share["torque-offset"] == pytest.approx(1.0, abs=0.1)
@@ -169,7 +173,7 @@ def resonance(seed: int, *, hidden: bool = True) -> Comparison:
 @pytest.mark.parametrize("seed", [3, 4])
 def test_what_the_rows_see_as_too_small_is_named_if_the_error_falls_far(seed: int) -> None:
     rung = resonance(seed)
-    result = survey(replace(rung.problem), rung.estimate.parameters, only=["joint-compliance"])
+    result = candidate_tests(replace(rung.problem), rung.estimate.parameters, only=["joint-compliance"])
     (tested,) = result.tested
     assert torque_share(result, tested.evidence) < LEAST_TORQUE
     assert tested.evidence.explained > 0.8

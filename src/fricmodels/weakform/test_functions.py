@@ -137,8 +137,8 @@ def _share(velocity: Array, change: Array) -> Array:
     return np.where((share >= 0.0) & (share <= 1.0), share, 1.0)
 
 
-class Bumps:
-    """Bumps of one width along a recording, an eighth of their width apart.
+class TestFunctions:
+    """TestFunctions of one width along a recording, an eighth of their width apart.
 
     Args:
         recording: gives the stretches without a gap.

@@ -14,8 +14,6 @@ from functools import cache, cached_property, lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from fricmodels.diagnosis.remembered import Remembered
-from fricmodels.diagnosis.unclear import creeping, direction_unclear
 from fricmodels.dimension import FORCE, INERTIA, Motion
 from fricmodels.drive import Drive, rest_width
 from fricmodels.memory import Memory
@@ -23,8 +21,10 @@ from fricmodels.model import Model
 from fricmodels.parameter import Parameter
 from fricmodels.recording import Recording
 from fricmodels.signals import best_half_width, lanczos_derivative, noise, resting
-from fricmodels.signals.weak_form import HOPS, Bumps, Quadrature, mean_velocity
 from fricmodels.term import Effect, Law, Parameters, Signals
+from fricmodels.weakform.remembered import Remembered
+from fricmodels.weakform.test_functions import HOPS, Quadrature, TestFunctions, mean_velocity
+from fricmodels.weakform.unclear import creeping, direction_unclear
 
 Array = NDArray[np.float64]
 
@@ -53,7 +53,7 @@ class NoFriction(Law):
 
 
 @dataclass(frozen=True)
-class Problem:
+class WeakFormProblem:
     """A drive, a recording, and its rows.
 
     Attributes:
@@ -61,10 +61,10 @@ class Problem:
         recording: prepared; ``velocity`` as measured, torques at its time, see :meth:`fricmodels.drive.Drive.timed`.
         smooth: velocity freed of noise, at which friction is evaluated.
         resting: samples at rest.
-        quadrature, bumps: see :mod:`fricmodels.signals.weak_form`.
+        quadrature, bumps: see :mod:`fricmodels.weakform.test_functions`.
         velocity_noise: standard deviation of the noise of the velocity.
         half_width: of the filter that smooths it.
-        law_share: see :meth:`law_has`.
+        friction_limits: see :meth:`limits_of_friction`.
         estimated: parameters of the drive's fit, once there is one; see :attr:`motor_torque`.
         delay: by which the model's own delay, if it has one, was taken out of the recording [s].
     """
@@ -74,15 +74,15 @@ class Problem:
     smooth: Array
     resting: NDArray[np.bool_]
     quadrature: Quadrature
-    bumps: Bumps
+    bumps: TestFunctions
     velocity_noise: float
     half_width: int
-    law_share: tuple[float, float]
+    friction_limits: tuple[float, float]
     estimated: Mapping[str, float] | None = None
     delay: float = 0.0
 
     @classmethod
-    def of(cls, drive: Drive, recording: Recording, parameters: Mapping[str, float]) -> Problem:
+    def of(cls, drive: Drive, recording: Recording, parameters: Mapping[str, float]) -> WeakFormProblem:
         """Choose the bumps and evaluate what all candidates share.
 
         Args:
@@ -105,9 +105,9 @@ class Problem:
         unclear = direction_unclear(drive, part, smooth, at_rest, width, parameters)
         quadrature, bumps = _rows(part, smooth, width, unclear)
         problem = cls(drive, part, smooth, at_rest, quadrature, bumps, sigma, half_width, (0.0, 0.0), delay=delay)
-        return replace(problem, law_share=problem.law_has(parameters))
+        return replace(problem, friction_limits=problem.limits_of_friction(parameters))
 
-    def law_has(self, parameters: Mapping[str, float]) -> tuple[float, float]:
+    def limits_of_friction(self, parameters: Mapping[str, float]) -> tuple[float, float]:
         """Return the most that can rise with speed [torque/velocity] and fall [torque] of the model's friction.
 
         Neither part can be more than all of the friction, in the direction that has more of it. How a model divides its
@@ -123,19 +123,19 @@ class Problem:
         )
         return most / (peak or 1.0), most
 
-    def most(self, parameter: Parameter) -> float:
+    def upper_bound(self, parameter: Parameter) -> float:
         """Return the most that a linear coefficient may be: of a share of the drive, all that this is known to have."""
         if not parameter.part_of_drive:
             return parameter.upper
         if parameter.dimension == INERTIA:
             return self.drive.inertia or parameter.upper
-        return self.law_share[parameter.dimension == FORCE]
+        return self.friction_limits[parameter.dimension == FORCE]
 
     def _at_rest(self, count: int) -> list[Array]:
         return [np.full(count, state.initial) for state in self.drive.model.states]
 
     @cached_property
-    def perturbed(self) -> Problem:
+    def perturbed(self) -> WeakFormProblem:
         """The same problem with as much noise again on the velocity, and nothing else changed.
 
         What a column differs by between the two is what noise makes of it.
@@ -156,7 +156,7 @@ class Problem:
         )
 
     @cached_property
-    def throughout(self) -> Problem:
+    def including_uncertain_motion(self) -> WeakFormProblem:
         """The same problem on all motion, also where a drive without memory may have stuck or turned between samples.
 
         An effect with memory may do most of what it does there, and need not know which way the drive moved at every
@@ -343,7 +343,7 @@ def noise_like(recording: Recording, deviation: float, rng: np.random.Generator)
     return np.asarray(lanczos_derivative(time, noise(time, position, run) * white, width, run)[1])
 
 
-def momentum_noise(bumps: Bumps, recording: Recording, deviation: float) -> Array:
+def momentum_noise(bumps: TestFunctions, recording: Recording, deviation: float) -> Array:
     """Return the momentum per inertia that noise alone would show, shape (rows,).
 
     Args:
@@ -373,8 +373,10 @@ def spread(recording: Recording) -> Recording:
     return replace(chosen, run=run.astype(np.int64).ravel())
 
 
-def _rows(recording: Recording, smooth: Array, width: int, unclear: NDArray[np.bool_]) -> tuple[Quadrature, Bumps]:
-    bumps = Bumps(recording, width, unclear, least_moving=1.0, over_cells=recording.derived_over > 0)
+def _rows(
+    recording: Recording, smooth: Array, width: int, unclear: NDArray[np.bool_]
+) -> tuple[Quadrature, TestFunctions]:
+    bumps = TestFunctions(recording, width, unclear, least_moving=1.0, over_cells=recording.derived_over > 0)
     return Quadrature.of(recording, smooth, unclear), bumps
 
 
@@ -387,7 +389,7 @@ def _bump_width(recording: Recording, inertia: float, deviation: float) -> int:
     widest = max(narrowest, min(_WIDEST, shortest // 40 // HOPS * HOPS))
     moving = np.zeros(len(recording), dtype=bool)
     for width in range(narrowest, widest, HOPS):
-        bumps = Bumps(recording, width, moving, over_cells=recording.derived_over > 0)
+        bumps = TestFunctions(recording, width, moving, over_cells=recording.derived_over > 0)
         rows = inertia * momentum_noise(bumps, recording, deviation)
         if not len(rows) or float(np.sqrt(np.mean(rows**2))) <= wanted:
             return width

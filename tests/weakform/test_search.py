@@ -9,26 +9,27 @@ from typing import Any
 import numpy as np
 import pytest
 
-from fricmodels.diagnosis import survey as surveys
-from fricmodels.diagnosis.candidate import Candidate
-from fricmodels.diagnosis.estimate import estimate
-from fricmodels.diagnosis.search import is_at_an_end, search, starting_points
-from fricmodels.diagnosis.survey import noise_share, survey
+from fricmodels.diagnosis import candidate_tests as surveys
+from fricmodels.diagnosis.candidate_tests import candidate_tests, noise_share
 from fricmodels.dimension import ACCELERATION, DISPLACEMENT, FORCE, INERTIA, TIME, VELOCITY, Motion
 from fricmodels.drive import Drive
 from fricmodels.model import Model
 from fricmodels.parameter import Parameter
 from fricmodels.plugins import load
-from fricmodels.recording import Recording, natural_size, scan_size
+from fricmodels.recording import Recording
+from fricmodels.weakform.candidate import Candidate
+from fricmodels.weakform.estimate import estimate
+from fricmodels.weakform.ranges import natural_size, scan_size
+from fricmodels.weakform.search import is_at_an_end, search, starting_points
 
 Made = Callable[..., Recording]
 
 
-def examined(recording: Recording, effect: str) -> surveys.Tested:
+def examined(recording: Recording, effect: str) -> surveys.CandidateTest:
     """Return one candidate's test on what a Coulomb-viscous drive leaves over."""
     drive = Drive(Model.parse("coulomb-viscous"), 2.0, recording.motion)
     problem, found = estimate(drive, recording)
-    (only,) = survey(problem, found.parameters, only=[effect]).tested
+    (only,) = candidate_tests(problem, found.parameters, only=[effect]).tested
     return only
 
 
@@ -67,10 +68,10 @@ def test_the_wave_number_does_not_depend_on_the_units_of_torque(made: Made) -> N
     )
     drive = Drive(Model.parse("coulomb-viscous"), 2.0)
     problem, found = estimate(drive, recording)
-    (one,) = survey(problem, found.parameters, only=["cogging"]).tested
+    (one,) = candidate_tests(problem, found.parameters, only=["cogging"]).tested
     big = recording.with_channels(torque=1000 * recording.torque)
     problem, found = estimate(Drive(drive.model, 2000.0), big)
-    (other,) = survey(problem, found.parameters, only=["cogging"]).tested
+    (other,) = candidate_tests(problem, found.parameters, only=["cogging"]).tested
     assert other.parameters["k"] == pytest.approx(one.parameters["k"], rel=1e-9)
     assert other.parameters["a"] == pytest.approx(1000 * one.parameters["a"], rel=1e-6)
     assert other.evidence.explained == pytest.approx(one.evidence.explained, rel=1e-6)
@@ -112,9 +113,9 @@ def test_the_share_of_noise_grows_with_its_square(made: Made) -> None:
         recording = made(noise=noise, samples=4000)
         drive = Drive(Model.parse("coulomb-viscous"), 2.0)
         problem, found = estimate(drive, recording)
-        result = survey(problem, found.parameters, only=["gravity"])
+        result = candidate_tests(problem, found.parameters, only=["gravity"])
         effect = load().effects["nonlinear-viscous"]()
-        (candidate,) = survey(problem, found.parameters, only=["nonlinear-viscous"]).tested or (None,)
+        (candidate,) = candidate_tests(problem, found.parameters, only=["nonlinear-viscous"]).tested or (None,)
         assert result.tested
         if candidate is None:
             shares.append(1.0)
@@ -127,7 +128,7 @@ def test_the_share_of_noise_grows_with_its_square(made: Made) -> None:
 def test_a_column_of_position_holds_no_noise_of_the_velocity(made: Made) -> None:
     recording = made(noise=3.0, samples=4000)
     problem, found = estimate(Drive(Model.parse("coulomb-viscous"), 2.0), recording)
-    result = survey(problem, found.parameters, only=["gravity"])
+    result = candidate_tests(problem, found.parameters, only=["gravity"])
     share = noise_share(
         problem, problem.perturbed, result.regression, load().effects["gravity"](), result.tested[0].found
     )
@@ -160,7 +161,7 @@ def test_a_shift_within_a_sample_is_no_delay(made: Made) -> None:
     shifted = recording.select(slice(1, None)).with_channels(derived=False, torque=half)
     drive = Drive(Model.parse("coulomb-viscous"), 2.0, recording.motion)
     problem, parameters = estimate(drive, shifted)
-    tested = survey(problem, parameters.parameters, only=["sensor-delay"]).tested
+    tested = candidate_tests(problem, parameters.parameters, only=["sensor-delay"]).tested
     assert all(t.evidence.gain < 0.05 for t in tested)
 
 
@@ -169,19 +170,19 @@ def test_no_length_is_longer_than_the_travel(made: Made) -> None:
     recording = made("coulomb-viscous+torque-gain", {"torque-gain.g": 0.1})
     problem, found = estimate(Drive(Model.parse("coulomb-viscous"), 2.0), recording)
     lengths = {"backlash": "w", "presliding": "x_s", "rising-stiction": "x_s"}
-    for tested in survey(problem, found.parameters, only=lengths).tested:
+    for tested in candidate_tests(problem, found.parameters, only=lengths).tested:
         assert 0 < tested.parameters[lengths[tested.name]] <= np.ptp(recording["position"])
 
 
-@pytest.mark.parametrize(("samples", "stretched"), [(0.7, True), (30.0, False)])
-def test_no_duration_is_shorter_than_two_samples(made: Made, samples: float, stretched: bool) -> None:
+@pytest.mark.parametrize(("samples", "at_search_bound"), [(0.7, True), (30.0, False)])
+def test_no_duration_is_shorter_than_two_samples(made: Made, samples: float, at_search_bound: bool) -> None:
     """Sampling alone delays friction by part of a sample."""
     falling = {"stribeck.F_s": 4.0, "stribeck.omega_s": 0.3, "stribeck.delta": 1.0}
     lagging = {"frictional-lag.F_s": 4.0, "frictional-lag.omega_s": 0.3, "frictional-lag.T": samples * 2e-3}
     recording = made("coulomb-viscous+stribeck+frictional-lag", falling | lagging)
     problem, found = estimate(Drive(Model.parse("coulomb-viscous+stribeck"), 2.0), recording)
-    (tested,) = survey(problem, found.parameters, only=["frictional-lag"]).tested
-    assert tested.found.stretched is stretched
+    (tested,) = candidate_tests(problem, found.parameters, only=["frictional-lag"]).tested
+    assert tested.found.at_search_bound is at_search_bound
     assert tested.parameters["T"] == pytest.approx(max(samples, 2.0) * recording.interval, rel=0.1)
 
 
@@ -203,7 +204,7 @@ def test_no_duration_is_many_times_the_recordings(made: Made) -> None:
     """A drift in proportion to time has no end of its own."""
     recording = made("coulomb-viscous+drift", {"drift.a": 0.0, "drift.b": 0.1, "drift.T": 1e6})
     problem, found = estimate(Drive(Model.parse("coulomb-viscous"), 2.0), recording)
-    (tested,) = survey(problem, found.parameters, only=["drift"]).tested
+    (tested,) = candidate_tests(problem, found.parameters, only=["drift"]).tested
     assert 10 < tested.parameters["T"] / np.ptp(recording.time) <= 15
     assert tested.evidence.explained > 0.9
 
@@ -222,7 +223,7 @@ def test_a_period_must_be_passed_as_a_whole(made: Made) -> None:
 @pytest.mark.parametrize(("motion", "seen"), [(Motion.ROTARY, True), (Motion.LINEAR, False)])
 def test_a_linear_axis_does_not_turn(made: Made, motion: Motion, seen: bool) -> None:
     problem, found = estimate(Drive(Model.parse("coulomb-viscous"), 2.0, motion), made(motion=motion))
-    result = survey(problem, found.parameters, only=["gravity"])
+    result = candidate_tests(problem, found.parameters, only=["gravity"])
     assert bool(result.tested) is seen
     assert ("gravity" in result.unseen) is not seen
 
@@ -230,7 +231,7 @@ def test_a_linear_axis_does_not_turn(made: Made, motion: Motion, seen: bool) -> 
 def test_an_estimated_inertia_has_no_error_of_its_own(made: Made) -> None:
     """Its momentum is that of the velocity, and the acceleration another filter's: their difference is no cause."""
     problem, found = estimate(Drive(Model.parse("coulomb-viscous"), None), made())
-    result = survey(problem, found.parameters, only=["inertia-error", "joint-compliance"])
+    result = candidate_tests(problem, found.parameters, only=["inertia-error", "joint-compliance"])
     assert [tested.name for tested in result.tested] == ["joint-compliance"]
     assert "inertia is estimated" in result.unseen["inertia-error"]
 
@@ -249,9 +250,9 @@ def test_what_resembles_an_effect_is_stretched_and_the_effect_is_not(
     made: Made, hidden: str, values: Mapping[str, float], resembles: str
 ) -> None:
     recording = made(f"coulomb-viscous+{hidden}", {f"{hidden}.{key}": value for key, value in values.items()})
-    assert not examined(recording, hidden).found.stretched
+    assert not examined(recording, hidden).found.at_search_bound
     other = examined(recording, resembles)
-    assert other.found.stretched
+    assert other.found.at_search_bound
     assert other.evidence.explained > 0.3, "it would be a candidate"
 
 
@@ -269,9 +270,9 @@ def test_no_parameter_goes_far_beyond_what_is_tried_first(made: Made) -> None:
 def test_the_load_behind_a_gap_has_no_more_friction_than_the_drive(made: Made) -> None:
     recording = made("coulomb-viscous+stribeck", {"stribeck.F_s": 3.0, "stribeck.omega_s": 0.2, "stribeck.delta": 1.0})
     problem, found = estimate(Drive(Model.parse("coulomb-viscous"), 2.0), recording)
-    (tested,) = survey(problem, found.parameters, only=["backlash"]).tested
+    (tested,) = candidate_tests(problem, found.parameters, only=["backlash"]).tested
     peak = float(np.max(np.abs(recording.velocity)))
-    assert 0 < tested.effect.own_friction(peak, tested.parameters) <= problem.law_share[1] * (1 + 1e-9)
+    assert 0 < tested.effect.own_friction(peak, tested.parameters) <= problem.friction_limits[1] * (1 + 1e-9)
 
 
 def test_a_search_that_cannot_compare_with_a_rival_ends_early(made: Made) -> None:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from fricmodels.drive import Drive
 from fricmodels.recording import Recording
 from fricmodels.signals import smoothed_velocity, stretches
-from fricmodels.signals.weak_form import HOPS
+from fricmodels.weakform.test_functions import HOPS
 
 Array = NDArray[np.float64]
 

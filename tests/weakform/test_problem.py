@@ -7,12 +7,12 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from fricmodels.diagnosis.estimate import estimate
-from fricmodels.diagnosis.problem import MAX_SAMPLES, Problem, spread
 from fricmodels.dimension import Motion
 from fricmodels.drive import Drive
 from fricmodels.model import Model
 from fricmodels.recording import Recording
+from fricmodels.weakform.estimate import estimate
+from fricmodels.weakform.problem import MAX_SAMPLES, WeakFormProblem, spread
 
 Made = Callable[..., Recording]
 TRUTH = {"J": 2.0, "K_v": 0.5, "K_c": 3.0}
@@ -21,7 +21,7 @@ COULOMB_VISCOUS = Drive(Model.parse("coulomb-viscous"), 2.0)
 
 def test_a_clean_drive_leaves_next_to_nothing_at_its_true_parameters(made: Made) -> None:
     """Reversals included: what causes a change of velocity within a sampling interval is weighted alike."""
-    problem = Problem.of(COULOMB_VISCOUS, made(noise=0.0), TRUTH)
+    problem = WeakFormProblem.of(COULOMB_VISCOUS, made(noise=0.0), TRUTH)
     design, _ = problem.columns(COULOMB_VISCOUS)
     left = problem.target - np.array([0.5, 3.0]) @ design
     rms = float(np.sqrt(np.mean(problem.driving**2)))
@@ -32,7 +32,7 @@ def test_a_clean_drive_leaves_next_to_nothing_at_its_true_parameters(made: Made)
 def test_the_finer_the_sampling_the_less_is_left(made: Made) -> None:
     sizes = []
     for rate in (250.0, 500.0, 1000.0):
-        problem = Problem.of(COULOMB_VISCOUS, made(noise=0.0, rate=rate, samples=int(16 * rate)), TRUTH)
+        problem = WeakFormProblem.of(COULOMB_VISCOUS, made(noise=0.0, rate=rate, samples=int(16 * rate)), TRUTH)
         design, _ = problem.columns(COULOMB_VISCOUS)
         left = problem.target - np.array([0.5, 3.0]) @ design
         sizes.append(float(np.sqrt(np.mean(left**2) / np.mean(problem.driving**2))))
@@ -44,7 +44,7 @@ def test_the_rows_of_a_constant_acceleration_are_exact() -> None:
     time = np.arange(4000) * 1e-3
     channels = {"time": time, "torque": np.full(4000, 6.0), "velocity": 1.0 + 3.0 * time}
     recording = Recording("ramp", Motion.ROTARY, channels, np.zeros(4000, dtype=np.int64))
-    problem = Problem.of(COULOMB_VISCOUS, recording, {"J": 2.0, "K_v": 0.0, "K_c": 0.0})
+    problem = WeakFormProblem.of(COULOMB_VISCOUS, recording, {"J": 2.0, "K_v": 0.0, "K_c": 0.0})
     np.testing.assert_allclose(problem.driving[1:-1], 2.0 * problem.momentum[1:-1], rtol=1e-9)
     design, _ = problem.columns(COULOMB_VISCOUS)
     np.testing.assert_allclose(design[0] / design[1], recording.velocity[problem.centre], atol=3e-3)
@@ -61,7 +61,7 @@ def test_rest_gives_no_rows(made: Made) -> None:
         "velocity": np.concatenate([moving.velocity, still]),
     }
     both = Recording("both", Motion.ROTARY, channels, np.repeat([0, 1], 4000))
-    problem = Problem.of(COULOMB_VISCOUS, both, TRUTH)
+    problem = WeakFormProblem.of(COULOMB_VISCOUS, both, TRUTH)
     assert np.all(problem.centre < 4000)
     _, found = estimate(COULOMB_VISCOUS, both)
     assert found.parameters["K_c"] == pytest.approx(3.0, rel=2e-3)
@@ -90,7 +90,7 @@ def test_long_recordings_are_spread_over_blocks() -> None:
 
 
 def test_wider_bumps_where_the_velocity_is_noisier(made: Made) -> None:
-    widths = [Problem.of(COULOMB_VISCOUS, made(noise=noise), TRUTH).bumps.width for noise in (0.05, 1.0, 5.0)]
+    widths = [WeakFormProblem.of(COULOMB_VISCOUS, made(noise=noise), TRUTH).bumps.width for noise in (0.05, 1.0, 5.0)]
     assert widths == sorted(widths)
     assert widths[-1] > widths[0]
 
@@ -98,7 +98,7 @@ def test_wider_bumps_where_the_velocity_is_noisier(made: Made) -> None:
 def test_base_directions_are_the_derivatives_of_the_models_torque(made: Made) -> None:
     drive = Drive(Model.parse("exponential-stick-slip"), 2.0)
     values = {"J": 2.0, "K_v": 0.5, "K_c": 6.0, "C": 3.0, "B": 1.0}
-    problem = Problem.of(drive, made(samples=4000), values)
+    problem = WeakFormProblem.of(drive, made(samples=4000), values)
     directions = problem.base(values)
     assert directions.shape == (4, problem.rows)
 

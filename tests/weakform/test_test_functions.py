@@ -8,7 +8,8 @@ from numpy.typing import NDArray
 
 from fricmodels.dimension import Motion
 from fricmodels.recording import Recording
-from fricmodels.signals.weak_form import HOPS, Bumps
+from fricmodels.weakform.test_functions import HOPS
+from fricmodels.weakform.test_functions import TestFunctions as Functions
 
 RUNS = {"one run": [203], "uneven ones": [31, 5, 64, 127, 32], "none long enough": [10, 12]}
 
@@ -42,7 +43,7 @@ def test_integrals_momentum_and_spread(name: str, width: int) -> None:
     lengths = RUNS[name]
     count = sum(lengths)
     unclear = rng.random(count) < 0.01
-    bumps = Bumps(recording(lengths), width, unclear, least_moving=1.0)
+    bumps = Functions(recording(lengths), width, unclear, least_moving=1.0)
     weights = by_definition(lengths, width, unclear)
     assert bumps.count == len(weights)
     rows = rng.normal(size=(3, count))

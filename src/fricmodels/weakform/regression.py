@@ -55,7 +55,7 @@ class Evidence:
 
 
 @dataclass(frozen=True)
-class Freed:
+class ProjectedGram:
     """Inner products of columns freed of base directions: what their least squares need.
 
     Attributes:
@@ -145,7 +145,7 @@ class Regression:
         self.terms = cosine_terms(independent, len(target))
         left, singular, _ = np.linalg.svd(self.base.T, full_matrices=False)
         self._basis = left[:, singular > 1e-9 * singular[0]] if len(singular) else left
-        self.residual = self.free(target[None])[0]
+        self.residual = self.project_out(target[None])[0]
         self._edges = np.linspace(0, len(target), FOLDS + 1).astype(int)
         self.loss = self.residual**2
 
@@ -154,7 +154,7 @@ class Regression:
         """The regression for what is itself a shift in time, and has no other one beside it: this one."""
         return self
 
-    def free(self, columns: Array) -> Array:
+    def project_out(self, columns: Array) -> Array:
         """Project the base directions out of columns, shape (q, M)."""
         once = columns - (columns @ self._basis) @ self._basis.T
         return np.asarray(once - (once @ self._basis) @ self._basis.T)
@@ -163,14 +163,14 @@ class Regression:
         """Return the regression of what is left of the target without a part that is known, shape (M,)."""
         other = copy(self)
         other.target = self.target - part
-        other.residual = self.residual - self.free(part[None])[0]
+        other.residual = self.residual - self.project_out(part[None])[0]
         other.loss = other.residual**2
         return other
 
     def visible(self, columns: Array) -> NDArray[np.bool_]:
         """Mark the columns that differ from what the base model, and the columns before them, can do, shape (q,)."""
         mask = np.zeros(len(columns), dtype=bool)
-        mask[self.freed(columns).kept] = True
+        mask[self.projected_gram(columns).kept] = True
         return mask
 
     @unwarned
@@ -179,13 +179,13 @@ class Regression:
 
         A coefficient that would pass its bounds is left out, as is a column that cannot be told from the others.
         """
-        return self.freed(columns).explained(columns @ self.residual, lower, upper)
+        return self.projected_gram(columns).explained(columns @ self.residual, lower, upper)
 
     @unwarned
-    def freed(self, columns: Array) -> Freed:
+    def projected_gram(self, columns: Array) -> ProjectedGram:
         """Return the products of columns, shape (q, M), that remain without the base directions."""
         inside, whole = columns @ self._basis, columns @ columns.T
-        return Freed(whole - inside @ inside.T, np.diag(whole))
+        return ProjectedGram(whole - inside @ inside.T, np.diag(whole))
 
     def held_out(self, free: Array) -> Array:
         """Return, for every row, the residual with coefficients that did not use the row's block, shape (M,).
@@ -216,7 +216,7 @@ class Regression:
             against: the regression without them, to which residual and loss are compared; this one by default.
         """
         without = against or self
-        free = self.free(columns)
+        free = self.project_out(columns)
         scale = np.linalg.norm(free, axis=1)
         unit = free / scale[:, None]
         # Along orthonormal directions, as many as can be told: there the variance is well conditioned, and the p-value

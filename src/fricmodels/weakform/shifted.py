@@ -8,10 +8,13 @@ A larger shift than a sample is an effect of its own, `sensor-delay`.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 from numpy.typing import NDArray
 
-from fricmodels.diagnosis.evidence import Evidence, Freed, Regression, unwarned
+from fricmodels.weakform.problem import WeakFormProblem
+from fricmodels.weakform.regression import Evidence, ProjectedGram, Regression, unwarned
 
 Array = NDArray[np.float64]
 
@@ -34,7 +37,7 @@ class ShiftedRegression(Regression):
         self._given = (base, target, independent)
         self._direction, self._most = direction, most
         self._unshifted = Regression(base, target, independent)
-        own = self._unshifted.free(direction[None])[0]
+        own = self._unshifted.project_out(direction[None])[0]
         size = float(own @ own)
         self._residual_and_own = np.column_stack([self._unshifted.residual, own])
         self._per_size = 1 / size if size > _TOLD * float(direction @ direction) else 0.0
@@ -70,9 +73,9 @@ class ShiftedRegression(Regression):
         The shift is free where it stays within its bounds, and where the columns can be told from it as well as from
         the base model.
         """
-        held = self._unshifted.freed(columns)
+        held = self._unshifted.projected_gram(columns)
         right, own = (columns @ self._residual_and_own).T
-        free = Freed(held.gram - self._per_size * own[:, None] * own, held.power)
+        free = ProjectedGram(held.gram - self._per_size * own[:, None] * own, held.power)
         case = self._case
         if case == 0 or set(held.kept) <= set(free.kept):
             gained, theta = free.explained(right - self._shift * own, lower, upper)
@@ -93,3 +96,29 @@ class ShiftedRegression(Regression):
                 base = np.vstack([base, self._direction[None]])
             self._cases[case] = Regression(base, target - case * self._most * self._direction, independent)
         return self._cases[case]
+
+
+def regression_of(
+    problem: WeakFormProblem, parameters: Mapping[str, float], also: Array | None = None, added: str = ""
+) -> Regression:
+    """Return the base model's regression, with two freedoms of how recordings are made that are no effects.
+
+    The instant of every reversal may be off by part of a sample, and torque and motion may be shifted against each
+    other by up to one sample (a held torque by half of one). A larger shift is held at one sample; what is left over
+    is then for the candidate ``sensor-delay`` to explain.
+
+    Args:
+        problem: drive and recording.
+        parameters: the model's estimated parameters.
+        also: columns that are taken to be in the model already, shape (k, rows).
+        added: name of the effect that the last of these columns belong to.
+    """
+    base = problem.base(parameters)
+    if also is not None:
+        base = np.vstack([base, also])
+    delayed = "sensor-delay" in {added, *(effect.name for effect in problem.drive.model.effects)}
+    base = np.vstack([base, problem.sign_change[None]])
+    if delayed:
+        return Regression(base, problem.target, problem.independent)
+    direction, most = problem.torque_rate, problem.recording.interval
+    return ShiftedRegression(base, problem.target, problem.independent, direction, most)

@@ -28,7 +28,9 @@ _SURE = 1e-4
 """A simplex has arrived when its corners differ by this share of the value and of an edge."""
 
 
-def walk(value: Callable[[Point], float], point: Point, bounds: Sequence[Bounds], spacing: Sequence[float]) -> Point:
+def coordinate_search(
+    value: Callable[[Point], float], point: Point, bounds: Sequence[Bounds], spacing: Sequence[float]
+) -> Point:
     """Climb from a point, each parameter in turn, by steps that halve each round, and then along what a round moved.
 
     Args:
@@ -72,7 +74,7 @@ def _onward(last: float, here: float, bounds: Bounds, step: float) -> float:
     return min(max(moved, bounds[0]), bounds[1])
 
 
-def simplexes(
+def multistart_nelder_mead(
     value: Callable[[Point], float],
     starts: Sequence[Point],
     bounds: Sequence[Bounds],

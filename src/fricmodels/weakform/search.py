@@ -11,16 +11,16 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
-from fricmodels.ascent import simplexes, walk
-from fricmodels.diagnosis.candidate import Candidate, Found, Point
-from fricmodels.diagnosis.evidence import Regression
-from fricmodels.diagnosis.problem import Problem
 from fricmodels.dimension import DIMENSIONLESS
 from fricmodels.drive import Drive
 from fricmodels.parameter import Parameter
-from fricmodels.recording import scan_size
 from fricmodels.signals.order_spectrum import WaveNumbers, wave_numbers
 from fricmodels.term import Effect
+from fricmodels.weakform.candidate import Candidate, NonlinearOptimum, Point
+from fricmodels.weakform.optimise import coordinate_search, multistart_nelder_mead
+from fricmodels.weakform.problem import WeakFormProblem
+from fricmodels.weakform.ranges import scan_size
+from fricmodels.weakform.regression import Regression
 
 Array = NDArray[np.float64]
 
@@ -39,7 +39,9 @@ _SIGNED = 0.2
 """Spacing of a parameter of either sign of which only one value is tried first."""
 
 
-def search(problem: Problem, regression: Regression, effect: Effect, alone: Drive, rival: float = 0.0) -> Found | None:
+def search(
+    problem: WeakFormProblem, regression: Regression, effect: Effect, alone: Drive, rival: float = 0.0
+) -> NonlinearOptimum | None:
     """Return the best nonlinear parameters of an effect, or ``None`` where none makes it visible.
 
     Args:
@@ -65,8 +67,8 @@ def search(problem: Problem, regression: Regression, effect: Effect, alone: Driv
         return candidate.found(starts[0], trials) if candidate.is_visible(starts[0]) else None
     worth = max(_HOPELESS * float(regression.residual @ regression.residual), _NEAR * rival)
     best = _summit(value, starts, [(p.lower, p.upper) for p in nonlinear], spacing, worth)
-    stretched = bool(effect.states) and is_at_an_end(nonlinear, best, spacing)
-    return candidate.found(best, trials, stretched=stretched)
+    at_search_bound = bool(effect.states) and is_at_an_end(nonlinear, best, spacing)
+    return candidate.found(best, trials, at_search_bound=at_search_bound)
 
 
 def _summit(
@@ -78,10 +80,10 @@ def _summit(
 ) -> Point:
     """Return where most is explained; ``starts`` are the most hopeful first, ``worth`` is what it must come near."""
     if len(bounds) > _FEW:
-        return simplexes(value, starts, bounds, spacing, worth)
-    best = walk(value, starts[0], bounds, spacing)
+        return multistart_nelder_mead(value, starts, bounds, spacing, worth)
+    best = coordinate_search(value, starts[0], bounds, spacing)
     more = starts[1:_STARTS] if len(bounds) > 1 and value(best) >= _UNLIKELY * worth else ()
-    return max((best, *(walk(value, start, bounds, spacing) for start in more)), key=value)
+    return max((best, *(coordinate_search(value, start, bounds, spacing) for start in more)), key=value)
 
 
 def is_at_an_end(nonlinear: Sequence[Parameter], point: Point, spacing: Sequence[float]) -> bool:
@@ -100,7 +102,7 @@ def is_at_an_end(nonlinear: Sequence[Parameter], point: Point, spacing: Sequence
     )
 
 
-def _delay(problem: Problem, regression: Regression, alone: Drive) -> float:
+def _delay(problem: WeakFormProblem, regression: Regression, alone: Drive) -> float:
     """Return the delay [s] that, as a whole shift in time, explains most of the residual: the best of a few, refined.
 
     It is at least the sampling interval; a shorter one is how recordings are made, see :mod:`.shifted`.
@@ -112,7 +114,7 @@ def _delay(problem: Problem, regression: Regression, alone: Drive) -> float:
     def left(samples: float) -> float:
         delay = samples * interval
         columns, _ = problem.columns(alone, delay=delay)
-        rest = regression.residual - delay * regression.free(columns)[0]
+        rest = regression.residual - delay * regression.project_out(columns)[0]
         return float(rest @ rest)
 
     side = min((1, -1), key=lambda side: min(left(side * samples) for samples in _SHIFTS))
@@ -123,10 +125,10 @@ def _delay(problem: Problem, regression: Regression, alone: Drive) -> float:
 
 
 def starting_points(
-    problem: Problem, regression: Regression, alone: Drive, nonlinear: list[Parameter]
+    problem: WeakFormProblem, regression: Regression, alone: Drive, nonlinear: list[Parameter]
 ) -> tuple[list[Point], list[float], float, list[Parameter]]:
     """Return starting points, the spacing of each parameter (a ratio if positive, else a difference, as of
-    :func:`fricmodels.ascent.simplexes`), and the trials.
+    :func:`fricmodels.weakform.optimise.multistart_nelder_mead`), and the trials.
 
     The parameters come back with the bounds that this recording sets: a period must be passed as a whole.
     """
@@ -159,7 +161,7 @@ def starting_points(
     return [tuple(point) for point in itertools.product(*choices)], spacing, trials, bounded
 
 
-def _idle(problem: Problem, alone: Drive, choices: list[list[float]]) -> list[int]:
+def _idle(problem: WeakFormProblem, alone: Drive, choices: list[list[float]]) -> list[int]:
     """Return which parameters make no difference on this recording, such as one of a load without load."""
     if not all(choices):
         return []
@@ -184,7 +186,7 @@ def in_gap(instant: float, time: Array, resolution: float) -> float:
     return float(0.5 * (time[near[0]] + time[near[0] + 1])) if len(near) else instant
 
 
-def _wave_numbers(problem: Problem, regression: Regression, alone: Drive, least: float) -> WaveNumbers:
+def _wave_numbers(problem: WeakFormProblem, regression: Regression, alone: Drive, least: float) -> WaveNumbers:
     """Return the wave numbers at which the residual is most periodic in position.
 
     The residual is multiplied by what the effect's torque is in proportion to: its column at wave number 0.
@@ -193,7 +195,7 @@ def _wave_numbers(problem: Problem, regression: Regression, alone: Drive, least:
     return periods(problem, regression, design[0, : len(problem.recording)], least)
 
 
-def periods(problem: Problem, regression: Regression, factor: Array, least: float) -> WaveNumbers:
+def periods(problem: WeakFormProblem, regression: Regression, factor: Array, least: float) -> WaveNumbers:
     """Return the wave numbers at which the residual times ``factor``, shape (N,), is most periodic in position."""
     recording = problem.recording
     travel = np.abs(problem.smooth) * recording.interval

@@ -8,17 +8,18 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from fricmodels.ascent import walk
-from fricmodels.diagnosis.candidate import is_instant
-from fricmodels.diagnosis.evidence import cosine_terms, long_run_sum
-from fricmodels.diagnosis.problem import Problem
-from fricmodels.diagnosis.search import in_gap, search
-from fricmodels.diagnosis.survey import regression_of
 from fricmodels.drive import Drive
 from fricmodels.errors import InputError
-from fricmodels.recording import Recording, scan_size
+from fricmodels.recording import Recording
 from fricmodels.score.torque import filtered_torque_error, sliding_half_width
 from fricmodels.term import Effect
+from fricmodels.weakform.candidate import is_instant
+from fricmodels.weakform.optimise import coordinate_search
+from fricmodels.weakform.problem import WeakFormProblem
+from fricmodels.weakform.ranges import scan_size
+from fricmodels.weakform.regression import cosine_terms, long_run_sum
+from fricmodels.weakform.search import in_gap, search
+from fricmodels.weakform.shifted import regression_of
 
 Array = NDArray[np.float64]
 
@@ -40,7 +41,9 @@ class Estimate:
     covariance: Array | None = field(default=None, compare=False)
 
 
-def estimate(drive: Drive, recording: Recording, start: Mapping[str, float] | None = None) -> tuple[Problem, Estimate]:
+def estimate(
+    drive: Drive, recording: Recording, start: Mapping[str, float] | None = None
+) -> tuple[WeakFormProblem, Estimate]:
     """Fit a drive to a recording in weak form.
 
     Args:
@@ -55,22 +58,24 @@ def estimate(drive: Drive, recording: Recording, start: Mapping[str, float] | No
         InputError: when the recording moves too little to fit the model.
     """
     start = _started(drive, recording, start or {})
-    first = Problem.of(drive, recording, _guess(drive, recording, start))
+    first = WeakFormProblem.of(drive, recording, _guess(drive, recording, start))
     found = _fit(first, start)
     # Once the friction is known, so is where the drive may stick at a reversal.
-    problem = Problem.of(drive, recording, found.parameters)
+    problem = WeakFormProblem.of(drive, recording, found.parameters)
     found = _fit(problem, {**start, **found.parameters})
     if drive.model.delay or "motor_torque" in drive.model.needs:
         for _ in range(_STAGES):
             if drive.model.delay:
-                problem = Problem.of(drive, recording, found.parameters)
+                problem = WeakFormProblem.of(drive, recording, found.parameters)
             problem = replace(problem, estimated=found.parameters)
             found = _fit(problem, {**start, **found.parameters})
     if drive.model.states or drive.model.delay:
         # A memory or a delay has most to say where it is not certain how the drive moved; that may mislead it, too.
-        other = _fit(problem.throughout, {**start, **found.parameters})
+        other = _fit(problem.including_uncertain_motion, {**start, **found.parameters})
         found = min(found, other, key=lambda e: _left(drive, recording, e.parameters))
-    return replace(problem, law_share=problem.law_has(found.parameters), estimated=found.parameters), found
+    return replace(
+        problem, friction_limits=problem.limits_of_friction(found.parameters), estimated=found.parameters
+    ), found
 
 
 def _left(drive: Drive, recording: Recording, parameters: Mapping[str, float]) -> float:
@@ -117,7 +122,7 @@ def _guess(drive: Drive, recording: Recording, start: Mapping[str, float]) -> di
     return values
 
 
-def _fit(problem: Problem, start: Mapping[str, float]) -> Estimate:
+def _fit(problem: WeakFormProblem, start: Mapping[str, float]) -> Estimate:
     drive, model = problem.drive, problem.drive.model
     if problem.rows <= 4 * len(drive.parameters):
         raise InputError(
@@ -146,7 +151,7 @@ def _fit(problem: Problem, start: Mapping[str, float]) -> Estimate:
             costs = [at(choice)[0] for choice in choices]
             point = list(choices[int(np.argmin(costs))])
     bounds = [(p.lower, p.upper) for p in declared]
-    best = walk(lambda values: -at(values)[0], tuple(point), bounds, ratios) if point else ()
+    best = coordinate_search(lambda values: -at(values)[0], tuple(point), bounds, ratios) if point else ()
     time, resolution = np.sort(problem.recording.time), problem.bumps.width * problem.recording.interval
     best = tuple(
         in_gap(value, time, resolution) if is_instant(p) else value for value, p in zip(best, declared, strict=True)
@@ -158,7 +163,7 @@ def _fit(problem: Problem, start: Mapping[str, float]) -> Estimate:
     return Estimate(values, errors, covariance)
 
 
-def _stack(problem: Problem, nonlinear: tuple[float, ...]) -> tuple[Array, Array]:
+def _stack(problem: WeakFormProblem, nonlinear: tuple[float, ...]) -> tuple[Array, Array]:
     """Return the columns (inertia first where it is free, model, nuisances) and the target."""
     columns, offset = problem.columns(problem.drive, nonlinear)
     stacked = [problem.momentum[None]] if problem.drive.inertia is None else []
@@ -168,7 +173,7 @@ def _stack(problem: Problem, nonlinear: tuple[float, ...]) -> tuple[Array, Array
     return np.vstack(stacked), problem.target - offset
 
 
-def _linear(problem: Problem, nonlinear: tuple[float, ...]) -> tuple[float, Array]:
+def _linear(problem: WeakFormProblem, nonlinear: tuple[float, ...]) -> tuple[float, Array]:
     from scipy.optimize import lsq_linear
 
     columns, target = _stack(problem, nonlinear)
@@ -187,7 +192,7 @@ def _linear(problem: Problem, nonlinear: tuple[float, ...]) -> tuple[float, Arra
     return float(residual @ residual), solved.x / size
 
 
-def _named(problem: Problem, theta: Array, nonlinear: tuple[float, ...]) -> dict[str, float]:
+def _named(problem: WeakFormProblem, theta: Array, nonlinear: tuple[float, ...]) -> dict[str, float]:
     drive = problem.drive
     values: dict[str, float] = {}
     linear, other = iter(theta), iter(nonlinear)
@@ -199,7 +204,7 @@ def _named(problem: Problem, theta: Array, nonlinear: tuple[float, ...]) -> dict
     return values
 
 
-def _covariance(problem: Problem, values: Mapping[str, float]) -> tuple[list[str], Array]:
+def _covariance(problem: WeakFormProblem, values: Mapping[str, float]) -> tuple[list[str], Array]:
     """Return the estimated keys and their covariance from the long-run variance of the scores; 0 if not determined."""
     drive = problem.drive
     base = problem.base(values)

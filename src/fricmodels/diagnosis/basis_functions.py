@@ -8,11 +8,11 @@ from functools import cache, partial
 import numpy as np
 from numpy.typing import NDArray
 
-from fricmodels.diagnosis.evidence import Regression
 from fricmodels.diagnosis.history import History
-from fricmodels.diagnosis.problem import Problem
-from fricmodels.diagnosis.search import periods
 from fricmodels.signals import noise
+from fricmodels.weakform.problem import WeakFormProblem
+from fricmodels.weakform.regression import Regression
+from fricmodels.weakform.search import periods
 
 Array = NDArray[np.float64]
 Shapes = Mapping[str, Callable[[], Array]]
@@ -31,7 +31,7 @@ _CLEAN = 0.1
 """Noise of the motor torque over the RMS residual, both as a bump sees them."""
 
 
-def shapes(problem: Problem, regression: Regression) -> Shapes:
+def shapes(problem: WeakFormProblem, regression: Regression) -> Shapes:
     """Return the shapes of every channel that a recording has, and of its history."""
     lasting = {
         **_of_motion(problem),
@@ -48,11 +48,11 @@ def shapes(problem: Problem, regression: Regression) -> Shapes:
     return found
 
 
-def _integrals(problem: Problem, build: Callable[[], Array]) -> Array:
+def _integrals(problem: WeakFormProblem, build: Callable[[], Array]) -> Array:
     return problem.integrals(build())
 
 
-def _of_motion(problem: Problem) -> Shapes:
+def _of_motion(problem: WeakFormProblem) -> Shapes:
     points = problem.quadrature.recording
     velocity, time = points.velocity, points.time
     speed, side = np.abs(velocity), np.sign(velocity)
@@ -77,7 +77,7 @@ def _of_motion(problem: Problem) -> Shapes:
     return found
 
 
-def _jump(problem: Problem, regression: Regression) -> Array:
+def _jump(problem: WeakFormProblem, regression: Regression) -> Array:
     """Return a jump along the motion and with speed, at the one of evenly spaced instants that explains most."""
     points = problem.quadrature.recording
     time, side = points.time, np.sign(points.velocity)
@@ -92,7 +92,7 @@ def _jump(problem: Problem, regression: Regression) -> Array:
     return every[int(np.argmax(gains))]
 
 
-def _of_position(problem: Problem) -> Shapes:
+def _of_position(problem: WeakFormProblem) -> Shapes:
     points = problem.quadrature.recording
     if "position" not in points:
         return {}
@@ -108,7 +108,7 @@ def _of_position(problem: Problem) -> Shapes:
     }
 
 
-def _of_load(problem: Problem) -> Shapes:
+def _of_load(problem: WeakFormProblem) -> Shapes:
     points = problem.quadrature.recording
     if "load_torque" not in points:
         return {}
@@ -120,7 +120,7 @@ def _of_load(problem: Problem) -> Shapes:
     }
 
 
-def _of_history(problem: Problem, regression: Regression) -> Shapes:
+def _of_history(problem: WeakFormProblem, regression: Regression) -> Shapes:
     @cache
     def history() -> History:
         return History.of(problem)
@@ -150,7 +150,7 @@ def _of_history(problem: Problem, regression: Regression) -> Shapes:
     return found
 
 
-def _periodic(problem: Problem, regression: Regression) -> Shapes:
+def _periodic(problem: WeakFormProblem, regression: Regression) -> Shapes:
     """Return waves over position at the wave numbers at which the residual is most periodic."""
     if "position" not in problem.recording:
         return {}
@@ -213,7 +213,7 @@ def _waves(position: Array) -> Array:
     return np.vstack([np.cos(numbers * phase), np.sin(numbers * phase)])
 
 
-def _earlier(problem: Problem, values: Array, lags: NDArray[np.int64]) -> Array:
+def _earlier(problem: WeakFormProblem, values: Array, lags: NDArray[np.int64]) -> Array:
     """Return a signal as it was some samples before, one row a lag."""
     recording, cell = problem.recording, problem.quadrature.cell
     run = recording.run
@@ -226,7 +226,7 @@ def _earlier(problem: Problem, values: Array, lags: NDArray[np.int64]) -> Array:
     return np.vstack(rows)
 
 
-def _clean_torque(problem: Problem, regression: Regression) -> bool:
+def _clean_torque(problem: WeakFormProblem, regression: Regression) -> bool:
     """Whether the noise of the motor torque is too small to be what its own past would predict."""
     recording = problem.recording
     deviation = noise(recording.time, recording.torque, recording.run) * recording.interval

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from fricmodels.diagnosis import examine
-from fricmodels.diagnosis.all_motion import left_over
+from fricmodels.diagnosis.candidate_tests import candidate_tests
 from fricmodels.diagnosis.comparison import Comparison, compare
 from fricmodels.diagnosis.floor import LEAST_TORQUE
-from fricmodels.diagnosis.survey import survey
-from fricmodels.diagnosis.verdict import answer, torque_share
+from fricmodels.diagnosis.verdict import select_effect, torque_share
 from fricmodels.rig import Rig
+from fricmodels.weakform.all_motion import residual_rms
 
 PLAY = {
     "name": "backlash",
@@ -65,27 +65,27 @@ def test_a_tight_joint_has_no_play() -> None:
 
 def test_the_true_effect_leaves_less_over_all_motion(played: Comparison) -> None:
     problem = played.problem
-    (tested,) = survey(problem, played.estimate.parameters, only=["backlash"]).tested
-    after = left_over(problem, problem.alone(tested.effect), tested.found.nonlinear, tested.found.kept)
-    assert after < 0.8 * left_over(problem)
+    (tested,) = candidate_tests(problem, played.estimate.parameters, only=["backlash"]).tested
+    after = residual_rms(problem, problem.alone(tested.effect), tested.found.nonlinear, tested.found.kept)
+    assert after < 0.8 * residual_rms(problem)
 
 
 def test_what_is_left_counts_in_units_of_torque_and_with_a_free_inertia_too(played: Comparison) -> None:
     free = compare(rig(PLAY).simulate(), "coulomb-viscous")
-    assert left_over(free.problem) == pytest.approx(left_over(played.problem), rel=0.1)
+    assert residual_rms(free.problem) == pytest.approx(residual_rms(played.problem), rel=0.1)
     moving = ~played.problem.resting
-    assert left_over(played.problem) < np.sqrt(np.mean(played.problem.recording.torque[moving] ** 2))
+    assert residual_rms(played.problem) < np.sqrt(np.mean(played.problem.recording.torque[moving] ** 2))
 
 
 def test_an_effect_that_says_nonsense_where_the_rows_are_silent_is_not_named(played: Comparison) -> None:
     """Of two effects of equal rows the one that multiplies what is left over all motion is refused."""
-    result = survey(played.problem, played.estimate.parameters)
-    best = answer(result)
+    result = candidate_tests(played.problem, played.estimate.parameters)
+    best = select_effect(result)
     assert best is not None
-    before = left_over(played.problem)
+    before = residual_rms(played.problem)
     for tested in best.members:
         alone = played.problem.alone(tested.effect)
-        assert left_over(played.problem, alone, tested.found.nonlinear, tested.found.kept) <= 2 * before
+        assert residual_rms(played.problem, alone, tested.found.nonlinear, tested.found.kept) <= 2 * before
 
 
 @pytest.mark.parametrize(("gap", "names"), [(4e-4, [("backlash",)]), (0.0, [])])
@@ -107,5 +107,5 @@ def test_an_effect_of_the_reversals_alone_is_named_for_its_size_over_all_motion(
     found = examine(compare(drive.simulate(), "asymmetric-coulomb-viscous", 1.2))
     assert [finding.names for finding in found.findings] == names
     for finding in found.findings:
-        result = survey(found.comparison.problem, found.comparison.estimate.parameters, only=finding.names)
+        result = candidate_tests(found.comparison.problem, found.comparison.estimate.parameters, only=finding.names)
         assert torque_share(result, finding.tested.evidence) < LEAST_TORQUE

@@ -10,14 +10,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fricmodels import plugins
-from fricmodels.diagnosis.candidate import Found
-from fricmodels.diagnosis.evidence import Evidence, Regression, benjamini_yekutieli, compare
-from fricmodels.diagnosis.problem import Problem
-from fricmodels.diagnosis.search import search
-from fricmodels.diagnosis.shifted import ShiftedRegression
 from fricmodels.dimension import Motion
 from fricmodels.recording import SIGNAL_CHANNEL
 from fricmodels.term import Effect
+from fricmodels.weakform.candidate import NonlinearOptimum
+from fricmodels.weakform.problem import WeakFormProblem
+from fricmodels.weakform.regression import Evidence, Regression, benjamini_yekutieli, compare
+from fricmodels.weakform.search import search
 
 Array = NDArray[np.float64]
 
@@ -27,18 +26,18 @@ NOISE_ALLOWED = 0.05
 
 
 @dataclass(frozen=True)
-class Tested:
+class CandidateTest:
     """One candidate effect and what speaks for it.
 
     Attributes:
         effect: the candidate.
         found: its nonlinear parameters and columns.
-        evidence: see :class:`fricmodels.diagnosis.evidence.Evidence`.
+        evidence: see :class:`fricmodels.weakform.regression.Evidence`.
         p_value: corrected for the values tried within the effect; ``adjusted`` also for the number of effects.
     """
 
     effect: Effect
-    found: Found
+    found: NonlinearOptimum
     evidence: Evidence
     p_value: float
     adjusted: float = 1.0
@@ -62,15 +61,15 @@ class Tested:
 
     @property
     def _linear_symbols(self) -> list[str]:
-        from fricmodels.diagnosis.problem import NoFriction
         from fricmodels.model import Model
+        from fricmodels.weakform.problem import NoFriction
 
         flags = Model(NoFriction(), [self.effect]).linear
         return [p.symbol for p, is_linear in zip(self.effect.parameters, flags, strict=True) if is_linear]
 
 
 @dataclass(frozen=True)
-class Survey:
+class CandidateTests:
     """All candidates on one residual.
 
     Attributes:
@@ -79,20 +78,20 @@ class Survey:
         unseen: candidates that could not, with what is missing.
     """
 
-    problem: Problem
+    problem: WeakFormProblem
     regression: Regression
-    tested: tuple[Tested, ...]
+    tested: tuple[CandidateTest, ...]
     unseen: Mapping[str, str]
 
 
-def survey(
-    problem: Problem,
+def candidate_tests(
+    problem: WeakFormProblem,
     parameters: Mapping[str, float],
     *,
     leave_out: Iterable[str] = (),
     only: Iterable[str] | None = None,
     also: Array | None = None,
-) -> Survey:
+) -> CandidateTests:
     """Test every registered effect that the model does not have.
 
     Args:
@@ -106,7 +105,7 @@ def survey(
     present = {effect.name for effect in model.effects}
     regression = regression_of(problem, parameters, also)
     skipped = set(leave_out) | present
-    tested: list[Tested] = []
+    tested: list[CandidateTest] = []
     unseen: dict[str, str] = {}
     registered = plugins.load().effects
     rival, total = 0.0, float(regression.residual @ regression.residual)
@@ -126,10 +125,10 @@ def survey(
     adjusted = benjamini_yekutieli(np.array([t.p_value for t in tested]))
     ranked = [replace(t, adjusted=float(p)) for t, p in zip(tested, adjusted, strict=True)]
     ranked.sort(key=lambda t: float(np.sum(t.evidence.loss)))
-    return Survey(problem, regression, tuple(ranked), unseen)
+    return CandidateTests(problem, regression, tuple(ranked), unseen)
 
 
-def _candidate(problem: Problem, regression: Regression, effect: Effect, rival: float) -> Tested | str:
+def _candidate(problem: WeakFormProblem, regression: Regression, effect: Effect, rival: float) -> CandidateTest | str:
     """Test one effect, or say why it cannot be tested; another explains as much as its rival (sum of squares)."""
     if effect.angular and problem.drive.motion is Motion.LINEAR:
         return "a linear axis does not turn"
@@ -155,39 +154,45 @@ def _effect(cls: type[Effect]) -> Effect:
     return cls()
 
 
-def _has(problem: Problem, signal: str) -> bool:
+def _has(problem: WeakFormProblem, signal: str) -> bool:
     if signal == "motor_torque_rate":
         return True
     return SIGNAL_CHANNEL[signal] in problem.recording
 
 
-def noise_share(problem: Problem, perturbed: Problem, regression: Regression, effect: Effect, found: Found) -> float:
+def noise_share(
+    problem: WeakFormProblem,
+    perturbed: WeakFormProblem,
+    regression: Regression,
+    effect: Effect,
+    found: NonlinearOptimum,
+) -> float:
     """Return the largest share of noise in a candidate's columns, of what is left of them beside the base model.
 
     The same noise is in the inertia torque on the other side of the equation, so that a column which is mostly noise
     explains part of the residual, at most its share, without any effect.
     """
     columns, _ = perturbed.columns(problem.alone(effect), found.nonlinear, found.delay)
-    noise = regression.free(columns[found.kept] - found.columns)
-    signal = regression.free(found.columns)
+    noise = regression.project_out(columns[found.kept] - found.columns)
+    signal = regression.project_out(found.columns)
     return float(np.max(np.sum(noise**2, axis=1) / np.sum(signal**2, axis=1)))
 
 
-def _is_noise(share: float, regression: Regression, found: Found) -> bool:
+def _is_noise(share: float, regression: Regression, found: NonlinearOptimum) -> bool:
     explained = found.explained / float(regression.residual @ regression.residual)
     return share > max(NOISE_ALLOWED, 0.5 * explained)
 
 
-def _test(regression: Regression, effect: Effect, found: Found) -> Tested:
+def _test(regression: Regression, effect: Effect, found: NonlinearOptimum) -> CandidateTest:
     if not np.any(found.kept):  # it would need a coefficient beyond its physical bounds
         nothing = np.zeros(0)
         empty = Evidence(nothing, np.zeros((0, 0)), 1.0, 0.0, 0.0, 1.0, regression.loss, regression.residual)
-        return Tested(effect, found, empty, 1.0)
+        return CandidateTest(effect, found, empty, 1.0)
     evidence = _whole_shift(regression, found) if found.delay else regression.test(found.columns)
-    return Tested(effect, found, evidence, min(1.0, evidence.p_value * found.trials))
+    return CandidateTest(effect, found, evidence, min(1.0, evidence.p_value * found.trials))
 
 
-def _whole_shift(regression: Regression, found: Found) -> Evidence:
+def _whole_shift(regression: Regression, found: NonlinearOptimum) -> Evidence:
     """Return the evidence for a shift in time by a whole delay: how well its column explains is not left to fit."""
     own = regression.unshifted
     after = own.less(found.delay * found.columns[0])
@@ -201,29 +206,3 @@ def _whole_shift(regression: Regression, found: Found) -> Evidence:
         loss=after.loss,
         residual=after.residual,
     )
-
-
-def regression_of(
-    problem: Problem, parameters: Mapping[str, float], also: Array | None = None, added: str = ""
-) -> Regression:
-    """Return the base model's regression, with two freedoms of how recordings are made that are no effects.
-
-    The instant of every reversal may be off by part of a sample, and torque and motion may be shifted against each
-    other by up to one sample (a held torque by half of one). A larger shift is held at one sample; what is left over
-    is then for the candidate ``sensor-delay`` to explain.
-
-    Args:
-        problem: drive and recording.
-        parameters: the model's estimated parameters.
-        also: columns that are taken to be in the model already, shape (k, rows).
-        added: name of the effect that the last of these columns belong to.
-    """
-    base = problem.base(parameters)
-    if also is not None:
-        base = np.vstack([base, also])
-    delayed = "sensor-delay" in {added, *(effect.name for effect in problem.drive.model.effects)}
-    base = np.vstack([base, problem.sign_change[None]])
-    if delayed:
-        return Regression(base, problem.target, problem.independent)
-    direction, most = problem.torque_rate, problem.recording.interval
-    return ShiftedRegression(base, problem.target, problem.independent, direction, most)

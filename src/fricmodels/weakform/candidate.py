@@ -8,13 +8,13 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from fricmodels.diagnosis.evidence import Regression
-from fricmodels.diagnosis.problem import Problem
 from fricmodels.dimension import DIMENSIONLESS, DISPLACEMENT, TIME
 from fricmodels.drive import Drive
 from fricmodels.parameter import Parameter
-from fricmodels.recording import scan_size
 from fricmodels.term import Effect
+from fricmodels.weakform.problem import WeakFormProblem
+from fricmodels.weakform.ranges import scan_size
+from fricmodels.weakform.regression import Regression
 
 Array = NDArray[np.float64]
 Point = tuple[float, ...]
@@ -26,7 +26,7 @@ _SHORTEST = 2.0
 
 
 @dataclass(frozen=True)
-class Found:
+class NonlinearOptimum:
     """The best values found for an effect's nonlinear parameters.
 
     Attributes:
@@ -36,7 +36,7 @@ class Found:
         explained: sum of squares that they explain beyond the base model.
         trials: about how many independent values were tried; it multiplies the p-value.
         delay: the effect's delay [s], where one of its linear parameters is such; its column holds the whole shift.
-        stretched: whether an effect that remembers the motion explains most at the end of what this recording can tell.
+        at_search_bound: whether an effect with memory explains most at the end of what this recording can tell.
     """
 
     nonlinear: Point
@@ -45,7 +45,7 @@ class Found:
     explained: float
     trials: float
     delay: float = 0.0
-    stretched: bool = False
+    at_search_bound: bool = False
 
 
 @dataclass(frozen=True)
@@ -59,7 +59,7 @@ class Candidate:
         delay: its delay [s], where one of its linear parameters is such.
     """
 
-    problem: Problem
+    problem: WeakFormProblem
     regression: Regression
     effect: Effect
     alone: Drive
@@ -88,12 +88,12 @@ class Candidate:
         """Whether anything is left of the columns beside the base model."""
         return bool(np.any(self.regression.visible(self.columns(point))))
 
-    def found(self, point: Point, trials: float, *, stretched: bool = False) -> Found:
+    def found(self, point: Point, trials: float, *, at_search_bound: bool = False) -> NonlinearOptimum:
         """Return what is found at a point after so many trials."""
         columns = self.columns(point)
         explained, theta = self.regression.explained(columns, self._least, self._most(point))
         kept = theta != 0
-        return Found(point, columns[kept], kept, explained, trials, self.delay, stretched)
+        return NonlinearOptimum(point, columns[kept], kept, explained, trials, self.delay, at_search_bound)
 
     @cached_property
     def _least(self) -> Array:
@@ -101,7 +101,7 @@ class Candidate:
 
     @cached_property
     def _declared(self) -> Array:
-        return np.array([self.problem.most(p) for p in self.linear])
+        return np.array([self.problem.upper_bound(p) for p in self.linear])
 
     @cached_property
     def _peak(self) -> float:
@@ -113,10 +113,10 @@ class Candidate:
             return self._declared
         given = {p.symbol: x for p, x in zip(self.nonlinear, point, strict=True)} | {p.symbol: 0.0 for p in self.linear}
         each = np.array([self.effect.own_friction(self._peak, given | {p.symbol: 1.0}) for p in self.linear])
-        return np.asarray(np.minimum(self._declared, self.problem.law_share[1] / np.maximum(each, 1e-300)))
+        return np.asarray(np.minimum(self._declared, self.problem.friction_limits[1] / np.maximum(each, 1e-300)))
 
 
-def within_recording(problem: Problem, parameter: Parameter) -> Parameter:
+def within_recording(problem: WeakFormProblem, parameter: Parameter) -> Parameter:
     """Return a parameter with the bounds that a recording sets: sizes of which it can tell.
 
     None is much larger or smaller than what is tried first: a load whose friction stops it a million times sooner than

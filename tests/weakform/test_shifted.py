@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from fricmodels.diagnosis.evidence import Regression
-from fricmodels.diagnosis.shifted import ShiftedRegression
+from fricmodels.weakform.regression import Regression
+from fricmodels.weakform.shifted import ShiftedRegression
 
 Array = NDArray[np.float64]
 

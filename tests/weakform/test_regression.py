@@ -13,7 +13,7 @@ from scipy.signal import lfilter
 from scipy.stats import f as fisher
 from scipy.stats import false_discovery_control
 
-from fricmodels.diagnosis.evidence import (
+from fricmodels.weakform.regression import (
     FOLDS,
     Regression,
     benjamini_yekutieli,
@@ -53,7 +53,7 @@ def test_a_true_null_is_rejected_about_as_often_as_said(rho: float, independent:
         target, column = noise(rng, rho, 2, rows)
         regression = Regression(base, target, independent)
         rejected += regression.test(column[None]).p_value < 0.05
-        free = regression.free(column[None])[0]
+        free = regression.project_out(column[None])[0]
         explained = float(free @ regression.residual) ** 2 / float(free @ free)
         rest = float(regression.residual @ regression.residual) - explained
         ordinary += fisher.sf(explained / rest * (rows - 3), 1, rows - 3) < 0.05
@@ -101,10 +101,10 @@ def test_the_base_model_is_projected_out() -> None:
     rng = np.random.default_rng(5)
     base, columns, target = rng.normal(size=(3, 200)), rng.normal(size=(2, 200)), rng.normal(size=200)
     regression = Regression(base, target, 100)
-    free = regression.free(columns)
+    free = regression.project_out(columns)
     np.testing.assert_allclose(free @ base.T, 0, atol=1e-10)
-    np.testing.assert_allclose(regression.free(free), free, atol=1e-12)
-    np.testing.assert_allclose(regression.free(base), 0, atol=1e-12)
+    np.testing.assert_allclose(regression.project_out(free), free, atol=1e-12)
+    np.testing.assert_allclose(regression.project_out(base), 0, atol=1e-12)
     whole = np.linalg.lstsq(np.vstack([base, columns]).T, target, rcond=None)[0]
     np.testing.assert_allclose(regression.test(columns).coefficients, whole[3:], rtol=1e-9)
 

@@ -14,12 +14,12 @@ from dataclasses import replace
 import numpy as np
 
 from fricmodels import plugins
+from fricmodels.diagnosis.candidate_tests import CandidateTest, CandidateTests, candidate_tests
 from fricmodels.diagnosis.comparison import Comparison, with_effect
-from fricmodels.diagnosis.problem import Problem
 from fricmodels.diagnosis.sufficiency import is_sufficient, predictable
-from fricmodels.diagnosis.survey import Survey, Tested, survey
-from fricmodels.diagnosis.verdict import LEAST_GAIN, Answer, accepted, sure, torque_share
+from fricmodels.diagnosis.verdict import LEAST_GAIN, LookAlikes, passing_all_gates, passing_significance, torque_share
 from fricmodels.errors import FricmodelsError
+from fricmodels.weakform.problem import WeakFormProblem
 
 _FALL, _LESS = 1.5, 0.9
 """By so much [% of the RMS torque], as a root of a difference of squares, and to this share an effect must lower the
@@ -36,9 +36,9 @@ _AS_GOOD = 1.1
 """Effects are not told apart whose errors differ by less than a tenth."""
 
 
-def second_look(
-    comparison: Comparison, result: Survey, leave_out: Iterable[str], named: Answer | None
-) -> Answer | None:
+def refit_check(
+    comparison: Comparison, result: CandidateTests, leave_out: Iterable[str], named: LookAlikes | None
+) -> LookAlikes | None:
     """Return what the rows name; or the effect with memory that explains all motion far better; or none.
 
     An effect with memory that explains only a small part of the error in the rows is named only if the error falls with
@@ -53,7 +53,7 @@ def second_look(
     before = _error(comparison)
     out = set(leave_out)
     if named is None:
-        small = [] if accepted(result) else sure(result)
+        small = [] if passing_all_gates(result) else passing_significance(result)
         return _best(comparison, result, small, out, before) or _on_all_motion(comparison, out, before)
     in_rows = 100 * torque_share(result, named.first.evidence)
     if not named.first.effect.states or in_rows > _MOST_OF_ERROR * before:
@@ -73,21 +73,21 @@ def _helps(comparison: Comparison, fitted: Comparison) -> bool:
     return falls and _error(fitted) < part * _error(comparison)
 
 
-def _on_all_motion(comparison: Comparison, leave_out: set[str], bound: float) -> Answer | None:
+def _on_all_motion(comparison: Comparison, leave_out: set[str], bound: float) -> LookAlikes | None:
     """Return the effect with memory that explains all motion and leaves less than a bound [% of the RMS torque]."""
     if _error(comparison) < _FALL:
         return None
     effects, parameters = plugins.load().effects, comparison.estimate.parameters
     remembering = [name for name in effects if effects[name].states]
     problem = replace(comparison.problem)  # a copy: what it remembers goes with it
-    result = survey(problem.throughout, parameters, leave_out=leave_out, only=remembering)
-    passing = [t for t in sure(result) if _share_seen(problem, t) < _SEEN]
+    result = candidate_tests(problem.including_uncertain_motion, parameters, leave_out=leave_out, only=remembering)
+    passing = [t for t in passing_significance(result) if _share_seen(problem, t) < _SEEN]
     return _best(comparison, result, passing, leave_out, bound)
 
 
 def _best(
-    comparison: Comparison, result: Survey, passing: Iterable[Tested], leave_out: set[str], bound: float
-) -> Answer | None:
+    comparison: Comparison, result: CandidateTests, passing: Iterable[CandidateTest], leave_out: set[str], bound: float
+) -> LookAlikes | None:
     """Return which of some effects, fitted, leaves least of the recording, if that is far less, and it is sufficient.
 
     Args:
@@ -98,14 +98,14 @@ def _best(
         bound: what must be left less than [% of the RMS torque].
     """
     before = _error(comparison)
-    chosen = [t for t in passing if t.effect.states and not t.found.stretched][:_MOST_TRIALS]
+    chosen = [t for t in passing if t.effect.states and not t.found.at_search_bound][:_MOST_TRIALS]
     trials = sorted((_error(_with(comparison, t)), i, t) for i, t in enumerate(chosen))
     if not trials or trials[0][0] > bound or not _falls_far(before, trials[0][0]):
         return None
     error, _, first = trials[0]
     if not is_sufficient(result, comparison.estimate.parameters, leave_out, first, predictable(result)):
         return None
-    return Answer(first, tuple(t for other, _, t in trials if other <= _AS_GOOD * error))
+    return LookAlikes(first, tuple(t for other, _, t in trials if other <= _AS_GOOD * error))
 
 
 def _falls_far(before: float, after: float) -> bool:
@@ -113,7 +113,7 @@ def _falls_far(before: float, after: float) -> bool:
     return after <= _LESS * before and before**2 - after**2 > _FALL**2
 
 
-def _share_seen(problem: Problem, tested: Tested) -> float:
+def _share_seen(problem: WeakFormProblem, tested: CandidateTest) -> float:
     """Return which share (squared) of what an effect does on all motion lies within the rows."""
     found = tested.found
     columns, _ = problem.columns(problem.alone(tested.effect), found.nonlinear, found.delay)
@@ -130,7 +130,7 @@ def _error(comparison: Comparison | None) -> float:
     return float(np.sqrt(0.5 * (errors.percent**2 + errors.held_out_percent**2)))
 
 
-def _with(comparison: Comparison, tested: Tested) -> Comparison | None:
+def _with(comparison: Comparison, tested: CandidateTest) -> Comparison | None:
     """Return the model with one more effect, fitted anew; ``None`` where that fails."""
     try:
         return with_effect(comparison, tested.effect, tested.parameters)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from fricmodels.diagnosis.remembered import Remembered
+from fricmodels.weakform.remembered import Remembered
 
 
 def test_an_array_is_computed_once_while_there_is_room() -> None:

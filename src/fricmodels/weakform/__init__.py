@@ -1,0 +1,1 @@
+"""The equation of motion in weak form: one engine for estimators and diagnosis."""

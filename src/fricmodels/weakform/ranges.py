@@ -1,0 +1,40 @@
+"""The recording's own sizes of quantities, in which the values of a parameter that are tried first are counted."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from fricmodels.dimension import Dimension
+from fricmodels.parameter import Parameter
+from fricmodels.recording import Recording
+
+_RECORD = 20_000
+"""Samples of a record in which a time of the drive's own is counted."""
+
+
+def natural_size(recording: Recording, dimension: Dimension) -> float:
+    """Return the recording's own size of a quantity: peak velocity, position range, duration, RMS torque.
+
+    Where a displacement is involved time is counted in that of crossing the range at peak velocity, else in durations.
+    """
+    peak = float(np.max(np.abs(recording.velocity)))
+    duration = float(np.ptp(recording.time))
+    force = float(np.sqrt(np.mean(recording.torque**2)))
+    length = float(np.ptp(recording["position"])) if "position" in recording else peak * duration
+    size = force ** float(dimension.force)
+    along, time = float(dimension.displacement), float(dimension.time)
+    if along == 0:
+        return float(size * duration**time)
+    return float(size * peak**-time * length ** (along + time))
+
+
+def scan_size(recording: Recording, parameter: Parameter) -> float:
+    """Return the recording's own size of a parameter, in which its ``scan`` is counted.
+
+    A time of the drive's own does not grow with how long was recorded: it is counted in 20 000 samples at most.
+    """
+    size = natural_size(recording, parameter.dimension)
+    if not parameter.own_time:
+        return size
+    records = float(np.ptp(recording.time)) / (_RECORD * recording.interval)
+    return float(size * max(records, 1.0) ** -float(parameter.dimension.time))
