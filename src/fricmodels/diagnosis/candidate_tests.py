@@ -17,6 +17,7 @@ from fricmodels.weakform.candidate import NonlinearOptimum
 from fricmodels.weakform.problem import WeakFormProblem
 from fricmodels.weakform.regression import Evidence, Regression, benjamini_yekutieli, compare
 from fricmodels.weakform.search import search
+from fricmodels.weakform.shifted import regression_of
 
 Array = NDArray[np.float64]
 
