@@ -68,7 +68,7 @@ def weak_equations(drive: Drive, quadrature: Quadrature, bumps: TestFunctions, r
     split = separable(drive.model)
     driving = (quadrature.recording.torque - quadrature.recording.load_torque)[None]
     momentum = bumps.momentum(recording.velocity)
-    push = bumps.integrals(quadrature.integrand(driving))[0]
+    push = bumps.of_cells(quadrature.impulses(driving))[0]
     target = push if drive.inertia is None else push - drive.inertia * momentum
 
     def memory(parameters: Array) -> list[Array]:
@@ -79,7 +79,7 @@ def weak_equations(drive: Drive, quadrature: Quadrature, bumps: TestFunctions, r
 
     def moving(alpha: Array, slopes: bool) -> Array:
         rows = split.moving_rows(quadrature.recording, alpha, memory, slopes=slopes)
-        return bumps.integrals(quadrature.integrand(rows))
+        return bumps.of_cells(quadrature.impulses(rows))
 
     def waves(residual: Array, j: int, alpha: Array) -> tuple[float, ...]:
         amplitude = _amplitude(split, quadrature.recording, memory, j, alpha)[: len(recording)]
@@ -87,7 +87,7 @@ def weak_equations(drive: Drive, quadrature: Quadrature, bumps: TestFunctions, r
         weights = quadrature.weight * bumps.spread(residual) * amplitude
         return _wave_numbers(recording["position"], weights, travel * bumps.width)
 
-    fixed = bumps.integrals(quadrature.integrand(split.fixed_rows(quadrature.recording)))
+    fixed = bumps.of_cells(quadrature.impulses(split.fixed_rows(quadrature.recording)))
     return Equations(split, push, target, momentum if drive.inertia is None else None, fixed, moving, waves)
 
 

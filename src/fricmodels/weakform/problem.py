@@ -203,9 +203,8 @@ class WeakFormProblem:
         cells = self.quadrature.cell
         if len(cells):
             jump = np.sign(velocity[cells + 1]) - np.sign(velocity[cells])
-            np.add.at(shift, cells, 0.5 * jump * self.recording.interval)
-            np.add.at(shift, cells + 1, 0.5 * jump * self.recording.interval)
-        return np.asarray(self.bumps.integrals(shift[None])[0])
+            shift[cells] = jump * self.recording.interval
+        return np.asarray(self.bumps.of_cells(shift[None])[0])
 
     @cached_property
     def target(self) -> Array:
@@ -222,7 +221,7 @@ class WeakFormProblem:
 
     def integrals(self, rows: Array) -> Array:
         """Return ∫φ f dt of rows evaluated at the quadrature's samples, shape (k, rows)."""
-        return self.bumps.integrals(self.quadrature.integrand(rows))
+        return self.bumps.of_cells(self.quadrature.impulses(rows))
 
     def columns(self, drive: Drive, nonlinear: Sequence[float] = (), delay: float = 0.0) -> tuple[Array, Array]:
         """Return the integrals of a drive's linear columns, shape (k, rows), and of the rest of its torque, (rows,)."""

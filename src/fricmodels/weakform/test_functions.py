@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import itertools
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -45,14 +46,14 @@ class Quadrature:
         recording: the recorded samples, then for each split cell the instant of stopping, then that of starting.
         cell: index of the sample before each split cell.
         before, after: half the duration of the moving part before and after the zero.
-        weight: duration that each recorded sample stands for in the cells that are not split, shape (N,).
+        half: half the duration of each cell that is not split, 0 for the others, shape (N − 1,).
     """
 
     recording: Recording
     cell: NDArray[np.int64]
     before: Array
     after: Array
-    weight: Array
+    half: Array
 
     @classmethod
     def of(cls, recording: Recording, velocity: Array, resting: NDArray[np.bool_]) -> Quadrature:
@@ -65,7 +66,6 @@ class Quadrature:
         both = moving[:-1] & moving[1:]
         turning = both & (velocity[:-1] * velocity[1:] < 0.0)
         half = np.where(both & ~turning, 0.5 * step, 0.0)
-        weight = np.concatenate([half, [0.0]]) + np.concatenate([[0.0], half])
         cell = np.flatnonzero(joined & (turning | (moving[:-1] != moving[1:])))
         earlier, later = velocity[cell], velocity[cell + 1]
         previous = velocity[np.maximum(cell - 1, 0)]
@@ -86,21 +86,31 @@ class Quadrature:
         run = np.concatenate([recording.run, recording.run[cell], recording.run[cell]])
         half_step = 0.5 * step[cell]
         at = replace(recording, channels=channels, run=run, origin=None)
-        return cls(at, cell, before * half_step, after * half_step, weight)
+        return cls(at, cell, before * half_step, after * half_step, half)
 
-    def integrand(self, rows: Array) -> Array:
-        """Turn rows evaluated at :attr:`recording` into what is summed: shape (k, N), each in torque × time.
+    @cached_property
+    def weight(self) -> Array:
+        """Duration that each recorded sample stands for in the cells that are not split, shape (N,)."""
+        return np.asarray(np.concatenate([self.half, [0.0]]) + np.concatenate([[0.0], self.half]))
 
-        Each cell goes in halves to its two samples, split cells too: a change of velocity is known by cells, so that
-        within a cell all that causes it must be weighted alike.
+    def impulses(self, rows: Array) -> Array:
+        """Return the integral of each row over each cell, shape (k, N), in torque × time; cell k follows sample k.
+
+        Trapezium rule, in two parts where the cell is split. A change of velocity is known by cells, so all that
+        causes it within one cell must be weighted alike: a test function has one weight a cell, not one a sample.
+
+        Args:
+            rows: evaluated at :attr:`recording`, shape (k, N + two for each split cell).
         """
-        count, cells = len(self.weight), len(self.cell)
-        values = rows[:, :count] * self.weight
+        count, cells = len(self.half) + 1, len(self.cell)
+        values = np.zeros((len(rows), count))
+        np.add(rows[:, : count - 1], rows[:, 1:count], out=values[:, :-1])
+        values[:, :-1] *= self.half
         if cells:
             stopping, starting = rows[:, count : count + cells], rows[:, count + cells :]
-            impulse = self.before * (rows[:, self.cell] + stopping) + self.after * (starting + rows[:, self.cell + 1])
-            values[:, self.cell] += 0.5 * impulse
-            values[:, self.cell + 1] += 0.5 * impulse
+            values[:, self.cell] = self.before * (rows[:, self.cell] + stopping) + self.after * (
+                starting + rows[:, self.cell + 1]
+            )
         return values
 
 
@@ -163,6 +173,7 @@ class TestFunctions:
         self.width = self.hop * HOPS
         changes, between = _cells(self.width, over_cells)
         self._mean = 0.5 * (between[:-1] + between[1:])
+        self._cell = between[1:]
         self._fall = between[:-1] - between[1:]
         self._velocity_fall = changes[:-1] - changes[1:]
         self._pieces = [
@@ -178,6 +189,14 @@ class TestFunctions:
     def integrals(self, integrand: Array) -> Array:
         """Return ∫φ f dt for rows f, shape (k, number of bumps)."""
         return self._keep(self._apply(integrand, self._mean))
+
+    def of_cells(self, impulses: Array) -> Array:
+        """Return Σ φ I over the cells, shape (k, number of test functions), of what happens within each cell.
+
+        Args:
+            impulses: integrals over each cell, shape (k, N); see :meth:`Quadrature.impulses`.
+        """
+        return self._keep(self._apply(impulses, self._cell))
 
     def momentum(self, velocity: Array) -> Array:
         """Return ∫φ dω = −∫φ' ω dt, shape (number of bumps,)."""
