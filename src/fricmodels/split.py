@@ -14,14 +14,18 @@ from fricmodels.recording import Recording
 
 Mask = NDArray[np.bool_]
 
+_ENOUGH_RUNS = 4
+"""With so many runs whole ones are kept back: a cut within one would leave too short pieces."""
+
 
 class Split(BaseModel):
     """How a recording is divided into a part to fit and a part to score. Nothing is drawn at random.
 
     Attributes:
-        by: ``runs``, whole runs; ``cycles``, the last cycles of periodic motion in each run; ``time``, a piece of time
-            in each run; ``blocks``, every so many-th of equal blocks of time, spread over each run.
-        fraction: share that is kept back: of the runs (the last), of the time of each run (its end), of the blocks.
+        by: ``spread``, whole runs spread over all where there are four or more, else blocks; ``blocks``, every so
+            many-th of equal blocks of time, spread over each run; ``runs``, the last runs; ``cycles``, the last cycles
+            of periodic motion in each run; ``time``, a piece of time in each run.
+        fraction: share that is kept back: of the runs, of the time of each run (its end), of the blocks.
         test_runs: numbers or names of the runs that are kept back, instead of a fraction.
         test_cycles: cycles kept back at the end of each run.
         period: of the motion [s], for ``cycles``; found from the recording if not given.
@@ -31,7 +35,7 @@ class Split(BaseModel):
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
-    by: Literal["runs", "cycles", "time", "blocks"] = "time"
+    by: Literal["spread", "runs", "cycles", "time", "blocks"] = "spread"
     fraction: Annotated[float, Field(gt=0, lt=1)] = 0.3
     test_runs: tuple[int | str, ...] | None = None
     test_cycles: PositiveInt = 2
@@ -44,6 +48,7 @@ class Split(BaseModel):
     def _belongs(self) -> Split:
         """Refuse a setting that the chosen way of splitting does not use."""
         used = {
+            "spread": {"fraction", "blocks"},
             "runs": {"fraction", "test_runs"},
             "cycles": {"test_cycles", "period"},
             "time": {"fraction", "test_from", "test_to"},
@@ -68,7 +73,9 @@ def split(recording: Recording, how: Split | None = None) -> tuple[Recording, Re
         InputError: when either part would be empty, a run is not there, or no period can be found.
     """
     how = how or Split()
-    test = {"runs": _runs, "cycles": _cycles, "time": _time, "blocks": _blocks}[how.by](recording, how)
+    test = {"spread": _spread, "runs": _runs, "cycles": _cycles, "time": _time, "blocks": _blocks}[how.by](
+        recording, how
+    )
     if test.all() or not test.any():
         what = "nothing" if test.all() else "everything"
         raise InputError(
@@ -87,6 +94,19 @@ def _part(recording: Recording, mask: Mask) -> Recording:
         return part
     piece = np.r_[0, np.cumsum((np.diff(where) > 1) | (np.diff(part.run) != 0))]
     return replace(part, run=piece.astype(np.int64))
+
+
+def _spread(recording: Recording, how: Split) -> Mask:
+    numbers = np.unique(recording.run)
+    if len(numbers) < _ENOUGH_RUNS:
+        return _blocks(recording, how)
+    return np.asarray(np.isin(recording.run, numbers[_spread_over(len(numbers), how.fraction)]))
+
+
+def _spread_over(count: int, fraction: float) -> NDArray[np.int64]:
+    """Return the places of a share of so many, at even distances."""
+    chosen = min(max(1, round(fraction * count)), count - 1)
+    return np.unique(((np.arange(chosen) + 0.5) * count / chosen).astype(np.int64))
 
 
 def _runs(recording: Recording, how: Split) -> Mask:
@@ -138,9 +158,7 @@ def _cycles(recording: Recording, how: Split) -> Mask:
 def _blocks(recording: Recording, how: Split) -> Mask:
     elapsed, duration = _elapsed(recording)
     block = np.minimum((how.blocks * elapsed / np.where(duration > 0, duration, 1.0)).astype(int), how.blocks - 1)
-    count = min(max(1, round(how.fraction * how.blocks)), how.blocks - 1)
-    kept_back = np.unique(((np.arange(count) + 0.5) * how.blocks / count).astype(int))
-    return np.isin(block, kept_back)
+    return np.asarray(np.isin(block, _spread_over(how.blocks, how.fraction)))
 
 
 def period(recording: Recording) -> float:

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from estimators.batch import Batch
-from estimators.batch.torque_fit import derivative_equations
+from estimators.batch.derivative_form import derivative_equations
 from fricmodels.dimension import Motion
 from fricmodels.drive import Drive
 from fricmodels.model import Model

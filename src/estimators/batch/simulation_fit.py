@@ -21,15 +21,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from estimators.batch.inference import covariance
-from estimators.batch.least_squares import NormalEquations
-from estimators.batch.problem import Outcome, linear_constraints
-from estimators.batch.smoothing import explained_velocity
 from fricmodels.drive import Drive
 from fricmodels.model import Model
 from fricmodels.recording import Recording
 from fricmodels.signals import resting
 from fricmodels.term import SIGNALS
+from fricmodels.weakform.inference import covariance
+from fricmodels.weakform.least_squares import NormalEquations
+from fricmodels.weakform.model_velocity import model_velocity
+from fricmodels.weakform.nonlinear import Outcome, linear_constraints
 from fricmodels.weakform.ranges import natural_size
 from fricmodels.weakform.test_functions import segments
 
@@ -275,8 +275,10 @@ def simulation_fit(
     chosen, message = excerpt(recording, samples)
     sizes = np.array([natural_size(chosen, p.dimension) for p in drive.parameters])
     sizes = np.where(values != 0.0, np.abs(values), sizes)
-    explained = explained_velocity(drive, dict(zip(drive.keys, values, strict=True)), chosen)
-    velocity, still = explained[:2] if explained is not None else (chosen.velocity, resting(chosen))
+    predicted = model_velocity(drive, dict(zip(drive.keys, values, strict=True)), chosen)
+    velocity, still = (
+        (predicted.velocity, predicted.resting) if predicted is not None else (chosen.velocity, resting(chosen))
+    )
     mesh = Mesh.of(chosen, velocity, still)
     memory = drive.states(chosen, values[len(values) - len(drive.model.parameters) :])
     start = np.array([mesh.at_nodes(row) for row in (velocity, *memory)])

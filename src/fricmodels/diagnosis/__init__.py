@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from fricmodels.diagnosis.comparison import Comparison, compare, compare_fit, compare_model, kept_back, ready
+from fricmodels.diagnosis.comparison import Comparison, compare, compare_fit, compare_model, kept_back
 from fricmodels.diagnosis.diagnose import Diagnosis, diagnose, examine
 from fricmodels.diagnosis.ladder import Ladder, improve
+from fricmodels.weakform.prepared import ready
 
 __all__ = [
     "Comparison",

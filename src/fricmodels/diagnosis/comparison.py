@@ -15,11 +15,12 @@ from fricmodels.model import Model
 from fricmodels.recording import Recording
 from fricmodels.score.torque import filtered_torque_error, sliding_half_width
 from fricmodels.shown import Shown
-from fricmodels.signals import best_half_width, noise, prepare, with_derived_velocity
+from fricmodels.signals import noise
 from fricmodels.signals.lanczos import even_weights, lanczos_derivative
-from fricmodels.split import Split, split
+from fricmodels.split import split
 from fricmodels.term import Effect
 from fricmodels.weakform.estimate import Estimate, estimate
+from fricmodels.weakform.prepared import ready
 from fricmodels.weakform.problem import WeakFormProblem, noise_like
 
 Array = NDArray[np.float64]
@@ -70,50 +71,13 @@ class Comparison(Shown):
         return worst**2 - self.noise_floor_percent**2 > FAR_ABOVE**2
 
 
-def ready(recording: Recording) -> Recording:
-    """Return a recording with velocity and acceleration, and with time from its start.
-
-    Raises:
-        InputError: when the recording does not move.
-    """
-    prepared = prepare(surest_velocity(recording))
-    if float(np.ptp(prepared.velocity)) == 0:
-        raise InputError(f"recording '{recording.name}' does not move; record some motion")
-    return prepared.with_channels(derived="time" in recording.derived, time=prepared.time - prepared.time[0])
-
-
-def surest_velocity(recording: Recording) -> Recording:
-    """Return the recording with the velocity derived from the position, where that is the more certain of the two.
-
-    An encoder's position often gives a better velocity than the noisy channel beside it. The two must agree: the
-    measured velocity is the derived one, to within a hundredth in scale and its own noise.
-    """
-    if "velocity" not in recording or "position" not in recording or "velocity" in recording.derived:
-        return recording
-    time, run, position, velocity = recording.time, recording.run, recording["position"], recording.velocity
-    width = best_half_width(time, position, run)
-    result = with_derived_velocity(recording, width)
-    derived = result.velocity
-    error = noise(time, position, run) * float(np.linalg.norm(even_weights(width)[1])) / recording.interval
-    own = noise(time, velocity, run)
-    power = float(derived @ derived)
-    if error >= own or power == 0:
-        return recording
-    scale = float(derived @ velocity) / power
-    left = float(np.sqrt(np.mean((velocity - scale * derived) ** 2)))
-    if abs(scale - 1) > 0.01 or left > 1.5 * float(np.hypot(own, error)):
-        return recording
-    return result
-
-
 def kept_back(prepared: Recording) -> tuple[Recording, Recording]:
-    """Return what is fitted and what is kept back: the last third of four or more runs, else three blocks of ten.
+    """Return what is fitted and what is kept back, by the rule of every tournament.
 
-    What remembers does so through both: a block does not begin with a drive that was at rest.
+    See :class:`fricmodels.split.Split`. What remembers
+    does so through both: a block does not begin with a drive that was at rest.
     """
-    runs = len(np.unique(prepared.run))
-    how = Split(by="runs", fraction=0.3) if runs >= 4 else Split(by="blocks", fraction=0.3)
-    return split(prepared.remembering(), how)
+    return split(prepared.remembering())
 
 
 def compare_model(

@@ -9,7 +9,7 @@ import glob
 import hashlib
 import json
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from itertools import product
@@ -26,6 +26,7 @@ from fricmodels.recording import Recording
 from fricmodels.signals import Preparation, prepare
 from fricmodels.split import Split, split
 from fricmodels.tournament.config import Config, Dataset, Simulate
+from fricmodels.weakform.prepared import prepared
 
 
 @dataclass(frozen=True)
@@ -193,15 +194,17 @@ def load(source: Source) -> Loaded:
     elif values["split"] is None:
         train, test = recording, None
     else:
-        train, test = split(recording, Split.model_validate(values["split"]))
+        train, test = split(recording.remembering(), Split.model_validate(values["split"]))
+    usual = preparation == Preparation()
+    score_as: Callable[[Recording], Recording] = prepared if usual else lambda part: prepare(part, preparation)
     measured = train
     if "velocity" not in measured:
-        train = prepare(train, preparation.model_copy(update={"decimate": 1}))
+        train = prepared(measured) if usual else prepare(measured, preparation.model_copy(update={"decimate": 1}))
     checksums = train.checksum + (test.checksum if test is not None else "")
     return Loaded(
         train,
-        prepare(measured, preparation),
-        prepare(test, preparation) if test is not None else None,
+        score_as(measured),
+        score_as(test) if test is not None else None,
         recording.provenance.get("true_parameters"),
         hashlib.sha256(checksums.encode()).hexdigest(),
         tuple(doubt for one in (recording, *tests) for doubt in doubts(one)) if values["kind"] == "files" else (),

@@ -82,13 +82,16 @@ class WeakFormProblem:
     delay: float = 0.0
 
     @classmethod
-    def of(cls, drive: Drive, recording: Recording, parameters: Mapping[str, float]) -> WeakFormProblem:
-        """Choose the bumps and evaluate what all candidates share.
+    def of(
+        cls, drive: Drive, recording: Recording, parameters: Mapping[str, float], width: int | None = None
+    ) -> WeakFormProblem:
+        """Choose the test functions and evaluate what all candidates share.
 
         Args:
             drive: the model under test.
             recording: with ``velocity``.
             parameters: the model's estimated parameters by key, and the inertia.
+            width: samples that a test function spans; as the noise asks for if not given.
         """
         inertia, _ = drive.split(parameters)
         delay = parameters[drive.model.delay] if drive.model.delay else 0.0
@@ -99,7 +102,7 @@ class WeakFormProblem:
         if "acceleration" not in part:
             part = part.with_channels(acceleration=acceleration)
         sigma = noise(part.time, part.velocity, part.run)
-        width = _bump_width(part, inertia, sigma)
+        width = width or _bump_width(part, inertia, sigma)
         part = part.with_channels(torque_rate=part.signal("motor_torque_rate"))
         at_rest = resting(part)
         unclear = direction_unclear(drive, part, smooth, at_rest, width, parameters)
@@ -165,6 +168,18 @@ class WeakFormProblem:
         unclear = self.resting | creeping(self.recording, self.bumps.width)
         quadrature, bumps = _rows(self.recording, self.smooth, self.bumps.width, unclear)
         return replace(self, quadrature=quadrature, bumps=bumps)
+
+    def along(self, velocity: Array, resting: NDArray[np.bool_]) -> WeakFormProblem:
+        """Return the same problem with friction evaluated at another velocity, on all samples that do not rest by it.
+
+        Args:
+            velocity: shape (N,).
+            resting: samples at rest, shape (N,).
+        """
+        over_cells = self.recording.derived_over > 0
+        bumps = TestFunctions(self.recording, self.bumps.width, resting, over_cells=over_cells)
+        quadrature = Quadrature.of(self.recording, velocity, resting)
+        return replace(self, smooth=velocity, resting=resting, quadrature=quadrature, bumps=bumps)
 
     @property
     def rows(self) -> int:
@@ -253,6 +268,20 @@ class WeakFormProblem:
         if "motor_torque" in drive.model.needs:
             points = points.with_channels(torque=self.motor_torque)
         return self._regressors(drive, nonlinear, points)
+
+    @property
+    def points(self) -> Recording:
+        """The quadrature's samples as the problem's own drive takes them: its motor torque is what a fit explains."""
+        points = self.quadrature.recording
+        return points.with_channels(torque=self.motor_torque) if "motor_torque" in self.drive.model.needs else points
+
+    def states_at(self, parameters: Array) -> list[Array]:
+        """Return the internal states of the problem's own drive at the quadrature's samples.
+
+        Args:
+            parameters: all of the model's, in order.
+        """
+        return [state[self._places] for state in self._memory(self.drive)(parameters)]
 
     def _regressors(self, drive: Drive, nonlinear: Sequence[float], points: Recording) -> tuple[Array, Array]:
         if not drive.model.states:

@@ -68,10 +68,10 @@ class Quadrature:
         half = np.where(both & ~turning, 0.5 * step, 0.0)
         cell = np.flatnonzero(joined & (turning | (moving[:-1] != moving[1:])))
         earlier, later = velocity[cell], velocity[cell + 1]
-        previous = velocity[np.maximum(cell - 1, 0)]
-        following = velocity[np.minimum(cell + 2, len(recording) - 1)]
-        before = np.where(moving[cell], _share(earlier, previous - earlier), 0.0)
-        after = np.where(moving[cell + 1], _share(later, following - later), 0.0)
+        last = len(recording) - 1
+        previous, following = np.maximum([cell - 1, cell - 2], 0), np.minimum([cell + 2, cell + 3], last)
+        before = np.where(moving[cell], _share_to_zero(earlier, *velocity[previous]), 0.0)
+        after = np.where(moving[cell + 1], _share_to_zero(later, *velocity[following]), 0.0)
         both_parts = np.maximum(before + after, 1.0)
         before, after = before / both_parts, after / both_parts
         tiny = 1e-9 * float(np.max(np.abs(velocity), initial=1e-300))
@@ -138,6 +138,19 @@ def _cells(width: int, over_cells: bool) -> tuple[Array, Array]:
     if not over_cells:
         return np.pad(changes, 1), np.pad(changes, 1)
     return np.pad(changes, (1, 2)), np.pad(np.convolve(changes, [0.5, 0.5]), 1)
+
+
+def _share_to_zero(velocity: Array, next_one: Array, one_further: Array) -> Array:
+    """Return the share of a cell within which a velocity reaches zero, continued with the change of its slope.
+
+    Args:
+        velocity: at the sample beside the cell.
+        next_one, one_further: at the two samples beyond it, away from the cell.
+    """
+    change, bend = next_one - velocity, one_further - 2 * next_one + velocity
+    first = _share(velocity, change)
+    mean_change = change - 0.5 * (1.0 + first) * bend
+    return np.where(mean_change * change > 0.0, _share(velocity, mean_change), first)
 
 
 def _share(velocity: Array, change: Array) -> Array:

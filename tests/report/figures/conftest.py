@@ -7,11 +7,12 @@ from collections.abc import Callable, Mapping
 import numpy as np
 import pytest
 
-from fricmodels.diagnosis.comparison import Comparison, compare_model, kept_back, ready
+from fricmodels.diagnosis.comparison import Comparison, compare_model, kept_back
 from fricmodels.dimension import Motion
 from fricmodels.drive import Drive
 from fricmodels.model import Model
 from fricmodels.recording import Recording
+from fricmodels.weakform.prepared import ready
 
 Compared = Callable[..., Comparison]
 

@@ -3,19 +3,65 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from estimators.batch.problem import nonlinear_search
-from estimators.batch.separable import separable
 from fricmodels.drive import Drive
 from fricmodels.recording import Recording
-from fricmodels.signals import noise, smoothed_velocity
+from fricmodels.weakform.hidden import drowned, lost_in_noise, sign_is_hidden
+from fricmodels.weakform.nonlinear import nonlinear_search
+from fricmodels.weakform.separable import separable
+from fricmodels.weakform.solve import Solved, with_or_without_shift
 
 Array = NDArray[np.float64]
 
 NORMAL_95 = 1.959963984540054
+
+
+def identified(found: Solved) -> Solved:
+    """Return the fit with what the recording does not determine named, and held at nothing where that costs nothing.
+
+    One parameter after the other is held, the least determined first, as long as all that are held may together be what
+    they are held at (Wald test at 5 %). So two that stand for one another are not both dropped.
+
+    Args:
+        found: the fit with nothing held.
+    """
+    problem, drive = found.problem, found.problem.drive
+    recording = problem.recording
+    searched = searched_range(drive, recording)
+    noisy = {} if drive.model.states or not sign_is_hidden(recording) else drowned(drive, recording, found.parameters)
+    free = now = with_or_without_shift(found, found.plan)
+    held: dict[str, str] = {}
+    refused: set[str] = set()
+    while True:
+        undetermined = now.solution.normal.null[now.places]
+        reasons = not_identified(drive, now.values, now.covariance, undetermined, searched)
+        reasons = {**lost_in_noise(noisy), **reasons, **held}
+        choice = to_hold(drive, now.values, now.covariance, searched, set(reasons) - set(held) - refused, noisy)
+        if choice is None:
+            variances = {key: free.standard_errors[key] ** 2 for key in held}
+            return replace(now, not_identified=reasons, held_variances=variances)
+        key, value = choice
+        plan = replace(now.plan, held={**now.plan.held, key: value})
+        if key not in lost_in_noise(noisy) and not _may_be(free, plan.held):
+            refused.add(key)
+            continue
+        held[key] = f"{reasons[key]}; held at {value:.3g}"
+        now = with_or_without_shift(found, plan)
+
+
+def _may_be(free: Solved, values: Mapping[str, float]) -> bool:
+    """Whether parameters may all have given values: Wald test at 5 %."""
+    from scipy.special import chdtrc
+
+    places = [free.problem.drive.keys.index(key) for key in values]
+    apart = free.values[places] - np.array(list(values.values()))
+    spread = free.covariance[np.ix_(places, places)]
+    statistic = float(apart @ np.linalg.pinv(spread, rcond=1e-12, hermitian=True) @ apart)
+    return bool(chdtrc(len(places), statistic) > 0.05)
 
 
 def not_identified(
@@ -58,34 +104,6 @@ def not_identified(
             if correlation > 0.9:
                 found[key] += f"; it trades with {keys[partner]} (correlation {correlation:.3f})"
     return found
-
-
-def drowned(drive: Drive, recording: Recording, values: Mapping[str, float]) -> dict[str, float]:
-    """Return key → what velocity noise makes of each parameter's regressor, as a share of it.
-
-    The regressor is compared at a smoothed velocity and at one larger by the standard deviation of the noise, where
-    the drive surely moves. Standard errors take regressors as known and do not see this.
-    """
-    smooth, error = smoothed_velocity(recording)
-    deviation = noise(recording.time, recording.velocity, recording.run)
-    moving = np.abs(smooth) > 3.0 * error
-    if not moving.any():
-        return {}
-    there = recording.select(moving)
-    here = drive.jacobian(there.with_channels(velocity=smooth[moving]), values)
-    moved = smooth[moving] + deviation * np.sign(smooth[moving])
-    change = np.linalg.norm(drive.jacobian(there.with_channels(velocity=moved), values) - here, axis=1)
-    size = np.linalg.norm(here, axis=1)
-    return {
-        p.key: float(changed / whole) if whole > 0.0 else 0.0
-        for p, changed, whole in zip(drive.model.parameters, change, size, strict=True)
-    }
-
-
-def lost_in_noise(shares: Mapping[str, float]) -> dict[str, str]:
-    """Return key → reason for each parameter whose regressor is less than three times what noise makes of it."""
-    reason = "what it multiplies is hidden in the noise of the velocity: the drive moves too slowly for it"
-    return {key: reason for key, share in shares.items() if share > 1 / 3}
 
 
 def to_hold(

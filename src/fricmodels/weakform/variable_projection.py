@@ -4,15 +4,13 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
-from functools import cache
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from estimators.batch.least_squares import NormalEquations
-from estimators.batch.separable import Separable
-from fricmodels.weakform.optimise import multistart_nelder_mead
+from fricmodels.weakform.least_squares import NormalEquations
+from fricmodels.weakform.separable import Separable
 
 Array = NDArray[np.float64]
 
@@ -23,8 +21,6 @@ TOLERANCE = 1e-6
 standard error, √(TOLERANCE)."""
 LARGEST_RATIO = 1.5
 """Largest step of a parameter on a logarithmic scale: a factor of e^1.5."""
-BEST_WAVES = 3
-"""So many of the wave numbers that a spectrum shows are refined to the end."""
 
 
 @dataclass(frozen=True)
@@ -38,7 +34,8 @@ class Equations:
         acceleration: the functionals of dω/dt where the inertia is estimated, shape (M,), else ``None``.
         fixed: the functionals of the model's fixed rows, shape (rows, M).
         moving: α, whether with slopes → functionals of the moving rows (and slopes), shape (rows, M).
-        waves: residual, index into α of a wave number, α → the wave numbers that the residual shows, strongest first.
+        nuisances: columns beside the model, such as a shift in time, shape (m, M).
+        nuisance_limits: lower and upper bound of the coefficient of each nuisance, shape (m, 2).
     """
 
     separable: Separable
@@ -47,7 +44,8 @@ class Equations:
     acceleration: Array | None
     fixed: Array
     moving: Callable[[Array, bool], Array]
-    waves: Callable[[Array, int, Array], Sequence[float]]
+    nuisances: Array = field(default_factory=lambda: np.zeros((0, 0)))
+    nuisance_limits: Array = field(default_factory=lambda: np.zeros((0, 2)))
 
 
 @dataclass(frozen=True)
@@ -59,9 +57,6 @@ class Nonlinear:
         lower, upper: bounds.
         logarithmic: which are searched on a logarithmic scale.
         reach: largest step of each, of the logarithm where the scale is logarithmic.
-        spacing: of the starting values, a ratio where the scale is logarithmic, else a negative difference; one that
-            stays while starting values are compared has a ratio of 1.
-        periodic: which are wave numbers to be searched for in a spectrum over position.
         held: which stay at their start.
     """
 
@@ -70,8 +65,6 @@ class Nonlinear:
     upper: Array
     logarithmic: NDArray[np.bool_]
     reach: Array
-    spacing: Array
-    periodic: NDArray[np.bool_]
     held: NDArray[np.bool_]
 
     def clip(self, alpha: Array) -> Array:
@@ -92,7 +85,16 @@ class Nonlinear:
 
 @dataclass(frozen=True)
 class Solution:
-    """A least-squares fit: parameters (inertia if estimated, linear θ, nonlinear α), Jacobian and residual."""
+    """A least-squares fit.
+
+    Attributes:
+        theta: inertia if it is estimated, linear parameters, coefficients of the nuisances.
+        alpha: nonlinear parameters.
+        jacobian: columns of theta and alpha, shape (n, M).
+        residual: shape (M,).
+        normal: normal equations of the Jacobian at the solution.
+        iterations, converged: of the Gauss–Newton iteration.
+    """
 
     theta: Array
     alpha: Array
@@ -106,6 +108,11 @@ class Solution:
     def cost(self) -> float:
         """Sum of squared residuals."""
         return float(self.residual @ self.residual)
+
+    def part(self, chosen: NDArray[np.int64]) -> NormalEquations:
+        """Return the normal equations of some columns of the Jacobian."""
+        columns = self.jacobian[chosen]
+        return NormalEquations.of(columns @ columns.T, columns @ self.residual)
 
 
 class Projection:
@@ -124,15 +131,18 @@ class Projection:
         self._held = dict(held or {})
         split = equations.separable
         self._first = 0 if equations.acceleration is None else 1
-        self._width = self._first + len(split.linear)
+        self._nuisances = self._first + len(split.linear)
+        self._width = self._nuisances + len(equations.nuisances)
         self._free = np.array([i for i in range(self._width) if i not in self._held], dtype=np.int64)
         self._theta = np.zeros(self._width)
         self._theta[list(self._held)] = list(self._held.values())
+        constraints, limits = _with_bounds(constraints, limits, equations.nuisance_limits)
         self._constraints, self._limits = constraints[:, self._free], limits - constraints @ self._theta
         count = len(equations.target)
         self._columns = np.zeros((self._width, count))
         if equations.acceleration is not None:
             self._columns[0] = equations.acceleration
+        self._columns[self._nuisances :] = equations.nuisances.reshape(-1, count)
         self._target = equations.target.copy()
         for row, values in zip(split.fixed, equations.fixed, strict=True):
             if row == len(split.linear):
@@ -140,61 +150,13 @@ class Projection:
             else:
                 self._columns[self._first + row] = values
 
-    def solve(self, nonlinear: Nonlinear, start: Array | None = None, max_iterations: int = 50) -> Solution:
-        """Search from ``start``, or from every starting point roughly and from the best one to the end.
-
-        Wave numbers start from the spectrum over position of what the other parameters leave over.
-        """
+    def solve(self, nonlinear: Nonlinear, max_iterations: int = 50) -> Solution:
+        """Return the least-squares fit: from the best of the starting points, by Gauss–Newton to the end."""
         if not self._equations.separable.nonlinear:
-            return self._at(np.zeros(0))
-        remembers = bool(self._equations.separable.model.states)
-        unseen = self._rows_of(np.flatnonzero(nonlinear.periodic))
-        starts = [nonlinear.clip(point) for point in (nonlinear.combinations() if start is None else [start])]
-        if len(starts) > 1:
-            starts = sorted(starts, key=lambda alpha: self._cost(alpha, unseen))
-            starts = [self._climb(starts, nonlinear, unseen)] if remembers else starts[:1]
-        if unseen:
-            waves = self._waves(starts[0], nonlinear)
-            if remembers and start is None:
-                seen = nonlinear.periodic & ~nonlinear.held
-                found = replace(nonlinear, spacing=np.where(seen, -nonlinear.reach, nonlinear.spacing))
-                waves = [self._climb(waves, found)]
-            starts = waves if start is None else [*starts, *waves]
-        return min((self._descend(self._at(s), nonlinear, max_iterations) for s in starts), key=lambda at: at.cost)
-
-    def _climb(self, starts: Sequence[Array], nonlinear: Nonlinear, without: frozenset[int] = frozenset()) -> Array:
-        """Climb by simplexes: the error of a model with memory is not smooth, for contacts open at other samples."""
-        bounds = list(zip(nonlinear.lower.tolist(), nonlinear.upper.tolist(), strict=True))
-        points = [tuple(alpha.tolist()) for alpha in starts]
-
-        @cache
-        def value(point: tuple[float, ...]) -> float:
-            return -self._cost(np.array(point), without)
-
-        return np.array(multistart_nelder_mead(value, points, bounds, nonlinear.spacing.tolist(), patience=1))
-
-    def _rows_of(self, places: Sequence[int] | NDArray[np.int64]) -> frozenset[int]:
-        """Return the linear parameters whose rows depend on some of the nonlinear parameters."""
-        split = self._equations.separable
-        return frozenset(row for row, j in split.slopes if j in places and row < len(split.linear))
-
-    def _waves(self, alpha: Array, nonlinear: Nonlinear) -> list[Array]:
-        """Return the best starting points for wave numbers: each found in what the model without it leaves over."""
-        places = [int(j) for j in np.flatnonzero(nonlinear.periodic & ~nonlinear.held)]
-        unseen, starts = set(places), [alpha]
-        for j in places if len(places) < 2 else [*places, *places]:
-            columns, target, _ = self._linear_problem(alpha, slopes=False)
-            columns[[self._first + row for row in self._rows_of([*unseen, j])]] = 0.0
-            residual = target - self._solve(columns, target) @ columns
-            unseen.discard(j)
-            hidden = self._rows_of(sorted(unseen))
-            points = [
-                alpha,
-                *(np.where(np.arange(len(alpha)) == j, k, alpha) for k in self._equations.waves(residual, j, alpha)),
-            ]
-            points.sort(key=lambda point: self._cost(nonlinear.clip(point), hidden))
-            starts, alpha = [nonlinear.clip(point) for point in points[:BEST_WAVES]], nonlinear.clip(points[0])
-        return starts
+            return self.at(np.zeros(0))
+        starts = [nonlinear.clip(point) for point in nonlinear.combinations()]
+        start = min(starts, key=self.cost) if len(starts) > 1 else starts[0]
+        return self._descend(self.at(start), nonlinear, max_iterations)
 
     def _descend(self, at: Solution, nonlinear: Nonlinear, max_iterations: int) -> Solution:
         damping = 1e-3
@@ -206,7 +168,7 @@ class Projection:
                 return replace(at, iterations=iteration)
             step = np.clip(step, -reach, reach)
             moved = np.where(nonlinear.logarithmic, at.alpha * np.exp(np.minimum(step, LARGEST_RATIO)), at.alpha + step)
-            trial = self._at(nonlinear.clip(moved))
+            trial = self.at(nonlinear.clip(moved))
             gain = at.cost - trial.cost
             size = np.minimum(np.maximum(np.abs(at.alpha), 1e-300), np.where(nonlinear.logarithmic, np.inf, reach))
             small = float(np.max(np.abs(trial.alpha - at.alpha) / size))
@@ -236,10 +198,9 @@ class Projection:
         step[moving] = np.linalg.lstsq(reduced + damping * np.diag(diagonal), gradient, rcond=1e-14)[0]
         return step, float(gradient @ step[moving])
 
-    def _cost(self, alpha: Array, without: frozenset[int] = frozenset()) -> float:
-        """Return the squared error at α, as if the rows ``without`` were not in the model."""
+    def cost(self, alpha: Array) -> float:
+        """Return the squared error at α."""
         columns, target, _ = self._linear_problem(alpha, slopes=False)
-        columns[[self._first + row for row in without]] = 0.0
         residual = target - self._solve(columns, target) @ columns
         return float(residual @ residual)
 
@@ -265,7 +226,8 @@ class Projection:
                 columns[self._first + row] = values
         return columns, target, rows[len(split.moving) :]
 
-    def _at(self, alpha: Array) -> Solution:
+    def at(self, alpha: Array) -> Solution:
+        """Return the linear fit at given nonlinear parameters, with all derivatives."""
         split, n = self._equations.separable, self._width
         linear, target, slopes = self._linear_problem(alpha, slopes=True)
         theta = self._solve(linear, target)
@@ -276,3 +238,17 @@ class Projection:
         residual = target - theta @ linear
         normal = NormalEquations.of(columns @ columns.T, columns @ residual)
         return Solution(theta, alpha, columns, residual, normal, 0, True)
+
+
+def _with_bounds(constraints: Array, limits: Array, bounds: Array) -> tuple[Array, Array]:
+    """Return constraints and limits with further variables that have nothing but bounds."""
+    more = len(bounds)
+    if not more:
+        return constraints, limits
+    padded = np.pad(constraints, ((0, 0), (0, more)))
+    own = np.hstack([np.zeros((more, constraints.shape[1])), np.eye(more)])
+    finite = np.isfinite(bounds)
+    return (
+        np.vstack([padded, own[finite[:, 0]], -own[finite[:, 1]]]),
+        np.concatenate([limits, bounds[finite[:, 0], 0], -bounds[finite[:, 1], 1]]),
+    )

@@ -8,17 +8,13 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from estimators.batch.projection import LARGEST_RATIO, Nonlinear
 from fricmodels.drive import Drive, DriveParameter
 from fricmodels.errors import InputError, suggestion
 from fricmodels.recording import Recording
-from fricmodels.weakform.ranges import natural_size
+from fricmodels.weakform.ranges import natural_size, scan_size
+from fricmodels.weakform.variable_projection import LARGEST_RATIO, Nonlinear
 
 Array = NDArray[np.float64]
-
-RATIO, SIGNED = 3.0, 0.2
-"""Ratio between values of a positive parameter that are tried first, and difference between those of another that has
-but one, in its natural size."""
 
 
 @dataclass(frozen=True)
@@ -38,20 +34,26 @@ class Outcome:
     message: str
 
 
-def linear_constraints(parameters: Sequence[DriveParameter]) -> tuple[Array, Array]:
-    """Return G and h with ``G θ ≥ h``: bounds of the linear parameters, and which is at least which other."""
+def linear_constraints(parameters: Sequence[DriveParameter], delay: float = 0.0) -> tuple[Array, Array]:
+    """Return G and h with ``G θ ≥ h``: bounds of the linear parameters, and which is at least which other.
+
+    Args:
+        parameters: the linear ones.
+        delay: time [s] by which the recording was shifted already; what is fitted of a delay comes on top of it.
+    """
     keys = [p.key for p in parameters]
     rows, limits = [], []
     for i, p in enumerate(parameters):
         row = np.zeros(len(keys))
         row[i] = 1.0
+        gone = delay if p.declared.delay else 0.0
         bounded_by_another = p.at_least in keys
         if np.isfinite(p.declared.lower) and not bounded_by_another:
             rows.append(row)
-            limits.append(p.declared.lower)
+            limits.append(p.declared.lower - gone)
         if np.isfinite(p.declared.upper):
             rows.append(-row)
-            limits.append(-p.declared.upper)
+            limits.append(gone - p.declared.upper)
         if bounded_by_another:
             row = row.copy()
             row[keys.index(str(p.at_least))] = -1.0
@@ -76,27 +78,22 @@ class Plan:
 def nonlinear_search(drive: Drive, recording: Recording, plan: Plan = Plan()) -> Nonlinear:
     """Return where to look for the nonlinear parameters: their scans in the recording's own sizes."""
     chosen = [p for p in drive.parameters if not p.linear]
-    starts, logarithmic, reach, spacing = [], [], [], []
+    starts, logarithmic, reach = [], [], []
     for p in chosen:
-        size = natural_size(recording, p.dimension)
-        scan = tuple(value * size for value in p.declared.scan)
+        size = scan_size(recording, p.declared)
         first = plan.held.get(p.key, plan.start.get(p.key))
+        scan = tuple(value * size for value in p.declared.scan)
         starts.append((first,) if first is not None else scan or (p.declared.initial,))
         ratio = not p.declared.periodic and p.declared.lower >= 0.0 and min(starts[-1]) > 0.0
         logarithmic.append(ratio)
         span = natural_size(recording, p.dimension**-1) if p.declared.periodic else 0.0
         reach.append(LARGEST_RATIO if ratio else np.pi / span if span > 0.0 else np.inf)
-        apart = scan[1] - scan[0] if len(scan) > 1 else SIGNED * size
-        stays = p.declared.periodic or p.key in plan.held
-        spacing.append(1.0 if stays else RATIO if ratio else -apart)
     return Nonlinear(
         starts,
         np.array([p.declared.lower for p in chosen], dtype=float),
         np.array([p.declared.upper for p in chosen], dtype=float),
         np.array(logarithmic, dtype=bool),
         np.array(reach, dtype=float),
-        np.array(spacing, dtype=float),
-        np.array([p.declared.periodic and p.key not in plan.start for p in chosen], dtype=bool),
         np.array([p.key in plan.held for p in chosen], dtype=bool),
     )
 

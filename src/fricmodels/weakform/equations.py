@@ -1,0 +1,64 @@
+"""The rows of a weak-form problem as equations that variable projection solves."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fricmodels.weakform.nonlinear import Plan, linear_constraints, nonlinear_search
+from fricmodels.weakform.problem import WeakFormProblem
+from fricmodels.weakform.separable import separable
+from fricmodels.weakform.variable_projection import Equations, Nonlinear, Projection
+
+Array = NDArray[np.float64]
+
+
+def equations(problem: WeakFormProblem, *, timing: bool) -> Equations:
+    """Return the equation of motion seen through the test functions of a problem.
+
+    Args:
+        problem: drive, recording and test functions.
+        timing: whether reversals, and torque against motion, may be shifted in time by part of a sample; see
+            :func:`timing_nuisances`.
+    """
+    split = separable(problem.drive.model)
+    points = problem.points
+
+    def moving(alpha: Array, slopes: bool) -> Array:
+        return problem.integrals(split.moving_rows(points, alpha, problem.states_at, slopes=slopes))
+
+    nuisances, limits = timing_nuisances(problem) if timing else (np.zeros((0, problem.rows)), np.zeros((0, 2)))
+    return Equations(
+        split,
+        problem.driving,
+        problem.target,
+        problem.momentum if problem.drive.inertia is None else None,
+        problem.integrals(split.fixed_rows(points)),
+        moving,
+        nuisances,
+        limits,
+    )
+
+
+def timing_nuisances(problem: WeakFormProblem) -> tuple[Array, Array]:
+    """Return what a small shift in time adds to the rows, shape (m, rows), and its bounds, shape (m, 2).
+
+    The instant of every reversal may be off by part of a sample. Torque and motion may be shifted against each other by
+    up to one sample: a torque that is held between samples is so by half of one. A model with a delay of its own has
+    no second one beside it.
+    """
+    rows, limits = [problem.sign_change], [(-np.inf, np.inf)]
+    if "motor_torque_rate" not in problem.drive.model.needs:
+        interval = problem.recording.interval
+        rows.append(problem.torque_rate)
+        limits.append((-interval, interval))
+    return np.vstack(rows), np.array(limits)
+
+
+def projection(problem: WeakFormProblem, plan: Plan, *, timing: bool) -> tuple[Projection, Nonlinear]:
+    """Return the least-squares problem of a drive, and where its nonlinear parameters are sought."""
+    linear = [p for p in problem.drive.parameters if p.linear]
+    constraints, limits = linear_constraints(linear, problem.delay)
+    held = {i: plan.held[p.key] for i, p in enumerate(linear) if p.key in plan.held}
+    search = nonlinear_search(problem.drive, problem.recording, plan)
+    return Projection(equations(problem, timing=timing), constraints, limits, held), search

@@ -1,0 +1,252 @@
+r"""The velocity that the fitted model predicts, corrected by what was measured.
+
+Noise in the velocity does harm twice: it gives the Coulomb torque the wrong sign near standstill, and it weakens every
+regressor (errors in variables). The simulated velocity has neither fault but drifts from the drive where the model is
+wrong. Their difference is taken as a level that wanders, observed in white noise; its fixed-interval smoother is a pair
+of exponential averages, one forth and one back. The better the model, the longer the average that predicts best.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fricmodels.drive import Drive
+from fricmodels.errors import InputError
+from fricmodels.recording import Recording
+from fricmodels.signals.lanczos import even_weights, fit_stretch
+from fricmodels.signals.segments import stretches
+from fricmodels.weakform.hidden import drowned, sign_is_hidden
+from fricmodels.weakform.solve import STRONG, Solved, solve
+
+Array = NDArray[np.float64]
+
+FIRST_STEP, REACH, ROUNDS = 0.05, 10, 5
+"""Of the search for values that predict the velocity: step, steps on either side at first, and how often halved."""
+_GAINS = 0.5 ** np.arange(0, 12)
+MAX_ROUNDS = 8
+"""Rounds of predicting the velocity by the fit and fitting again."""
+MOST_FEEDBACK = 0.8
+"""Rounds that converge more slowly than by this factor are not told from such that do not."""
+WORSE = 1.1
+"""A round whose squared error of prediction is larger than the best by this factor has gone astray."""
+
+
+@dataclass(frozen=True)
+class ModelVelocity:
+    """A velocity from model and measurement.
+
+    Attributes:
+        velocity: shape (N,).
+        resting: where the drive rests by it, shape (N,).
+        prediction_error: mean square error of predicting the measured velocity one sample ahead.
+        own_weight: mean weight of each measured sample in its own value.
+    """
+
+    velocity: Array
+    resting: NDArray[np.bool_]
+    prediction_error: float
+    own_weight: float
+
+
+def at_model_velocity(found: Solved) -> Solved:
+    r"""Return the fit with friction evaluated at the velocity that the model predicts, if that is more certain.
+
+    In rounds, while the velocity is not predicted worse. Which velocity is more certain is told by Stein's unbiased
+    estimate of its squared error, :math:`\overline{(v - y)^2} + 2\sigma^2 w_0` but for a constant, with the measured y,
+    its noise σ and the weight :math:`w_0` of each sample in its own value.
+
+    Args:
+        found: the fit at the smoothed velocity. A velocity that was derived from positions, whose noise is not white,
+            stays as it is.
+    """
+    problem = found.problem
+    recording = problem.recording
+    if recording.derived_over:
+        return found
+    own_weight = float(even_weights(problem.half_width)[0][problem.half_width])
+    sigma = _white_noise(recording)
+    smooth = _risk(recording.velocity, problem.smooth, sigma, own_weight)
+    begin, everywhere = _begin(found)
+
+    def risk(velocity: ModelVelocity | None) -> float:
+        if velocity is None:
+            return np.inf
+        return _risk(recording.velocity, velocity.velocity, sigma, velocity.own_weight)
+
+    best, predicted, settled = _rounds(begin, begin.parameters)
+    lost = not settled or len(best.solution.normal.null.T) > 0 or risk(predicted) > smooth
+    if lost and sign_is_hidden(recording):
+        # Whether the drive turns at all, and for how long, says more of its Coulomb friction than its speed does.
+        shares = drowned(problem.drive, recording, everywhere.parameters)
+        held = {max(shares, key=lambda key: shares[key]): 0.0} if max(shares.values(), default=0.0) > 0.0 else {}
+        values = sought(problem.drive, [everywhere.values, found.values], recording, held)
+        from_search = {**begin.parameters, **dict(zip(problem.drive.keys, values, strict=True))}
+        other, velocity, _ = _rounds(begin, from_search)
+        if velocity and (predicted is None or velocity.prediction_error < predicted.prediction_error):
+            best, predicted = other, velocity
+    if best.with_shift().log_odds_of_a_shift() > STRONG:
+        return found  # simulated with the torque at another time, the velocity would be another
+    return best if risk(predicted) <= smooth else found
+
+
+def _rounds(begin: Solved, parameters: Mapping[str, float]) -> tuple[Solved, ModelVelocity | None, bool]:
+    r"""Return the fit after rounds of predicting the velocity and fitting anew, its velocity, and whether they settled.
+
+    An error of the parameters is one of the velocity, and changes what is fitted next by a factor ρ, seen in how fast
+    the rounds converge. At their end errors are larger by :math:`1/(1-\rho)` than a fit to a known velocity has them.
+
+    Args:
+        begin: gives drive, recording and starts.
+        parameters: by which the velocity is predicted first, by key.
+    """
+    problem, drive = begin.problem, begin.problem.drive
+    best, used, least = begin, None, np.inf
+    values = np.array([parameters[key] for key in drive.keys])
+    change: Array | None = None
+    for _ in range(MAX_ROUNDS):
+        predicted = model_velocity(
+            drive, {**parameters, **dict(zip(drive.keys, values, strict=True))}, problem.recording
+        )
+        if predicted is None or predicted.prediction_error > WORSE * least:
+            break
+        rows = problem.along(predicted.velocity, predicted.resting)
+        if rows.rows <= 4 * len(drive.parameters):
+            break
+        least, used = min(least, predicted.prediction_error), predicted
+        best = solve(rows, replace(begin.plan, start=_nonlinear(best)), timing=False)
+        before, change = change, best.values - values
+        values = best.values
+        spread = np.sqrt(np.clip(np.diag(best.covariance), 0.0, None))
+        size = np.where(spread > 0.0, spread, np.inf)
+        share = 0.0 if before is None else float(np.linalg.norm(change / size) / (np.linalg.norm(before / size) or 1.0))
+        best = replace(best, feedback=(change, min(share, MOST_FEEDBACK)) if share else None)
+        if np.all(np.abs(change) <= 0.1 * spread):
+            return best, used, True
+    return best, used, False
+
+
+def _begin(found: Solved) -> tuple[Solved, Solved]:
+    """Return the fit to certain motion or to all, whichever predicts the velocity better; and the one to all.
+
+    Where noise hides at which instants the drive turns, little motion is certain.
+    """
+    problem = found.problem
+    everywhere = solve(problem.along(problem.smooth, problem.resting), found.plan, timing=False)
+
+    def error(fit: Solved) -> float:
+        return prediction_error(problem.drive, fit.values, problem.recording)
+
+    return min((found, everywhere), key=error), everywhere
+
+
+def _nonlinear(found: Solved) -> dict[str, float]:
+    nonlinear = {p.key for p in found.problem.drive.parameters if not p.linear}
+    return {key: value for key, value in found.parameters.items() if key in nonlinear}
+
+
+def _white_noise(recording: Recording) -> float:
+    """Return the standard deviation of white noise on the velocity, from the median of what a cubic over 7 leaves.
+
+    The few jumps of the acceleration at reversals do not count in a median.
+    """
+    left = [
+        recording.velocity[part] - fit_stretch(recording.time[part], recording.velocity[part], 3, 3)[0]
+        for part in stretches(recording.time, recording.run)
+        if part.stop - part.start > 7
+    ]
+    if not left:
+        return 0.0
+    share = 1.0 - float(even_weights(3, 3)[0][3])
+    return float(np.median(np.abs(np.concatenate(left))) / (0.6745 * np.sqrt(share)))
+
+
+def _risk(measured: Array, velocity: Array, noise: float, own_weight: float) -> float:
+    return float(np.mean((velocity - measured) ** 2)) + 2 * noise**2 * own_weight
+
+
+def model_velocity(drive: Drive, values: Mapping[str, float], recording: Recording) -> ModelVelocity | None:
+    """Return the velocity that a model predicts, corrected; ``None`` where the model cannot be simulated."""
+    from fricmodels.simulation import simulated_velocity
+
+    try:
+        simulated = simulated_velocity(drive, values, recording)
+    except InputError:
+        return None
+    if not np.all(np.isfinite(simulated)):
+        return None
+    velocity = np.empty(len(recording))
+    noise = np.empty(len(recording))
+    squares = weight = 0.0
+    for number in np.unique(recording.run):
+        inside = recording.run == number
+        level, hidden_by, error, gain = wandering_level(recording.velocity[inside] - simulated[inside])
+        velocity[inside] = simulated[inside] + level
+        noise[inside] = hidden_by
+        squares += error * float(inside.sum())
+        weight += gain / (2.0 - gain) * float(inside.sum())
+    hidden = (np.abs(velocity) <= 3.0 * noise) & (np.abs(simulated) <= 3.0 * noise)
+    velocity = np.where(hidden, simulated, velocity)
+    return ModelVelocity(velocity, velocity == 0.0, squares / len(recording), weight / len(recording))
+
+
+def prediction_error(drive: Drive, values: Array, recording: Recording) -> float:
+    """Return the mean square error of predicting the velocity one sample ahead; infinite where there is no model."""
+    given = {drive.inertia_key: drive.inertia or float("nan")}
+    predicted = model_velocity(drive, {**given, **dict(zip(drive.keys, values, strict=True))}, recording)
+    return np.inf if predicted is None else predicted.prediction_error
+
+
+def sought(drive: Drive, starts: Sequence[Array], recording: Recording, held: Mapping[str, float]) -> Array:
+    """Return values that predict the velocity better, each linear one that is not held stepped up and down.
+
+    Begins at the best start, first half up and down in steps of a twentieth, then in ever smaller ones. Where the
+    velocity drowns in noise, whether the drive turns, and for how long, says more of its Coulomb friction than the
+    velocity does.
+    """
+    places = [i for i, p in enumerate(drive.parameters) if p.linear and p.key not in held]
+
+    def error(trial: Array) -> float:
+        return prediction_error(drive, trial, recording)
+
+    fixed = [np.array([held.get(k, v) for k, v in zip(drive.keys, values, strict=True)]) for values in starts]
+    least, _, best = min((error(values), i, values) for i, values in enumerate(fixed))
+    for round_number in range(ROUNDS):
+        step = FIRST_STEP * 0.5**round_number
+        multiples = np.arange(-REACH, REACH + 1) if round_number == 0 else np.array([-1, 1])
+        for i in places:
+            better = best
+            for factor in 1.0 + step * multiples:
+                trial = np.where(np.arange(len(best)) == i, factor * best, best)
+                reached = error(trial)
+                if reached < least:
+                    better, least = trial, reached
+            best = better
+    return best
+
+
+def wandering_level(series: Array) -> tuple[Array, float, float, float]:
+    """Return the smoothed level of a series, the noise that hid it, the mean square error of prediction, and the gain.
+
+    The gain is the one that predicts best.
+    """
+    gain, least = 1.0, np.inf
+    for candidate in _GAINS[_GAINS * len(series) >= 4.0]:
+        square = float(np.mean((series[1:] - _average(series, candidate)[:-1]) ** 2))
+        if square > least:
+            break
+        gain, least = float(candidate), square
+    level = _average(_average(series, gain)[::-1], gain)[::-1]
+    return level, float(np.sqrt(least * (1.0 - gain))), least, gain
+
+
+def _average(series: Array, gain: float) -> Array:
+    """Return the exponential average, started at the mean of about as many samples as it spans."""
+    from scipy.signal import lfilter
+
+    first = float(np.mean(series[: max(1, round(1.0 / gain))]))
+    averaged, _ = lfilter([gain], [1.0, gain - 1.0], series, zi=[(1.0 - gain) * first])
+    return np.asarray(averaged)

@@ -1,0 +1,252 @@
+"""Solves the rows of a problem for all parameters of its drive, with a small shift in time or without."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fricmodels.weakform.candidate import is_instant
+from fricmodels.weakform.equations import projection
+from fricmodels.weakform.inference import covariance
+from fricmodels.weakform.nonlinear import Plan
+from fricmodels.weakform.optimise import coordinate_search
+from fricmodels.weakform.problem import WeakFormProblem
+from fricmodels.weakform.regression import cosine_terms
+from fricmodels.weakform.search import in_gap
+from fricmodels.weakform.variable_projection import Nonlinear, Projection, Solution
+
+Array = NDArray[np.float64]
+
+_STARTED, _SCANNED = 1.3, 2.0
+"""First step of a nonlinear parameter, as a ratio: of one that has a start, and of one from a scan."""
+
+
+STRONG = 3.0
+"""Logarithm of 20 to 1: strong evidence on the scale of Kass and Raftery (1995)."""
+_TRUE_TO = 0.025
+"""A twentieth of a sample, in units of two samples: how true instants are if there is no shift."""
+
+
+@dataclass(frozen=True)
+class Solved:
+    """A fit to the rows of a problem.
+
+    Attributes:
+        problem: the rows.
+        plan: starts, and what is held.
+        solution: in the order inertia, linear parameters, nuisances, nonlinear parameters.
+        timing: whether it has nuisances.
+        other: the fit with the other choice of nuisances, where both were made.
+        weight: probability of this choice, of the two.
+        not_identified: key → reason.
+        held_variances: key → variance, had it not been held.
+        feedback: direction in which the rows follow the fit most, and the share of an error along it that comes back;
+            see :mod:`.model_velocity`.
+    """
+
+    problem: WeakFormProblem
+    plan: Plan
+    solution: Solution
+    timing: bool
+    other: Solved | None = None
+    weight: float = 1.0
+    not_identified: Mapping[str, str] = field(default_factory=dict)
+    held_variances: Mapping[str, float] = field(default_factory=dict)
+    feedback: tuple[Array, float] | None = None
+
+    @cached_property
+    def places(self) -> NDArray[np.int64]:
+        """Place in the solution of each of the drive's parameters."""
+        flags = [p.linear for p in self.problem.drive.parameters]
+        linear = iter(range(sum(flags)))
+        nonlinear = iter(range(len(self.solution.theta), len(self.solution.jacobian)))
+        return np.array([next(linear if flag else nonlinear) for flag in flags], dtype=np.int64)
+
+    @cached_property
+    def values(self) -> Array:
+        """The estimates in the order of the drive's parameters."""
+        drive = self.problem.drive
+        values = np.concatenate([self.solution.theta, self.solution.alpha])[self.places]
+        for i, p in enumerate(drive.parameters):
+            gone = self.problem.delay if p.declared.delay else 0.0
+            values[i] = min(max(values[i] + gone, p.declared.lower), p.declared.upper)
+            if p.at_least in drive.keys:
+                values[i] = max(values[i], values[drive.keys.index(p.at_least)])
+        return values
+
+    @property
+    def parameters(self) -> dict[str, float]:
+        """Value of every parameter by key, the inertia among them."""
+        drive = self.problem.drive
+        found = dict(zip(drive.keys, self.values.tolist(), strict=True))
+        found.setdefault(drive.inertia_key, drive.inertia if drive.inertia is not None else float("nan"))
+        return found
+
+    @property
+    def shift(self) -> float:
+        """Time [s] by which motion was recorded after the torque."""
+        bounded = "motor_torque_rate" not in self.problem.drive.model.needs
+        nuisances = self._nuisances
+        return float(self.solution.theta[nuisances[-1]]) if bounded and len(nuisances) else 0.0
+
+    @property
+    def _nuisances(self) -> NDArray[np.int64]:
+        linear = sum(p.linear for p in self.problem.drive.parameters)
+        return np.arange(linear, len(self.solution.theta))
+
+    @cached_property
+    def _spread(self) -> Array:
+        """Covariance in the order of the solution; 0 for what is held."""
+        solution = self.solution
+        free = np.array([i for i in range(len(solution.jacobian)) if i not in self._held], dtype=np.int64)
+        normal = solution.normal if len(free) == len(solution.jacobian) else solution.part(free)
+        result = np.zeros((len(solution.jacobian),) * 2)
+        result[np.ix_(free, free)] = covariance(
+            solution.jacobian[free].T, solution.residual, normal.inverse, self.problem.independent
+        )
+        return result
+
+    @property
+    def _held(self) -> set[int]:
+        keys = self.problem.drive.keys
+        return {int(self.places[keys.index(key)]) for key in self.plan.held}
+
+    @cached_property
+    def covariance(self) -> Array:
+        """Covariance of the estimates: over both choices of nuisances, by their probability, with what they differ."""
+        result = _with_feedback(self._spread[np.ix_(self.places, self.places)], self.feedback)
+        if self.other is not None:
+            other = self.other._spread[np.ix_(self.other.places, self.other.places)]
+            apart = self.values - self.other.values
+            weight = self.weight
+            result = weight * result + (1 - weight) * other + weight * (1 - weight) * np.outer(apart, apart)
+        for key, variance in self.held_variances.items():
+            place = self.problem.drive.keys.index(key)
+            result[place, place] = variance
+        return result
+
+    @property
+    def standard_errors(self) -> dict[str, float]:
+        """Standard error of each estimated parameter."""
+        spread = np.sqrt(np.clip(np.diag(self.covariance), 0.0, None))
+        return dict(zip(self.problem.drive.keys, spread.tolist(), strict=True))
+
+    def with_shift(self) -> Solved:
+        """Return the fit to the same rows with a small shift in time."""
+        return solve(self.problem, self.plan)
+
+    @property
+    def residual_percent(self) -> float:
+        """RMS of what is left of the rows, of the RMS driving torque in them."""
+        return 100 * float(np.linalg.norm(self.solution.residual) / np.linalg.norm(self.problem.driving))
+
+    @property
+    def message(self) -> str:
+        """Why the fit did not end well; empty where it did."""
+        solution = self.solution
+        return "" if solution.converged else f"no minimum after {solution.iterations} iterations"
+
+    def log_odds_of_a_shift(self) -> float:
+        r"""Return the logarithm of how much more probable a shift in time is than none.
+
+        A shift is equally probable anywhere within a sample either way; with none, instants are true to a twentieth of
+        a sample, s. With an estimate n in units of what is possible before anything was measured, its variance V from ν
+        cosines, and :math:`S = V + s^2`,
+
+        .. math:: \ln\frac{P(\text{shift})}{P(\text{none})} = \tfrac{\nu + 1}2 \ln\Bigl(1 + \frac{n^2}{\nu S}\Bigr)
+                  + \tfrac12 \ln(2\pi S)
+
+        summed over the nuisances, along the axes of their covariance.
+
+        Source: R. E. Kass, A. E. Raftery, "Bayes factors", J. Amer. Statist. Assoc. 90 (1995), with Student's t for a
+        variance that is estimated.
+        """
+        nuisances = self._nuisances
+        sizes = np.full(len(nuisances), 2 * self.problem.recording.interval)
+        if len(nuisances):
+            sizes[0] = 2 * max(self.problem.friction_limits[1], 1e-300)  # in samples, times the Coulomb torque
+        own = self._spread[np.ix_(nuisances, nuisances)] / np.outer(sizes, sizes)
+        estimate = self.solution.theta[nuisances] / sizes
+        seen = np.diag(own) > 0.0
+        variances, axes = np.linalg.eigh(own[np.ix_(seen, seen)])
+        along = axes.T @ estimate[seen]
+        total = np.clip(variances, 0.0, None) + _TRUE_TO**2
+        known = 2 * math.pi * total < 1.0  # what is known worse than all that is possible says nothing
+        freedom = cosine_terms(self.problem.independent, self.problem.rows)
+        odds = 0.5 * (freedom + 1) * np.log1p(along**2 / (freedom * total)) + 0.5 * np.log(2 * math.pi * total)
+        return float(np.sum(odds[known])) if known.any() else -math.inf
+
+
+def _with_feedback(covariance: Array, feedback: tuple[Array, float] | None) -> Array:
+    r"""Return the covariance of a fixed point: an error along d comes back with a share ρ, and grows to 1/(1 − ρ).
+
+    .. math:: V' = A V A', \qquad A = I + \frac{\rho}{1 - \rho}\,\frac{d\,d'V^{-1}}{d'V^{-1}d}
+    """
+    if feedback is None:
+        return covariance
+    direction, share = feedback
+    dual = np.linalg.pinv(covariance, rcond=1e-12, hermitian=True) @ direction
+    size = float(direction @ dual)
+    if not size > 0.0:
+        return covariance
+    grown = np.eye(len(direction)) + share / (1.0 - share) / size * np.outer(direction, dual)
+    return np.asarray(grown @ covariance @ grown.T)
+
+
+def solve(problem: WeakFormProblem, plan: Plan, *, timing: bool = True) -> Solved:
+    """Fit a drive to the rows of a problem.
+
+    Args:
+        problem: drive and rows.
+        plan: starts of nonlinear parameters, and what is held.
+        timing: whether reversals, and torque against motion, may be shifted by part of a sample.
+    """
+    least_squares, search = projection(problem, plan, timing=timing)
+    if problem.drive.model.states or any(_is_instant(problem, p.key) for p in problem.drive.parameters):
+        solution = least_squares.at(_searched(problem, least_squares, search, plan))
+    else:
+        solution = least_squares.solve(search)
+    return Solved(problem, plan, solution, timing)
+
+
+def with_or_without_shift(found: Solved, plan: Plan) -> Solved:
+    """Fit with a small shift in time and without; return the one with a shift if the evidence for it is strong.
+
+    Standard errors are over both, each as probable as it is.
+    """
+    problem = found.problem
+    shifted, plain = (replace(solve(problem, plan, timing=t), feedback=found.feedback) for t in (True, False))
+    odds = shifted.log_odds_of_a_shift()
+    probability = 1.0 / (1.0 + math.exp(min(-odds, 700.0)))
+    if odds > STRONG:
+        return replace(shifted, other=plain, weight=probability)
+    return replace(plain, other=shifted, weight=1.0 - probability)
+
+
+def _is_instant(problem: WeakFormProblem, key: str) -> bool:
+    return any(is_instant(p.declared) for p in problem.drive.parameters if p.key == key and not p.linear)
+
+
+def _searched(problem: WeakFormProblem, least_squares: Projection, search: Nonlinear, plan: Plan) -> Array:
+    """Return the nonlinear parameters by steps in each: the error of a contact or of a jump in time is not smooth."""
+    chosen = [p for p in problem.drive.parameters if not p.linear]
+    points = [search.clip(point) for point in search.combinations()]
+    begin = min(points, key=least_squares.cost) if len(points) > 1 else points[0]
+    bounds = list(zip(search.lower.tolist(), search.upper.tolist(), strict=True))
+    ratios = [
+        1.0 if held else 1.02 if p.declared.periodic else _STARTED if p.key in plan.start else _SCANNED
+        for p, held in zip(chosen, search.held, strict=True)
+    ]
+    best = coordinate_search(lambda point: -least_squares.cost(np.array(point)), tuple(begin.tolist()), bounds, ratios)
+    time, resolution = np.sort(problem.recording.time), problem.bumps.width * problem.recording.interval
+    return np.array(
+        [
+            in_gap(value, time, resolution) if is_instant(p.declared) else value
+            for p, value in zip(chosen, best, strict=True)
+        ]
+    )
