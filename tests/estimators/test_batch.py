@@ -108,7 +108,7 @@ def test_noisy_velocity_is_explained_by_the_fit() -> None:
 
 
 def test_low_amplitude_identifies_coulomb_friction_only() -> None:
-    fit = Batch().fit(drive(), paper(noise=5.0, seed=1, amplitude=0.0108))
+    fit = Batch().fit(drive(), paper(noise=5.0, seed=1, amplitude=0.0104))
     assert "K_v1" in fit.not_identified
     assert "K_c1" not in fit.not_identified
     assert "K_c2" not in fit.not_identified
@@ -116,7 +116,8 @@ def test_low_amplitude_identifies_coulomb_friction_only() -> None:
 
 def test_regressor_below_the_noise_is_named() -> None:
     fit = Batch().fit(drive(), paper(noise=5.0, seed=1, amplitude=0.0105))
-    assert "hidden in the noise" in fit.not_identified["K_v1"]
+    assert "contains zero" in fit.not_identified["K_v1"]
+    assert fit.standard_errors["K_v1"] > 0.3 * TRUE["K_v1"]
 
 
 @pytest.mark.parametrize("times_coulomb", [1.05, 1.08, 1.2])

@@ -83,11 +83,12 @@ def at_model_velocity(found: Solved) -> Solved:
         # Whether the drive turns at all, and for how long, says more of its Coulomb friction than its speed does.
         shares = drowned(problem.drive, recording, everywhere.parameters)
         held = {max(shares, key=lambda key: shares[key]): 0.0} if max(shares.values(), default=0.0) > 0.0 else {}
-        values = sought(problem.drive, [everywhere.values, found.values], recording, held)
+        without = solve(everywhere.problem, replace(everywhere.plan, held=held), timing=False)
+        values = sought(problem.drive, [without.values, everywhere.values, found.values], recording, held)
         from_search = {**begin.parameters, **dict(zip(problem.drive.keys, values, strict=True))}
-        other, velocity, _ = _rounds(begin, from_search)
+        other, velocity, _ = _rounds(without, from_search)
         if velocity and (predicted is None or velocity.prediction_error < predicted.prediction_error):
-            best, predicted = other, velocity
+            best, predicted = solve(other.problem, found.plan, timing=False), velocity
     if best.with_shift().log_odds_of_a_shift() > STRONG:
         return found  # simulated with the torque at another time, the velocity would be another
     return best if risk(predicted) <= smooth else found

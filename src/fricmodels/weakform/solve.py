@@ -44,7 +44,7 @@ class Solved:
         other: the fit with the other choice of nuisances, where both were made.
         weight: probability of this choice, of the two.
         not_identified: key → reason.
-        held_variances: key → variance, had it not been held.
+        free: the fit with nothing held, whose covariance counts: what is held is not known to be so.
         feedback: direction in which the rows follow the fit most, and the share of an error along it that comes back;
             see :mod:`.model_velocity`.
     """
@@ -56,7 +56,7 @@ class Solved:
     other: Solved | None = None
     weight: float = 1.0
     not_identified: Mapping[str, str] = field(default_factory=dict)
-    held_variances: Mapping[str, float] = field(default_factory=dict)
+    free: Solved | None = None
     feedback: tuple[Array, float] | None = None
 
     @cached_property
@@ -119,15 +119,14 @@ class Solved:
     @cached_property
     def covariance(self) -> Array:
         """Covariance of the estimates: over both choices of nuisances, by their probability, with what they differ."""
+        if self.free is not None:
+            return self.free.covariance
         result = _with_feedback(self._spread[np.ix_(self.places, self.places)], self.feedback)
         if self.other is not None:
             other = self.other._spread[np.ix_(self.other.places, self.other.places)]
             apart = self.values - self.other.values
             weight = self.weight
             result = weight * result + (1 - weight) * other + weight * (1 - weight) * np.outer(apart, apart)
-        for key, variance in self.held_variances.items():
-            place = self.problem.drive.keys.index(key)
-            result[place, place] = variance
         return result
 
     @property
