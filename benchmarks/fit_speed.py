@@ -58,7 +58,7 @@ def _ours(settings: dict[str, object]) -> Callable[[], dict[str, float]]:
 
 
 def fit_alone() -> Callable[[], dict[str, float]]:
-    return _ours({"width": 32, "velocity": "measured", "rest": "zero"})
+    return _ours({"width": 32, "velocity": "measured"})
 
 
 def automatic() -> Callable[[], dict[str, float]]:
