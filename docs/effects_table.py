@@ -6,7 +6,7 @@ from itertools import combinations
 from pathlib import Path
 
 from fricmodels import plugins
-from fricmodels.diagnosis.look_alikes import experiment
+from fricmodels.diagnosis.look_alikes import declared
 from fricmodels.model import Model
 from fricmodels.recording import SIGNAL_CHANNEL
 from fricmodels.term import Effect
@@ -49,8 +49,8 @@ def generated() -> str:
     lines += ["", "## Look-alikes", "", "| these | are told apart by |", "|---|---|"]
     groups: dict[str, list[str]] = {}
     for one, other in combinations([effect.name for effect in effects], 2):
-        text = experiment(one, other)
-        if "vary independently" not in text:
+        text = declared(one, other)
+        if text:
             groups.setdefault(text, [])
             groups[text] += [name for name in (one, other) if name not in groups[text]]
     lines += [f"| {', '.join(f'`{name}`' for name in names)} | {text} |" for text, names in groups.items()]

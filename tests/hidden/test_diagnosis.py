@@ -9,7 +9,8 @@ from functools import lru_cache
 import pytest
 
 from fricmodels.diagnosis import Diagnosis, diagnose, improve
-from fricmodels.diagnosis.ladder import added, without
+from fricmodels.diagnosis.ladder import added
+from fricmodels.diagnosis.necessity import necessity
 from fricmodels.dimension import Motion
 from fricmodels.model import Model
 from fricmodels.recording import Recording
@@ -82,7 +83,7 @@ def test_a_delay_and_another_effect_are_told_apart(hidden: Draw) -> None:
     assert {effect.name for effect in final.drive.model.effects} == {"sensor-delay", "gravity"}
     assert final.errors.held_out_percent < 0.2 * ladder.rungs[0].comparison.errors.held_out_percent
     for name in ("sensor-delay", "gravity"):
-        assert without(final, name).gain > 0.5
+        assert necessity(final, name).gain > 0.5
     (delay,) = (effect.delay for effect in rig.effects if effect.name == "sensor-delay")
     # A held torque is half a sample late by itself.
     assert abs(abs(final.estimate.parameters["sensor-delay.T"]) - delay) < recording.interval

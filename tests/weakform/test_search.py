@@ -225,7 +225,7 @@ def test_a_linear_axis_does_not_turn(made: Made, motion: Motion, seen: bool) -> 
     problem, found = estimate(Drive(Model.parse("coulomb-viscous"), 2.0, motion), made(motion=motion))
     result = candidate_tests(problem, found.parameters, only=["gravity"])
     assert bool(result.tested) is seen
-    assert ("gravity" in result.unseen) is not seen
+    assert ("gravity" in result.untested) is not seen
 
 
 def test_an_estimated_inertia_has_no_error_of_its_own(made: Made) -> None:
@@ -233,7 +233,7 @@ def test_an_estimated_inertia_has_no_error_of_its_own(made: Made) -> None:
     problem, found = estimate(Drive(Model.parse("coulomb-viscous"), None), made())
     result = candidate_tests(problem, found.parameters, only=["inertia-error", "joint-compliance"])
     assert [tested.name for tested in result.tested] == ["joint-compliance"]
-    assert "inertia is estimated" in result.unseen["inertia-error"]
+    assert "inertia is estimated" in result.untested["inertia-error"]
 
 
 # ---- the end of what a recording can tell -------------------------------------------------------------------------

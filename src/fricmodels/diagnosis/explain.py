@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from fricmodels.diagnosis.diagnose import Diagnosis, Finding
-from fricmodels.diagnosis.floor import LEAST_TORQUE
 from fricmodels.diagnosis.ladder import Ladder
 from fricmodels.diagnosis.predictability import AUTOREGRESSIVE
 
@@ -25,9 +24,9 @@ def explain(diagnosis: Diagnosis, ladder: Ladder | None = None) -> str:
     parts = [opening]
     if diagnosis.verdict == "adequate":
         parts.append(
-            f"Nothing that could be predicted and comes to {100 * LEAST_TORQUE:.2g} % of the torque is left in the "
-            "residual: the model is adequate for this recording. This does not exclude effects that the recording "
-            "could not have shown."
+            f"Nothing that could be predicted and comes to {100 * diagnosis.policy.least_torque:.2g} % of the torque "
+            "is left in the residual: the model is adequate for this recording. This does not exclude effects that the "
+            "recording could not have shown."
         )
     elif diagnosis.verdict == "unknown-effect":
         parts.append(unknown(diagnosis))
