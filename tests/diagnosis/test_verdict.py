@@ -147,7 +147,7 @@ def test_every_effect_declares_its_look_alikes_by_registered_names_and_once() ->
         (["inertia-error", "sensor-delay", "torque-gain", "joint-compliance"], "several frequencies"),
         (["directional-efficiency", "torque-offset", "asymmetry"], "another load"),
         (["gravity", "torque-gain"], "another payload"),
-        (["thermal", "cogging"], "a recording in which 'thermal' and 'cogging' vary independently"),
+        (["thermal", "cogging"], "a recording in which 'cogging' and 'thermal' vary independently"),
     ],
 )
 def test_a_class_of_look_alikes_names_the_experiments_that_would_tell(class_: list[str], told_by: str) -> None:

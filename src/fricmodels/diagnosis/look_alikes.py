@@ -9,7 +9,8 @@ from fricmodels import plugins
 
 def experiment(first: str, second: str) -> str:
     """Return the experiment that would separate two effects, in words."""
-    return declared(first, second) or f"a recording in which '{first}' and '{second}' vary independently"
+    one, other = sorted((first, second))
+    return declared(first, second) or f"a recording in which '{one}' and '{other}' vary independently"
 
 
 def declared(first: str, second: str) -> str:
