@@ -17,7 +17,7 @@ from fricmodels.model import Model
 from fricmodels.parameter import Parameter
 from fricmodels.plugins import load
 from fricmodels.recording import Recording
-from fricmodels.weakform.candidate import Candidate
+from fricmodels.weakform.candidate import Candidate, within_recording
 from fricmodels.weakform.estimate import estimate
 from fricmodels.weakform.ranges import natural_size, scan_size
 from fricmodels.weakform.search import is_at_an_end, search, starting_points
@@ -184,6 +184,16 @@ def test_no_duration_is_shorter_than_two_samples(made: Made, samples: float, at_
     (tested,) = candidate_tests(problem, found.parameters, only=["frictional-lag"]).tested
     assert tested.found.at_search_bound is at_search_bound
     assert tested.parameters["T"] == pytest.approx(max(samples, 2.0) * recording.interval, rel=0.1)
+
+
+@pytest.mark.parametrize(("lower", "instant"), [(-np.inf, True), (0.0, True), (0.0, False), (-1.0, False)])
+def test_an_instant_is_not_bounded_as_a_duration(made: Made, lower: float, instant: bool) -> None:
+    """A step at the first sample is possible, a duration of no sample is not, whatever its lower bound."""
+    problem, _ = estimate(Drive(Model.parse("coulomb-viscous"), 2.0), made(samples=4000))
+    declared = Parameter("t", unit="s", initial=5.0, lower=lower, scan=(0.1, 0.5), instant=instant)
+    bounded = within_recording(problem, declared)
+    assert (bounded == declared) is instant
+    assert (bounded.lower >= 2 * problem.recording.interval) is not instant
 
 
 @pytest.mark.parametrize("samples", [5_000, 20_000, 80_000])

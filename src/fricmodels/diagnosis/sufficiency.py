@@ -100,7 +100,7 @@ def explains_too_little(result: CandidateTests, first: CandidateTest, predictors
     if share < policy.explains_by_count[0]:
         return True
     columns = columns_and_tangents(result, first)
-    with_it = regression_of(result.problem, result.parameters, columns, first.name)
+    with_it = regression_of(result.problem, result.parameters, columns, first.effect)
     return not _leaves_nothing_predictable(result, with_it, predictors)
 
 
@@ -136,7 +136,7 @@ def combination_suffices(
         columns = np.vstack([columns, columns_and_tangents(found, best.first)])
         out.add(best.first.name)
         remembers |= bool(best.first.effect.states)
-        together = regression_of(problem, result.parameters, columns, best.first.name)
+        together = regression_of(problem, result.parameters, columns, best.first.effect)
         if share_explained(problem, result.regression, float(np.sum(together.loss)), policy) < least:
             continue
         if _leaves_nothing_predictable(result, together, predictors):
