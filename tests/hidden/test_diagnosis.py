@@ -69,9 +69,12 @@ def test_an_asymmetry_is_not_told_from_an_offset_while_sliding(hidden: Draw) -> 
 def test_what_stood_for_two_effects_gives_way_once_one_of_them_is_known(hidden: Draw) -> None:
     rig, recording = hidden("sensor-delay", "inertia-error", seed=4, size=0.2, excitation="tracking", samples=SAMPLES)
     ladder = improve(recording, Model.parse(rig.friction.law), rig.inertia)
-    changes = [rung.added or f"without {rung.removed}" for rung in ladder.rungs[1:]]
-    assert changes == ["joint-compliance", "sensor-delay", "without joint-compliance", "inertia-error"]
-    assert [finding.names[0] for finding in added(ladder)] == ["sensor-delay", "inertia-error"]
+    truth = {"sensor-delay", "inertia-error"}
+    stood_for_both = ladder.rungs[1].added
+    assert stood_for_both not in truth
+    assert stood_for_both in {rung.removed for rung in ladder.rungs}
+    assert {finding.names[0] for finding in added(ladder)} == truth
+    assert {effect.name for effect in ladder.rungs[-1].comparison.drive.model.effects} == truth
     errors = [rung.comparison.errors.held_out_percent for rung in ladder.rungs]
     assert errors[-1] < 1.025 * min(errors)
 
@@ -101,24 +104,21 @@ def test_two_effects_are_found_in_turn(hidden: Draw) -> None:
 
 HIDING = {
     "neither helps alone": {
-        "inertia": 80.43669636378648,
-        "friction": {"viscous": 270.96386426114964, "coulomb": 29.142880297910917},
-        "effects": [
-            {"name": "inertia-error", "error": -0.14197431757033988},
-            {"name": "sensor-delay", "delay": 0.01770685948551036},
-        ],
-        "load": {"bias": 7.826893038840037, "amplitude": 43.818316100973156, "frequency": 0.19272405538671453},
+        "inertia": 80.0,
+        "friction": {"viscous": 270.0, "coulomb": 29.0},
+        "effects": [{"name": "inertia-error", "error": -0.14}, {"name": "sensor-delay", "delay": 0.0177}],
+        "load": {"bias": 7.8, "amplitude": 44.0, "frequency": 0.193},
         "excitation": {
             "kind": "tracking",
-            "bandwidth": 6.282511425929041,
-            "damping_ratio": 0.7989434184057994,
-            "velocity": 0.11337698247005447,
-            "frequency": 0.22730613073997133,
+            "bandwidth": 6.3,
+            "damping_ratio": 0.8,
+            "velocity": 0.113,
+            "frequency": 0.227,
             "lines": 6,
         },
-        "rate": 192.1643102220055,
+        "rate": 192.0,
         "hold": False,
-        "rest_speed": 1.6196711781436355e-05,
+        "rest_speed": 1.6e-5,
         "samples": 20_000,
         "seed": 340904914,
     },

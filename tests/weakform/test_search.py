@@ -34,14 +34,14 @@ def examined(recording: Recording, effect: str) -> surveys.CandidateTest:
 
 
 CASES: list[tuple[str, Mapping[str, float], str, float]] = [
-    ("cogging", {"a": 0.3, "b": 0.4, "a_2": 0.1, "b_2": 0.0, "k": 3.37}, "k", 0.01),
-    ("cogging", {"a": 0.3, "b": 0.4, "a_2": 0.1, "b_2": 0.0, "k": 11.9}, "k", 0.01),
-    ("position-friction", {"a": 0.5, "b": 0.0, "a_2": 0.0, "b_2": 0.1, "k": 2.6}, "k", 0.01),
-    ("torque-ripple", {"a": 0.0, "b": 0.02, "a_2": 0.0, "b_2": 0.0, "k": 6.1}, "k", 0.01),
-    ("step-change", {"c": 0.6, "d": 0.2, "t_0": 6.3}, "t_0", 0.02),
-    ("step-change", {"c": -0.4, "d": 0.0, "t_0": 11.1}, "t_0", 0.02),
-    ("presliding", {"F_1": 3.0, "F_2": 3.0, "D": 0.0, "x_s": 0.05}, "x_s", 0.1),
-    ("stribeck", {"F_s": 3.0, "omega_s": 1.0, "delta": 1.0}, "omega_s", 0.35),
+    ("cogging", {"a": 0.3, "b": 0.4, "a_2": 0.1, "b_2": 0.0, "k": 3.37}, "k", 0.002),
+    ("cogging", {"a": 0.3, "b": 0.4, "a_2": 0.1, "b_2": 0.0, "k": 11.9}, "k", 0.002),
+    ("position-friction", {"a": 0.5, "b": 0.0, "a_2": 0.0, "b_2": 0.1, "k": 2.6}, "k", 0.002),
+    ("torque-ripple", {"a": 0.0, "b": 0.02, "a_2": 0.0, "b_2": 0.0, "k": 6.1}, "k", 0.002),
+    ("step-change", {"c": 0.6, "d": 0.2, "t_0": 6.3}, "t_0", 0.001),
+    ("step-change", {"c": -0.4, "d": 0.0, "t_0": 11.1}, "t_0", 0.001),
+    ("presliding", {"F_1": 3.0, "F_2": 3.0, "D": 0.0, "x_s": 0.05}, "x_s", 0.01),
+    ("stribeck", {"F_s": 3.0, "omega_s": 1.0, "delta": 1.0}, "omega_s", 0.05),
 ]
 
 
@@ -56,9 +56,10 @@ def test_what_was_hidden_is_found(
     assert found.evidence.explained > 0.6
     spread = np.sqrt(np.diag(found.evidence.covariance))
     linear = [key for key, kept in zip(found._linear_symbols, found.found.kept, strict=True) if kept]
+    largest = max(abs(hidden[key]) for key in linear)
     for key, error in zip(linear, spread, strict=True):
-        size = max(abs(value) for value in hidden.values() if value)
-        assert abs(found.parameters[key] - hidden[key]) < 6 * error + 0.4 * size, key
+        # The first test holds the nonlinear parameters at their estimates: a hundredth of bias is allowed for that.
+        assert abs(found.parameters[key] - hidden[key]) < 4 * error + 0.01 * largest, key
 
 
 def test_the_wave_number_does_not_depend_on_the_units_of_torque(made: Made) -> None:
