@@ -1,4 +1,4 @@
-"""Writes the tables of ``docs/effects.md`` from the registered effects; a test keeps them equal."""
+"""Writes the tables of the documentation that the code knows: effects, and constants of the diagnosis."""
 
 from __future__ import annotations
 
@@ -7,12 +7,13 @@ from pathlib import Path
 
 from fricmodels import plugins
 from fricmodels.diagnosis.look_alikes import declared
+from fricmodels.diagnosis.policy import Policy
 from fricmodels.model import Model
 from fricmodels.recording import SIGNAL_CHANNEL
 from fricmodels.term import Effect
 from fricmodels.weakform.problem import NoFriction
 
-PAGE = Path(__file__).parent / "effects.md"
+DOCS = Path(__file__).parent
 BEGIN, END = "<!-- generated: begin -->", "<!-- generated: end -->"
 
 
@@ -57,12 +58,24 @@ def generated() -> str:
     return "\n".join(lines) + "\n"
 
 
-def page() -> str:
-    """Return the page with its generated part renewed."""
-    text = PAGE.read_text(encoding="utf-8")
+def constants() -> str:
+    """Return the table of the decision constants."""
+    lines = ["| constant | value | unit | rule | evidence |", "|---|---|---|---|---|"]
+    lines += [f"| `{name}` | " + " | ".join(cell(text) for text in rest) + " |" for name, *rest in Policy.table()]
+    return "\n".join(lines) + "\n"
+
+
+PAGES = {"effects.md": generated, "decisions/policy.md": constants}
+"""Pages with a generated part, and what writes it."""
+
+
+def page(name: str) -> str:
+    """Return a page with its generated part renewed."""
+    text = (DOCS / name).read_text(encoding="utf-8")
     before, after = text.split(BEGIN)[0], text.split(END)[1]
-    return f"{before}{BEGIN}\n{generated()}{END}{after}"
+    return f"{before}{BEGIN}\n{PAGES[name]()}{END}{after}"
 
 
 if __name__ == "__main__":
-    PAGE.write_text(page(), encoding="utf-8")
+    for name in PAGES:
+        (DOCS / name).write_text(page(name), encoding="utf-8")
