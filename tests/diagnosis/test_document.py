@@ -123,7 +123,7 @@ def test_words_for_every_verdict(diagnosis: Diagnosis, ladder: Ladder) -> None:
     assert "adequate for this recording" in explain(adequate)
     assert "does not exclude" in explain(adequate)
     told = explain(diagnosis, ladder)
-    assert f"With '{ladder.rungs[-1].model}' the error on data kept back falls to" in told
+    assert f"With '{ladder.rungs[-1].model}' the test error falls to" in told
     assert "it was late." in explain(diagnosis, replace(ladder, note="it was late"))
     assert unknown(adequate) == ""
     assert "\n" not in told
