@@ -71,9 +71,10 @@ def test_links_lead_somewhere(page: Path) -> None:
             assert (page.parent / target).exists(), target
 
 
-def test_the_table_of_effects_is_that_of_the_registry() -> None:
-    page = runpy.run_path(str(DOCS / "effects_table.py"))["page"]
-    assert (DOCS / "effects.md").read_text(encoding="utf-8") == page(), "run: python docs/effects_table.py"
+@pytest.mark.parametrize("name", ["effects.md", "decisions/policy.md"])
+def test_the_tables_are_those_of_the_code(name: str) -> None:
+    page = runpy.run_path(str(DOCS / "tables.py"))["page"]
+    assert (DOCS / name).read_text(encoding="utf-8") == page(name), "run: python docs/tables.py"
 
 
 def test_the_navigation_names_pages_that_exist() -> None:

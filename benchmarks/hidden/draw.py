@@ -17,6 +17,7 @@ from fricmodels.errors import FricmodelsError
 from fricmodels.model import Model
 from fricmodels.recording import Recording
 from fricmodels.rig import Rig, random_rig
+from fricmodels.rig.effects import HIDDEN
 
 MATTERS = 0.9
 """Held-out error without the effect in the drive over that with it; at or below this the effect matters to the drive.
@@ -25,30 +26,8 @@ LARGER = (1.0, 1.7, 1.7, 1.7)
 """Steps by which a size is raised until the effect matters."""
 DRAWS = 4
 
-EFFECTS = (
-    "asymmetry",
-    "torque-offset",
-    "stribeck",
-    "nonlinear-viscous",
-    "load-friction",
-    "directional-efficiency",
-    "torque-gain",
-    "inertia-error",
-    "gravity",
-    "stiffness",
-    "cogging",
-    "position-friction",
-    "torque-ripple",
-    "presliding",
-    "frictional-lag",
-    "rising-stiction",
-    "backlash",
-    "sensor-delay",
-    "thermal",
-    "drift",
-    "step-change",
-    "joint-compliance",
-)
+EFFECTS = tuple(name for name in plugins.load().effects if name in HIDDEN)
+"""The registered effects that a rig can hide."""
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ import numpy as np
 from fricmodels.diagnosis import Comparison, Diagnosis, examine, improve
 from fricmodels.diagnosis.candidate_tests import candidate_tests
 from fricmodels.diagnosis.ladder import added
-from fricmodels.diagnosis.verdict import SIGNIFICANCE
+from fricmodels.diagnosis.policy import POLICY
 from fricmodels.errors import FricmodelsError
 from fricmodels.model import Model
 from fricmodels.rig import Rig, random_rig, strength
@@ -126,8 +126,8 @@ def diagnosis_names(diagnosis: Diagnosis) -> tuple[str, ...]:
 def _evidence(comparison: Comparison, effect: str) -> Row:
     """Return what the evidence for the true effect was, for looking into failures."""
     result = candidate_tests(comparison.problem, comparison.estimate.parameters)
-    if effect in result.unseen:
-        return {"unseen": result.unseen[effect]}
+    if effect in result.untested:
+        return {"untested": result.untested[effect]}
     names = [t.name for t in result.tested]
     tested = result.tested[names.index(effect)]
     return {
@@ -270,7 +270,9 @@ def _untold(comparison: Comparison, true: str, equal: list[str]) -> list[str]:
     return [
         other
         for other in equal
-        if true not in losses or other not in losses or compare(losses[other], losses[true], terms)[1] > SIGNIFICANCE
+        if true not in losses
+        or other not in losses
+        or compare(losses[other], losses[true], terms)[1] > POLICY.significance
     ]
 
 

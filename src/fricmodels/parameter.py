@@ -30,6 +30,7 @@ class Parameter:
         own_time: whether a time or a rate is the drive's own, as that of a resonance, however long was recorded;
             ``scan`` counts it in durations of no more than 20 000 samples.
         periodic: whether it is a wave number in position, to be searched for in the spectrum over position.
+        instant: whether it is a point in time, not a duration.
         delay: whether it is the time by which motion and torque were recorded apart, a factor of the signal
             ``motor_torque_rate``; see :meth:`fricmodels.drive.Drive.timed`.
     """
@@ -46,6 +47,7 @@ class Parameter:
     doubtful_ends: tuple[Literal["lower", "upper"], ...] = ("lower", "upper")
     own_time: bool = False
     periodic: bool = False
+    instant: bool = False
     delay: bool = False
 
     def __post_init__(self) -> None:

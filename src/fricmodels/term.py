@@ -177,6 +177,12 @@ class Effect(Term):
     needs_motion: ClassVar[str] = ""
     """What a recording must contain to show it: slow motion, reversals, a wide speed range, …"""
 
+    separated_from: ClassVar[Mapping[str, str]] = {}
+    """Effects that may look alike, by name, and the experiment that would tell them from this one, in words."""
+
+    distinct_from: ClassVar[frozenset[str]] = frozenset()
+    """Effects of which this one may contain the whole torque, though it is another physical cause."""
+
     def own_friction(self, speed: float, parameters: Mapping[str, float]) -> float:
         """Return the friction [N m or N] at a speed of that part of the drive which the effect is about; 0 if of none.
 

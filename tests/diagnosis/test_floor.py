@@ -7,7 +7,8 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from fricmodels.diagnosis.floor import LEAST_TORQUE, floor, share_explained
+from fricmodels.diagnosis.floor import floor, share_explained
+from fricmodels.diagnosis.policy import POLICY
 from fricmodels.drive import Drive
 from fricmodels.model import Model
 from fricmodels.recording import Recording
@@ -21,13 +22,13 @@ LAW = Model.parse("coulomb-viscous")
 def test_the_floor_is_what_the_true_model_leaves(made: Made) -> None:
     problem, found = estimate(Drive(LAW, 2.0), made(noise=2.0))
     left = regression_of(problem, found.parameters).residual
-    sampling = LEAST_TORQUE**2 * float(problem.driving @ problem.driving)
+    sampling = POLICY.least_torque**2 * float(problem.driving @ problem.driving)
     assert floor(problem) - sampling == pytest.approx(float(left @ left), rel=0.3)
 
 
 def test_without_noise_sampling_alone_is_left(made: Made) -> None:
     problem, _ = estimate(Drive(LAW, 2.0), made(noise=0.0))
-    assert floor(problem) == pytest.approx(LEAST_TORQUE**2 * float(problem.driving @ problem.driving), rel=1e-3)
+    assert floor(problem) == pytest.approx(POLICY.least_torque**2 * float(problem.driving @ problem.driving), rel=1e-3)
 
 
 def test_the_floor_goes_with_the_unit_of_torque(made: Made) -> None:

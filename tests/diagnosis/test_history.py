@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from fricmodels.diagnosis.history import History
+from fricmodels.diagnosis.history import MotionHistory
 from fricmodels.dimension import Motion
 from fricmodels.drive import Drive
 from fricmodels.model import Model
@@ -35,9 +35,9 @@ def moved(noise: float, *, resting: bool) -> Recording:
     return Recording("made", Motion.ROTARY, channels, np.zeros(len(time), dtype=np.int64))
 
 
-def history(recording: Recording) -> tuple[History, NDArray[np.float64]]:
+def history(recording: Recording) -> tuple[MotionHistory, NDArray[np.float64]]:
     problem, _ = estimate(Drive(Model.parse("coulomb-viscous"), 2.0), recording)
-    return History.of(problem), problem.recording.time
+    return MotionHistory.of(problem), problem.recording.time
 
 
 @pytest.mark.parametrize("noise", [0.0, 0.02])

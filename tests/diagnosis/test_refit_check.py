@@ -10,8 +10,8 @@ import pytest
 from fricmodels.diagnosis import examine
 from fricmodels.diagnosis.candidate_tests import candidate_tests
 from fricmodels.diagnosis.comparison import Comparison, compare, with_effect
-from fricmodels.diagnosis.floor import LEAST_TORQUE
-from fricmodels.diagnosis.refit_check import _falls_far, _share_seen, refit_check
+from fricmodels.diagnosis.policy import POLICY
+from fricmodels.diagnosis.refit_check import _falls_far, _share_in_rows, refit_check
 from fricmodels.diagnosis.verdict import LookAlikes, select_effect, torque_share
 from fricmodels.effects.presliding import Presliding
 from fricmodels.rig import Rig
@@ -129,7 +129,7 @@ def test_all_motion_has_the_rows_and_more(bent: Comparison) -> None:
     [(10.0, 8.9, True), (10.0, 9.1, False), (5.0, 4.4, True), (3.0, 2.7, False), (1.6, 0.4, True), (1.4, 0.0, False)],
 )
 def test_an_error_falls_far_by_its_size_and_its_share(before: float, after: float, far: bool) -> None:
-    assert _falls_far(before, after) is far
+    assert _falls_far(before, after, POLICY) is far
 
 
 def test_the_rows_see_hardly_anything_of_a_bending_contact_and_all_of_an_offset(bent: Comparison) -> None:
@@ -137,7 +137,7 @@ def test_the_rows_see_hardly_anything_of_a_bending_contact_and_all_of_an_offset(
     result = candidate_tests(
         problem.including_uncertain_motion, bent.estimate.parameters, only=["presliding", "torque-offset"]
     )
-    share = {tested.name: _share_seen(problem, tested) for tested in result.tested}
+    share = {tested.name: _share_in_rows(problem, tested) for tested in result.tested}
     assert share["presliding"] < 0.1
     assert share["torque-offset"] == pytest.approx(1.0, abs=0.1)
 
@@ -175,7 +175,7 @@ def test_what_the_rows_see_as_too_small_is_named_if_the_error_falls_far(seed: in
     rung = resonance(seed)
     result = candidate_tests(replace(rung.problem), rung.estimate.parameters, only=["joint-compliance"])
     (tested,) = result.tested
-    assert torque_share(result, tested.evidence) < LEAST_TORQUE
+    assert torque_share(result, tested.evidence) < POLICY.least_torque
     assert tested.evidence.explained > 0.8
     diagnosis = examine(rung)
     assert [finding.names for finding in diagnosis.findings] == [("joint-compliance",)]

@@ -11,15 +11,16 @@ import pytest
 from fricmodels.diagnosis import candidate_tests as surveys
 from fricmodels.diagnosis import compare, diagnose, examine
 from fricmodels.diagnosis.candidate_tests import candidate_tests
-from fricmodels.diagnosis.predictability import OWN_PAST, ChannelPredictor, views
+from fricmodels.diagnosis.policy import POLICY
+from fricmodels.diagnosis.predictability import OWN_PAST, ChannelPredictor, channel_predictors
 from fricmodels.diagnosis.sufficiency import (
+    as_predictor,
     combination_suffices,
     explains_too_little,
     is_sufficient,
     outpredicted_by_channel,
-    shape_of,
 )
-from fricmodels.diagnosis.verdict import SIGNIFICANCE, select_effect
+from fricmodels.diagnosis.verdict import select_effect
 from fricmodels.drive import Drive
 from fricmodels.model import Model
 from fricmodels.plugins import load
@@ -44,7 +45,7 @@ def test_the_channel_of_the_effect_is_the_best_predictor(made: Made, effect: str
     recording = made(f"coulomb-viscous+{effect}", {f"{effect}.{key}": value for key, value in values.items()})
     problem, found = estimate(Drive(LAW, 2.0), recording)
     result = candidate_tests(problem, found.parameters, only=[effect])
-    by_name = {view.channels: view for view in views(problem, result.regression)}
+    by_name = {view.channels: view for view in channel_predictors(result)}
     assert by_name[channel].evidence.gain == pytest.approx(result.tested[0].evidence.gain, abs=0.01)
     assert result.tested[0].evidence.gain > 0.65
     assert by_name[channel].evidence.gain == pytest.approx(max(v.evidence.gain for v in by_name.values()), abs=0.1)
@@ -84,8 +85,8 @@ def test_an_effect_must_explain_a_third_of_what_is_missing(made: Made, beside: f
     problem, found = estimate(Drive(LAW, 2.0), made("coulomb-viscous+asymmetry+gravity", values))
     result = candidate_tests(problem, found.parameters, only=["asymmetry"])
     first = result.tested[0]
-    assert first.adjusted < SIGNIFICANCE
-    assert explains_too_little(result, found.parameters, first, []) is expected
+    assert first.adjusted < POLICY.significance
+    assert explains_too_little(result, first, []) is expected
 
 
 def test_a_small_effect_in_much_noise_is_not_doubted(made: Made) -> None:
@@ -93,9 +94,9 @@ def test_a_small_effect_in_much_noise_is_not_doubted(made: Made) -> None:
     problem, found = estimate(Drive(LAW, 2.0), made("coulomb-viscous+asymmetry", {"asymmetry.c": 0.06}, noise=5.0))
     result = candidate_tests(problem, found.parameters, only=["asymmetry"])
     first = result.tested[0]
-    assert first.adjusted < SIGNIFICANCE
+    assert first.adjusted < POLICY.significance
     assert first.evidence.explained < 0.33
-    assert not explains_too_little(result, found.parameters, first, [])
+    assert not explains_too_little(result, first, [])
 
 
 def test_what_remembers_must_leave_nothing_to_a_channel(made: Made) -> None:
@@ -113,7 +114,7 @@ def test_what_remembers_must_leave_nothing_to_a_channel(made: Made) -> None:
     for hidden in (alone, values):
         problem, found = estimate(Drive(LAW, 2.0), made("coulomb-viscous+presliding+gravity", hidden))
         result = candidate_tests(problem, found.parameters, only=["presliding"])
-        doubts.append(explains_too_little(result, found.parameters, result.tested[0], []))
+        doubts.append(explains_too_little(result, result.tested[0], []))
     assert doubts == [False, True]
 
 
@@ -128,7 +129,7 @@ def test_what_remembers_must_leave_nothing_to_a_channel(made: Made) -> None:
 def test_what_is_refused_still_tells_the_channel(made: Made, effect: str, channels: str) -> None:
     problem, found = estimate(Drive(LAW, 2.0), made("coulomb-viscous+asymmetry", {"asymmetry.c": 0.3}))
     result = candidate_tests(problem, found.parameters, only=[effect])
-    assert shape_of(result, result.tested[0]).channels == channels
+    assert as_predictor(result, result.tested[0]).channels == channels
 
 
 def test_an_effect_that_only_resembles_gives_way_or_is_refused(made: Made) -> None:
@@ -142,7 +143,7 @@ def test_an_effect_that_only_resembles_gives_way_or_is_refused(made: Made) -> No
     alone = candidate_tests(problem, found.parameters, only=["rising-stiction"])
     best = select_effect(alone)
     assert best is not None
-    assert not is_sufficient(alone, found.parameters, ["stribeck"], best.first, [])
+    assert not is_sufficient(alone, ["stribeck"], best.first, [])
 
 
 def test_an_error_that_nothing_predicts_is_not_adequate(made: Made) -> None:
@@ -173,8 +174,8 @@ def test_what_is_at_its_search_bound_comes_after_all_others_and_is_their_rival(m
     assert named is not None
     assert named.first.name == "torque-offset"
     others = set(load().effects) - {"torque-offset"}
-    assert is_sufficient(replace(result, tested=(other,)), found.parameters, others, other, [])
-    assert not is_sufficient(doubted, found.parameters, others, other, [])
+    assert is_sufficient(replace(result, tested=(other,)), others, other, [])
+    assert not is_sufficient(doubted, others, other, [])
 
 
 @pytest.mark.parametrize(("effect", "refused"), [("presliding", True), ("gravity", False)])
@@ -201,7 +202,7 @@ def test_two_effects_must_explain_most(made: Made, noise: float, together: bool)
     problem, found = estimate(Drive(LAW, 2.0), recording)
     result = candidate_tests(problem, found.parameters, only=["asymmetry", "gravity"])
     others = set(load().effects) - {"asymmetry", "gravity"}
-    assert combination_suffices(result, found.parameters, others, []) is together
+    assert combination_suffices(result, others, []) is together
 
 
 @pytest.mark.parametrize("samples", [10, 20])
@@ -215,7 +216,7 @@ def test_friction_that_lags_is_no_wrong_inertia(made: Made, samples: int) -> Non
     result = candidate_tests(replace(comparison.problem), comparison.estimate.parameters, only=["inertia-error"])
     (wrong,) = result.tested
     assert wrong.evidence.gain > 0.1
-    (lag,) = [v for v in views(result.problem, result.regression) if v.channels == "acceleration and speed"]
+    (lag,) = [v for v in channel_predictors(result) if v.channels == "acceleration and speed"]
     assert lag.evidence.explained > wrong.evidence.explained + 0.1
     assert outpredicted_by_channel(result, wrong, [lag])
 

@@ -2,23 +2,30 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from dataclasses import replace
 from functools import lru_cache
+from itertools import combinations
+from types import SimpleNamespace
+from typing import ClassVar
 
 import numpy as np
 import pytest
 
-from fricmodels.diagnosis import Diagnosis, diagnose
+from fricmodels.diagnosis import Diagnosis, diagnose, look_alikes
 from fricmodels.diagnosis.candidate_tests import candidate_tests
 from fricmodels.diagnosis.look_alikes import experiment, separated_by
+from fricmodels.diagnosis.policy import POLICY
 from fricmodels.diagnosis.verdict import passing_all_gates, select_effect
 from fricmodels.drive import Drive
+from fricmodels.effects.gravity import Gravity
 from fricmodels.model import Model
 from fricmodels.plugins import load
 from fricmodels.recording import Recording
 from fricmodels.weakform.estimate import estimate
 
 Made = Callable[..., Recording]
+LAW = Model.parse("coulomb-viscous")
 COGGING = {"cogging.a": 0.5, "cogging.b": 0.0, "cogging.k": 7.3}
 
 
@@ -118,17 +125,58 @@ def test_what_is_in_the_model_or_left_out_is_not_tested(made: Made) -> None:
     drive = Drive(Model.parse("coulomb-viscous+gravity"), 2.0)
     problem, found = estimate(drive, made(samples=4000))
     result = candidate_tests(problem, found.parameters, leave_out=["cogging"], only=["gravity", "cogging", "drift"])
-    assert {t.name for t in result.tested} | set(result.unseen) == {"drift"}
+    assert {t.name for t in result.tested} | set(result.untested) == {"drift"}
 
 
-def test_every_pair_has_an_experiment_that_would_tell() -> None:
-    names = list(load().effects)
-    for first in names:
-        for second in names:
-            if first != second:
-                assert experiment(first, second) == experiment(second, first) != "" or "vary independently" in (
-                    experiment(first, second)
-                )
-    assert separated_by(["cogging"]) == ""
-    assert separated_by(["asymmetry", "torque-offset"]).startswith("a static test")
-    assert separated_by(["thermal", "drift"]).count("thermometer") == 1
+def test_every_effect_declares_its_look_alikes_by_registered_names_and_once() -> None:
+    effects = load().effects
+    pairs = [frozenset({name, other}) for name in effects for other in effects[name].separated_from]
+    assert all(len(pair) == 2 and pair <= set(effects) for pair in pairs)
+    assert len(set(pairs)) == len(pairs)
+    assert {name for pair in pairs for name in pair} == set(effects)
+
+
+@pytest.mark.parametrize(
+    ("class_", "told_by"),
+    [
+        (["cogging"], ""),
+        (["torque-offset", "asymmetry"], "a static test"),
+        (["thermal", "drift", "step-change"], "a thermometer"),
+        (["gravity", "stiffness", "cogging"], "a wider position range"),
+        (["cogging", "position-friction"], "pass the same positions in both directions"),
+        (["inertia-error", "sensor-delay", "torque-gain", "joint-compliance"], "several frequencies"),
+        (["directional-efficiency", "torque-offset", "asymmetry"], "another load"),
+        (["gravity", "torque-gain"], "another payload"),
+        (["thermal", "cogging"], "a recording in which 'cogging' and 'thermal' vary independently"),
+    ],
+)
+def test_a_class_of_look_alikes_names_the_experiments_that_would_tell(class_: list[str], told_by: str) -> None:
+    text = separated_by(class_)
+    assert text.startswith(told_by)
+    assert text.count(";") <= 2, "one experiment each is enough"
+    assert bool(text) == (len(class_) > 1)
+    for first, second in combinations(class_, 2):
+        assert experiment(first, second) == experiment(second, first)
+
+
+def test_an_effect_of_a_plugin_declares_its_own_experiment(monkeypatch: pytest.MonkeyPatch) -> None:
+    class Squeal(Gravity):
+        name = "squeal"
+        separated_from: ClassVar[Mapping[str, str]] = {"cogging": "a microphone"}
+
+    known = load()
+    effects = {**{name: known.effects[name] for name in known.effects}, "squeal": Squeal}
+    monkeypatch.setattr(look_alikes.plugins, "load", lambda: SimpleNamespace(effects=effects))
+    assert separated_by(["cogging", "squeal"]) == separated_by(["squeal", "cogging"]) == "a microphone"
+
+
+def test_an_effect_within_another_is_a_look_alike_only_where_it_is_another_cause(made: Made) -> None:
+    """While sliding an offset is an asymmetry, another cause; it is also a spring of no stiffness, which is none."""
+    problem, found = estimate(Drive(LAW, 2.0), made("coulomb-viscous+torque-offset", {"torque-offset.tau_0": 0.5}))
+    result = candidate_tests(problem, found.parameters, only=["torque-offset", "asymmetry", "stiffness"])
+    named = select_effect(result)
+    assert named is not None
+    assert set(named.names) == {"torque-offset", "asymmetry"}
+    every = select_effect(replace(result, policy=POLICY.without("contained")))
+    assert every is not None
+    assert "stiffness" in every.names

@@ -8,7 +8,7 @@ import pytest
 from fricmodels.diagnosis import examine
 from fricmodels.diagnosis.candidate_tests import candidate_tests
 from fricmodels.diagnosis.comparison import Comparison, compare
-from fricmodels.diagnosis.floor import LEAST_TORQUE
+from fricmodels.diagnosis.policy import POLICY
 from fricmodels.diagnosis.verdict import select_effect, torque_share
 from fricmodels.rig import Rig
 from fricmodels.weakform.all_motion import residual_rms
@@ -108,4 +108,4 @@ def test_an_effect_of_the_reversals_alone_is_named_for_its_size_over_all_motion(
     assert [finding.names for finding in found.findings] == names
     for finding in found.findings:
         result = candidate_tests(found.comparison.problem, found.comparison.estimate.parameters, only=finding.names)
-        assert torque_share(result, finding.tested.evidence) < LEAST_TORQUE
+        assert torque_share(result, finding.tested.evidence) < POLICY.least_torque

@@ -17,7 +17,7 @@ from fricmodels.model import Model
 from fricmodels.parameter import Parameter
 from fricmodels.plugins import load
 from fricmodels.recording import Recording
-from fricmodels.weakform.candidate import Candidate
+from fricmodels.weakform.candidate import Candidate, within_recording
 from fricmodels.weakform.estimate import estimate
 from fricmodels.weakform.ranges import natural_size, scan_size
 from fricmodels.weakform.search import is_at_an_end, search, starting_points
@@ -34,14 +34,14 @@ def examined(recording: Recording, effect: str) -> surveys.CandidateTest:
 
 
 CASES: list[tuple[str, Mapping[str, float], str, float]] = [
-    ("cogging", {"a": 0.3, "b": 0.4, "a_2": 0.1, "b_2": 0.0, "k": 3.37}, "k", 0.01),
-    ("cogging", {"a": 0.3, "b": 0.4, "a_2": 0.1, "b_2": 0.0, "k": 11.9}, "k", 0.01),
-    ("position-friction", {"a": 0.5, "b": 0.0, "a_2": 0.0, "b_2": 0.1, "k": 2.6}, "k", 0.01),
-    ("torque-ripple", {"a": 0.0, "b": 0.02, "a_2": 0.0, "b_2": 0.0, "k": 6.1}, "k", 0.01),
-    ("step-change", {"c": 0.6, "d": 0.2, "t_0": 6.3}, "t_0", 0.02),
-    ("step-change", {"c": -0.4, "d": 0.0, "t_0": 11.1}, "t_0", 0.02),
-    ("presliding", {"F_1": 3.0, "F_2": 3.0, "D": 0.0, "x_s": 0.05}, "x_s", 0.1),
-    ("stribeck", {"F_s": 3.0, "omega_s": 1.0, "delta": 1.0}, "omega_s", 0.35),
+    ("cogging", {"a": 0.3, "b": 0.4, "a_2": 0.1, "b_2": 0.0, "k": 3.37}, "k", 0.002),
+    ("cogging", {"a": 0.3, "b": 0.4, "a_2": 0.1, "b_2": 0.0, "k": 11.9}, "k", 0.002),
+    ("position-friction", {"a": 0.5, "b": 0.0, "a_2": 0.0, "b_2": 0.1, "k": 2.6}, "k", 0.002),
+    ("torque-ripple", {"a": 0.0, "b": 0.02, "a_2": 0.0, "b_2": 0.0, "k": 6.1}, "k", 0.002),
+    ("step-change", {"c": 0.6, "d": 0.2, "t_0": 6.3}, "t_0", 0.001),
+    ("step-change", {"c": -0.4, "d": 0.0, "t_0": 11.1}, "t_0", 0.001),
+    ("presliding", {"F_1": 3.0, "F_2": 3.0, "D": 0.0, "x_s": 0.05}, "x_s", 0.01),
+    ("stribeck", {"F_s": 3.0, "omega_s": 1.0, "delta": 1.0}, "omega_s", 0.05),
 ]
 
 
@@ -56,9 +56,10 @@ def test_what_was_hidden_is_found(
     assert found.evidence.explained > 0.6
     spread = np.sqrt(np.diag(found.evidence.covariance))
     linear = [key for key, kept in zip(found._linear_symbols, found.found.kept, strict=True) if kept]
+    largest = max(abs(hidden[key]) for key in linear)
     for key, error in zip(linear, spread, strict=True):
-        size = max(abs(value) for value in hidden.values() if value)
-        assert abs(found.parameters[key] - hidden[key]) < 6 * error + 0.4 * size, key
+        # The first test holds the nonlinear parameters at their estimates: a hundredth of bias is allowed for that.
+        assert abs(found.parameters[key] - hidden[key]) < 4 * error + 0.01 * largest, key
 
 
 def test_the_wave_number_does_not_depend_on_the_units_of_torque(made: Made) -> None:
@@ -186,6 +187,16 @@ def test_no_duration_is_shorter_than_two_samples(made: Made, samples: float, at_
     assert tested.parameters["T"] == pytest.approx(max(samples, 2.0) * recording.interval, rel=0.1)
 
 
+@pytest.mark.parametrize(("lower", "instant"), [(-np.inf, True), (0.0, True), (0.0, False), (-1.0, False)])
+def test_an_instant_is_not_bounded_as_a_duration(made: Made, lower: float, instant: bool) -> None:
+    """A step at the first sample is possible, a duration of no sample is not, whatever its lower bound."""
+    problem, _ = estimate(Drive(Model.parse("coulomb-viscous"), 2.0), made(samples=4000))
+    declared = Parameter("t", unit="s", initial=5.0, lower=lower, scan=(0.1, 0.5), instant=instant)
+    bounded = within_recording(problem, declared)
+    assert (bounded == declared) is instant
+    assert (bounded.lower >= 2 * problem.recording.interval) is not instant
+
+
 @pytest.mark.parametrize("samples", [5_000, 20_000, 80_000])
 def test_a_time_of_the_drive_is_sought_where_it_is_however_long_the_record(samples: int) -> None:
     time = np.arange(samples) * 1e-3
@@ -225,7 +236,7 @@ def test_a_linear_axis_does_not_turn(made: Made, motion: Motion, seen: bool) -> 
     problem, found = estimate(Drive(Model.parse("coulomb-viscous"), 2.0, motion), made(motion=motion))
     result = candidate_tests(problem, found.parameters, only=["gravity"])
     assert bool(result.tested) is seen
-    assert ("gravity" in result.unseen) is not seen
+    assert ("gravity" in result.untested) is not seen
 
 
 def test_an_estimated_inertia_has_no_error_of_its_own(made: Made) -> None:
@@ -233,7 +244,7 @@ def test_an_estimated_inertia_has_no_error_of_its_own(made: Made) -> None:
     problem, found = estimate(Drive(Model.parse("coulomb-viscous"), None), made())
     result = candidate_tests(problem, found.parameters, only=["inertia-error", "joint-compliance"])
     assert [tested.name for tested in result.tested] == ["joint-compliance"]
-    assert "inertia is estimated" in result.unseen["inertia-error"]
+    assert "inertia is estimated" in result.untested["inertia-error"]
 
 
 # ---- the end of what a recording can tell -------------------------------------------------------------------------

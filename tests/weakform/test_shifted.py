@@ -2,12 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from fricmodels.drive import Drive
+from fricmodels.effects.sensor_delay import SensorDelay
+from fricmodels.effects.torque_offset import TorqueOffset
+from fricmodels.model import Model
+from fricmodels.recording import Recording
+from fricmodels.term import Effect
+from fricmodels.weakform.estimate import estimate
+from fricmodels.weakform.problem import WeakFormProblem
 from fricmodels.weakform.regression import Regression
-from fricmodels.weakform.shifted import ShiftedRegression
+from fricmodels.weakform.shifted import ShiftedRegression, regression_of
 
 Array = NDArray[np.float64]
 
@@ -82,3 +92,24 @@ def test_a_column_that_is_not_finite_explains_nothing_and_disturbs_no_other() ->
     alone, expected = regression.explained(column[None], -UNLIMITED, UNLIMITED)
     assert gained == pytest.approx(alone)
     assert theta == pytest.approx([0, *expected])
+
+
+class LateLog(SensorDelay):
+    """The same delay under another name."""
+
+    name = "late-log"
+
+
+@pytest.mark.parametrize(("effect", "shifts"), [(SensorDelay, False), (LateLog, False), (TorqueOffset, True)])
+def test_beside_an_effect_that_is_a_delay_there_is_no_second_shift(
+    made: Callable[..., Recording], effect: type[Effect], shifts: bool
+) -> None:
+    """Whatever the effect is called, in the model or added to it."""
+    law = Model.parse("coulomb-viscous")
+    problem, found = estimate(Drive(law, 2.0), made(samples=4000))
+    added = regression_of(problem, found.parameters, np.zeros((0, problem.rows)), effect())
+    assert isinstance(added, ShiftedRegression) is shifts
+    model = law.plus(effect())
+    values = {**found.parameters, **{p.key: 0.0 for p in model.parameters if p.key not in found.parameters}}
+    inside = WeakFormProblem.of(Drive(model, 2.0), problem.recording, values)
+    assert isinstance(regression_of(inside, values), ShiftedRegression) is shifts

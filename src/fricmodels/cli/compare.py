@@ -12,6 +12,7 @@ from fricmodels.cli.measurement import (
     Out,
     Report,
     TorqueConstant,
+    check,
     load,
 )
 
@@ -29,19 +30,14 @@ def command(
 ) -> None:
     """Fit a model to a recording and show where it fails."""
     recording, chosen = load(data, model, column, torque_constant, reader, linear)
-    if report is not None:
-        from fricmodels.report import check
-
-        check(report)
+    check(report)
     from rich.console import Console
 
-    from fricmodels.diagnosis import compare_model, kept_back, ready
+    from fricmodels.diagnosis import compare
     from fricmodels.diagnosis.overlay import write_overlay
     from fricmodels.diagnosis.present import show_comparison
-    from fricmodels.drive import Drive
 
-    train, test = kept_back(ready(recording))
-    comparison = compare_model(train, test, Drive(chosen, inertia, recording.motion))
+    comparison = compare(recording, chosen, inertia)
     console = Console()
     show_comparison(console, comparison)
     if out is not None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -61,3 +63,51 @@ def load(
     recording = read(data, columns=columns or (), motion=motion, reader=reader, torque_constant=torque_constant)
     warn(doubts(recording))
     return recording, chosen
+
+
+@dataclass(frozen=True)
+class Measurement:
+    """What ``diagnose`` and ``improve`` are given on the command line, read."""
+
+    recording: Recording
+    model: Model
+    inertia: float | None
+    leave_out: tuple[str, ...]
+    out: Path | None
+    report: Path | None
+
+    @property
+    def options(self) -> list[str]:
+        """The options that a report repeats, so that its command gives the same answer."""
+        return [part for name in self.leave_out for part in ("--leave-out", name)]
+
+
+def measured(work: Callable[[Measurement], None]) -> Callable[..., None]:
+    """Return the command, with all options, that does some work on a measurement."""
+
+    def command(
+        data: Data,
+        model: ModelName,
+        inertia: Inertia = None,
+        column: Column = None,
+        torque_constant: TorqueConstant = None,
+        reader: Format = None,
+        linear: Linear = False,
+        leave_out: LeaveOut = None,
+        out: Out = None,
+        report: Report = None,
+    ) -> None:
+        recording, chosen = load(data, model, column, torque_constant, reader, linear, leave_out)
+        check(report)
+        work(Measurement(recording, chosen, inertia, tuple(leave_out or ()), out, report))
+
+    command.__doc__ = work.__doc__
+    return command
+
+
+def check(report: Path | None) -> None:
+    """Make sure, before the work begins, that a report can be written where it is wanted."""
+    if report is not None:
+        from fricmodels.report import check
+
+        check(report)

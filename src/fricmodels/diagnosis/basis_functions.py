@@ -1,4 +1,4 @@
-"""Flexible sets of shapes in one channel or in what went before, of no particular physics: see :mod:`.unexplained`."""
+"""Flexible sets of basis functions in one channel, or in what went before: see :mod:`.predictability`."""
 
 from __future__ import annotations
 
@@ -8,15 +8,16 @@ from functools import cache, partial
 import numpy as np
 from numpy.typing import NDArray
 
-from fricmodels.diagnosis.history import History
+from fricmodels.diagnosis.history import MotionHistory
+from fricmodels.diagnosis.policy import Policy
 from fricmodels.signals import noise
 from fricmodels.weakform.problem import WeakFormProblem
 from fricmodels.weakform.regression import Regression
 from fricmodels.weakform.search import periods
 
 Array = NDArray[np.float64]
-Shapes = Mapping[str, Callable[[], Array]]
-"""Words for a set of shapes, and what integrates them, shape (k, rows), or builds them, shape (k, samples)."""
+Sets = Mapping[str, Callable[[], Array]]
+"""Name of a set, and what returns it: as integrals, shape (k, rows), or at the samples, shape (k, samples)."""
 
 TORQUE_PAST = "motor torque shortly before"
 TORQUE_RATE = "rate of the motor torque"
@@ -27,17 +28,15 @@ _INSTANTS = 31
 _WAVES = 6
 _FINE_WAVES = 3
 _EARLIER = 16
-_CLEAN = 0.1
-"""Noise of the motor torque over the RMS residual, both as a bump sees them."""
 
 
-def shapes(problem: WeakFormProblem, regression: Regression) -> Shapes:
-    """Return the shapes of every channel that a recording has, and of its history."""
+def basis_functions(problem: WeakFormProblem, regression: Regression, policy: Policy) -> Sets:
+    """Return the basis functions in every channel that a recording has, and in its history, as integrals."""
     lasting = {
         **_of_motion(problem),
         **_of_position(problem),
         **_of_load(problem),
-        **_of_history(problem, regression),
+        **_of_history(problem, regression, policy),
     }
     found: dict[str, Callable[[], Array]] = {
         name: partial(problem.integrated, name, partial(_integrals, problem, build)) for name, build in lasting.items()
@@ -52,7 +51,7 @@ def _integrals(problem: WeakFormProblem, build: Callable[[], Array]) -> Array:
     return problem.integrals(build())
 
 
-def _of_motion(problem: WeakFormProblem) -> Shapes:
+def _of_motion(problem: WeakFormProblem) -> Sets:
     points = problem.quadrature.recording
     velocity, time = points.velocity, points.time
     speed, side = np.abs(velocity), np.sign(velocity)
@@ -92,7 +91,7 @@ def _jump(problem: WeakFormProblem, regression: Regression) -> Array:
     return every[int(np.argmax(gains))]
 
 
-def _of_position(problem: WeakFormProblem) -> Shapes:
+def _of_position(problem: WeakFormProblem) -> Sets:
     points = problem.quadrature.recording
     if "position" not in points:
         return {}
@@ -108,7 +107,7 @@ def _of_position(problem: WeakFormProblem) -> Shapes:
     }
 
 
-def _of_load(problem: WeakFormProblem) -> Shapes:
+def _of_load(problem: WeakFormProblem) -> Sets:
     points = problem.quadrature.recording
     if "load_torque" not in points:
         return {}
@@ -120,10 +119,10 @@ def _of_load(problem: WeakFormProblem) -> Shapes:
     }
 
 
-def _of_history(problem: WeakFormProblem, regression: Regression) -> Shapes:
+def _of_history(problem: WeakFormProblem, regression: Regression, policy: Policy) -> Sets:
     @cache
-    def history() -> History:
-        return History.of(problem)
+    def history() -> MotionHistory:
+        return MotionHistory.of(problem)
 
     def after_reversal() -> Array:
         near = _log_hats(history().travelled, _HATS)
@@ -142,15 +141,15 @@ def _of_history(problem: WeakFormProblem, regression: Regression) -> Shapes:
         "time since the last reversal": lambda: history().side * _log_hats(history().turned, _HATS),
         "distance since motion began, and the rest before": lambda: after_start(history().moved),
         "time since motion began, and the rest before": lambda: after_start(history().started),
-        # So long before that the noise of the rows is another one.
+        # Far enough before to share no noise with the rows.
         "acceleration shortly before": lambda: _earlier(problem, recording["acceleration"], apart + 2 * lags),
     }
-    if _clean_torque(problem, regression):
+    if _torque_noise(problem) < policy.clean_torque * float(np.sqrt(np.mean(regression.residual**2))):
         found[TORQUE_PAST] = lambda: _earlier(problem, recording.torque, lags)
     return found
 
 
-def _periodic(problem: WeakFormProblem, regression: Regression) -> Shapes:
+def _periodic(problem: WeakFormProblem, regression: Regression) -> Sets:
     """Return waves over position at the wave numbers at which the residual is most periodic."""
     if "position" not in problem.recording:
         return {}
@@ -226,8 +225,7 @@ def _earlier(problem: WeakFormProblem, values: Array, lags: NDArray[np.int64]) -
     return np.vstack(rows)
 
 
-def _clean_torque(problem: WeakFormProblem, regression: Regression) -> bool:
-    """Whether the noise of the motor torque is too small to be what its own past would predict."""
+def _torque_noise(problem: WeakFormProblem) -> float:
+    """Return the noise of the motor torque as a row sees it, in units of the residual."""
     recording = problem.recording
-    deviation = noise(recording.time, recording.torque, recording.run) * recording.interval
-    return deviation < _CLEAN * float(np.sqrt(np.mean(regression.residual**2)))
+    return float(noise(recording.time, recording.torque, recording.run) * recording.interval)

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fricmodels import plugins
+from fricmodels.diagnosis.policy import POLICY, Policy
 from fricmodels.dimension import Motion
 from fricmodels.recording import SIGNAL_CHANNEL
 from fricmodels.term import Effect
@@ -20,10 +21,6 @@ from fricmodels.weakform.search import search
 from fricmodels.weakform.shifted import regression_of
 
 Array = NDArray[np.float64]
-
-
-NOISE_ALLOWED = 0.05
-"""A column may consist of noise to this share (squared), or to half of what it explains; see :func:`noise_share`."""
 
 
 @dataclass(frozen=True)
@@ -75,14 +72,18 @@ class CandidateTests:
 
     Attributes:
         problem, regression: the rows.
-        tested: candidates that could be tested, most significant gain first.
-        unseen: candidates that could not, with what is missing.
+        parameters: the model's estimated parameters.
+        tested: candidates that could be tested, the one with the least residual on held-out blocks first.
+        untested: candidates that could not be tested, with the reason.
+        policy: decides what passes.
     """
 
     problem: WeakFormProblem
     regression: Regression
+    parameters: Mapping[str, float]
     tested: tuple[CandidateTest, ...]
-    unseen: Mapping[str, str]
+    untested: Mapping[str, str]
+    policy: Policy = POLICY
 
 
 def candidate_tests(
@@ -92,6 +93,7 @@ def candidate_tests(
     leave_out: Iterable[str] = (),
     only: Iterable[str] | None = None,
     also: Array | None = None,
+    policy: Policy = POLICY,
 ) -> CandidateTests:
     """Test every registered effect that the model does not have.
 
@@ -101,13 +103,14 @@ def candidate_tests(
         leave_out: names of effects that are not considered.
         only: names of the effects to consider; all by default.
         also: columns that are taken to be in the model already, shape (k, rows).
+        policy: decides how much noise a column may hold, and what passes.
     """
     model = problem.drive.model
     present = {effect.name for effect in model.effects}
     regression = regression_of(problem, parameters, also)
     skipped = set(leave_out) | present
     tested: list[CandidateTest] = []
-    unseen: dict[str, str] = {}
+    untested: dict[str, str] = {}
     registered = plugins.load().effects
     rival, total = 0.0, float(regression.residual @ regression.residual)
     # The search for an effect with memory is long, and goes on only as far as it may yet compare with the others.
@@ -115,22 +118,24 @@ def candidate_tests(
         if name in skipped or (only is not None and name not in only):
             continue
         try:
-            outcome = _candidate(problem, regression, _effect(registered[name]), rival)
+            outcome = _candidate(problem, regression, _effect(registered[name]), rival, policy)
         except Exception as error:  # an effect of a plugin may do anything; the others go on
             outcome = f"it could not be tested: {type(error).__name__}: {error}"
         if isinstance(outcome, str):
-            unseen[name] = outcome
+            untested[name] = outcome
         else:
             tested.append(outcome)
             rival = max(rival, outcome.evidence.explained * total)
     adjusted = benjamini_yekutieli(np.array([t.p_value for t in tested]))
     ranked = [replace(t, adjusted=float(p)) for t, p in zip(tested, adjusted, strict=True)]
     ranked.sort(key=lambda t: float(np.sum(t.evidence.loss)))
-    return CandidateTests(problem, regression, tuple(ranked), unseen)
+    return CandidateTests(problem, regression, parameters, tuple(ranked), untested, policy)
 
 
-def _candidate(problem: WeakFormProblem, regression: Regression, effect: Effect, rival: float) -> CandidateTest | str:
-    """Test one effect, or say why it cannot be tested; another explains as much as its rival (sum of squares)."""
+def _candidate(
+    problem: WeakFormProblem, regression: Regression, effect: Effect, rival: float, policy: Policy
+) -> CandidateTest | str:
+    """Test one effect, or say why it cannot be tested; ``rival`` is the sum of squares that another one explains."""
     if effect.angular and problem.drive.motion is Motion.LINEAR:
         return "a linear axis does not turn"
     alone = problem.alone(effect)
@@ -144,7 +149,7 @@ def _candidate(problem: WeakFormProblem, regression: Regression, effect: Effect,
         return "what it would add to the residual cannot be told from what the model already has"
     if np.any(found.kept):
         share = noise_share(problem, problem.perturbed, regression, effect, found)
-        if _is_noise(share, regression, found):
+        if _is_noise(share, regression, found, policy):
             return "noise of the velocity hides what it would add beyond what the model already has"
     return _test(regression, effect, found)
 
@@ -179,18 +184,21 @@ def noise_share(
     return float(np.max(np.sum(noise**2, axis=1) / np.sum(signal**2, axis=1)))
 
 
-def _is_noise(share: float, regression: Regression, found: NonlinearOptimum) -> bool:
+def _is_noise(share: float, regression: Regression, found: NonlinearOptimum, policy: Policy) -> bool:
     explained = found.explained / float(regression.residual @ regression.residual)
-    return share > max(NOISE_ALLOWED, 0.5 * explained)
+    return share > max(policy.noise_share, policy.noise_share_of_explained * explained)
 
 
 def _test(regression: Regression, effect: Effect, found: NonlinearOptimum) -> CandidateTest:
     if not np.any(found.kept):  # it would need a coefficient beyond its physical bounds
-        nothing = np.zeros(0)
-        empty = Evidence(nothing, np.zeros((0, 0)), 1.0, 0.0, 0.0, 1.0, regression.loss, regression.residual)
-        return CandidateTest(effect, found, empty, 1.0)
+        return CandidateTest(effect, found, no_evidence(regression), 1.0)
     evidence = _whole_shift(regression, found) if found.delay else regression.test(found.columns)
     return CandidateTest(effect, found, evidence, min(1.0, evidence.p_value * found.trials))
+
+
+def no_evidence(regression: Regression) -> Evidence:
+    """Return the evidence for an effect of which no column is left: it explains nothing."""
+    return Evidence(np.zeros(0), np.zeros((0, 0)), 1.0, 0.0, 0.0, 1.0, regression.loss, regression.residual)
 
 
 def _whole_shift(regression: Regression, found: NonlinearOptimum) -> Evidence:

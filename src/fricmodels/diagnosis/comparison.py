@@ -24,9 +24,6 @@ from fricmodels.weakform.prepared import ready
 from fricmodels.weakform.problem import WeakFormProblem, noise_like
 
 Array = NDArray[np.float64]
-FAR_ABOVE = 5.0
-"""An error [% of the RMS torque] so far above noise is not adequate, even if it lies in stretches about standstill that
-are too unclear to be tested. On 800 simulated drives with nothing hidden these leave up to 3.6 %."""
 
 
 @dataclass(frozen=True)
@@ -63,12 +60,6 @@ class Comparison(Shown):
     noise_floor_percent: float
     where: tuple[Regime, ...]
     problem: WeakFormProblem
-
-    @property
-    def is_far_above_noise(self) -> bool:
-        """Whether the error is more than noise and sampling leave, even where nothing can be told from it."""
-        worst = max(self.errors.percent, self.errors.held_out_percent)
-        return worst**2 - self.noise_floor_percent**2 > FAR_ABOVE**2
 
 
 def kept_back(prepared: Recording) -> tuple[Recording, Recording]:

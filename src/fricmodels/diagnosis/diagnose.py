@@ -8,11 +8,13 @@ from typing import Literal
 
 from fricmodels.diagnosis.candidate_tests import CandidateTest, candidate_tests
 from fricmodels.diagnosis.comparison import Comparison, compare
+from fricmodels.diagnosis.floor import is_far_above_noise
 from fricmodels.diagnosis.look_alikes import separated_by
+from fricmodels.diagnosis.policy import POLICY, Policy
 from fricmodels.diagnosis.power import Visibility, visibility
 from fricmodels.diagnosis.predictability import AUTOREGRESSIVE, ChannelPredictor
 from fricmodels.diagnosis.refit_check import refit_check
-from fricmodels.diagnosis.sufficiency import is_sufficient, predictable, shape_of
+from fricmodels.diagnosis.sufficiency import as_predictor, is_sufficient, passing_predictors
 from fricmodels.diagnosis.verdict import LookAlikes, passing_all_gates, select_effect
 from fricmodels.model import Model
 from fricmodels.recording import Recording
@@ -41,8 +43,9 @@ class Diagnosis(Shown):
             may be missing shows once this one is in the model (:func:`fricmodels.diagnosis.improve`).
         view: the channel that predicts the residual best, whatever the physics, or else its own past; ``None`` if
             nothing does. Without one an unknown effect acts about standstill, or shows in no recorded channel.
-        passing: every effect that passes the gates by itself, best first; most only resemble the first.
         visibility: for every effect that was not found, the smallest that would have been, or what is missing.
+        passing: every effect that passes the gates by itself, best first; most only resemble the first.
+        policy: the constants that decided.
     """
 
     comparison: Comparison
@@ -51,6 +54,7 @@ class Diagnosis(Shown):
     view: ChannelPredictor | None
     visibility: Mapping[str, Visibility]
     passing: tuple[CandidateTest, ...] = ()
+    policy: Policy = POLICY
 
 
 def diagnose(
@@ -59,6 +63,7 @@ def diagnose(
     inertia: float | None = None,
     *,
     leave_out: Iterable[str] = (),
+    policy: Policy = POLICY,
 ) -> Diagnosis:
     """Say which effect a model is missing.
 
@@ -67,34 +72,33 @@ def diagnose(
         model: law plus effects, or its name.
         inertia: J [kg m²] or M [kg]; estimated if not given.
         leave_out: effects that are not considered.
+        policy: the constants that decide.
 
     Raises:
         InputError: when the recording lacks what the model needs, or does not move enough.
     """
-    return examine(compare(recording, model, inertia), leave_out=leave_out)
+    return examine(compare(recording, model, inertia), leave_out=leave_out, policy=policy)
 
 
-def examine(comparison: Comparison, *, leave_out: Iterable[str] = ()) -> Diagnosis:
+def examine(comparison: Comparison, *, leave_out: Iterable[str] = (), policy: Policy = POLICY) -> Diagnosis:
     """Test every effect on what a fitted model leaves over."""
-    out = set(leave_out)
-    parameters = comparison.estimate.parameters
-    result = candidate_tests(replace(comparison.problem), parameters, leave_out=out)
-    best = select_effect(result)
-    seen = predictable(result)
-    view = next((v for v in seen if v.channels not in AUTOREGRESSIVE), seen[0] if seen else None)
-    named = best if best is not None and is_sufficient(result, parameters, out, best.first, seen) else None
+    out, parameters = set(leave_out), comparison.estimate.parameters
+    result = candidate_tests(replace(comparison.problem), parameters, leave_out=out, policy=policy)
+    best, predictors = select_effect(result), passing_predictors(result)
+    named = best if best is not None and is_sufficient(result, out, best.first, predictors) else None
     named = refit_check(comparison, result, out, named)
+    view = next((p for p in predictors if p.channels not in AUTOREGRESSIVE), predictors[0] if predictors else None)
     if best is not None and named is None:
-        view = view or shape_of(result, best.first)
-    findings = [] if named is None else [_finding(named)]
-    found = {name for finding in findings for name in finding.names}
+        view = view or as_predictor(result, best.first)
+    findings = () if named is None else (_finding(named),)
     verdict: Verdict = "adequate"
-    if findings:
-        verdict = "missing-effect" if len(findings[0].names) == 1 else "undecided"
-    elif view is not None or comparison.is_far_above_noise:
+    if named is not None:
+        verdict = "missing-effect" if len(named.names) == 1 else "undecided"
+    elif view is not None or is_far_above_noise(comparison, policy):
         verdict = "unknown-effect"
     passing = tuple(passing_all_gates(result)) if findings else ()
-    return Diagnosis(comparison, verdict, tuple(findings), view, visibility(result, found), passing)
+    seen = visibility(result, () if named is None else named.names)
+    return Diagnosis(comparison, verdict, findings, view, seen, passing, policy)
 
 
 def _finding(best: LookAlikes) -> Finding:

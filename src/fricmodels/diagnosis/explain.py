@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from fricmodels.diagnosis.diagnose import Diagnosis, Finding
-from fricmodels.diagnosis.floor import LEAST_TORQUE
 from fricmodels.diagnosis.ladder import Ladder
 from fricmodels.diagnosis.predictability import AUTOREGRESSIVE
 
 IN_NO_CHANNEL = (
-    "The error is far above the noise, and yet nothing predicts it: something acts on the drive that is in none of the "
-    "recorded channels, or only once, or in the stretches around standstill that are too unclear to be tested."
+    "The error is far above the noise, but no recorded channel predicts it. Something acts on the drive that was not "
+    "recorded, or that happened only once, or that acts about standstill, which is too unclear to be tested."
 )
 
 
@@ -25,9 +24,9 @@ def explain(diagnosis: Diagnosis, ladder: Ladder | None = None) -> str:
     parts = [opening]
     if diagnosis.verdict == "adequate":
         parts.append(
-            f"Nothing that could be predicted and comes to {100 * LEAST_TORQUE:.2g} % of the torque is left in the "
-            "residual: the model is adequate for this recording. This does not exclude effects that the recording "
-            "could not have shown."
+            f"Nothing that could be predicted and comes to {100 * diagnosis.policy.least_torque:.2g} % of the torque "
+            "is left in the residual: the model is adequate for this recording. This does not exclude effects that the "
+            "recording could not have shown."
         )
     elif diagnosis.verdict == "unknown-effect":
         parts.append(unknown(diagnosis))
@@ -35,9 +34,7 @@ def explain(diagnosis: Diagnosis, ladder: Ladder | None = None) -> str:
         parts.append(sentence(diagnosis.findings[0]))
     if ladder is not None and len(ladder.rungs) > 1:
         last = ladder.rungs[-1]
-        parts.append(
-            f"With '{last.model}' the error on data kept back falls to {last.comparison.errors.held_out_percent:.3g} %."
-        )
+        parts.append(f"With '{last.model}' the test error falls to {last.comparison.errors.held_out_percent:.3g} %.")
         if ladder.last.verdict == "unknown-effect":
             parts.append(unknown(ladder.last))
     if ladder is not None and ladder.note:
@@ -71,15 +68,15 @@ def unknown(diagnosis: Diagnosis) -> str:
     if view is None:
         worst = comparison.where[0]
         return (
-            f"{IN_NO_CHANNEL} What was fitted leaves {comparison.errors.percent:.3g} %; "
+            f"{IN_NO_CHANNEL} The fit error is {comparison.errors.percent:.3g} %; "
             f"{100 * worst.share_of_squared_error:.0f} % of the squared error lie in '{worst.regime}'."
         )
     falls = f"(it falls by {100 * view.evidence.gain:.0f} % on blocks that were not used for fitting)"
     if view.channels in AUTOREGRESSIVE:
         return (
-            f"Something else is missing that no known effect explains: what is left lasts or rings, so that it can be "
-            f"predicted from {view.channels} {falls}, but from no recorded channel. Look for what was not recorded: "
-            "another joint, a temperature, a load."
+            "Something else is missing that no known effect explains. What is left lasts or rings: it can be predicted "
+            f"from {view.channels} {falls}, but from no recorded channel. Look for what was not recorded: another "
+            "joint, a temperature, a load."
         )
     return (
         f"Something else is missing that no known effect explains: the residual can be predicted from "

@@ -2,23 +2,34 @@
 
 from __future__ import annotations
 
+from fricmodels.diagnosis.comparison import Comparison
+from fricmodels.diagnosis.policy import POLICY, Policy
 from fricmodels.weakform.problem import WeakFormProblem, momentum_noise
 from fricmodels.weakform.regression import Regression
 
-LEAST_TORQUE = 0.003
-"""An effect must come to this share of the RMS torque. What happens between samples is not recorded: on simulated
-drives with nothing hidden, sampling and differentiation alone leave 0.03 to 0.3 % of it, and not as noise."""
 
-
-def floor(problem: WeakFormProblem) -> float:
+def floor(problem: WeakFormProblem, policy: Policy = POLICY) -> float:
     """Return the sum of squares [(N m)² or N²] that noise and sampling may leave in the rows of a fitted model."""
     inertia, _ = problem.drive.split(problem.estimated or {})
     noise = inertia * momentum_noise(problem.bumps, problem.recording, problem.velocity_noise)
-    return float(noise @ noise + LEAST_TORQUE**2 * (problem.driving @ problem.driving))
+    return float(noise @ noise + policy.least_torque**2 * (problem.driving @ problem.driving))
 
 
-def share_explained(problem: WeakFormProblem, before: Regression, left: float) -> float:
-    """Return which share of what a model should not have left is explained, where a sum of squares is left of it."""
+def share_explained(problem: WeakFormProblem, before: Regression, left: float, policy: Policy = POLICY) -> float:
+    """Return which share of the squared residual above the floor is explained.
+
+    Args:
+        problem: the fitted model and its rows.
+        before: the regression whose residual is to be explained.
+        left: sum of squares that is left of it.
+        policy: decides on the floor.
+    """
     total = float(before.residual @ before.residual)
-    beyond = total - floor(problem)
-    return (total - left) / beyond if beyond > total - left else 1.0
+    above = total - floor(problem, policy)
+    return (total - left) / above if above > total - left else 1.0
+
+
+def is_far_above_noise(comparison: Comparison, policy: Policy = POLICY) -> bool:
+    """Whether the error is more than noise and sampling leave, even where no channel predicts it."""
+    worst = max(comparison.errors.percent, comparison.errors.held_out_percent)
+    return worst**2 - comparison.noise_floor_percent**2 > policy.far_above_noise**2

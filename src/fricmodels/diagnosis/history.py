@@ -1,4 +1,4 @@
-"""What happened since the drive last turned or started, for views of effects that remember."""
+"""What happened since the drive last turned or started, for channel predictors of effects with memory."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class History:
-    """Of each sample of the quadrature.
+class MotionHistory:
+    """Time and distance since the last reversal and the last start, at each sample of the quadrature.
 
     Attributes:
         side: direction of the motion, ±1; where it is uncertain, that in which the drive last certainly moved.
@@ -35,7 +35,7 @@ class History:
     dwell: Array
 
     @classmethod
-    def of(cls, problem: WeakFormProblem) -> History:
+    def of(cls, problem: WeakFormProblem) -> MotionHistory:
         """Follow a recording through its reversals and rests; noise about zero speed is neither."""
         recording, cell, rest = problem.recording, problem.quadrature.cell, _at_rest(problem)
         _, error = smoothed_velocity(recording)

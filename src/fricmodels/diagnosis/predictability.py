@@ -1,8 +1,7 @@
 """Whether a residual could be predicted at all, from which channel, whatever the physics.
 
-Each *view* is a flexible set of shapes in one channel: hats over speed, waves over position, … . A view that predicts
-the residual on held-out blocks shows that something is missing there; where no known effect does as well, it is
-unknown.
+A *channel predictor* is a flexible set of basis functions in one channel: hats over speed, waves over position, … . If
+it predicts the residual on held-out blocks, something is missing; where no known effect does as well, that is unknown.
 """
 
 from __future__ import annotations
@@ -14,16 +13,17 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from fricmodels.diagnosis.basis_functions import TORQUE_PAST, shapes
+from fricmodels.diagnosis.basis_functions import TORQUE_PAST, basis_functions
+from fricmodels.diagnosis.candidate_tests import CandidateTests
 from fricmodels.weakform.problem import WeakFormProblem
-from fricmodels.weakform.regression import Evidence, Regression
+from fricmodels.weakform.regression import Evidence
 
 Array = NDArray[np.float64]
 
 
 OWN_PAST = "its own course shortly before"
 AUTOREGRESSIVE = frozenset({OWN_PAST, TORQUE_PAST})
-"""Views that say nothing of a cause: all that lasts or rings shows in them."""
+"""Predictors that say nothing of a cause: all that lasts or rings shows in them."""
 _PAST = 12
 
 
@@ -33,9 +33,9 @@ class ChannelPredictor:
 
     Attributes:
         channels: in words.
-        evidence: of its shapes, all together.
-        p_value: corrected for the number of views.
-        columns: its shapes, shape (k, rows).
+        evidence: of its basis functions, all together.
+        p_value: corrected for the number of predictors.
+        columns: its basis functions, shape (k, rows).
     """
 
     channels: str
@@ -44,26 +44,27 @@ class ChannelPredictor:
     columns: Array
 
 
-def views(problem: WeakFormProblem, regression: Regression) -> list[ChannelPredictor]:
-    """Return every view of the residual, the best predictor first."""
-    return sorted(each(problem, regression), key=lambda view: float(np.sum(view.evidence.loss)))
+def channel_predictors(result: CandidateTests) -> list[ChannelPredictor]:
+    """Return every channel predictor of the residual, the best first."""
+    return sorted(each_predictor(result), key=lambda predictor: float(np.sum(predictor.evidence.loss)))
 
 
-def each(problem: WeakFormProblem, regression: Regression, first: Sequence[str] = ()) -> Iterator[ChannelPredictor]:
-    """Yield every view of the residual, those of some channels first."""
-    every = dict(shapes(problem, regression))
+def each_predictor(result: CandidateTests, first: Sequence[str] = ()) -> Iterator[ChannelPredictor]:
+    """Yield every channel predictor of the residual, those of the ``first`` channels first."""
+    problem, regression = result.problem, result.regression
+    every = dict(basis_functions(problem, regression, result.policy))
     every[OWN_PAST] = partial(own_past, problem, regression.residual)
-    room = max(1, regression.terms // 2)
+    most = max(1, regression.terms // 2)
     for channels in dict.fromkeys([*(name for name in first if name in every), *every]):
         columns = every[channels]()
-        chosen = np.flatnonzero(regression.visible(columns))[:room]
+        chosen = np.flatnonzero(regression.visible(columns))[:most]
         if len(chosen):
             evidence = regression.test(columns[chosen])
             yield ChannelPredictor(channels, evidence, min(1.0, evidence.p_value * len(every)), columns[chosen])
 
 
 def own_past(problem: WeakFormProblem, residual: Array) -> Array:
-    """Return the residual of earlier rows, so long before that they share no sample and no noise, shape (12, rows).
+    """Return the residual of earlier rows, far enough before to share no sample and no noise, shape (12, rows).
 
     Whatever lasts or rings shows in it, in whichever channel its cause may be.
     """

@@ -1,203 +1,195 @@
 """Whether the effect that explains a residual best is what is missing, or only resembles it.
 
-Where the true effect is not among the candidates, some other still explains part of the residual, significantly. It
-gives itself away: one channel alone, by shapes of no particular physics, predicts more than it does. Then it is named
-only if it and further effects together explain more than any channel and leave nothing that could be predicted, since
-several effects may be missing at once.
+Where the true effect is not among the candidates, some other one still explains a part of the residual, significantly.
+Channel predictors, which assume no physics, show that: one of them predicts more than the effect does. The effect is
+then named only if several effects together explain more than any channel and leave nothing that could be predicted.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fricmodels.diagnosis.basis_functions import FINELY, FINELY_ALONG, FINELY_TORQUE
 from fricmodels.diagnosis.candidate_tests import CandidateTest, CandidateTests, candidate_tests
-from fricmodels.diagnosis.floor import LEAST_TORQUE, floor, share_explained
-from fricmodels.diagnosis.predictability import AUTOREGRESSIVE, ChannelPredictor, each, views
-from fricmodels.diagnosis.verdict import passing_all_gates, predicts, select_effect
+from fricmodels.diagnosis.floor import floor, share_explained
+from fricmodels.diagnosis.predictability import AUTOREGRESSIVE, ChannelPredictor, channel_predictors, each_predictor
+from fricmodels.diagnosis.verdict import outside, passing_all_gates, predicts, select_effect
 from fricmodels.weakform.regression import Regression, compare
 from fricmodels.weakform.shifted import regression_of
 
 Array = NDArray[np.float64]
 
-_WORSE = 0.1
-"""Significance at which a channel predicts more than an effect: a wrong name is worse than none."""
-_BEATEN = 0.02
-"""A channel that predicts this share of the squared residual more than an effect shows that the effect is not it."""
-_OUTSIDE = 0.2
-"""An effect lies within the shapes of a view if less than this share (squared) of it is outside."""
-_LEFT_OVER = 0.05
-"""Effects together are enough when no channel predicts this share of the squared residual beyond them."""
-_SIMPLER = 0.5
-"""Effects together must leave less than this share of what the best channel leaves, and the less the more terms they
-have, or as little with less than this share of its shapes; or else the channel is the simpler cause."""
-_LEAST, _MOST = 1 / 3, (0.7, 0.85, 0.95)
-"""Of what a model should not have left an effect must explain a third, as the largest of three does at least. One that
-remembers must explain most of it, and so must several together, the more so the more they are."""
 
-
-def predictable(result: CandidateTests) -> list[ChannelPredictor]:
-    """Return the views that predict the residual of a survey beyond all gates, best first."""
-    return [v for v in views(result.problem, result.regression) if predicts(result, v.evidence, v.p_value)]
+def passing_predictors(result: CandidateTests) -> list[ChannelPredictor]:
+    """Return the channel predictors of the residual that pass all gates, best first."""
+    return [p for p in channel_predictors(result) if predicts(result, p.evidence, p.p_value)]
 
 
 def is_sufficient(
-    result: CandidateTests,
-    parameters: Mapping[str, float],
-    leave_out: Iterable[str],
-    first: CandidateTest,
-    seen: Sequence[ChannelPredictor],
+    result: CandidateTests, leave_out: Iterable[str], first: CandidateTest, predictors: Sequence[ChannelPredictor]
 ) -> bool:
-    """Whether an effect is what is missing, by itself or with further ones, and not only resembles it.
+    """Whether an effect is what is missing, alone or together with further ones, and not only resembles it.
 
     Args:
-        result: the survey that it comes from.
-        parameters: the model's estimated parameters.
+        result: the tests that it comes from.
         leave_out: effects that are not considered.
         first: the effect.
-        seen: what predicts the residual, best first.
+        predictors: the channel predictors that pass, best first.
     """
     if first.found.at_search_bound:
         return False
-    shapes = [*seen, *(shape_of(result, t) for t in passing_all_gates(result) if t.found.at_search_bound)]
-    shapes.sort(key=lambda view: float(np.sum(view.evidence.loss)))
-    asked = outpredicted_by_channel(result, first, shapes) or explains_too_little(result, parameters, first, seen)
-    return not asked or combination_suffices(result, parameters, leave_out, shapes)
+    at_bound = [t for t in passing_all_gates(result) if t.found.at_search_bound]
+    rivals = [*predictors, *(as_predictor(result, tested) for tested in at_bound)]
+    rivals.sort(key=lambda rival: float(np.sum(rival.evidence.loss)))
+    in_doubt = outpredicted_by_channel(result, first, rivals) or explains_too_little(result, first, predictors)
+    return not in_doubt or combination_suffices(result, leave_out, rivals)
 
 
-def shape_of(result: CandidateTests, tested: CandidateTest) -> ChannelPredictor:
-    """Return what an effect explains that is not what is missing: it goes with that on which the effect depends."""
+def as_predictor(result: CandidateTests, tested: CandidateTest) -> ChannelPredictor:
+    """Return an effect that is not what is missing as a predictor from the channels on which it depends."""
     needs = " and ".join(sorted(result.problem.alone(tested.effect).model.needs)).replace("_", " ")
-    of = "the course of the motion before" if tested.effect.states else needs or "a constant torque"
-    return ChannelPredictor(
-        f"{of}, as in '{tested.name}'", tested.evidence, tested.adjusted, directions(result, tested)
-    )
+    channels = "the course of the motion before" if tested.effect.states else needs or "a constant torque"
+    columns = columns_and_tangents(result, tested)
+    return ChannelPredictor(f"{channels}, as in '{tested.name}'", tested.evidence, tested.adjusted, columns)
 
 
-def outpredicted_by_channel(result: CandidateTests, first: CandidateTest, seen: Sequence[ChannelPredictor]) -> bool:
+def outpredicted_by_channel(
+    result: CandidateTests, first: CandidateTest, predictors: Sequence[ChannelPredictor]
+) -> bool:
     """Whether some channel predicts significantly and much more than an effect.
 
-    What went shortly before stands for all that lasts, whatever the number of its causes: of that an effect need only
-    explain half, unless it is such a cause itself. Nor is an effect refused by more of its own kind: poles, slots and
-    teeth have each their own wave over position.
+    Two predictors are excepted. The past of the residual or of the torque shows all that lasts, whatever the number of
+    its causes; an effect without memory need only explain half of that. A periodic effect is not refused by further
+    waves over position: poles, slots and teeth have each their own.
     """
-    total = float(np.sum(result.regression.loss))
-    least = max(LEAST_TORQUE**2 * float(np.sum(result.problem.driving**2)), _BEATEN * total)
-    own = float(np.sum(first.evidence.loss))
-    for view in seen:
-        if _own_kind(result, first, view):
+    policy = result.policy
+    total, own = float(np.sum(result.regression.loss)), float(np.sum(first.evidence.loss))
+    least = max(policy.least_torque**2 * float(np.sum(result.problem.driving**2)), policy.outpredicted_by * total)
+    half = policy.half_of_autoregression
+    for predictor in predictors:
+        if _is_of_its_kind(result, first, predictor):
             continue
-        _, p_value = compare(first.evidence.loss, view.evidence.loss, result.regression.terms)
-        predicted = float(np.sum(view.evidence.loss))
-        more = own - predicted
-        half = own - 0.5 * (total + predicted)
-        lasting = view.channels in AUTOREGRESSIVE and not first.effect.states
-        if p_value < _WORSE and (half > 0 if lasting else more > least):
+        left = float(np.sum(predictor.evidence.loss))
+        lasting = predictor.channels in AUTOREGRESSIVE and not first.effect.states
+        more = own > (1 - half) * total + half * left if lasting else own - left > least
+        if more and _predicts_more(result, predictor.evidence.loss, first.evidence.loss):
             return True
     return False
 
 
-def explains_too_little(
-    result: CandidateTests, parameters: Mapping[str, float], first: CandidateTest, seen: Sequence[ChannelPredictor]
-) -> bool:
-    """Whether an effect leaves too much to be by itself what is missing.
+def _predicts_more(result: CandidateTests, loss: Array, other: Array) -> bool:
+    """Whether a squared held-out residual is significantly smaller than another one, both of shape (rows,)."""
+    return compare(other, loss, result.regression.terms)[1] < result.policy.outpredicted_significance
 
-    Where the true one is not among the candidates, others explain part of what it does. Effects that remember the
-    motion are the most pliant of them, and no channel of the moment predicts more; but one may predict what they leave.
+
+def explains_too_little(result: CandidateTests, first: CandidateTest, predictors: Sequence[ChannelPredictor]) -> bool:
+    """Whether an effect leaves too much to be what is missing by itself.
+
+    An effect with memory can imitate most others, so that more is asked of it: it must explain most of the residual,
+    and no channel may predict what it leaves.
     """
+    policy = result.policy
     left = float(first.evidence.residual @ first.evidence.residual)
-    share = share_explained(result.problem, result.regression, left)
+    share = share_explained(result.problem, result.regression, left, policy)
     if not first.effect.states:
-        return share < _LEAST
-    columns = directions(result, first)
-    return share < _MOST[0] or not _complete(
-        result, regression_of(result.problem, parameters, columns, first.name), seen
-    )
+        return share < policy.explains_alone
+    if share < policy.explains_by_count[0]:
+        return True
+    columns = columns_and_tangents(result, first)
+    with_it = regression_of(result.problem, result.parameters, columns, first.effect)
+    return not _leaves_nothing_predictable(result, with_it, predictors)
 
 
-def _own_kind(result: CandidateTests, tested: CandidateTest, view: ChannelPredictor) -> bool:
-    """Whether a view shows what an effect is by its nature, and most of the effect lies within its shapes."""
-    needs = result.problem.alone(tested.effect).model.needs
-    along = FINELY_ALONG if tested.effect.symmetry == "odd" else FINELY
-    kind = FINELY_TORQUE if "motor_torque" in needs else along
-    if view.channels != kind or not any(p.periodic for p in tested.effect.parameters):
+def _is_of_its_kind(result: CandidateTests, tested: CandidateTest, predictor: ChannelPredictor) -> bool:
+    """Whether an effect is periodic, and a predictor consists of waves of that kind within which the effect lies."""
+    if not any(p.periodic for p in tested.effect.parameters):
         return False
-    own = result.regression.project_out(tested.evidence.coefficients[None] @ tested.found.columns)[0]
-    shapes = result.regression.project_out(view.columns)
-    basis = np.linalg.svd(shapes, full_matrices=False)[2]
-    left = own - (own @ basis.T) @ basis
-    return bool(left @ left < _OUTSIDE * (own @ own))
+    along = FINELY_ALONG if tested.effect.symmetry == "odd" else FINELY
+    kind = FINELY_TORQUE if "motor_torque" in result.problem.alone(tested.effect).model.needs else along
+    if predictor.channels != kind:
+        return False
+    own = tested.evidence.coefficients[None] @ tested.found.columns
+    return outside(result.regression, own, predictor.columns) < result.policy.outside_own_kind
 
 
 def combination_suffices(
-    result: CandidateTests, parameters: Mapping[str, float], leave_out: Iterable[str], seen: Sequence[ChannelPredictor]
+    result: CandidateTests, leave_out: Iterable[str], predictors: Sequence[ChannelPredictor]
 ) -> bool:
-    """Whether the effects found one after the other explain more than any channel, and leave nothing to predict.
+    """Whether effects found one after the other explain more than any channel, and leave nothing to predict.
 
-    Where one channel alone explains nearly as much as all of them together, one cause is the simpler explanation. What
-    merely lasts is such a channel only where one of the effects remembers.
+    Where one channel explains nearly as much as all of them together, one cause is the simpler explanation. The past of
+    the residual or of the torque is such a channel only where one of the effects has a memory.
     """
-    problem = result.problem
-    out, remembers = set(leave_out), False
-    columns, first = np.zeros((0, problem.rows)), result
-    for effects, most in enumerate(_MOST):
-        if effects:
-            result = candidate_tests(problem, parameters, leave_out=out, also=columns)
-        best = select_effect(result)
+    problem, policy, out = result.problem, result.policy, set(leave_out)
+    columns, found = np.zeros((0, problem.rows)), result
+    remembers = False
+    for count, least in enumerate(policy.explains_by_count):
+        if count:
+            found = candidate_tests(problem, result.parameters, leave_out=out, also=columns, policy=policy)
+        best = select_effect(found)
         if best is None or best.first.found.at_search_bound:
             return False
-        columns = np.vstack([columns, directions(result, best.first)])
-        out |= {best.first.name}
+        columns = np.vstack([columns, columns_and_tangents(found, best.first)])
+        out.add(best.first.name)
         remembers |= bool(best.first.effect.states)
-        regression = regression_of(problem, parameters, columns, best.first.name)
-        together = regression.loss
-        if share_explained(problem, first.regression, float(np.sum(together))) < most:
+        together = regression_of(problem, result.parameters, columns, best.first.effect)
+        if share_explained(problem, result.regression, float(np.sum(together.loss)), policy) < least:
             continue
-        if _complete(first, regression, seen):
-            single = next((view for view in seen if remembers or view.channels not in AUTOREGRESSIVE), None)
-            return single is None or _simpler(first, columns, together, single)
+        if _leaves_nothing_predictable(result, together, predictors):
+            single = next((p for p in predictors if remembers or p.channels not in AUTOREGRESSIVE), None)
+            return single is None or _is_simpler(result, columns, together.loss, single)
     return False
 
 
-def _complete(result: CandidateTests, regression: Regression, seen: Sequence[ChannelPredictor]) -> bool:
-    """Whether no channel predicts much of what is left of a residual with the effects that a regression has beyond it.
+def _leaves_nothing_predictable(
+    result: CandidateTests, regression: Regression, predictors: Sequence[ChannelPredictor]
+) -> bool:
+    """Whether no channel predicts much of what is left of a residual.
 
-    What merely lasts does not count: on a real drive something always does. Nor is there much where hardly more is left
-    than noise and sampling leave.
+    The past of the residual or of the torque does not count: on a real drive something always lasts. Nor is there
+    anything to predict where hardly more is left than noise and sampling leave.
+
+    Args:
+        result: the residual.
+        regression: with the effects, which leave part of it.
+        predictors: channel predictors that are tried first.
     """
-    if share_explained(result.problem, result.regression, float(np.sum(regression.loss))) > 1 - _LEFT_OVER:
+    least, left = result.policy.left_to_channels, float(np.sum(regression.loss))
+    if share_explained(result.problem, result.regression, left, result.policy) > 1 - least:
         return True
-    after = CandidateTests(result.problem, regression, (), {})
-    most = float(np.sum(regression.loss)) - _LEFT_OVER * float(np.sum(result.regression.loss))
+    after = replace(result, regression=regression, tested=(), untested={})
+    most = left - least * float(np.sum(result.regression.loss))
     return not any(
-        predicts(after, v.evidence, v.p_value) and np.sum(v.evidence.loss) < most
-        for v in each(result.problem, regression, [v.channels for v in seen])
-        if v.channels not in AUTOREGRESSIVE
+        predicts(after, p.evidence, p.p_value) and np.sum(p.evidence.loss) < most
+        for p in each_predictor(after, [p.channels for p in predictors])
+        if p.channels not in AUTOREGRESSIVE
     )
 
 
-def _simpler(result: CandidateTests, columns: Array, together: Array, single: ChannelPredictor) -> bool:
+def _is_simpler(result: CandidateTests, columns: Array, together: Array, single: ChannelPredictor) -> bool:
     """Whether effects together are simpler than one channel: they leave far less, or as little with far fewer terms.
 
-    Whatever is less than noise and sampling leave is as little.
+    Whatever is less than noise and sampling leave counts as little.
 
     Args:
+        result: the residual.
         columns: of all effects together, shape (k, rows).
         together: squared held-out residual that they leave, shape (rows,).
         single: the channel that predicts best.
     """
-    alone, terms = single.evidence.loss, result.regression.terms
-    shapes = len(single.columns) / len(columns)
-    if np.sum(together) < _SIMPLER * min(1.0, shapes) * np.sum(alone) and compare(alone, together, terms)[1] < _WORSE:
+    share, alone, left = result.policy.combination_against_channel, single.evidence.loss, float(np.sum(together))
+    terms = len(single.columns) / len(columns)
+    if left < share * min(1.0, terms) * np.sum(alone) and _predicts_more(result, together, alone):
         return True
-    no_worse = float(np.sum(together)) <= floor(result.problem) or compare(together, alone, terms)[1] >= _WORSE
-    return _SIMPLER * shapes > 1 and no_worse
+    no_worse = left <= floor(result.problem, result.policy) or not _predicts_more(result, alone, together)
+    return share * terms > 1 and no_worse
 
 
-def directions(result: CandidateTests, tested: CandidateTest) -> Array:
+def columns_and_tangents(result: CandidateTests, tested: CandidateTest) -> Array:
     """Return an effect's columns and the tangents of its nonlinear parameters, shape (k, rows)."""
     problem, found = result.problem, tested.found
     alone = problem.alone(tested.effect)

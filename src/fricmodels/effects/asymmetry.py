@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from fricmodels.effects.experiments import ANOTHER_LOAD, NEW_RECORD
 from fricmodels.expressions import Expression, absolute
 from fricmodels.parameter import Parameter
 from fricmodels.term import Effect, Parameters, Signals
@@ -21,7 +22,14 @@ class Asymmetry(Effect):
     formula = "τ = c + d·|ω|"
     signature = "positive and negative motion differ by a constant, by a slope in speed, or both"
     needs_motion = "motion in both directions"
+    separated_from = {
+        "torque-offset": "a static test: hold the drive at rest without torque, or turn it over by hand; an offset is "
+        "there at rest too",
+        "step-change": NEW_RECORD,
+        "directional-efficiency": ANOTHER_LOAD,
+    }
     symmetry = "even"
+    distinct_from = frozenset({"torque-offset"})
     c = Parameter("c", unit="N m", meaning="half the difference of the Coulomb torques, forward less backward")
     d = Parameter("d", unit="N m s/rad", meaning="half the difference of the viscous coefficients")
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from fricmodels.effects.experiments import SMALL_REVERSALS
 from fricmodels.expressions import Expression, absolute, exp, expm1, maximum, minimum, sign, sqrt, where
 from fricmodels.parameter import Parameter, State
 from fricmodels.term import Effect, Parameters, Signals
@@ -42,6 +43,9 @@ class Backlash(Effect):
     formula = "τ = −J_l·(dω/dt + a·(sgn ω + b) + a·ω/ω_v + a·τ_L/F) while |x| < w/2, else J_l·v/T;  dx/dt = v"
     signature = "a pulse where the joint's torque turns, of fixed width in position, and a shock at its end"
     needs_motion = "reversals"
+    separated_from = dict.fromkeys(
+        ("stribeck", "nonlinear-viscous", "rising-stiction", "frictional-lag"), SMALL_REVERSALS
+    )
     optional = frozenset({"load_torque"})
     J_l = Parameter("J_l", unit="kg m^2", lower=0.0, part_of_drive=True, meaning="inertia of the load behind the gap")
     w = Parameter(

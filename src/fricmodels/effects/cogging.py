@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from fricmodels.effects.experiments import WIDER_RANGE
 from fricmodels.expressions import Expression, cos, sin
 from fricmodels.parameter import Parameter
 from fricmodels.term import Effect, Parameters, Signals
@@ -22,6 +23,7 @@ class Cogging(Effect):
     formula = "τ = a·cos kq + b·sin kq + a_2·cos 2kq + b_2·sin 2kq"
     signature = "periodic in position, the same in both directions"
     needs_motion = "several periods in position"
+    separated_from = dict.fromkeys(("gravity", "stiffness"), WIDER_RANGE)
     symmetry = "even"
     a = Parameter("a", unit="N m", meaning="cosine amplitude")
     b = Parameter("b", unit="N m", meaning="sine amplitude")

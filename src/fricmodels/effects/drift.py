@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from fricmodels.effects.experiments import THERMOMETER
 from fricmodels.expressions import Expression, exp, sign
 from fricmodels.parameter import Parameter
 from fricmodels.term import Effect, Parameters, Signals
@@ -22,6 +23,7 @@ class Drift(Effect):
     formula = "τ = (a·ω + b·sgn ω)·T·(1 − exp(−t/T))"
     signature = "along the motion, growing or falling with time"
     needs_motion = "a long record"
+    separated_from = {"step-change": THERMOMETER}
     symmetry = "odd"
     depends_on_time = True
     a = Parameter("a", unit="N m/rad", meaning="change of the viscous coefficient per second, at first")

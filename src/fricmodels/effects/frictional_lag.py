@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from fricmodels.effects.experiments import SEVERAL_FREQUENCIES, SLOW_REVERSALS
 from fricmodels.expressions import Expression, absolute, exp, maximum, sign
 from fricmodels.parameter import Parameter, State
 from fricmodels.term import Effect, Parameters, Signals
@@ -36,6 +37,10 @@ class FrictionalLag(Effect):
     formula = "τ = [F_s·(exp(−u/ω_s) − exp(−|ω|/ω_s)) + K·(u − |ω|)]·sgn ω;  u(t) = |ω(t − T)|"
     signature = "a loop in velocity: friction differs between speeding up and slowing down"
     needs_motion = "slow, accelerated motion"
+    separated_from = {
+        "inertia-error": SEVERAL_FREQUENCIES,
+        **dict.fromkeys(("stribeck", "rising-stiction"), SLOW_REVERSALS),
+    }
     F_s = Parameter("F_s", unit="N m", lower=0.0, part_of_drive=True, meaning="falling part of the friction that lags")
     K = Parameter(
         "K", unit="N m s/rad", lower=0.0, part_of_drive=True, meaning="viscous coefficient of the friction that lags"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from fricmodels.effects.experiments import WIDER_RANGE
 from fricmodels.expressions import Expression, cos, sin
 from fricmodels.parameter import Parameter
 from fricmodels.term import Effect, Parameters, Signals
@@ -19,6 +20,7 @@ class Gravity(Effect):
     formula = "τ = a·cos q + b·sin q"
     signature = "once a turn in position, independent of the direction"
     needs_motion = "a wide position range"
+    separated_from = {"stiffness": WIDER_RANGE}
     symmetry = "even"
     angular = True
     a = Parameter("a", unit="N m", meaning="torque in proportion to cos q")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from fricmodels.effects.experiments import SEVERAL_FREQUENCIES, SMALL_REVERSALS
 from fricmodels.expressions import Expression
 from fricmodels.parameter import Parameter, State
 from fricmodels.term import Effect, Parameters, Signals
@@ -23,6 +24,10 @@ class JointCompliance(Effect):
     formula = "τ = −J_l·dv/dt;  dx/dt = v;  dv/dt = dω/dt − ω_n²·x − 2·ζ·ω_n·v"
     signature = "a resonance"
     needs_motion = "acceleration up to the resonance"
+    separated_from = {
+        **dict.fromkeys(("inertia-error", "frictional-lag"), SEVERAL_FREQUENCIES),
+        "backlash": SMALL_REVERSALS,
+    }
     J_l = Parameter("J_l", unit="kg m^2", lower=0.0, part_of_drive=True, meaning="inertia of the link")
     omega_n = Parameter(
         "omega_n",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from fricmodels.effects.experiments import SMALL_REVERSALS
 from fricmodels.expressions import Expression, power, sign
 from fricmodels.parameter import Parameter
 from fricmodels.term import Effect, Parameters, Signals
@@ -22,6 +23,7 @@ class NonlinearViscous(Effect):
     formula = "τ = (a·|ω|^(1/2) + b·ω²)·sgn ω"
     signature = "along the motion, curved over speed"
     needs_motion = "a wide speed range"
+    separated_from = dict.fromkeys(("rising-stiction", "frictional-lag"), SMALL_REVERSALS)
     symmetry = "odd"
     a = Parameter("a", unit="N m s^(1/2)/rad^(1/2)", meaning="coefficient of the square root of speed")
     b = Parameter("b", unit="N m s^2/rad^2", meaning="coefficient of the square of speed")

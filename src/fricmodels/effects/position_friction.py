@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from fricmodels.effects.experiments import BOTH_DIRECTIONS
 from fricmodels.expressions import Expression, cos, sign, sin
 from fricmodels.parameter import Parameter
 from fricmodels.term import Effect, Parameters, Signals
@@ -22,6 +23,7 @@ class PositionFriction(Effect):
     formula = "τ = (a·cos kq + b·sin kq + a_2·cos 2kq + b_2·sin 2kq)·sgn ω"
     signature = "periodic in position, flipping with the direction"
     needs_motion = "several periods in position"
+    separated_from = dict.fromkeys(("cogging", "torque-ripple", "gravity", "stiffness"), BOTH_DIRECTIONS)
     symmetry = "odd"
     a = Parameter("a", unit="N m", meaning="cosine amplitude")
     b = Parameter("b", unit="N m", meaning="sine amplitude")

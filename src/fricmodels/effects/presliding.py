@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from fricmodels.effects.experiments import SMALL_REVERSALS
 from fricmodels.expressions import Expression, absolute, negative, positive, sign
 from fricmodels.parameter import Parameter, State
 from fricmodels.term import Effect, Parameters, Signals
@@ -28,6 +29,9 @@ class Presliding(Effect):
     formula = "τ = (F_1 for ω ≥ 0, F_2 for ω < 0)·(z − sgn ω) + D·(ω − |ω|·z);  dz/dt = (ω − |ω|·z)/x_s"
     signature = "a hysteresis loop in position after each reversal, of fixed width"
     needs_motion = "reversals"
+    separated_from = dict.fromkeys(
+        ("backlash", "stribeck", "nonlinear-viscous", "rising-stiction", "frictional-lag"), SMALL_REVERSALS
+    )
     F_1 = Parameter(
         "F_1", unit="N m", lower=0.0, meaning="friction torque that builds up elastically, positive rotation"
     )

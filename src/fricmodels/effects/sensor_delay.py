@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from fricmodels.effects.experiments import SEVERAL_FREQUENCIES
 from fricmodels.expressions import Expression
 from fricmodels.parameter import Parameter
 from fricmodels.term import Effect, Parameters, Signals
@@ -25,6 +26,7 @@ class SensorDelay(Effect):
     formula = "τ = T·dτ_m/dt"
     signature = "the derivative of the motor torque"
     needs_motion = "several frequencies"
+    separated_from = dict.fromkeys(("inertia-error", "frictional-lag", "joint-compliance"), SEVERAL_FREQUENCIES)
     symmetry = "even"
     T = Parameter("T", unit="s", delay=True, meaning="delay of the motion record against the torque record")
 

@@ -23,7 +23,11 @@ class StepChange(Effect):
     c = Parameter("c", unit="N m", meaning="jump of the Coulomb torque")
     d = Parameter("d", unit="N m", meaning="jump of the constant torque")
     t_0 = Parameter(
-        "t_0", unit="s", meaning="instant of the jump", scan=tuple(round(0.05 * i, 2) for i in range(1, 20))
+        "t_0",
+        unit="s",
+        meaning="instant of the jump",
+        instant=True,
+        scan=tuple(round(0.05 * i, 2) for i in range(1, 20)),
     )
 
     def torque(self, s: Signals, p: Parameters) -> Expression:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from fricmodels.effects.experiments import NEW_RECORD, WIDER_RANGE
 from fricmodels.expressions import Expression
 from fricmodels.parameter import Parameter
 from fricmodels.term import Effect, Parameters, Signals
@@ -21,6 +22,7 @@ class Stiffness(Effect):
     formula = "τ = k·q + τ_0"
     signature = "in proportion to position, at rest too"
     needs_motion = "a wide position range"
+    separated_from = {"asymmetry": WIDER_RANGE, "step-change": NEW_RECORD}
     symmetry = "even"
     k = Parameter("k", unit="N m/rad", meaning="stiffness")
     tau_0 = Parameter("tau_0", unit="N m", meaning="torque of the spring at q = 0")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from fricmodels.effects.experiments import SLOW_REVERSALS
 from fricmodels.expressions import Expression, exp, power, sign
 from fricmodels.parameter import Parameter
 from fricmodels.term import Effect, Parameters, Signals
@@ -19,6 +20,10 @@ class Stribeck(Effect):
     formula = "τ = F_s·exp(−(|ω|/ω_s)^δ)·sgn ω"
     signature = "along the motion and near zero speed only"
     needs_motion = "slow sliding"
+    separated_from = {
+        "nonlinear-viscous": "a wider speed range: constant speeds from a hundredth of the peak speed to the peak",
+        "rising-stiction": SLOW_REVERSALS,
+    }
     dissipative = True
     symmetry = "odd"
     F_s = Parameter("F_s", unit="N m", lower=0.0, meaning="extra friction torque at vanishing speed")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from fricmodels.effects.experiments import THERMOMETER
 from fricmodels.expressions import Expression, exp, sign
 from fricmodels.parameter import Parameter
 from fricmodels.term import Effect, Parameters, Signals
@@ -22,6 +23,7 @@ class Thermal(Effect):
     formula = "τ = a·ϑ_v·(1 − exp(−ϑ/ϑ_v))·ω + b·ϑ·sgn ω"
     signature = "along the motion, changing with the temperature"
     needs_motion = "a temperature that changes"
+    separated_from = dict.fromkeys(("drift", "step-change"), THERMOMETER)
     symmetry = "odd"
     a = Parameter("a", unit="N m s/rad/K", meaning="change of the viscous coefficient per kelvin, at 0 °C")
     b = Parameter("b", unit="N m/K", meaning="change of the Coulomb torque per kelvin")

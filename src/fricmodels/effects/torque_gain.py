@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from fricmodels.effects.experiments import SEVERAL_FREQUENCIES
 from fricmodels.expressions import Expression
 from fricmodels.parameter import Parameter
 from fricmodels.term import Effect, Parameters, Signals
@@ -19,6 +20,12 @@ class TorqueGain(Effect):
     formula = "τ = −g·τ_m"
     signature = "in proportion to the motor torque"
     needs_motion = "a known inertia or load"
+    separated_from = {
+        "inertia-error": "a known load: add a weight of known torque or inertia and repeat",
+        "gravity": "another payload: gravity changes with it, the torque constant does not",
+        "directional-efficiency": "a run without load: losses under load vanish with it",
+        **dict.fromkeys(("sensor-delay", "joint-compliance"), SEVERAL_FREQUENCIES),
+    }
     symmetry = "even"
     g = Parameter("g", lower=-0.9, meaning="relative error of the torque constant")
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from fricmodels.effects.experiments import ANOTHER_LOAD, NEW_RECORD, WIDER_RANGE
 from fricmodels.expressions import Expression
 from fricmodels.parameter import Parameter
 from fricmodels.term import Effect, Parameters, Signals
@@ -19,6 +20,11 @@ class TorqueOffset(Effect):
     formula = "τ = τ_0"
     signature = "a constant, at rest too"
     needs_motion = "motion in both directions"
+    separated_from = {
+        "stiffness": WIDER_RANGE,
+        "step-change": NEW_RECORD,
+        "directional-efficiency": ANOTHER_LOAD,
+    }
     symmetry = "even"
     tau_0 = Parameter("tau_0", unit="N m", meaning="constant torque")
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from fricmodels.effects.experiments import BOTH_DIRECTIONS
 from fricmodels.expressions import Expression, cos, sin
 from fricmodels.parameter import Parameter
 from fricmodels.term import Effect, Parameters, Signals
@@ -22,6 +23,7 @@ class TorqueRipple(Effect):
     formula = "τ = τ_m·(a·cos kq + b·sin kq + a_2·cos 2kq + b_2·sin 2kq)"
     signature = "periodic in position, in proportion to the motor torque"
     needs_motion = "several periods in position"
+    separated_from = dict.fromkeys(("cogging", "gravity", "stiffness"), BOTH_DIRECTIONS)
     symmetry = "even"
     a = Parameter("a", meaning="cosine amplitude")
     b = Parameter("b", meaning="sine amplitude")

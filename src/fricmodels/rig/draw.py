@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
 
 from fricmodels.dimension import Motion
 from fricmodels.errors import InputError, suggestion
-from fricmodels.rig.hidden import HiddenEffect
+from fricmodels.rig.effects import HIDDEN
+from fricmodels.rig.hidden import CLOSED_LOOP, EXCITATIONS, Drawn, HiddenEffect, log_uniform
 from fricmodels.rig.rig import EXCLUSIVE, Rig
 
 
@@ -32,47 +34,7 @@ SCALES: Mapping[str, Scale] = {
 }
 """Kinds of drive that :func:`random_rig` knows."""
 
-EXCITATIONS = ("sine", "multisine", "tracking", "trapezoid", "stair", "ramp")
-_CLOSED = ("tracking", "trapezoid", "ramp")
-_BROAD = ("multisine", "tracking", "trapezoid")
-_SHOWN_BY: Mapping[str, tuple[str, ...]] = {
-    "stribeck": ("sine", "multisine", "tracking", "ramp", "stair"),
-    "nonlinear-viscous": ("sine", "multisine", "tracking", "ramp", "stair"),
-    "load-friction": _CLOSED,
-    "directional-efficiency": _CLOSED,
-    "torque-gain": _BROAD,
-    "inertia-error": _BROAD,
-    "gravity": ("tracking", "trapezoid", "ramp"),
-    "stiffness": ("tracking", "trapezoid", "ramp"),
-    "presliding": _CLOSED,
-    "frictional-lag": ("sine", "multisine", "tracking"),
-    "rising-stiction": ("trapezoid",),
-    "backlash": _CLOSED,
-    "sensor-delay": ("multisine", "tracking"),
-    "joint-compliance": ("trapezoid", "stair"),
-}
 _WEAKEST = 0.02
-_NEEDS_LOAD = {"load-friction", "directional-efficiency", "torque-gain", "inertia-error"}
-_NEEDS_SYMMETRY = {"asymmetry", "torque-offset"}
-
-
-@dataclass(frozen=True)
-class _Drive:
-    """What is drawn first, and the sizes that follow from it."""
-
-    inertia: float
-    coulomb: float
-    speed: float
-    friction: float
-    frequency: float
-    rate: float
-    samples: int
-    travel: float
-    bandwidth: float
-
-    @property
-    def duration(self) -> float:
-        return self.samples / self.rate
 
 
 def random_rig(
@@ -100,7 +62,7 @@ def random_rig(
         InputError: for an unknown effect, scale or excitation, two effects that exclude each other, or an
             excitation that cannot show one of them.
     """
-    for name, known in (*((e, _DRAWN) for e in effects), (scale, SCALES), (excitation, EXCITATIONS)):
+    for name, known in (*((e, HIDDEN) for e in effects), (scale, SCALES), (excitation, EXCITATIONS)):
         if name is not None and name not in known:
             raise InputError(f"there is no '{name}'{suggestion(name, known)}")
     for pair in EXCLUSIVE:
@@ -155,10 +117,6 @@ def with_size(rig: Rig, size: float) -> Rig:
     return best
 
 
-def _log(rng: np.random.Generator, low: float, high: float) -> float:
-    return float(np.exp(rng.uniform(np.log(low), np.log(high))))
-
-
 def _draw(
     rng: np.random.Generator,
     effects: tuple[str, ...],
@@ -168,22 +126,23 @@ def _draw(
     noise_percent: float | None,
     samples: int,
 ) -> Rig | None:
-    possible = [s for s in SCALES if "gravity" not in effects or SCALES[s].motion is Motion.ROTARY]
+    classes = [HIDDEN[name] for name in effects]
+    possible = [s for s in SCALES if all(SCALES[s].motion in cls.motions for cls in classes)]
     ranges = SCALES[scale or str(rng.choice(possible))]
-    votes = {kind: sum(kind in _SHOWN_BY.get(e, EXCITATIONS) for e in effects) for kind in EXCITATIONS}
+    votes = {kind: sum(kind in cls.shown_by for cls in classes) for kind in EXCITATIONS}
     shown = [kind for kind in EXCITATIONS if votes[kind] == max(votes.values())]
     if excitation is not None and votes[excitation] < len(effects):
         raise InputError(f"'{excitation}' does not show {', '.join(effects)}; better: {', '.join(shown)}")
     kind = excitation or str(rng.choice(shown))
-    d, friction = _drive(rng, ranges, effects, samples)
-    loaded = bool(_NEEDS_LOAD & set(effects)) or (kind in _CLOSED and rng.random() < 0.2)
+    d, friction = _drive(rng, ranges, classes, samples)
+    loaded = any(cls.needs_load for cls in classes) or (kind in CLOSED_LOOP and rng.random() < 0.2)
     amplitude = d.friction * rng.uniform(0.5, 1.5)
     load = {
         "bias": amplitude * rng.uniform(-0.4, 0.4),
-        "amplitude": amplitude * (1.0 if kind in _CLOSED else 0.3),
+        "amplitude": amplitude * (1.0 if kind in CLOSED_LOOP else 0.3),
         "frequency": d.frequency * rng.uniform(0.15, 0.6),
     }
-    noise = _log(rng, 0.2, 5.0) if noise_percent is None else noise_percent
+    noise = log_uniform(rng, 0.2, 5.0) if noise_percent is None else noise_percent
     base: dict[str, Any] = {
         "motion": ranges.motion,
         "inertia": d.inertia,
@@ -203,40 +162,40 @@ def _draw(
     wanted = size if isinstance(size, Sequence) else [size] * len(effects)
     hidden: list[HiddenEffect] = []
     for name, target in zip(effects, wanted, strict=True):
-        drawn = {"name": name, **_DRAWN[name](rng, d, plain)}
+        drawn = {"name": name, **HIDDEN[name].draw(rng, d, partial(_wave_number, rng, d, plain))}
         alone = Rig.model_validate({**base, "effects": [drawn]})
-        goal = _log(rng, 0.05, 0.3) if target is None else target
+        goal = log_uniform(rng, 0.05, 0.3) if target is None else target
         hidden.extend(with_size(alone, goal).effects)
     rig = Rig.model_validate({**base, "effects": hidden, "name": "+".join(effects) or "nothing-hidden"})
     return rig if _moves(rig, d) else None
 
 
 def _drive(
-    rng: np.random.Generator, ranges: Scale, effects: tuple[str, ...], samples: int
-) -> tuple[_Drive, dict[str, Any]]:
-    inertia, coulomb = _log(rng, *ranges.inertia), _log(rng, *ranges.coulomb)
-    speed, flow = _log(rng, *ranges.speed), rng.uniform(*ranges.flow)
+    rng: np.random.Generator, ranges: Scale, effects: Sequence[type[HiddenEffect]], samples: int
+) -> tuple[Drawn, dict[str, Any]]:
+    inertia, coulomb = log_uniform(rng, *ranges.inertia), log_uniform(rng, *ranges.coulomb)
+    speed, flow = log_uniform(rng, *ranges.speed), rng.uniform(*ranges.flow)
     total = coulomb * (1 + flow)
     frequency = rng.uniform(0.3, 1.5) * total / (inertia * 2 * np.pi * speed)
-    if "gravity" in effects:
+    if any(cls.needs_turns for cls in effects):
         frequency = speed / (2 * np.pi * rng.uniform(1.6, 3.5))
     travel = speed / (2 * np.pi * frequency)
-    rate = frequency * _log(rng, 400, 1000)
+    rate = frequency * log_uniform(rng, 400, 1000)
     viscous = flow * coulomb / speed
-    drive = _Drive(inertia, coulomb, speed, total, frequency, rate, samples, travel, frequency * rng.uniform(12, 25))
-    skew = rng.uniform(0.05, 0.25) if rng.random() < 0.4 and not _NEEDS_SYMMETRY & set(effects) else 0.0
+    drive = Drawn(inertia, coulomb, speed, total, frequency, rate, samples, travel, frequency * rng.uniform(12, 25))
+    skew = rng.uniform(0.05, 0.25) if rng.random() < 0.4 and not any(cls.needs_symmetry for cls in effects) else 0.0
 
     def sides(value: float, share: float) -> float | tuple[float, float]:
         return (value * (1 + share), value * (1 - share)) if skew else value
 
     friction: dict[str, Any] = {"viscous": sides(viscous, rng.uniform(-1, 1) * skew), "coulomb": sides(coulomb, skew)}
-    if "frictional-lag" in effects:
+    if any(cls.needs_falling_friction for cls in effects):
         friction["stick"] = sides(coulomb * rng.uniform(1.3, 1.7), skew)
         friction["fall"] = sides(1 / (speed * rng.uniform(0.05, 0.2)), 0.0)
     return drive, friction
 
 
-def _excitation(rng: np.random.Generator, kind: str, d: _Drive) -> dict[str, Any]:
+def _excitation(rng: np.random.Generator, kind: str, d: Drawn) -> dict[str, Any]:
     torque = 1.1 * float(np.hypot(d.friction, d.inertia * 2 * np.pi * d.frequency * d.speed))
     acceleration = 2 * np.pi * d.frequency * d.speed
     closed = {"bandwidth": d.bandwidth, "damping_ratio": rng.uniform(0.7, 1.1)}
@@ -263,7 +222,7 @@ def _excitation(rng: np.random.Generator, kind: str, d: _Drive) -> dict[str, Any
     return {"kind": kind, **choices[kind]}
 
 
-def _moves(rig: Rig, d: _Drive) -> bool:
+def _moves(rig: Rig, d: Drawn) -> bool:
     """Whether the drive slides in both directions for a good part of the record, at sensible speeds."""
     velocity = np.concatenate([h.velocity for h in rig.histories])
     if not np.all(np.isfinite(velocity)) or np.max(np.abs(velocity)) > 6 * d.speed:
@@ -272,7 +231,7 @@ def _moves(rig: Rig, d: _Drive) -> bool:
     return bool(min(np.mean(velocity > fast), np.mean(velocity < -fast)) > 0.15)
 
 
-def _waves(rng: np.random.Generator, d: _Drive, plain: Rig) -> float:
+def _wave_number(rng: np.random.Generator, d: Drawn, plain: Rig) -> float:
     """Draw a wave number with several periods over the travel, and enough samples in each at full speed."""
     position = np.concatenate([h.position for h in plain.histories])
     span = float(np.quantile(position, 0.95) - np.quantile(position, 0.05))
@@ -280,88 +239,4 @@ def _waves(rng: np.random.Generator, d: _Drive, plain: Rig) -> float:
     least, most = 2 * np.pi * 4 / span, 2 * np.pi * d.rate / (12 * fastest)
     if plain.motion is Motion.ROTARY:
         least = max(least, 2.0)
-    return _log(rng, least, max(min(most, 10 * least), 1.2 * least))
-
-
-def _periodic(amplitude: Callable[[_Drive], float]) -> Callable[[np.random.Generator, _Drive, Rig], dict[str, Any]]:
-    def draw(rng: np.random.Generator, d: _Drive, plain: Rig) -> dict[str, Any]:
-        first = _waves(rng, d, plain)
-        harmonics = [{"order": first, "amplitude": amplitude(d), "phase": rng.uniform(0, 2 * np.pi)}]
-        if rng.random() < 0.2:
-            second = {"order": 2 * first, "amplitude": 0.3 * amplitude(d), "phase": rng.uniform(0, 2 * np.pi)}
-            harmonics.append(second)
-        return {"harmonics": harmonics}
-
-    return draw
-
-
-def _sign(rng: np.random.Generator) -> float:
-    return float(rng.choice([-1.0, 1.0]))
-
-
-_DRAWN: Mapping[str, Callable[[np.random.Generator, _Drive, Rig], dict[str, Any]]] = {
-    "asymmetry": lambda r, d, _: {"coulomb": 0.1 * _sign(r) * r.uniform(0.3, 1), "viscous": 0.1 * r.uniform(-1, 1)},
-    "torque-offset": lambda r, d, _: {"torque": 0.1 * d.friction * _sign(r)},
-    "stribeck": lambda r, d, _: {
-        "rise": 0.5 * d.coulomb,
-        "speed": d.speed * _log(r, 0.04, 0.2),
-        "exponent": float(r.choice([1.0, 2.0])),
-    },
-    "nonlinear-viscous": lambda r, d, _: _power(d, float(r.choice([0.5, 2 / 3, 2.0, 3.0]))),
-    "load-friction": lambda r, d, _: {"coefficient": 0.1},
-    "directional-efficiency": lambda r, d, _: {
-        "driving": 0.2 * r.uniform(0.6, 1),
-        "driven": 0.2 * r.uniform(0.0, 0.4),
-    },
-    "torque-gain": lambda r, d, _: {"error": 0.1 * _sign(r)},
-    "inertia-error": lambda r, d, _: {"error": 0.1 * _sign(r)},
-    "gravity": lambda r, d, _: _weight(d, r.uniform(0, 2 * np.pi)),
-    "stiffness": lambda r, d, _: {"stiffness": 0.1 * d.friction / d.travel, "neutral": d.travel * r.uniform(-0.5, 0.5)},
-    "cogging": _periodic(lambda d: 0.15 * d.friction),
-    "position-friction": _periodic(lambda d: 0.15 * d.friction),
-    "torque-ripple": _periodic(lambda d: 0.1),
-    "presliding": lambda r, d, _: {
-        "kind": str(r.choice(["dahl", "lugre", "maxwell-slip"])),
-        "width": d.travel * _log(r, 0.005, 0.05),
-        "damping_ratio": r.uniform(0.1, 0.6),
-    },
-    "frictional-lag": lambda r, d, _: {"delay": _log(r, 0.002, 0.02) / d.frequency},
-    "rising-stiction": lambda r, d, _: {
-        "rise": 0.5 * d.coulomb,
-        "time": 0.3 / d.frequency,
-        "distance": d.travel * _log(r, 0.05, 0.3),
-    },
-    "backlash": lambda r, d, _: {
-        "gap": d.travel * _log(r, 0.02, 0.1),
-        "load_inertia_share": r.uniform(0.3, 0.7),
-        "load_friction_share": r.uniform(0.3, 0.7),
-        "contact_frequency": d.rate * r.uniform(0.2, 0.5),
-        "damping_ratio": r.uniform(0.4, 1.0),
-    },
-    "joint-compliance": lambda r, d, _: {
-        "frequency": d.bandwidth * r.uniform(3, 6),
-        "load_inertia_share": r.uniform(0.3, 0.7),
-        "damping_ratio": _log(r, 0.01, 0.1),
-    },
-    "sensor-delay": lambda r, d, _: {"delay": _log(r, 1, 6) / d.rate, "channel": str(r.choice(["motion", "torque"]))},
-    "thermal": lambda r, d, _: {
-        "end": r.uniform(35, 60),
-        "time": d.duration * r.uniform(0.3, 1),
-        "viscous": 0.01,
-        "coulomb": 0.004 * r.uniform(0, 1),
-    },
-    "drift": lambda r, d, _: _slow_change(r, d, 0.3 * _sign(r)),
-    "step-change": lambda r, d, _: {"time": d.duration * r.uniform(0.3, 0.7), "coulomb": 0.2 * d.coulomb * _sign(r)},
-}
-
-
-def _power(d: _Drive, exponent: float) -> dict[str, Any]:
-    return {"coefficient": 0.3 * d.friction / d.speed**exponent, "exponent": exponent}
-
-
-def _weight(d: _Drive, angle: float) -> dict[str, Any]:
-    return {"sine": 0.15 * d.friction * float(np.sin(angle)), "cosine": 0.15 * d.friction * float(np.cos(angle))}
-
-
-def _slow_change(rng: np.random.Generator, d: _Drive, share: float) -> dict[str, Any]:
-    return {"viscous": share * rng.uniform(0, 1), "coulomb": share, "time": d.duration * rng.uniform(0.5, 2)}
+    return log_uniform(rng, least, max(min(most, 10 * least), 1.2 * least))

@@ -5,60 +5,19 @@ On a linear axis read N for N m and m for rad.
 
 from __future__ import annotations
 
-from typing import Annotated
+from collections.abc import Mapping
+from typing import Annotated, get_args
 
 from pydantic import Field
 
-from fricmodels.rig.memory import (
-    Backlash,
-    Drift,
-    FrictionalLag,
-    JointCompliance,
-    Presliding,
-    RisingStiction,
-    SensorDelay,
-    StepChange,
-    Thermal,
-)
-from fricmodels.rig.torques import (
-    Asymmetry,
-    Cogging,
-    DirectionalEfficiency,
-    Gravity,
-    InertiaError,
-    LoadFriction,
-    NonlinearViscous,
-    PositionFriction,
-    Stiffness,
-    Stribeck,
-    TorqueGain,
-    TorqueOffset,
-    TorqueRipple,
-)
+from fricmodels.rig.hidden import HiddenEffect
+from fricmodels.rig.memory import MemoryEffect
+from fricmodels.rig.torques import TorqueEffect
 
-AnyEffect = Annotated[
-    Asymmetry
-    | TorqueOffset
-    | Stribeck
-    | NonlinearViscous
-    | LoadFriction
-    | DirectionalEfficiency
-    | TorqueGain
-    | InertiaError
-    | Gravity
-    | Stiffness
-    | Cogging
-    | PositionFriction
-    | TorqueRipple
-    | Presliding
-    | FrictionalLag
-    | RisingStiction
-    | Backlash
-    | JointCompliance
-    | SensorDelay
-    | Thermal
-    | Drift
-    | StepChange,
-    Field(discriminator="name"),
-]
+AnyEffect = Annotated[TorqueEffect | MemoryEffect, Field(discriminator="name")]
 """Any hidden effect, chosen by its name."""
+
+HIDDEN: Mapping[str, type[HiddenEffect]] = {
+    cls.model_fields["name"].default: cls for cls in (*get_args(TorqueEffect), *get_args(MemoryEffect))
+}
+"""Every hidden effect by its name."""

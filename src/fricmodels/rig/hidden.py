@@ -3,15 +3,54 @@
 from __future__ import annotations
 
 from abc import abstractmethod
+from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Annotated, Any, ClassVar, Self
 
+import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
+
+from fricmodels.dimension import Motion
 
 Waves = list[tuple[float, float, float, float]]
 """Periodic torques: kind, wave number k, amplitude, phase."""
 Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 Finite = Annotated[float, Field(allow_inf_nan=False)]
 Fraction = Annotated[float, Field(gt=-1, lt=1)]
+
+EXCITATIONS = ("sine", "multisine", "tracking", "trapezoid", "stair", "ramp")
+CLOSED_LOOP = ("tracking", "trapezoid", "ramp")
+BROAD = ("multisine", "tracking", "trapezoid")
+
+
+@dataclass(frozen=True)
+class Drawn:
+    """A drive that was drawn at random, and the sizes that follow from it, in SI units."""
+
+    inertia: float
+    coulomb: float
+    speed: float
+    friction: float
+    frequency: float
+    rate: float
+    samples: int
+    travel: float
+    bandwidth: float
+
+    @property
+    def duration(self) -> float:
+        """Length of the record [s]."""
+        return self.samples / self.rate
+
+
+def log_uniform(rng: np.random.Generator, low: float, high: float) -> float:
+    """Draw a number whose logarithm is uniform."""
+    return float(np.exp(rng.uniform(np.log(low), np.log(high))))
+
+
+def either_sign(rng: np.random.Generator) -> float:
+    """Draw −1 or 1."""
+    return float(rng.choice([-1.0, 1.0]))
 
 
 class HiddenEffect(BaseModel):
@@ -20,6 +59,18 @@ class HiddenEffect(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True)
     sizes: ClassVar[tuple[str, ...]] = ()
     """Fields that are proportional to how strong the effect is."""
+    shown_by: ClassVar[tuple[str, ...]] = EXCITATIONS
+    """Kinds of motion that show it."""
+    motions: ClassVar[tuple[Motion, ...]] = tuple(Motion)
+    """Drives that can have it."""
+    needs_load: ClassVar[bool] = False
+    """Whether only a drive with a load torque shows it."""
+    needs_turns: ClassVar[bool] = False
+    """Whether only a motion over more than a turn shows it."""
+    needs_symmetry: ClassVar[bool] = False
+    """Whether only friction that is equal in both directions tells it from a part of the law."""
+    needs_falling_friction: ClassVar[bool] = False
+    """Whether only friction that falls with speed shows it."""
 
     def scaled(self, factor: float) -> Self:
         """Return the same effect, stronger by ``factor``."""
@@ -32,6 +83,11 @@ class HiddenEffect(BaseModel):
     def parameters(self) -> dict[str, Any]:
         """Return everything but the name."""
         return self.model_dump(exclude={"name"})
+
+    @classmethod
+    @abstractmethod
+    def draw(cls, rng: np.random.Generator, drive: Drawn, wave_number: Callable[[], float]) -> dict[str, Any]:
+        """Draw the effect's fields for a drive; ``wave_number`` draws one of which the motion shows several periods."""
 
     @abstractmethod
     def enter(self, p: Any, waves: Waves) -> None:

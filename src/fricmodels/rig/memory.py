@@ -3,11 +3,23 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import Annotated, Any, ClassVar, Literal, Self
 
+import numpy as np
 from pydantic import Field
 
-from fricmodels.rig.hidden import Finite, HiddenEffect, Positive, Share, Waves
+from fricmodels.rig.hidden import (
+    CLOSED_LOOP,
+    Drawn,
+    Finite,
+    HiddenEffect,
+    Positive,
+    Share,
+    Waves,
+    either_sign,
+    log_uniform,
+)
 
 
 class Presliding(HiddenEffect):
@@ -21,6 +33,16 @@ class Presliding(HiddenEffect):
     width: Positive
     damping_ratio: Annotated[float, Field(ge=0)] = 0.3
     sizes: ClassVar[tuple[str, ...]] = ("width",)
+    shown_by: ClassVar[tuple[str, ...]] = CLOSED_LOOP
+
+    @classmethod
+    def draw(cls, rng: np.random.Generator, drive: Drawn, wave_number: Callable[[], float]) -> dict[str, Any]:
+        """Draw kind, width and damping."""
+        return {
+            "kind": str(rng.choice(["dahl", "lugre", "maxwell-slip"])),
+            "width": drive.travel * log_uniform(rng, 0.005, 0.05),
+            "damping_ratio": rng.uniform(0.1, 0.6),
+        }
 
     def enter(self, p: Any, waves: Waves) -> None:
         """Choose the contact and its width."""
@@ -36,6 +58,13 @@ class FrictionalLag(HiddenEffect):
     name: Literal["frictional-lag"] = "frictional-lag"
     delay: Positive
     sizes: ClassVar[tuple[str, ...]] = ("delay",)
+    shown_by: ClassVar[tuple[str, ...]] = ("sine", "multisine", "tracking")
+    needs_falling_friction: ClassVar[bool] = True
+
+    @classmethod
+    def draw(cls, rng: np.random.Generator, drive: Drawn, wave_number: Callable[[], float]) -> dict[str, Any]:
+        """Draw the delay."""
+        return {"delay": log_uniform(rng, 0.002, 0.02) / drive.frequency}
 
     def enter(self, p: Any, waves: Waves) -> None:
         """Set the delay."""
@@ -50,6 +79,16 @@ class RisingStiction(HiddenEffect):
     time: Positive
     distance: Positive
     sizes: ClassVar[tuple[str, ...]] = ("rise",)
+    shown_by: ClassVar[tuple[str, ...]] = ("trapezoid",)
+
+    @classmethod
+    def draw(cls, rng: np.random.Generator, drive: Drawn, wave_number: Callable[[], float]) -> dict[str, Any]:
+        """Draw the distance."""
+        return {
+            "rise": 0.5 * drive.coulomb,
+            "time": 0.3 / drive.frequency,
+            "distance": drive.travel * log_uniform(rng, 0.05, 0.3),
+        }
 
     def enter(self, p: Any, waves: Waves) -> None:
         """Set growth and wear."""
@@ -66,6 +105,18 @@ class Backlash(HiddenEffect):
     contact_frequency: Positive
     damping_ratio: Positive = 0.3
     sizes: ClassVar[tuple[str, ...]] = ("gap",)
+    shown_by: ClassVar[tuple[str, ...]] = CLOSED_LOOP
+
+    @classmethod
+    def draw(cls, rng: np.random.Generator, drive: Drawn, wave_number: Callable[[], float]) -> dict[str, Any]:
+        """Draw gap, load and contact."""
+        return {
+            "gap": drive.travel * log_uniform(rng, 0.02, 0.1),
+            "load_inertia_share": rng.uniform(0.3, 0.7),
+            "load_friction_share": rng.uniform(0.3, 0.7),
+            "contact_frequency": drive.rate * rng.uniform(0.2, 0.5),
+            "damping_ratio": rng.uniform(0.4, 1.0),
+        }
 
     def enter(self, p: Any, waves: Waves) -> None:
         """Divide the drive in two bodies with a gap between."""
@@ -82,10 +133,20 @@ class JointCompliance(HiddenEffect):
     load_friction_share: Annotated[float, Field(ge=0, lt=1)] = 0.0
     damping_ratio: Annotated[float, Field(ge=0)] = 0.02
     sizes: ClassVar[tuple[str, ...]] = ()
+    shown_by: ClassVar[tuple[str, ...]] = ("trapezoid", "stair")
 
     def scaled(self, factor: float) -> Self:
         """Return a joint whose resonance is nearer: twist at a given torque grows by ``factor``."""
         return self.model_copy(update={"frequency": self.frequency / math.sqrt(factor)})
+
+    @classmethod
+    def draw(cls, rng: np.random.Generator, drive: Drawn, wave_number: Callable[[], float]) -> dict[str, Any]:
+        """Draw resonance, load and damping."""
+        return {
+            "frequency": drive.bandwidth * rng.uniform(3, 6),
+            "load_inertia_share": rng.uniform(0.3, 0.7),
+            "damping_ratio": log_uniform(rng, 0.01, 0.1),
+        }
 
     def enter(self, p: Any, waves: Waves) -> None:
         """Divide the drive in two bodies with a spring between."""
@@ -109,6 +170,12 @@ class SensorDelay(HiddenEffect):
     delay: Positive
     channel: Literal["motion", "torque"] = "motion"
     sizes: ClassVar[tuple[str, ...]] = ("delay",)
+    shown_by: ClassVar[tuple[str, ...]] = ("multisine", "tracking")
+
+    @classmethod
+    def draw(cls, rng: np.random.Generator, drive: Drawn, wave_number: Callable[[], float]) -> dict[str, Any]:
+        """Draw the delay, and what is late."""
+        return {"delay": log_uniform(rng, 1, 6) / drive.rate, "channel": str(rng.choice(["motion", "torque"]))}
 
     def enter(self, p: Any, waves: Waves) -> None:
         """Nothing in the drive itself: the sensors apply it."""
@@ -124,6 +191,16 @@ class Thermal(HiddenEffect):
     viscous: Finite = 0.0
     coulomb: Finite = 0.0
     sizes: ClassVar[tuple[str, ...]] = ("viscous", "coulomb")
+
+    @classmethod
+    def draw(cls, rng: np.random.Generator, drive: Drawn, wave_number: Callable[[], float]) -> dict[str, Any]:
+        """Draw the warming, and what it does."""
+        return {
+            "end": rng.uniform(35, 60),
+            "time": drive.duration * rng.uniform(0.3, 1),
+            "viscous": 0.01,
+            "coulomb": 0.004 * rng.uniform(0, 1),
+        }
 
     def enter(self, p: Any, waves: Waves) -> None:
         """Set the warming and what it does: viscous·exp(−viscous·(T−T₀)), dry·(1 − coulomb·(T−T₀))."""
@@ -141,6 +218,16 @@ class Drift(Share):
     time: Positive
     sizes: ClassVar[tuple[str, ...]] = ("viscous", "coulomb")
 
+    @classmethod
+    def draw(cls, rng: np.random.Generator, drive: Drawn, wave_number: Callable[[], float]) -> dict[str, Any]:
+        """Draw both shares and the time."""
+        share = 0.3 * either_sign(rng)
+        return {
+            "viscous": share * rng.uniform(0, 1),
+            "coulomb": share,
+            "time": drive.duration * rng.uniform(0.5, 2),
+        }
+
     def enter(self, p: Any, waves: Waves) -> None:
         """Set the slow change."""
         p["viscous_drift"], p["coulomb_drift"], p["drift_time"] = self.viscous, self.coulomb, self.time
@@ -155,6 +242,25 @@ class StepChange(HiddenEffect):
     viscous: Finite = 0.0
     sizes: ClassVar[tuple[str, ...]] = ("coulomb", "viscous")
 
+    @classmethod
+    def draw(cls, rng: np.random.Generator, drive: Drawn, wave_number: Callable[[], float]) -> dict[str, Any]:
+        """Draw the instant and the sign."""
+        return {"time": drive.duration * rng.uniform(0.3, 0.7), "coulomb": 0.2 * drive.coulomb * either_sign(rng)}
+
     def enter(self, p: Any, waves: Waves) -> None:
         """Set the step."""
         p["step_time"], p["step_coulomb"], p["step_viscous"] = self.time, self.coulomb, self.viscous
+
+
+MemoryEffect = (
+    Presliding
+    | FrictionalLag
+    | RisingStiction
+    | Backlash
+    | JointCompliance
+    | SensorDelay
+    | Thermal
+    | Drift
+    | StepChange
+)
+"""Any effect of this module."""

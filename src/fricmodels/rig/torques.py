@@ -3,11 +3,26 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import Any, ClassVar, Literal, Self
 
+import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
-from fricmodels.rig.hidden import Finite, Fraction, HiddenEffect, Positive, Share, Waves
+from fricmodels.dimension import Motion
+from fricmodels.rig.hidden import (
+    BROAD,
+    CLOSED_LOOP,
+    Drawn,
+    Finite,
+    Fraction,
+    HiddenEffect,
+    Positive,
+    Share,
+    Waves,
+    either_sign,
+    log_uniform,
+)
 
 
 class Asymmetry(Share):
@@ -17,6 +32,12 @@ class Asymmetry(Share):
     coulomb: Fraction = 0.0
     viscous: Fraction = 0.0
     sizes: ClassVar[tuple[str, ...]] = ("coulomb", "viscous")
+    needs_symmetry: ClassVar[bool] = True
+
+    @classmethod
+    def draw(cls, rng: np.random.Generator, drive: Drawn, wave_number: Callable[[], float]) -> dict[str, Any]:
+        """Draw both shares."""
+        return {"coulomb": 0.1 * either_sign(rng) * rng.uniform(0.3, 1), "viscous": 0.1 * rng.uniform(-1, 1)}
 
     def enter(self, p: Any, waves: Waves) -> None:
         """Multiply forward by 1 + share, backward by 1 − share."""
@@ -31,6 +52,12 @@ class TorqueOffset(HiddenEffect):
     name: Literal["torque-offset"] = "torque-offset"
     torque: Finite
     sizes: ClassVar[tuple[str, ...]] = ("torque",)
+    needs_symmetry: ClassVar[bool] = True
+
+    @classmethod
+    def draw(cls, rng: np.random.Generator, drive: Drawn, wave_number: Callable[[], float]) -> dict[str, Any]:
+        """Draw the sign."""
+        return {"torque": 0.1 * drive.friction * either_sign(rng)}
 
     def enter(self, p: Any, waves: Waves) -> None:
         """Add the constant."""
@@ -45,6 +72,16 @@ class Stribeck(HiddenEffect):
     speed: Positive
     exponent: Positive = 2.0
     sizes: ClassVar[tuple[str, ...]] = ("rise",)
+    shown_by: ClassVar[tuple[str, ...]] = ("sine", "multisine", "tracking", "ramp", "stair")
+
+    @classmethod
+    def draw(cls, rng: np.random.Generator, drive: Drawn, wave_number: Callable[[], float]) -> dict[str, Any]:
+        """Draw speed and exponent."""
+        return {
+            "rise": 0.5 * drive.coulomb,
+            "speed": drive.speed * log_uniform(rng, 0.04, 0.2),
+            "exponent": float(rng.choice([1.0, 2.0])),
+        }
 
     def enter(self, p: Any, waves: Waves) -> None:
         """Add the speed-weakening part."""
@@ -59,6 +96,13 @@ class NonlinearViscous(HiddenEffect):
     coefficient: Finite
     exponent: Positive
     sizes: ClassVar[tuple[str, ...]] = ("coefficient",)
+    shown_by: ClassVar[tuple[str, ...]] = ("sine", "multisine", "tracking", "ramp", "stair")
+
+    @classmethod
+    def draw(cls, rng: np.random.Generator, drive: Drawn, wave_number: Callable[[], float]) -> dict[str, Any]:
+        """Draw the exponent."""
+        exponent = float(rng.choice([0.5, 2 / 3, 2.0, 3.0]))
+        return {"coefficient": 0.3 * drive.friction / drive.speed**exponent, "exponent": exponent}
 
     def enter(self, p: Any, waves: Waves) -> None:
         """Add the power of speed."""
@@ -71,6 +115,13 @@ class LoadFriction(HiddenEffect):
     name: Literal["load-friction"] = "load-friction"
     coefficient: Finite
     sizes: ClassVar[tuple[str, ...]] = ("coefficient",)
+    shown_by: ClassVar[tuple[str, ...]] = CLOSED_LOOP
+    needs_load: ClassVar[bool] = True
+
+    @classmethod
+    def draw(cls, rng: np.random.Generator, drive: Drawn, wave_number: Callable[[], float]) -> dict[str, Any]:
+        """Return a tenth."""
+        return {"coefficient": 0.1}
 
     def enter(self, p: Any, waves: Waves) -> None:
         """Add the share of the load."""
@@ -84,6 +135,13 @@ class DirectionalEfficiency(HiddenEffect):
     driving: Finite
     driven: Finite
     sizes: ClassVar[tuple[str, ...]] = ("driving", "driven")
+    shown_by: ClassVar[tuple[str, ...]] = CLOSED_LOOP
+    needs_load: ClassVar[bool] = True
+
+    @classmethod
+    def draw(cls, rng: np.random.Generator, drive: Drawn, wave_number: Callable[[], float]) -> dict[str, Any]:
+        """Draw both losses."""
+        return {"driving": 0.2 * rng.uniform(0.6, 1), "driven": 0.2 * rng.uniform(0.0, 0.4)}
 
     def enter(self, p: Any, waves: Waves) -> None:
         """Add the losses."""
@@ -97,6 +155,13 @@ class TorqueGain(Share):
     name: Literal["torque-gain"] = "torque-gain"
     error: Fraction
     sizes: ClassVar[tuple[str, ...]] = ("error",)
+    shown_by: ClassVar[tuple[str, ...]] = BROAD
+    needs_load: ClassVar[bool] = True
+
+    @classmethod
+    def draw(cls, rng: np.random.Generator, drive: Drawn, wave_number: Callable[[], float]) -> dict[str, Any]:
+        """Draw the sign."""
+        return {"error": 0.1 * either_sign(rng)}
 
     def enter(self, p: Any, waves: Waves) -> None:
         """Set the gain error."""
@@ -109,6 +174,13 @@ class InertiaError(Share):
     name: Literal["inertia-error"] = "inertia-error"
     error: Fraction
     sizes: ClassVar[tuple[str, ...]] = ("error",)
+    shown_by: ClassVar[tuple[str, ...]] = BROAD
+    needs_load: ClassVar[bool] = True
+
+    @classmethod
+    def draw(cls, rng: np.random.Generator, drive: Drawn, wave_number: Callable[[], float]) -> dict[str, Any]:
+        """Draw the sign."""
+        return {"error": 0.1 * either_sign(rng)}
 
     def enter(self, p: Any, waves: Waves) -> None:
         """Multiply the inertia."""
@@ -123,6 +195,15 @@ class Gravity(HiddenEffect):
     sine: Finite = 0.0
     cosine: Finite = 0.0
     sizes: ClassVar[tuple[str, ...]] = ("sine", "cosine")
+    shown_by: ClassVar[tuple[str, ...]] = CLOSED_LOOP
+    motions: ClassVar[tuple[Motion, ...]] = (Motion.ROTARY,)
+    needs_turns: ClassVar[bool] = True
+
+    @classmethod
+    def draw(cls, rng: np.random.Generator, drive: Drawn, wave_number: Callable[[], float]) -> dict[str, Any]:
+        """Draw the angle at which the weight hangs."""
+        angle, weight = rng.uniform(0, 2 * np.pi), 0.15 * drive.friction
+        return {"sine": weight * float(np.sin(angle)), "cosine": weight * float(np.cos(angle))}
 
     def enter(self, p: Any, waves: Waves) -> None:
         """Add the weight."""
@@ -137,6 +218,12 @@ class Stiffness(HiddenEffect):
     stiffness: Finite
     neutral: Finite = 0.0
     sizes: ClassVar[tuple[str, ...]] = ("stiffness",)
+    shown_by: ClassVar[tuple[str, ...]] = CLOSED_LOOP
+
+    @classmethod
+    def draw(cls, rng: np.random.Generator, drive: Drawn, wave_number: Callable[[], float]) -> dict[str, Any]:
+        """Draw the neutral position."""
+        return {"stiffness": 0.1 * drive.friction / drive.travel, "neutral": drive.travel * rng.uniform(-0.5, 0.5)}
 
     def enter(self, p: Any, waves: Waves) -> None:
         """Add the spring."""
@@ -168,6 +255,11 @@ class _Periodic(HiddenEffect):
     harmonics: tuple[Wave, ...] = Field(min_length=1)
     kind: ClassVar[float]
 
+    @classmethod
+    def drawn_amplitude(cls, drive: Drawn) -> float:
+        """Return the amplitude of the first harmonic of an effect that is drawn."""
+        return 0.15 * drive.friction
+
     def scaled(self, factor: float) -> Self:
         """Return the same waves with their amplitudes multiplied."""
         larger = tuple(w.model_copy(update={"amplitude": factor * w.amplitude}) for w in self.harmonics)
@@ -176,6 +268,15 @@ class _Periodic(HiddenEffect):
     def parameters(self) -> dict[str, Any]:
         """Return each harmonic, with its wave number."""
         return {"harmonics": [{"k": w.k, "amplitude": w.amplitude, "phase": w.phase} for w in self.harmonics]}
+
+    @classmethod
+    def draw(cls, rng: np.random.Generator, drive: Drawn, wave_number: Callable[[], float]) -> dict[str, Any]:
+        """Draw one harmonic, and in one case of five another one of twice its order."""
+        first, amplitude = wave_number(), cls.drawn_amplitude(drive)
+        harmonics = [{"order": first, "amplitude": amplitude, "phase": rng.uniform(0, 2 * np.pi)}]
+        if rng.random() < 0.2:
+            harmonics.append({"order": 2 * first, "amplitude": 0.3 * amplitude, "phase": rng.uniform(0, 2 * np.pi)})
+        return {"harmonics": harmonics}
 
     def enter(self, p: Any, waves: Waves) -> None:
         """Add rows to the table of periodic torques."""
@@ -201,3 +302,26 @@ class TorqueRipple(_Periodic):
 
     name: Literal["torque-ripple"] = "torque-ripple"
     kind: ClassVar[float] = 2.0
+
+    @classmethod
+    def drawn_amplitude(cls, drive: Drawn) -> float:
+        """Return a share of the motor torque."""
+        return 0.1
+
+
+TorqueEffect = (
+    Asymmetry
+    | TorqueOffset
+    | Stribeck
+    | NonlinearViscous
+    | LoadFriction
+    | DirectionalEfficiency
+    | TorqueGain
+    | InertiaError
+    | Gravity
+    | Stiffness
+    | Cogging
+    | PositionFriction
+    | TorqueRipple
+)
+"""Any effect of this module."""

@@ -124,7 +124,7 @@ def within_recording(problem: WeakFormProblem, parameter: Parameter) -> Paramete
     no more than the travel, since a longer one was never crossed; a duration no less than two samples.
     """
     dimension, scan = parameter.dimension, parameter.scan
-    if dimension == DIMENSIONLESS or parameter.periodic or is_instant(parameter):
+    if dimension == DIMENSIONLESS or parameter.periodic or parameter.instant:
         return parameter
     size = scan_size(problem.recording, parameter)
     lower, upper = parameter.lower, parameter.upper
@@ -135,8 +135,3 @@ def within_recording(problem: WeakFormProblem, parameter: Parameter) -> Paramete
     if dimension == TIME:
         lower = min(max(lower, _SHORTEST * problem.recording.interval), upper)
     return replace(parameter, initial=min(max(parameter.initial, lower), upper), lower=lower, upper=upper)
-
-
-def is_instant(parameter: Parameter) -> bool:
-    """Whether a parameter is a point in time, not a duration."""
-    return parameter.dimension == TIME and parameter.lower < 0

@@ -3,7 +3,7 @@ r"""A regression in which torque and motion may be shifted against each other by
 Neither the instant at which a sample was taken nor how long a torque was held is known better than to about a sample,
 so that the rows have one free direction more, :math:`\gamma \int \varphi\,d\tau_m` with :math:`|\gamma| \le h`. It is
 bounded for each set of columns anew: what the shift would be without an effect says nothing about what it is with it.
-A larger shift than a sample is an effect of its own, `sensor-delay`.
+A larger shift than a sample is an effect of its own, whose parameter is a delay.
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
+from fricmodels.term import Effect
 from fricmodels.weakform.problem import WeakFormProblem
 from fricmodels.weakform.regression import Evidence, ProjectedGram, Regression, unwarned
 
@@ -99,24 +100,24 @@ class ShiftedRegression(Regression):
 
 
 def regression_of(
-    problem: WeakFormProblem, parameters: Mapping[str, float], also: Array | None = None, added: str = ""
+    problem: WeakFormProblem, parameters: Mapping[str, float], also: Array | None = None, added: Effect | None = None
 ) -> Regression:
     """Return the base model's regression, with two freedoms of how recordings are made that are no effects.
 
     The instant of every reversal may be off by part of a sample, and torque and motion may be shifted against each
     other by up to one sample (a held torque by half of one). A larger shift is held at one sample; what is left over
-    is then for the candidate ``sensor-delay`` to explain.
+    is then for an effect to explain whose parameter is a delay. Beside such an effect there is no second shift.
 
     Args:
         problem: drive and recording.
         parameters: the model's estimated parameters.
         also: columns that are taken to be in the model already, shape (k, rows).
-        added: name of the effect that the last of these columns belong to.
+        added: the effect that the last of these columns belong to.
     """
     base = problem.base(parameters)
     if also is not None:
         base = np.vstack([base, also])
-    delayed = "sensor-delay" in {added, *(effect.name for effect in problem.drive.model.effects)}
+    delayed = problem.drive.model.delay is not None or (added is not None and any(p.delay for p in added.parameters))
     base = np.vstack([base, problem.sign_change[None]])
     if delayed:
         return Regression(base, problem.target, problem.independent)

@@ -10,7 +10,6 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from fricmodels.weakform.candidate import is_instant
 from fricmodels.weakform.equations import projection
 from fricmodels.weakform.inference import covariance
 from fricmodels.weakform.nonlinear import Plan
@@ -228,7 +227,7 @@ def with_or_without_shift(found: Solved, plan: Plan) -> Solved:
 
 
 def _is_instant(problem: WeakFormProblem, key: str) -> bool:
-    return any(is_instant(p.declared) for p in problem.drive.parameters if p.key == key and not p.linear)
+    return any(p.declared.instant for p in problem.drive.parameters if p.key == key and not p.linear)
 
 
 def _searched(problem: WeakFormProblem, least_squares: Projection, search: Nonlinear, plan: Plan) -> Array:
@@ -245,7 +244,7 @@ def _searched(problem: WeakFormProblem, least_squares: Projection, search: Nonli
     time, resolution = np.sort(problem.recording.time), problem.bumps.width * problem.recording.interval
     return np.array(
         [
-            in_gap(value, time, resolution) if is_instant(p.declared) else value
+            in_gap(value, time, resolution) if p.declared.instant else value
             for p, value in zip(chosen, best, strict=True)
         ]
     )

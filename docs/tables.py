@@ -1,4 +1,4 @@
-"""Writes the tables of ``docs/effects.md`` from the registered effects; a test keeps them equal."""
+"""Writes the tables of the documentation that the code knows: effects, and constants of the diagnosis."""
 
 from __future__ import annotations
 
@@ -6,13 +6,14 @@ from itertools import combinations
 from pathlib import Path
 
 from fricmodels import plugins
-from fricmodels.diagnosis.look_alikes import experiment
+from fricmodels.diagnosis.look_alikes import declared
+from fricmodels.diagnosis.policy import Policy
 from fricmodels.model import Model
 from fricmodels.recording import SIGNAL_CHANNEL
 from fricmodels.term import Effect
 from fricmodels.weakform.problem import NoFriction
 
-PAGE = Path(__file__).parent / "effects.md"
+DOCS = Path(__file__).parent
 BEGIN, END = "<!-- generated: begin -->", "<!-- generated: end -->"
 
 
@@ -49,20 +50,32 @@ def generated() -> str:
     lines += ["", "## Look-alikes", "", "| these | are told apart by |", "|---|---|"]
     groups: dict[str, list[str]] = {}
     for one, other in combinations([effect.name for effect in effects], 2):
-        text = experiment(one, other)
-        if "vary independently" not in text:
+        text = declared(one, other)
+        if text:
             groups.setdefault(text, [])
             groups[text] += [name for name in (one, other) if name not in groups[text]]
     lines += [f"| {', '.join(f'`{name}`' for name in names)} | {text} |" for text, names in groups.items()]
     return "\n".join(lines) + "\n"
 
 
-def page() -> str:
-    """Return the page with its generated part renewed."""
-    text = PAGE.read_text(encoding="utf-8")
+def constants() -> str:
+    """Return the table of the decision constants."""
+    lines = ["| constant | value | unit | rule | evidence |", "|---|---|---|---|---|"]
+    lines += [f"| `{name}` | " + " | ".join(cell(text) for text in rest) + " |" for name, *rest in Policy.table()]
+    return "\n".join(lines) + "\n"
+
+
+PAGES = {"effects.md": generated, "decisions/policy.md": constants}
+"""Pages with a generated part, and what writes it."""
+
+
+def page(name: str) -> str:
+    """Return a page with its generated part renewed."""
+    text = (DOCS / name).read_text(encoding="utf-8")
     before, after = text.split(BEGIN)[0], text.split(END)[1]
-    return f"{before}{BEGIN}\n{generated()}{END}{after}"
+    return f"{before}{BEGIN}\n{PAGES[name]()}{END}{after}"
 
 
 if __name__ == "__main__":
-    PAGE.write_text(page(), encoding="utf-8")
+    for name in PAGES:
+        (DOCS / name).write_text(page(name), encoding="utf-8")
