@@ -21,7 +21,8 @@ from fricmodels.split import split
 from fricmodels.term import Effect
 from fricmodels.weakform.estimate import Estimate, estimate
 from fricmodels.weakform.prepared import ready
-from fricmodels.weakform.problem import WeakFormProblem, noise_like
+from fricmodels.weakform.problem import WeakFormProblem
+from fricmodels.weakform.row_noise import noise_like
 
 Array = NDArray[np.float64]
 

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from fricmodels.diagnosis.comparison import Comparison
 from fricmodels.diagnosis.policy import POLICY, Policy
-from fricmodels.weakform.problem import WeakFormProblem, momentum_noise
+from fricmodels.weakform.problem import WeakFormProblem
 from fricmodels.weakform.regression import Regression
+from fricmodels.weakform.row_noise import momentum_noise
 
 
 def floor(problem: WeakFormProblem, policy: Policy = POLICY) -> float:

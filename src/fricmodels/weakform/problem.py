@@ -23,6 +23,7 @@ from fricmodels.recording import Recording
 from fricmodels.signals import best_half_width, lanczos_derivative, noise, resting
 from fricmodels.term import Effect, Law, Parameters, Signals
 from fricmodels.weakform.remembered import Remembered
+from fricmodels.weakform.row_noise import bump_width, noise_like
 from fricmodels.weakform.test_functions import HOPS, Quadrature, TestFunctions, mean_velocity
 from fricmodels.weakform.unclear import creeping, direction_unclear
 
@@ -32,13 +33,8 @@ MAX_SAMPLES = 163_840
 """Longer recordings are diagnosed on this many samples, in blocks spread evenly over them."""
 
 _BLOCK = 8_192
-_NARROWEST, _WIDEST = 16, 128
-_DERIVED = 6
-"""A bump spans at least so many half widths of the derivation of the velocity, at which friction is evaluated."""
 _ROOM = 2**28
 """Bytes of integrals that a problem remembers."""
-_NOISE_SHARE = 0.01
-"""The bump is widened until the noise of the velocity adds less than this share of the RMS torque to a row."""
 
 
 class NoFriction(Law):
@@ -102,7 +98,7 @@ class WeakFormProblem:
         if "acceleration" not in part:
             part = part.with_channels(acceleration=acceleration)
         sigma = noise(part.time, part.velocity, part.run)
-        width = width or _bump_width(part, inertia, sigma)
+        width = width or bump_width(part, inertia, sigma)
         part = part.with_channels(torque_rate=part.signal("motor_torque_rate"))
         at_rest = resting(part)
         unclear = direction_unclear(drive, part, smooth, at_rest, width, parameters)
@@ -362,30 +358,6 @@ def _alone(effect: Effect, motion: Motion) -> Drive:
     return Drive(Model(NoFriction(), [effect]), 1.0, motion)
 
 
-def noise_like(recording: Recording, deviation: float, rng: np.random.Generator) -> Array:
-    """Return noise as the velocity has it: white where it was measured, a derivative of white where it was derived."""
-    white = rng.standard_normal(len(recording))
-    if not recording.derived_over:
-        return deviation * white
-    time, position, run, width = recording.time, recording["position"], recording.run, recording.derived_over
-    return np.asarray(lanczos_derivative(time, noise(time, position, run) * white, width, run)[1])
-
-
-def momentum_noise(bumps: TestFunctions, recording: Recording, deviation: float) -> Array:
-    """Return the momentum per inertia that noise alone would show, shape (rows,).
-
-    Args:
-        bumps: of the recording.
-        recording: whose position or velocity is noisy.
-        deviation: standard deviation of the noise of a measured velocity.
-    """
-    white = np.random.default_rng(0).standard_normal(len(recording))
-    if not recording.derived_over:
-        return bumps.momentum(deviation * white)
-    own = noise(recording.time, recording["position"], recording.run)
-    return bumps.momentum(mean_velocity(recording, own * white))
-
-
 def spread(recording: Recording) -> Recording:
     """Return at most :data:`MAX_SAMPLES` samples, as blocks spread evenly over a longer recording."""
     count = len(recording)
@@ -406,19 +378,3 @@ def _rows(
 ) -> tuple[Quadrature, TestFunctions]:
     bumps = TestFunctions(recording, width, unclear, least_moving=1.0, over_cells=recording.derived_over > 0)
     return Quadrature.of(recording, smooth, unclear), bumps
-
-
-def _bump_width(recording: Recording, inertia: float, deviation: float) -> int:
-    """Return the least width at which velocity noise adds less than the stated share of the RMS torque to a row."""
-    torque = float(np.sqrt(np.mean(recording.torque**2)))
-    wanted = _NOISE_SHARE * torque * recording.interval
-    shortest = int(np.min(np.unique(recording.run, return_counts=True)[1]))
-    narrowest = max(_NARROWEST, -(-_DERIVED * recording.derived_over // HOPS) * HOPS)
-    widest = max(narrowest, min(_WIDEST, shortest // 40 // HOPS * HOPS))
-    moving = np.zeros(len(recording), dtype=bool)
-    for width in range(narrowest, widest, HOPS):
-        bumps = TestFunctions(recording, width, moving, over_cells=recording.derived_over > 0)
-        rows = inertia * momentum_noise(bumps, recording, deviation)
-        if not len(rows) or float(np.sqrt(np.mean(rows**2))) <= wanted:
-            return width
-    return widest
