@@ -35,8 +35,8 @@ class Samples:
         place: time on the axis of a figure; runs whose times overlap stand one after another.
         consecutive: whether they do.
         kept_back: which samples took no part in the fit.
-        error: torque error, filtered as it is scored; see :func:`fricmodels.score.filtered_torque_error`.
-        velocity: smoothed with the same filter, zero at rest.
+        error: torque error over the window of the headline; see :func:`fricmodels.score.torque_error_over`.
+        velocity: freed of noise, zero at rest.
         resting: samples at rest.
     """
 
@@ -133,16 +133,16 @@ class Samples:
 
 
 def _evaluated(comparison: Comparison) -> Samples:
-    from fricmodels.score.torque import filtered_torque_error, sliding_half_width
-    from fricmodels.signals import lanczos_derivative, resting
+    from fricmodels.score import headline_window, torque_error_over
+    from fricmodels.signals import resting, smoothed_velocity
 
-    width = sliding_half_width(comparison.train)
+    window = headline_window(comparison.train)
     drive, parameters = comparison.drive, comparison.estimate.parameters
     errors, velocities, rests = [], [], []
     for part in (comparison.train, comparison.test):
-        errors.append(filtered_torque_error(drive, parameters, part, width))
+        errors.append(torque_error_over(drive, parameters, part, window))
         rest = resting(part)
-        smooth, _ = lanczos_derivative(part.time, part.velocity, width, part.run)
+        smooth, _ = smoothed_velocity(part)
         velocities.append(np.where(rest, 0.0, smooth))
         rests.append(rest)
     recording, kept_back, order, place, consecutive = _joined(comparison.train, comparison.test)
