@@ -146,13 +146,13 @@ def _compared(problem: WeakFormProblem, found: Estimate, train: Recording, test:
 
 def _sliding(drive: Drive, values: Mapping[str, float], train: Recording, test: Recording) -> SlidingErrors:
     half_width = sliding_half_width(train)
-    percent = [
-        100
-        * float(np.sqrt(np.mean(filtered_torque_error(drive, values, part, half_width) ** 2) / np.mean(part.torque**2)))
-        for part in (train, test)
-    ]
-    floor = float(np.hypot(*noise_torques(train, drive.split(values)[0], half_width)))
-    return SlidingErrors(*percent, 100 * floor / float(np.sqrt(np.mean(train.torque**2))))
+    noise = float(np.hypot(*noise_torques(train, drive.split(values)[0], half_width)))
+
+    def percent(part: Recording) -> float:
+        error = filtered_torque_error(drive, values, part, half_width)
+        return 100 * float(np.sqrt(np.mean(error**2) / np.mean(part.torque**2)))
+
+    return SlidingErrors(percent(train), percent(test), 100 * noise / float(np.sqrt(np.mean(train.torque**2))))
 
 
 def noise_torques(recording: Recording, inertia: float, half_width: int) -> tuple[float, float]:

@@ -64,6 +64,7 @@ def show_bands(console: Console, errors: Errors, unit: str) -> None:
     columns = [
         Column("averaged over", ("a sample", *(f"{band.window_ms:.3g} ms" for band in bands[1:]))),
         Column(f"fit error [{unit}]", tuple(f"{band.SI:.4g}" for band in bands), True),
+        Column(f"test error [{unit}]", tuple(f"{band.held_out_SI:.4g}" for band in bands), True),
         Column("fit error", tuple(f"{band.percent:.4g} %" for band in bands), True),
         Column("test error", tuple(f"{band.held_out_percent:.4g} %" for band in bands), True),
         Column("noise alone", tuple(f"{band.noise_floor_percent:.3g} %" for band in bands), True),

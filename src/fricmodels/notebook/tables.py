@@ -79,6 +79,7 @@ def _(comparison: Comparison) -> Tables:
     error = {
         band.window_ms: {
             f"fit error [{unit}]": band.SI,
+            f"test error [{unit}]": band.held_out_SI,
             "fit error [%]": band.percent,
             "test error [%]": band.held_out_percent,
             "noise alone [%]": band.noise_floor_percent,

@@ -132,8 +132,15 @@ def _errors(row: Row) -> Errors:
     for band in bands:
         if band.window_ms == row["rms_torque_error_band_ms"]:
             return Errors(band, bands)
-    keys = ("rms_torque_error", _FITTED, "held_out_rms_torque_error", HELD_OUT)
-    only = Band(math.nan, *_or_nan({key: row.get(key) for key in keys}).values(), math.nan)
+    figures = {
+        "window_ms": None,
+        "SI": row.get("rms_torque_error"),
+        "percent": row[_FITTED],
+        "held_out_SI": row.get("held_out_rms_torque_error"),
+        "held_out_percent": row.get(HELD_OUT),
+        "noise_floor_percent": None,
+    }
+    only = Band(**_or_nan(figures))
     return Errors(only, (only,))
 
 

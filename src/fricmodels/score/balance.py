@@ -166,7 +166,7 @@ def noise_balances(prepared: Recording) -> tuple[list[Balance], list[Balance]]:
             if of == "acceleration":
                 found.append(_at_its_word(part, time, applied[part] - moved[part]))
             else:
-                none = np.zeros((2, 2, len(time) - 1))
+                none = [np.zeros((2, len(time) - 1))] * 2
                 found.append(_balance(part, time, applied[part], moved[part], none, of))
         return found
 

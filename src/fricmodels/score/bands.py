@@ -79,7 +79,7 @@ class Errors:
         )
 
     @property
-    def SI(self) -> float:  # noqa: N802
+    def SI(self) -> float:
         """Of the headline, on what was fitted [N m or N]."""
         return self.headline.SI
 
