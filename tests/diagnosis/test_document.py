@@ -15,8 +15,8 @@ import pytest
 from rich.console import Console
 
 from fricmodels.diagnosis import Diagnosis, Ladder, improve
-from fricmodels.diagnosis.document import SCHEMA, added, document, write
 from fricmodels.diagnosis.comparison import SlidingErrors
+from fricmodels.diagnosis.document import SCHEMA, added, document, write
 from fricmodels.diagnosis.explain import explain, sentence, unknown
 from fricmodels.diagnosis.floor import is_far_above_noise
 from fricmodels.diagnosis.overlay import write_overlay

@@ -147,7 +147,8 @@ def balances(drive: Drive, values: Mapping[str, float], prepared: Recording) -> 
 def noise_balances(prepared: Recording) -> tuple[list[Balance], list[Balance]]:
     """Return the balances of noise alone: of the torque, and of the motion of a drive of inertia 1.
 
-    White noise as large as :func:`fricmodels.signals.noise` estimates it, always the same.
+    White noise as large as :func:`fricmodels.signals.noise` estimates it, always the same. That of an acceleration
+    which a filter of the user's choice has derived is not known: not a number.
     """
     from fricmodels.signals import noise
 
@@ -157,6 +158,8 @@ def noise_balances(prepared: Recording) -> tuple[list[Balance], list[Balance]]:
         noise(prepared.time, prepared[channel], prepared.run) * rng.standard_normal(len(prepared))
         for channel in ("torque", of)
     )
+    if of == "acceleration" and of in prepared.derived:
+        motion = np.full(len(prepared), np.nan)
     nothing = np.zeros(len(prepared))
 
     def of_noise(applied: Array, moved: Array) -> list[Balance]:
@@ -208,6 +211,8 @@ def _balance(part: slice, time: Array, applied: Array, motion: Array, friction: 
         driving, least, greatest = (each.sum(axis=0) for each in (driving, least, greatest))
     needed, length = driving - change, np.diff(edges)
     momentum = np.append(0.0, np.cumsum(change + np.clip(needed, least, greatest)))
+    if not np.all(np.isfinite(momentum)):  # parameters of a fit that diverged
+        return Balance(part, time, edges, *np.full((2, len(needed)), np.nan), np.full(len(time), np.nan))
     error = applied - CubicSpline(edges, momentum)(np.clip(time, edges[0], edges[-1]), 1)
     error[[0, -1]] = error[[1, -2]]  # a slope at the end of a spline is noisy
     return Balance(part, time, edges, (needed - least) / length, (needed - greatest) / length, error)
