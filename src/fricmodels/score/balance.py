@@ -212,7 +212,8 @@ def _balance(part: slice, time: Array, applied: Array, motion: Array, friction: 
     needed, length = driving - change, np.diff(edges)
     momentum = np.append(0.0, np.cumsum(change + np.clip(needed, least, greatest)))
     if not np.all(np.isfinite(momentum)):  # parameters of a fit that diverged
-        return Balance(part, time, edges, *np.full((2, len(needed)), np.nan), np.full(len(time), np.nan))
+        unknown = np.full(len(needed), np.nan)
+        return Balance(part, time, edges, unknown, unknown, np.full(len(time), np.nan))
     error = applied - CubicSpline(edges, momentum)(np.clip(time, edges[0], edges[-1]), 1)
     error[[0, -1]] = error[[1, -2]]  # a slope at the end of a spline is noisy
     return Balance(part, time, edges, (needed - least) / length, (needed - greatest) / length, error)
