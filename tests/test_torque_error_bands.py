@@ -123,6 +123,17 @@ def test_a_ripple_up_to_a_quarter_of_the_rate_enters_by_nine_tenths(source: str,
         assert found == pytest.approx(expected, abs=0.03)
 
 
+@pytest.mark.parametrize("source", ["velocity", "position"])
+def test_a_fast_motion_that_the_model_explains_leaves_next_to_nothing(source: str) -> None:
+    recording = sliding(source)
+    time, omega = recording.time, 2 * np.pi * 20.0
+    moved = {"velocity": -np.cos(omega * time) / omega, "position": -np.sin(omega * time) / omega**2}[source]
+    torque = recording.torque + np.sin(omega * time)
+    shaken = prepare(recording.with_channels(derived=False, torque=torque, **{source: recording[source] + moved / J}))
+    # A straight line between samples differs from the sine by (2πf Δt)²/12 of it in the mean.
+    assert np.max(np.abs(torque_error_over(DRIVE, TRUE, shaken, 0.005)[99:-99])) < 1.1 * (omega * STEP) ** 2 / 12
+
+
 def test_figures_do_not_depend_on_units_direction_or_time_of_start() -> None:
     rng = np.random.default_rng(3)
     recording = turned()
