@@ -75,8 +75,8 @@ def rms(values: np.ndarray) -> float:
 
 
 def held_out(comparison: Comparison) -> float:
-    """Return the held-out RMS torque error [N m or N]."""
-    return comparison.errors.held_out_percent / 100 * rms(comparison.test.torque)
+    """Return the held-out RMS torque error [N m or N] over the window that the noise asks for."""
+    return comparison.sliding.held_out_percent / 100 * rms(comparison.test.torque)
 
 
 def blank(rig: Rig) -> Rig:

@@ -61,8 +61,8 @@ def sized(drawn: Case) -> Row:
     return {
         "ratio": drawn.ratio,
         "size_percent": drawn.size_percent,
-        "base_percent": drawn.comparison.errors.held_out_percent,
-        "floor_percent": drawn.comparison.noise_floor_percent,
+        "base_percent": drawn.comparison.sliding.held_out_percent,
+        "floor_percent": drawn.comparison.sliding.noise_percent,
         "unmet": list(drawn.unmet),
     }
 
@@ -191,7 +191,7 @@ def pair(rng: np.random.Generator, effect: str, index: int) -> Row:
         "final": final,
         "classes": kept,
         "verdict": ladder.last.verdict,
-        "errors": [r.comparison.errors.held_out_percent for r in ladder.rungs],
+        "errors": [r.comparison.sliding.held_out_percent for r in ladder.rungs],
         "note": ladder.note,
     }
 

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from fricmodels.diagnosis import Comparison
 from fricmodels.recording import Recording
-from fricmodels.score import filtered_torque_error
+from fricmodels.score import headline_window, torque_error_over
 from measured.story import Story
 
 Array = NDArray[np.float64]
@@ -29,7 +29,8 @@ def picture(story: Story, path: Path, recording: Recording | None = None) -> Non
     figure, axes = plt.subplots(2, 4, figsize=(15, 6.2), sharey=True, constrained_layout=True)
     most = 0.0
     for row, comparison in zip(axes, comparisons, strict=True):
-        error = filtered_torque_error(comparison.drive, comparison.estimate.parameters, drawn)
+        window = headline_window(comparison.train)
+        error = torque_error_over(comparison.drive, comparison.estimate.parameters, drawn, window)
         most = max(most, float(np.quantile(np.abs(error), 0.998)))
         _row(row, comparison, drawn, error)
     axes[0, 0].set_ylim(-1.15 * most, 1.15 * most)

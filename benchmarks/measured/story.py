@@ -19,7 +19,7 @@ from fricmodels.drive import Drive
 from fricmodels.errors import FricmodelsError
 from fricmodels.model import Model
 from fricmodels.recording import Recording
-from fricmodels.score import filtered_torque_error
+from fricmodels.score import headline_window, torque_error_over
 from fricmodels.tournament import load_config, run
 
 Array = NDArray[np.float64]
@@ -65,7 +65,8 @@ def tell(
 
 def percent(comparison: Comparison, recording: Recording) -> float:
     """Return the RMS torque error of a fitted model on another recording, in % of its RMS motor torque."""
-    error = filtered_torque_error(comparison.drive, comparison.estimate.parameters, recording)
+    window = headline_window(comparison.train)
+    error = torque_error_over(comparison.drive, comparison.estimate.parameters, recording, window)
     return 100 * float(np.sqrt(np.mean(error**2) / np.mean(recording.torque**2)))
 
 

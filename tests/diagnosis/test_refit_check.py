@@ -94,9 +94,9 @@ def test_without_it_no_other_one_takes_its_place(bent: Comparison) -> None:
 def test_what_the_rows_name_stands_only_if_the_error_falls_with_it(bent: Comparison, name: str, helps: bool) -> None:
     result = candidate_tests(replace(bent.problem), bent.estimate.parameters, only=[name])
     (tested,) = result.tested
-    assert torque_share(result, tested.evidence) < 0.2 * bent.errors.held_out_percent / 100
+    assert torque_share(result, tested.evidence) < 0.2 * bent.sliding.held_out_percent / 100
     with_it = with_effect(bent, tested.effect, tested.parameters)
-    assert (with_it.errors.held_out_percent < bent.errors.held_out_percent) is helps
+    assert (with_it.sliding.held_out_percent < bent.sliding.held_out_percent) is helps
     found = refit_check(bent, result, ["presliding"], LookAlikes(tested, (tested,)))
     assert (found is not None) is helps
 

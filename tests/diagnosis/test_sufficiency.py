@@ -11,6 +11,7 @@ import pytest
 from fricmodels.diagnosis import candidate_tests as surveys
 from fricmodels.diagnosis import compare, diagnose, examine
 from fricmodels.diagnosis.candidate_tests import candidate_tests
+from fricmodels.diagnosis.comparison import SlidingErrors
 from fricmodels.diagnosis.policy import POLICY
 from fricmodels.diagnosis.predictability import OWN_PAST, ChannelPredictor, channel_predictors
 from fricmodels.diagnosis.sufficiency import (
@@ -149,7 +150,7 @@ def test_an_effect_that_only_resembles_gives_way_or_is_refused(made: Made) -> No
 def test_an_error_that_nothing_predicts_is_not_adequate(made: Made) -> None:
     comparison = compare(made(noise=1.0), LAW, 2.0)
     assert examine(comparison).verdict == "adequate"
-    spoilt = replace(comparison, errors=replace(comparison.errors, percent=9.0), noise_floor_percent=1.0)
+    spoilt = replace(comparison, sliding=SlidingErrors(9.0, 1.0, 1.0))
     diagnosis = examine(spoilt)
     assert (diagnosis.verdict, diagnosis.view, diagnosis.findings) == ("unknown-effect", None, ())
 

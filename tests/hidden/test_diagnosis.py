@@ -75,7 +75,7 @@ def test_what_stood_for_two_effects_gives_way_once_one_of_them_is_known(hidden: 
     assert stood_for_both in {rung.removed for rung in ladder.rungs}
     assert {finding.names[0] for finding in added(ladder)} == truth
     assert {effect.name for effect in ladder.rungs[-1].comparison.drive.model.effects} == truth
-    errors = [rung.comparison.errors.held_out_percent for rung in ladder.rungs]
+    errors = [rung.comparison.sliding.held_out_percent for rung in ladder.rungs]
     assert errors[-1] < 1.025 * min(errors)
 
 
@@ -84,7 +84,7 @@ def test_a_delay_and_another_effect_are_told_apart(hidden: Draw) -> None:
     ladder = improve(recording, Model.parse(rig.friction.law), rig.inertia)
     final = ladder.rungs[-1].comparison
     assert {effect.name for effect in final.drive.model.effects} == {"sensor-delay", "gravity"}
-    assert final.errors.held_out_percent < 0.2 * ladder.rungs[0].comparison.errors.held_out_percent
+    assert final.sliding.held_out_percent < 0.2 * ladder.rungs[0].comparison.sliding.held_out_percent
     for name in ("sensor-delay", "gravity"):
         assert necessity(final, name).gain > 0.5
     (delay,) = (effect.delay for effect in rig.effects if effect.name == "sensor-delay")
@@ -97,9 +97,9 @@ def test_two_effects_are_found_in_turn(hidden: Draw) -> None:
     ladder = improve(recording, Model.parse(rig.friction.law), rig.inertia)
     final = ladder.rungs[-1].comparison
     assert {effect.name for effect in final.drive.model.effects} == {"cogging", "load-friction"}
-    errors = [rung.comparison.errors.held_out_percent for rung in ladder.rungs]
+    errors = [rung.comparison.sliding.held_out_percent for rung in ladder.rungs]
     assert errors == sorted(errors, reverse=True)
-    assert final.errors.held_out_percent < 0.5 * errors[0]
+    assert final.sliding.held_out_percent < 0.5 * errors[0]
 
 
 HIDING = {
@@ -152,7 +152,7 @@ def test_two_effects_that_hide_each_other_are_found(case: str) -> None:
     ladder = improve(rig.simulate(), rig.friction.law, rig.inertia)
     final = ladder.rungs[-1].comparison
     assert {effect.name for effect in final.drive.model.effects} == {"inertia-error", "sensor-delay"}
-    errors = [rung.comparison.errors.held_out_percent for rung in ladder.rungs]
+    errors = [rung.comparison.sliding.held_out_percent for rung in ladder.rungs]
     assert errors[-1] < 0.2 * errors[0]
     assert ladder.last.verdict == "adequate"
     if case == "neither helps alone":
@@ -229,4 +229,8 @@ def test_the_answer_does_not_depend_on_how_motion_is_described(
     for one, other in pairs:
         assert other.tested.evidence.explained == pytest.approx(one.tested.evidence.explained, rel=0.02)
     # Filter widths are chosen from the data in steps of a quarter; rounding can tip the choice.
-    assert after.comparison.errors.percent == pytest.approx(before.comparison.errors.percent, rel=0.02)
+    assert after.comparison.sliding.percent == pytest.approx(before.comparison.sliding.percent, rel=0.02)
+    # A window of so many milliseconds is another one where a unit of time is another one; a sample stays a sample.
+    one, other = before.comparison.errors.per_sample, after.comparison.errors.per_sample
+    assert other.percent == pytest.approx(one.percent, rel=1e-3)
+    assert other.noise_floor_percent == pytest.approx(one.noise_floor_percent, rel=1e-3)

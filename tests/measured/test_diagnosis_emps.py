@@ -12,7 +12,7 @@ from fricmodels.dimension import Motion
 from fricmodels.model import Model
 from fricmodels.readers import read
 from fricmodels.recording import Recording
-from fricmodels.score import filtered_torque_error
+from fricmodels.score import torque_error_over
 from fricmodels.tournament import load_config, run
 
 ROOT = Path(__file__).parents[2]
@@ -57,7 +57,7 @@ def test_errors_fall_on_the_file_that_took_no_part(ladder: Ladder) -> None:
 
     def error(index: int) -> float:
         comparison = ladder.rungs[index].comparison
-        left = filtered_torque_error(comparison.drive, comparison.estimate.parameters, pulses)
+        left = torque_error_over(comparison.drive, comparison.estimate.parameters, pulses, 0.02)
         return 100 * float(np.sqrt(np.mean(left**2) / np.mean(pulses.torque**2)))
 
     assert error(-1) < 0.68 * error(0)

@@ -12,7 +12,7 @@ import pytest
 from fricmodels.diagnosis import Ladder, improve, ready
 from fricmodels.model import Model
 from fricmodels.readers import read
-from fricmodels.score import filtered_torque_error
+from fricmodels.score import torque_error_over
 
 ROOT = Path(__file__).parents[2]
 DATA = ROOT.parent / "shared" / "data"
@@ -64,7 +64,7 @@ def test_the_error_falls_on_logs_that_took_no_part(ladder: Ladder, folder: Path)
 
     def error(index: int) -> float:
         comparison = ladder.rungs[index].comparison
-        left = filtered_torque_error(comparison.drive, comparison.estimate.parameters, check)
+        left = torque_error_over(comparison.drive, comparison.estimate.parameters, check, 0.02)
         return float(np.sqrt(np.mean(left**2)))
 
     assert error(-1) < 0.9 * error(0)

@@ -150,7 +150,7 @@ def test_the_tables_say_what_the_results_hold(results: dict[str, Any]) -> None:
     assert where.loc["forward", "share of samples [%]"] + where.loc["backward", "share of samples [%]"] < 100
     ladder = results["ladder"]
     assert list(ladder.table()["added"]) == ["", "cogging", "stribeck"]
-    assert ladder.table()["error kept back [%]"].is_monotonic_decreasing
+    assert ladder.table()["test error [%]"].is_monotonic_decreasing
     assert ladder.tables()["Parameters from step to step"].loc["cogging.k", "step 2"] == pytest.approx(7.3, rel=1e-3)
     assert results["diagnosis"].table().index[0] == "cogging"
     board = results["board"].table()

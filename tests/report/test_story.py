@@ -128,7 +128,7 @@ def test_made_from_the_files_the_page_is_the_same(page: Page, folder: Path) -> N
     assert again.verdict == page.verdict
     assert again.tiles == page.tiles
     assert cells(again).keys() == cells(page).keys()
-    same = ("coulomb-viscous+cogging+stribeck", "RMS torque error, in % of the RMS motor torque")
+    same = ("coulomb-viscous+cogging+stribeck", "RMS torque error averaged over 20 ms, in % of the RMS motor torque")
     assert all(cells(again)[caption] == cells(page)[caption] for caption in same)
     assert [section.name for section in again.sections] == [section.name for section in page.sections]
 

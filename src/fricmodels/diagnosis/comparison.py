@@ -13,6 +13,7 @@ from fricmodels.drive import Drive
 from fricmodels.errors import InputError
 from fricmodels.model import Model
 from fricmodels.recording import Recording
+from fricmodels.score.bands import Errors, torque_errors
 from fricmodels.score.torque import filtered_torque_error, sliding_half_width
 from fricmodels.shown import Shown
 from fricmodels.signals import noise
@@ -28,17 +29,20 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class Errors:
-    """RMS torque error of a fitted model.
+class SlidingErrors:
+    """RMS of :func:`fricmodels.score.filtered_torque_error` over the window of :func:`sliding_half_width`, in %.
+
+    A statistic of the decisions, whose bounds were found with it. The window is long where the noise is large, so that
+    little of it is left. It is printed nowhere: what is averaged away depends on the recording.
 
     Attributes:
-        SI: on what was fitted [N m or N].
         percent, held_out_percent: of the RMS motor torque, on what was fitted and on what was kept back.
+        noise_percent: what sensor noise alone would leave.
     """
 
-    SI: float
     percent: float
     held_out_percent: float
+    noise_percent: float
 
 
 @dataclass(frozen=True, repr=False)
@@ -48,9 +52,9 @@ class Comparison(Shown):
     Attributes:
         drive, estimate: the model and its parameters.
         train, test: what was fitted and what was kept back, prepared.
-        errors: RMS torque errors.
-        noise_floor_percent: RMS torque error that sensor noise alone would leave, of the RMS motor torque.
-        where: shares of the squared error by regime of motion.
+        errors: RMS torque errors in bands.
+        sliding: the error that decisions are made by.
+        where: shares of the squared error of the headline by regime of motion.
     """
 
     drive: Drive
@@ -58,9 +62,14 @@ class Comparison(Shown):
     train: Recording
     test: Recording
     errors: Errors
-    noise_floor_percent: float
+    sliding: SlidingErrors
     where: tuple[Regime, ...]
     problem: WeakFormProblem
+
+    @property
+    def noise_floor_percent(self) -> float:
+        """RMS torque error of the headline that sensor noise alone would leave, in % of the RMS motor torque."""
+        return self.errors.headline.noise_floor_percent
 
 
 def kept_back(prepared: Recording) -> tuple[Recording, Recording]:
@@ -131,16 +140,20 @@ def compare_fit(
 
 def _compared(problem: WeakFormProblem, found: Estimate, train: Recording, test: Recording) -> Comparison:
     drive = problem.drive
-    half_width = sliding_half_width(train)
-    error = filtered_torque_error(drive, found.parameters, train, half_width)
-    held_out = filtered_torque_error(drive, found.parameters, test, half_width)
-    reference = float(np.sqrt(np.mean(train.torque**2)))
-    test_reference = float(np.sqrt(np.mean(test.torque**2)))
-    rms = float(np.sqrt(np.mean(error**2)))
-    errors = Errors(rms, 100 * rms / reference, 100 * float(np.sqrt(np.mean(held_out**2))) / test_reference)
-    floor = float(np.hypot(*noise_torques(train, found.parameters[drive.inertia_key], half_width)))
+    errors, error = torque_errors(drive, found.parameters, train, test)
     rows = tuple(where(error, train))
-    return Comparison(drive, found, train, test, errors, 100 * floor / reference, rows, problem)
+    return Comparison(drive, found, train, test, errors, _sliding(drive, found.parameters, train, test), rows, problem)
+
+
+def _sliding(drive: Drive, values: Mapping[str, float], train: Recording, test: Recording) -> SlidingErrors:
+    half_width = sliding_half_width(train)
+    noise = float(np.hypot(*noise_torques(train, drive.split(values)[0], half_width)))
+
+    def percent(part: Recording) -> float:
+        error = filtered_torque_error(drive, values, part, half_width)
+        return 100 * float(np.sqrt(np.mean(error**2) / np.mean(part.torque**2)))
+
+    return SlidingErrors(percent(train), percent(test), 100 * noise / float(np.sqrt(np.mean(train.torque**2))))
 
 
 def noise_torques(recording: Recording, inertia: float, half_width: int) -> tuple[float, float]:

@@ -6,6 +6,7 @@ import json
 import math
 import os
 from collections.abc import Mapping
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -73,6 +74,8 @@ def facts(comparison: Comparison) -> dict[str, Any]:
             "SI": comparison.errors.SI,
             "percent": comparison.errors.percent,
             "held_out_percent": comparison.errors.held_out_percent,
+            "band_ms": comparison.errors.headline.window_ms,
+            "bands": [asdict(band) for band in comparison.errors.bands],
         },
         "noise_floor_percent": comparison.noise_floor_percent,
         "where": [

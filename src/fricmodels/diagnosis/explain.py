@@ -18,7 +18,7 @@ def explain(diagnosis: Diagnosis, ladder: Ladder | None = None) -> str:
     name = comparison.drive.model.name
     opening = (
         f"The model '{name}' leaves an RMS torque error of {comparison.errors.held_out_percent:.3g} % of the RMS motor "
-        f"torque on data that it was not fitted to; sensor noise alone would leave about "
+        f"torque on data that it was not fitted to, {comparison.errors.averaged}; sensor noise alone would leave about "
         f"{comparison.noise_floor_percent:.2g} %."
     )
     parts = [opening]

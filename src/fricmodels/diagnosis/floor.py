@@ -32,5 +32,5 @@ def share_explained(problem: WeakFormProblem, before: Regression, left: float, p
 
 def is_far_above_noise(comparison: Comparison, policy: Policy = POLICY) -> bool:
     """Whether the error is more than noise and sampling leave, even where no channel predicts it."""
-    worst = max(comparison.errors.percent, comparison.errors.held_out_percent)
-    return worst**2 - comparison.noise_floor_percent**2 > policy.far_above_noise**2
+    worst = max(comparison.sliding.percent, comparison.sliding.held_out_percent)
+    return worst**2 - comparison.sliding.noise_percent**2 > policy.far_above_noise**2

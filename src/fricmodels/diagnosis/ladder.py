@@ -264,7 +264,7 @@ class _Search:
 
 
 def _test_error(comparison: Comparison) -> float:
-    return comparison.errors.held_out_percent
+    return comparison.sliding.held_out_percent
 
 
 def added(ladder: Ladder) -> list[Finding]:

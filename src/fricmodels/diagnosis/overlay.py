@@ -8,17 +8,21 @@ from pathlib import Path
 import numpy as np
 
 from fricmodels.diagnosis.comparison import Comparison
-from fricmodels.score.torque import filtered_torque_error
+from fricmodels.score import headline_window, torque_error_over
 
 
 def write_overlay(comparison: Comparison, directory: Path) -> Path:
-    """Write ``overlay.csv``: time, torque as measured and as modelled, error, and which samples were kept back."""
+    """Write ``overlay.csv``: time, torque as measured and as modelled, error, and which samples were kept back.
+
+    The error is that of the headline, over its window about each sample.
+    """
     import pandas as pd
 
     parts = []
     unit = "Nm" if comparison.drive.motion == "rotary" else "N"
+    window = headline_window(comparison.train)
     for part, kept in ((comparison.train, False), (comparison.test, True)):
-        error = filtered_torque_error(comparison.drive, comparison.estimate.parameters, part)
+        error = torque_error_over(comparison.drive, comparison.estimate.parameters, part, window)
         columns = {
             "time_s": part.time,
             f"measured_{unit}": part.torque,

@@ -17,7 +17,7 @@ from fricmodels.diagnosis.ladder import Ladder, Rung, added
 from fricmodels.diagnosis.power import Visibility
 from fricmodels.dimension import Motion
 from fricmodels.recording import Recording
-from fricmodels.score.torque import filtered_torque_error
+from fricmodels.score import Errors, headline_window, torque_error_over
 from fricmodels.signals import stretches
 from fricmodels.terminal import Band, Column, Marks, bar, plain, show_plot, show_table
 from fricmodels.weakform.estimate import Estimate
@@ -37,15 +37,13 @@ _SPEEDS = 120
 
 def show_comparison(console: Console, comparison: Comparison) -> None:
     """Print the errors, the parameters, model against measurement, and where the model fails."""
-    drive, errors = comparison.drive, comparison.errors
-    rotary = drive.motion is Motion.ROTARY
+    drive = comparison.drive
+    unit = "N m" if drive.motion is Motion.ROTARY else "N"
     _heading(console, f"{drive.model.name} on {comparison.train.name}")
     _say(
         console,
         f"{len(comparison.train)} samples fitted, {len(comparison.test)} kept back, one each "
-        f"{comparison.train.interval:.4g} s. RMS torque error: {errors.SI:.4g} {'N m' if rotary else 'N'}, "
-        f"{errors.percent:.4g} % of the RMS motor torque; on data kept back {errors.held_out_percent:.4g} %; noise "
-        f"alone would leave about {comparison.noise_floor_percent:.3g} %.",
+        f"{comparison.train.interval:.4g} s. {comparison.errors.in_words(unit)}",
     )
     console.print()
     show_parameters(console, comparison)
@@ -56,6 +54,22 @@ def show_comparison(console: Console, comparison: Comparison) -> None:
     console.print()
     show_where(console, comparison)
     console.print()
+    show_bands(console, comparison.errors, unit)
+    console.print()
+
+
+def show_bands(console: Console, errors: Errors, unit: str) -> None:
+    """Print the RMS torque error per sample and over wider windows, with what noise alone would leave."""
+    bands = errors.bands
+    columns = [
+        Column("averaged over", ("a sample", *(f"{band.window_ms:.3g} ms" for band in bands[1:]))),
+        Column(f"fit error [{unit}]", tuple(f"{band.SI:.4g}" for band in bands), True),
+        Column(f"test error [{unit}]", tuple(f"{band.held_out_SI:.4g}" for band in bands), True),
+        Column("fit error", tuple(f"{band.percent:.4g} %" for band in bands), True),
+        Column("test error", tuple(f"{band.held_out_percent:.4g} %" for band in bands), True),
+        Column("noise alone", tuple(f"{band.noise_floor_percent:.3g} %" for band in bands), True),
+    ]
+    show_table(console, columns, "RMS torque error by window, in % of the RMS motor torque")
 
 
 def show_parameters(console: Console, comparison: Comparison) -> None:
@@ -205,11 +219,11 @@ def show_ladder(console: Console, ladder: Ladder) -> None:
     columns = [
         Column("step", tuple(str(number) for number in range(len(rungs))), True),
         Column("model", tuple(_change(rung) for rung in rungs)),
-        Column("error fitted", tuple(f"{error.percent:.4g} %" for error in errors), True),
-        Column("error kept back", tuple(f"{error.held_out_percent:.4g} %" for error in errors), True),
+        Column("fit error", tuple(f"{error.percent:.4g} %" for error in errors), True),
+        Column("test error", tuple(f"{error.held_out_percent:.4g} %" for error in errors), True),
         Column("", _bars(console, [error.held_out_percent / most for error in errors])),
     ]
-    show_table(console, columns, "The ladder: RMS torque error in % of the RMS motor torque")
+    show_table(console, columns, f"The ladder: RMS torque error {errors[0].averaged}, in % of the RMS motor torque")
     console.print()
     estimates = [rung.comparison.estimate for rung in rungs]
     keys = tuple(dict.fromkeys(key for estimate in estimates for key in estimate.parameters))
@@ -238,7 +252,8 @@ def _bars(console: Console, shares: list[float]) -> tuple[str, ...]:
 
 
 def _error(comparison: Comparison, part: Recording) -> Array:
-    return filtered_torque_error(comparison.drive, comparison.estimate.parameters, part)
+    window = headline_window(comparison.train)
+    return torque_error_over(comparison.drive, comparison.estimate.parameters, part, window)
 
 
 def _stretch(recording: Recording) -> Recording:

@@ -56,7 +56,7 @@ def refit_check(
 
 def _helps(comparison: Comparison, fitted: Comparison, policy: Policy) -> bool:
     """Whether a fit lowers the test error, and the error by a fair part where it is far above noise."""
-    falls = fitted.errors.held_out_percent < comparison.errors.held_out_percent
+    falls = fitted.sliding.held_out_percent < comparison.sliding.held_out_percent
     part = 1 - policy.refit_gain if is_far_above_noise(comparison, policy) else 1.0
     return falls and _error(fitted) < part * _error(comparison)
 
@@ -116,7 +116,7 @@ def _error(comparison: Comparison | None) -> float:
     """Return the error of a model on the whole recording [% of the RMS torque]; infinite where there is no model."""
     if comparison is None:
         return float("inf")
-    errors = comparison.errors
+    errors = comparison.sliding
     return float(np.sqrt(0.5 * (errors.percent**2 + errors.held_out_percent**2)))
 
 

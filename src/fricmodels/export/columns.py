@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from fricmodels.tournament.leaderboard import Leaderboard
 
 Row = Mapping[str, Any]
+_BANDS = "rms_torque_error_bands"
 _NESTED = ("tags", "parameters", "standard_errors", "true_parameters", "not_identified", "settings")
 
 
@@ -28,20 +29,39 @@ def concise(board: Leaderboard) -> list[Column]:
         for tag in board.tags
         if len({_plain(row["tags"].get(tag)) for row in rows}) > 1
     ]
+    over = window_words(board)
+    figured = [{**row, "per_sample_percent": _per_sample(row)} for row in rows]
     columns += [
         Column(title, cells, number=True)
         for title, key in (
-            ("held-out error %", "held_out_rms_torque_error_percent"),
-            ("fitted error %", "rms_torque_error_percent"),
+            (f"test error %{over}", "held_out_rms_torque_error_percent"),
+            (f"fit error %{over}", "rms_torque_error_percent"),
+            ("per sample %", "per_sample_percent"),
             ("seconds", "seconds"),
         )
-        if any(cells := tuple(_figure(row.get(key)) for row in rows))
+        if any(cells := tuple(_figure(figures.get(key)) for figures in figured))
     ]
     columns.append(Column("status", tuple(str(row["status"]) for row in rows)))
     reasons = tuple("" if row["status"] == "ok" else " ".join(str(row["message"]).split()) for row in rows)
     if any(reasons):
         columns.append(Column("reason", reasons))
     return columns
+
+
+def window_words(board: Leaderboard) -> str:
+    """Return over which window the torque errors are averaged, in words; nothing where rows differ in it."""
+    windows = {row.get("rms_torque_error_band_ms") for row in board.rows if row["status"] == "ok"}
+    only = windows.pop() if len(windows) == 1 else None
+    return "" if only is None else f" over {only:.3g} ms"
+
+
+def _per_sample(row: Row) -> float | None:
+    """Return the torque error per sample in %, of what was kept back if there is any."""
+    bands = row.get("rms_torque_error_bands")
+    if not bands:
+        return None
+    held_out: float | None = bands[0]["held_out_percent"]
+    return bands[0]["percent"] if held_out is None else held_out
 
 
 def summary(rows: Sequence[Row]) -> list[Column]:
@@ -64,12 +84,15 @@ def tables(board: Leaderboard) -> list[list[Column]]:
 
 
 def frame(board: Leaderboard) -> pd.DataFrame:
-    """Return everything, one column a value: ``tag.seed``, ``parameter.K_v``, ``standard_error.K_v``, …"""
+    """Return everything, one column a value: ``tag.seed``, ``parameter.K_v``, ``per_sample.percent``, …"""
     import pandas as pd
 
     flat = []
     for row in board.rows:
-        values = {key: value for key, value in row.items() if key not in _NESTED}
+        values = {key: value for key, value in row.items() if key not in (*_NESTED, _BANDS)}
+        for band, figures in enumerate(row.get(_BANDS) or ()):
+            name = f"{figures['window_ms']:.3g}_ms" if band else "per_sample"
+            values.update({f"{name}.{key}": value for key, value in figures.items()})
         for key in _NESTED:
             single = key.removesuffix("s") if key != "settings" else "setting"
             values.update({f"{single}.{name}": value for name, value in (row.get(key) or {}).items()})

@@ -13,6 +13,7 @@ import pandas as pd
 
 from fricmodels.diagnosis import Comparison, Diagnosis, Ladder
 from fricmodels.diagnosis.explain import explain
+from fricmodels.dimension import FORCE
 from fricmodels.fit import Fit
 from fricmodels.notebook.figures import drawn, figure_html
 from fricmodels.notebook.tables import Tables, tables
@@ -22,8 +23,8 @@ from fricmodels.tournament import Leaderboard
 _MOST_ROWS, _LINE = 60, 100
 _IDENTITY = ("rank", "model", "estimator", "dataset")
 _FIGURES = {
-    "held_out_rms_torque_error_percent": "error kept back [%]",
-    "rms_torque_error_percent": "error fitted [%]",
+    "held_out_rms_torque_error_percent": "test error [%]",
+    "rms_torque_error_percent": "fit error [%]",
     "seconds": "seconds",
 }
 
@@ -103,11 +104,7 @@ def _(fit: Fit) -> Story:
 
 @_story.register
 def _(comparison: Comparison) -> Story:
-    errors = comparison.errors
-    said = (
-        f"RMS torque error {errors.percent:.4g} % of the RMS motor torque; on data kept back "
-        f"{errors.held_out_percent:.4g} %; noise alone would leave about {comparison.noise_floor_percent:.3g} %."
-    )
+    said = comparison.errors.in_words(FORCE.unit(comparison.drive.motion))
     figures = [(name, comparison) for name in ("overlay", "friction_curve", "error_shares")]
     return Story(f"{comparison.drive.model.name} on {comparison.train.name}", said, tables(comparison), figures)
 

@@ -64,7 +64,7 @@ def _(fit: Fit) -> Tables:
 
 @tables.register
 def _(comparison: Comparison) -> Tables:
-    drive, errors, unit = comparison.drive, comparison.errors, FORCE.unit(comparison.drive.motion)
+    drive, unit = comparison.drive, FORCE.unit(comparison.drive.motion)
     units = {p.key: p.declared.unit_for(drive.motion) for p in drive.parameters}
     units.setdefault(drive.inertia_key, INERTIA.unit(drive.motion))
     parameters = {
@@ -77,9 +77,14 @@ def _(comparison: Comparison) -> Tables:
         for key, value in comparison.estimate.parameters.items()
     }
     error = {
-        "fitted": {f"RMS [{unit}]": errors.SI, "% of RMS torque": errors.percent},
-        "kept back": {"% of RMS torque": errors.held_out_percent},
-        "noise alone": {"% of RMS torque": comparison.noise_floor_percent},
+        band.window_ms: {
+            f"fit error [{unit}]": band.SI,
+            f"test error [{unit}]": band.held_out_SI,
+            "fit error [%]": band.percent,
+            "test error [%]": band.held_out_percent,
+            "noise alone [%]": band.noise_floor_percent,
+        }
+        for band in comparison.errors.bands
     }
     where = {
         row.regime: {
@@ -92,7 +97,7 @@ def _(comparison: Comparison) -> Tables:
     }
     return {
         "Parameters": _frame(parameters, "parameter"),
-        "Torque error": _frame(error, "data"),
+        "Torque error": _frame(error, "averaged over [ms]"),
         "Where it fails": _frame(where, "regime"),
     }
 
@@ -109,8 +114,8 @@ def _(ladder: Ladder) -> Tables:
             "model": rung.model,
             "added": rung.added,
             "removed": rung.removed,
-            "error fitted [%]": rung.comparison.errors.percent,
-            "error kept back [%]": rung.comparison.errors.held_out_percent,
+            "fit error [%]": rung.comparison.errors.percent,
+            "test error [%]": rung.comparison.errors.held_out_percent,
         }
         for number, rung in enumerate(ladder.rungs)
     }

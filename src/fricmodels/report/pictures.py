@@ -41,7 +41,7 @@ def over_time(comparison: Comparison, *, kept_back: bool = True) -> Picture:
     from fricmodels.report import figures
 
     errors = comparison.errors
-    words = f"RMS error {percent(errors.percent)} of the RMS torque on what was fitted"
+    words = f"RMS error {errors.averaged}: {percent(errors.percent)} of the RMS torque on what was fitted"
     if kept_back:
         figure = figures.overlay(comparison)
         words += f", {percent(errors.held_out_percent)} on what was kept back (shaded)"

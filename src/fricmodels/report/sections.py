@@ -38,6 +38,7 @@ from fricmodels.report.wording import (
     unit,
     unit_of,
 )
+from fricmodels.score.bands import averaged
 
 if TYPE_CHECKING:
     from fricmodels.diagnosis.comparison import Comparison
@@ -145,14 +146,34 @@ def _meaning(key: str, known: Mapping[str, Parameter], named: bool) -> str:
     return f"{meaning_of(key, known)} ({effect})" if effect and named else meaning_of(key, known)
 
 
+def error_words(data: Data) -> str:
+    """Say over which window the torque errors are averaged."""
+    errors = data["rms_torque_error"]
+    if "band_ms" not in errors:  # written by an earlier version
+        return "RMS torque error"
+    return f"RMS torque error {averaged(errors['band_ms'], errors['bands'][0]['window_ms'])}"
+
+
+def bands(comparison: Comparison) -> Table:
+    """Return the torque error per sample and over wider windows, with what noise alone would leave."""
+    listed = comparison.errors.bands
+    names = ["a sample", *(f"{band.window_ms:.3g} ms" for band in listed[1:])]
+    rows = [
+        (name, percent(band.percent), percent(band.held_out_percent), percent(band.noise_floor_percent))
+        for name, band in zip(names, listed, strict=True)
+    ]
+    titles = {"averaged over": False, "fit error": True, "test error": True, "sensor noise alone": True}
+    return table("RMS torque error by window, in % of the RMS motor torque", titles, rows)
+
+
 def ladder(data: Data, picture: Picture | None) -> Section:
     """Show how the error falls with each effect."""
-    titles = {"model": False, "step": False, "error on what was fitted": True, "error on what was kept back": True}
+    titles = {"model": False, "step": False, "fit error": True, "test error": True}
     rows = [
         (rung["model"], _step(rung), percent(rung["rms_percent"]), percent(rung["held_out_rms_percent"]))
         for rung in data["ladder"]
     ]
-    shown = table("RMS torque error, in % of the RMS motor torque", titles, rows)
+    shown = table(f"{error_words(data)}, in % of the RMS motor torque", titles, rows)
     blocks: list[Block] = [
         Words(
             "Each step adds the effect that explains the residual best and fits all parameters again. It stays only if "
@@ -201,11 +222,14 @@ def fails(comparisons: Sequence[Comparison]) -> Section:
             f"What {first.drive.model.name} lacks leaves its mark in the residual, the measured torque less the "
             "modelled: stripes over one quantity, a line at one order, a loop around reversals."
         ),
+        bands(first),
         by_regime(first),
         Gallery(marks(first)),
     ]
     if len(comparisons) > 1:
-        blocks.append(Fold(f"The same of {last.drive.model.name}", [by_regime(last), Gallery(marks(last))]))
+        blocks.append(
+            Fold(f"The same of {last.drive.model.name}", [bands(last), by_regime(last), Gallery(marks(last))])
+        )
     return Section("fails", "Where the model fails", blocks)
 
 

@@ -139,10 +139,18 @@ def verdict(data: Data) -> Verdict:
 
 
 def _left(data: Data) -> str:
-    held_out = percent(data["rms_torque_error"]["held_out_percent"])
+    errors = data["rms_torque_error"]
+    held_out = percent(errors["held_out_percent"])
+    text = (
+        f"On data that it was not fitted to the {sections.error_words(data)} is {held_out} of the RMS motor torque; "
+        f"sensor noise alone would leave about {percent(data['noise_floor_percent'])}."
+    )
+    if len(errors.get("bands", ())) < 2:
+        return text
+    sample = errors["bands"][0]
     return (
-        f"On data that it was not fitted to the RMS torque error is {held_out} of the RMS motor torque; sensor noise "
-        f"alone would leave about {percent(data['noise_floor_percent'])}."
+        f"{text} Per sample ({sample['window_ms']:.3g} ms) it is {percent(sample['held_out_percent'])}, of noise alone "
+        f"{percent(sample['noise_floor_percent'])}."
     )
 
 
@@ -160,6 +168,7 @@ def _physics(data: Data) -> list[str]:
 def tiles(data: Data) -> list[Tile]:
     """Return the few figures that carry the verdict."""
     rungs = data["ladder"]
+    window = sections.error_words(data).removeprefix("RMS torque error").strip()
     shown = [Tile(percent(rungs[0]["held_out_rms_percent"]), "torque error as given", data["model"])]
     if len(rungs) > 1:
         last = rungs[-1]
@@ -167,7 +176,9 @@ def tiles(data: Data) -> list[Tile]:
         shown.append(
             Tile(percent(last["held_out_rms_percent"]), "torque error with what was found", f"+ {listed(gained)}")
         )
-    shown.append(Tile(percent(data["noise_floor_percent"]), "sensor noise alone", "estimated from the channels"))
+    shown.append(
+        Tile(percent(data["noise_floor_percent"]), "sensor noise alone", window or "estimated from the channels")
+    )
     samples = data["recording"]["samples"]
     total = samples["fitted"] + samples["kept_back"]
     shown.append(

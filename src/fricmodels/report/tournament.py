@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fricmodels.dimension import Motion
-from fricmodels.export.columns import concise, summary
+from fricmodels.export.columns import concise, summary, window_words
 from fricmodels.report.page import (
     Block,
     Code,
@@ -114,7 +114,7 @@ def verdict(board: Leaderboard) -> Verdict:
         )
     first = ranked[0]
     sentence = f"{first.model} comes first: {percent(first.middle)} torque error {over}, with {first.estimator}."
-    details = [f"The error is that of {kind}, in % of the RMS motor torque."]
+    details = [f"The error is that of {kind}{window_words(board)}, in % of the RMS motor torque."]
     others = [each for each in ranked if each.model != first.model]
     if others:
         details.append(

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 from fricmodels.errors import FricmodelsError
 from fricmodels.report.page import Block, Fold, Gallery, Heading, Section, Words
 from fricmodels.report.wording import counted, listed, percent
+from fricmodels.score.bands import Band, Errors
 from fricmodels.tournament.leaderboard import HELD_OUT, Leaderboard
 from fricmodels.tournament.origin import Origin
 
@@ -115,7 +116,6 @@ def compared(loaded: Loaded, source: Source | None, row: Row) -> Comparison:
     Where all of a recording was fitted, that takes the place of what was kept back.
     """
     from fricmodels.diagnosis import compare_fit
-    from fricmodels.diagnosis.comparison import Errors
     from fricmodels.drive import Drive
     from fricmodels.model import Model
 
@@ -123,15 +123,29 @@ def compared(loaded: Loaded, source: Source | None, row: Row) -> Comparison:
     test = loaded.prepared_test if loaded.prepared_test is not None else train
     drive = Drive(Model.parse(row["model"]), None if source is None else source.inertia, train.motion)
     found = compare_fit(train, test, drive, row["parameters"], _numbers(row["standard_errors"]))
-    held_out = row.get(HELD_OUT)
-    return replace(
-        found,
-        errors=Errors(
-            found.errors.SI if row.get("rms_torque_error") is None else row["rms_torque_error"],
-            row[_FITTED],
-            math.nan if held_out is None else held_out,
-        ),
-    )
+    return replace(found, errors=_errors(row))
+
+
+def _errors(row: Row) -> Errors:
+    """Return the torque errors as they were scored; with the paper's or a decimated score there is only one."""
+    bands = tuple(Band(**_or_nan(band)) for band in row.get("rms_torque_error_bands") or ())
+    for band in bands:
+        if band.window_ms == row["rms_torque_error_band_ms"]:
+            return Errors(band, bands)
+    figures = {
+        "window_ms": None,
+        "SI": row.get("rms_torque_error"),
+        "percent": row[_FITTED],
+        "held_out_SI": row.get("held_out_rms_torque_error"),
+        "held_out_percent": row.get(HELD_OUT),
+        "noise_floor_percent": None,
+    }
+    only = Band(**_or_nan(figures))
+    return Errors(only, (only,))
+
+
+def _or_nan(values: Mapping[str, float | None]) -> dict[str, float]:
+    return {key: math.nan if value is None else value for key, value in values.items()}
 
 
 def _numbers(values: Mapping[str, float | None]) -> dict[str, float]:

@@ -94,7 +94,7 @@ def filtered_torque_error(
     smooth, _ = lanczos_derivative(recording.time, recording.velocity, width, recording.run)
     rest = resting(recording) | (recording.velocity == 0)
     smooth[rest] = 0.0
-    doubtful = np.abs(smooth) <= 3 * _noise(recording) * np.linalg.norm(even_weights(width)[0])
+    doubtful = np.abs(smooth) <= 3 * velocity_noise(recording) * np.linalg.norm(even_weights(width)[0])
     moving = recording.with_channels(velocity=smooth)
     error = np.zeros(len(recording))
     inertia, parameters = drive.split(values)
@@ -104,9 +104,8 @@ def filtered_torque_error(
         if len(one) < 2:
             continue
         needed = _mean(one.torque - one.load_torque) - inertia * np.diff(recording.velocity[part]) / np.diff(one.time)
-        least, greatest = _mean_friction(
-            drive, values, one, [state[part] for state in states], rest[part], doubtful[part]
-        )
+        friction = friction_moments(drive, values, one, [state[part] for state in states], rest[part], doubtful[part])
+        least, greatest = (moments.sum(axis=0) for moments in friction)
         balance, lower, upper = (_window_mean(each, one.time, width) for each in (needed, least, greatest))
         error[part] = balance - np.clip(balance, lower, upper)
     return error
@@ -116,7 +115,15 @@ def _mean(values: Array) -> Array:
     return (values[:-1] + values[1:]) / 2
 
 
-def _mean_friction(
+def moments(first: Array, last: Array) -> Array:
+    """Return the integrals of straight lines over a unit interval, weighted by 1 − x and by x, shape (2, N).
+
+    Their sum is the mean; each alone is what an interval adds to a weight that falls, or rises, along it.
+    """
+    return np.stack([first / 3 + last / 6, first / 6 + last / 3])
+
+
+def friction_moments(
     drive: Drive,
     values: Mapping[str, float],
     one: Recording,
@@ -124,28 +131,36 @@ def _mean_friction(
     rest: Mask,
     doubtful: Mask,
 ) -> tuple[Array, Array]:
-    """Return the least and the greatest mean friction torque of each sampling interval; equal while sliding."""
+    """Return :func:`moments` of the least and the greatest friction torque of each interval; equal while sliding."""
     velocity = one.velocity
     at = drive.friction(one, values, states=states)
-    sliding = _mean(at)
     below, above = drive.sticking_interval(one, values, states=states)
     applied = one.torque - one.load_torque
     holding = np.clip(applied, below, above)
     first, last = velocity[:-1], velocity[1:]
     passes = (first * last < 0) & ~rest[:-1] & ~rest[1:]
-    share = np.where(passes, _share_before_zero(velocity), 0.0)
     leaving, entering = np.where(first > 0, above[:-1], below[:-1]), np.where(first > 0, below[1:], above[1:])
-    in_two = share * (at[:-1] + leaving) / 2 + (1 - share) * (entering + at[1:]) / 2
-    sliding = np.where(passes, in_two, sliding)
-    held = _mean(holding)
-    at_rest = rest[:-1] & rest[1:]
-    may_rest = rest | (doubtful & (holding == applied))
-    either = (may_rest[:-1] | may_rest[1:]) & ~at_rest
+    in_two = _moments_in_two(_share_before_zero(velocity), moments(at[:-1], leaving), moments(entering, at[1:]))
     one_rests = rest[:-1] ^ rest[1:]
-    sliding = np.where(one_rests, np.where(rest[:-1], at[1:], at[:-1]), sliding)
-    least = np.where(at_rest, held, np.where(either, np.minimum(sliding, held), sliding))
-    greatest = np.where(at_rest, held, np.where(either, np.maximum(sliding, held), sliding))
+    moving = np.where(rest[:-1], at[1:], at[:-1])
+    sliding = np.where(one_rests, moments(moving, moving), moments(at[:-1], at[1:]))
+    sliding = np.where(passes, in_two, sliding)
+    held = moments(holding[:-1], holding[1:])
+    may_rest = rest | (doubtful & (holding == applied))
+    at_rest = rest[:-1] & rest[1:]
+    either = may_rest[:-1] | may_rest[1:]
+    less = held.sum(axis=0) < sliding.sum(axis=0)
+    least = np.where(at_rest | (either & less), held, sliding)
+    greatest = np.where(at_rest | (either & ~less), held, sliding)
     return least, greatest
+
+
+def _moments_in_two(share: Array, before: Array, after: Array) -> Array:
+    """Return the moments of an interval from those of its two parts, of which the first is a share of it."""
+    rest = 1 - share
+    late = share**2 * before[1] + rest * (share * after.sum(axis=0) + rest * after[1])
+    early = share * before.sum(axis=0) + rest * after.sum(axis=0) - late
+    return np.stack([early, late])
 
 
 def _share_before_zero(velocity: Array) -> Array:
@@ -202,7 +217,7 @@ def sliding_half_width(recording: Recording, largest: int = 256) -> int:
     Source: the plug-in rule of D. Ruppert, S. J. Sheather, M. P. Wand, J. Amer. Statist. Assoc. 90 (1995), for the
     derivative.
     """
-    noise = _noise(recording)
+    noise = velocity_noise(recording)
     free = _free_of_reversals(recording)
     if not np.any(free > 1):
         return 1
@@ -216,7 +231,7 @@ def sliding_half_width(recording: Recording, largest: int = 256) -> int:
     return int(h[np.argmin(error)])
 
 
-def _noise(recording: Recording) -> float:
+def velocity_noise(recording: Recording) -> float:
     """Return the standard deviation of white noise on the velocity, from the median of its third differences."""
     third = np.diff(recording.velocity, 3)[recording.run[3:] == recording.run[:-3]]
     return float(np.median(np.abs(third))) / (0.6745 * np.sqrt(20.0)) if len(third) else 0.0

@@ -9,7 +9,9 @@ and the acceleration a with which this recording otherwise moves at low speed.
 from __future__ import annotations
 
 import weakref
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from functools import wraps
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,28 +24,32 @@ from fricmodels.signals.segments import Array, stretches
 _BAND = 3.0
 """Standard errors from zero within which a velocity is no evidence of motion."""
 
-_known: dict[int, tuple[weakref.ref[Recording], NDArray[np.bool_]]] = {}
+Found = TypeVar("Found")
 
 
+def once(find: Callable[[Recording], Found]) -> Callable[[Recording], Found]:
+    """Let a function find what it does once for each recording; its arrays are not to be written to."""
+    known: dict[int, tuple[weakref.ref[Recording], Found]] = {}
+
+    @wraps(find)
+    def found(recording: Recording) -> Found:
+        key = id(recording)
+        if key not in known or known[key][0]() is not recording:
+            known[key] = (weakref.ref(recording, lambda _: known.pop(key, None)), find(recording))
+        return known[key][1]
+
+    return found
+
+
+@once
 def resting(recording: Recording) -> NDArray[np.bool_]:
-    """Return where the drive stands still, shape (N,); found once for each recording, not to be written to.
+    """Return where the drive stands still, shape (N,).
 
     From the measured velocity; from the position where the velocity is not there or was derived.
 
     Raises:
         InputError: when the recording has neither.
     """
-    known = _known.get(id(recording))
-    if known is not None and known[0]() is recording:
-        return known[1]
-    mask = _found(recording)
-    mask.setflags(write=False)
-    key = id(recording)
-    _known[key] = (weakref.ref(recording, lambda _: _known.pop(key, None)), mask)
-    return mask
-
-
-def _found(recording: Recording) -> NDArray[np.bool_]:
     velocity, error = smoothed_velocity(recording)
     band = _BAND * error
     if not _from_position(recording):
@@ -55,6 +61,7 @@ def _found(recording: Recording) -> NDArray[np.bool_]:
     mask = np.zeros(len(recording), dtype=bool)
     for start, stop in _borders(recording, still):
         mask[start:stop] = recording.time[stop - 1] - recording.time[start] > passage
+    mask.setflags(write=False)
     return mask
 
 
@@ -87,6 +94,7 @@ def _borders(recording: Recording, mask: NDArray[np.bool_]) -> Iterator[tuple[in
         yield from zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True)
 
 
+@once
 def smoothed_velocity(recording: Recording) -> tuple[Array, float]:
     """Return the velocity, smoothed, and its standard error from noise and quantisation."""
     time, run = recording.time, recording.run
@@ -97,6 +105,7 @@ def smoothed_velocity(recording: Recording) -> tuple[Array, float]:
     gain = float(np.linalg.norm(even_weights(width)[order]))
     error = noise(time, values, run) * gain / (recording.interval if order else 1.0)
     rounding = 8.0 * np.spacing(np.abs(values).max()) / (recording.interval if order else 1.0)
+    smooth.setflags(write=False)
     return smooth, max(error, float(rounding))
 
 

@@ -27,7 +27,7 @@ from fricmodels.model import Model
 from fricmodels.tournament.config import Config
 from fricmodels.tournament.sources import Source, load
 
-SCHEMA = 1
+SCHEMA = 2
 """Raised whenever rows change their meaning, so that old results are not taken for new ones."""
 
 Row = dict[str, Any]
@@ -71,6 +71,8 @@ class Job:
             "tags": dict(self.source.tags),
             "rms_torque_error_percent": None,
             "held_out_rms_torque_error_percent": None,
+            "rms_torque_error_band_ms": None,
+            "rms_torque_error_bands": [],
             "parameters": {},
             "standard_errors": {},
             "true_parameters": self.source.true_parameters,
@@ -258,7 +260,7 @@ def _fit_and_score(job: Job) -> Row:
         simulate=job.simulate,
         decimate=job.decimate,
     )
-    row.update({key: _number(value) for key, value in figures.as_dict().items()})
+    row.update(_number(figures.as_dict()))
     decisive = "rms_torque_error" if loaded.prepared_test is None else "held_out_rms_torque_error"
     if row[decisive] is None:
         row["status"] = Status.DIVERGED.value
@@ -273,7 +275,11 @@ def _describe(row: Row, fit: Fit) -> None:
 
 
 def _number(value: Any) -> Any:
-    """Return a plain number; what is not finite becomes ``None``, which JSON can hold."""
+    """Return plain numbers; what is not finite becomes ``None``, which JSON can hold."""
+    if isinstance(value, dict):
+        return {key: _number(item) for key, item in value.items()}
+    if isinstance(value, tuple):
+        return [_number(item) for item in value]
     if isinstance(value, str | bool) or value is None:
         return value
     if isinstance(value, int | np.integer):

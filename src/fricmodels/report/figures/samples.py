@@ -35,8 +35,10 @@ class Samples:
         place: time on the axis of a figure; runs whose times overlap stand one after another.
         consecutive: whether they do.
         kept_back: which samples took no part in the fit.
-        error: torque error, filtered as it is scored; see :func:`fricmodels.score.filtered_torque_error`.
-        velocity: smoothed with the same filter, zero at rest.
+        error: torque error over the window of the headline; see :func:`fricmodels.score.torque_error_over`.
+        smoothed_error: torque error over a window as wide as the noise asks for, so that a figure shows what happens
+            fast where that is seen; see :func:`fricmodels.score.filtered_torque_error`.
+        velocity: freed of noise, zero at rest.
         resting: samples at rest.
     """
 
@@ -46,6 +48,7 @@ class Samples:
     consecutive: bool
     kept_back: Mask
     error: Array
+    smoothed_error: Array
     velocity: Array
     resting: Mask
 
@@ -111,7 +114,7 @@ class Samples:
         Known in regression as partial residuals (component plus residual). The error is filtered alike on both sides
         of the torque equation, so that no differentiated noise and no smeared reversal is added.
         """
-        return np.asarray(self.modelled_friction + self.error)
+        return np.asarray(self.modelled_friction + self.smoothed_error)
 
     @property
     def torque_unit(self) -> str:
@@ -133,23 +136,23 @@ class Samples:
 
 
 def _evaluated(comparison: Comparison) -> Samples:
-    from fricmodels.score.torque import filtered_torque_error, sliding_half_width
-    from fricmodels.signals import lanczos_derivative, resting
+    from fricmodels.score import filtered_torque_error, headline_window, sliding_half_width, torque_error_over
+    from fricmodels.signals import resting, smoothed_velocity
 
-    width = sliding_half_width(comparison.train)
+    window, half_width = headline_window(comparison.train), sliding_half_width(comparison.train)
     drive, parameters = comparison.drive, comparison.estimate.parameters
-    errors, velocities, rests = [], [], []
+    errors, smoothed, velocities, rests = [], [], [], []
     for part in (comparison.train, comparison.test):
-        errors.append(filtered_torque_error(drive, parameters, part, width))
+        errors.append(torque_error_over(drive, parameters, part, window))
+        smoothed.append(filtered_torque_error(drive, parameters, part, half_width))
         rest = resting(part)
-        smooth, _ = lanczos_derivative(part.time, part.velocity, width, part.run)
+        smooth, _ = smoothed_velocity(part)
         velocities.append(np.where(rest, 0.0, smooth))
         rests.append(rest)
     recording, kept_back, order, place, consecutive = _joined(comparison.train, comparison.test)
-    error, velocity, rest = (np.concatenate(parts)[order] for parts in (errors, velocities, rests))
-    return Samples(
-        replace(comparison), recording, place, consecutive, kept_back, error, velocity, np.asarray(rest, dtype=bool)
-    )
+    error, slow, velocity, rest = (np.concatenate(parts)[order] for parts in (errors, smoothed, velocities, rests))
+    still = np.asarray(rest, dtype=bool)
+    return Samples(replace(comparison), recording, place, consecutive, kept_back, error, slow, velocity, still)
 
 
 def _joined(train: Recording, test: Recording) -> tuple[Recording, Mask, NDArray[np.int64], Array, bool]:

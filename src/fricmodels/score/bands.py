@@ -1,0 +1,187 @@
+"""RMS torque errors of a fitted model in bands, and which of them ranks it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fricmodels.drive import Drive
+from fricmodels.recording import Recording
+from fricmodels.score.balance import Balance, balances, noise_balances
+from fricmodels.signals.rest import once
+from fricmodels.signals.segments import stretches
+
+Array: TypeAlias = NDArray[np.float64]
+
+WINDOWS = (0.005, 0.020, 0.100)
+"""Windows over which torque errors are averaged [s], beside the error per sample."""
+HEADLINE = 0.020
+"""The window [s] whose error ranks a leaderboard and is named first; see docs/decisions/torque-error.md."""
+
+
+@dataclass(frozen=True)
+class Band:
+    """RMS torque error over one window.
+
+    Attributes:
+        window_ms: width of the window [ms]; of the error per sample, the sampling interval.
+        SI, held_out_SI: on what was fitted and on what was kept back [N m or N]; not a number without it.
+        percent, held_out_percent: of the RMS motor torque there.
+        noise_floor_percent: what sensor noise alone would leave on what was fitted.
+    """
+
+    window_ms: float
+    SI: float
+    percent: float
+    held_out_SI: float
+    held_out_percent: float
+    noise_floor_percent: float
+
+
+@dataclass(frozen=True)
+class Errors:
+    """RMS torque errors of a fitted model.
+
+    Attributes:
+        headline: the band that ranks a leaderboard.
+        bands: all bands, the error per sample first, then wider and wider windows.
+    """
+
+    headline: Band
+    bands: tuple[Band, ...]
+
+    @property
+    def per_sample(self) -> Band:
+        """The error per sample."""
+        return self.bands[0]
+
+    @property
+    def averaged(self) -> str:
+        """Over which window the headline is averaged, in words."""
+        return averaged(self.headline.window_ms, self.per_sample.window_ms)
+
+    def in_words(self, unit: str) -> str:
+        """Return the error of the headline and that per sample, each with what noise alone would leave."""
+        line, sample = self.headline, self.per_sample
+        text = (
+            f"RMS torque error {self.averaged}: {line.SI:.4g} {unit}, {line.percent:.4g} % of the RMS motor torque; "
+            f"test error {line.held_out_percent:.4g} %; noise alone would leave about {line.noise_floor_percent:.3g} %."
+        )
+        if line is sample:
+            return text
+        return (
+            f"{text} Per sample ({sample.window_ms:.3g} ms): {sample.percent:.3g} %; test error "
+            f"{sample.held_out_percent:.3g} %; noise alone {sample.noise_floor_percent:.3g} %."
+        )
+
+    @property
+    def SI(self) -> float:
+        """Of the headline, on what was fitted [N m or N]."""
+        return self.headline.SI
+
+    @property
+    def percent(self) -> float:
+        """Of the headline, on what was fitted, in % of the RMS motor torque."""
+        return self.headline.percent
+
+    @property
+    def held_out_percent(self) -> float:
+        """Of the headline, on what was kept back, in % of the RMS motor torque."""
+        return self.headline.held_out_percent
+
+
+def averaged(window_ms: float, sample_ms: float) -> str:
+    """Return in words over which window an error is averaged."""
+    if not window_ms > 0:
+        return "as scored"
+    return f"per sample ({window_ms:.3g} ms)" if window_ms <= sample_ms else f"averaged over {window_ms:.3g} ms"
+
+
+def windows(recording: Recording) -> tuple[float, ...]:
+    """Return the windows [s] of a recording: 0 for the error per sample, then all that are wider.
+
+    A window is left out where it is no wider than the sampling interval, or half of the samples lie in stretches that
+    are too short for it.
+    """
+    time = recording.time
+    parts = stretches(time, recording.run)
+    room = np.repeat([(time[p.stop - 1] - time[p.start]) / 2 for p in parts], [p.stop - p.start for p in parts])
+    most = float(np.median(room)) if len(room) else 0.0
+    return (0.0, *(window for window in WINDOWS if recording.interval < window <= most))
+
+
+def headline_window(recording: Recording) -> float:
+    """Return the window [s] that ranks: :data:`HEADLINE`; 0, the error per sample, where that is left out."""
+    return HEADLINE if HEADLINE in windows(recording) else 0.0
+
+
+def torque_error_over(drive: Drive, values: Mapping[str, float], prepared: Recording, window: float) -> Array:
+    """Return the torque error over a window about each sample, shape (N,), in SI units.
+
+    Args:
+        drive: model and inertia.
+        values: parameters by key; the inertia among them unless the drive has one.
+        prepared: recording with ``velocity`` and ``acceleration``, from :func:`fricmodels.signals.prepare`.
+        window: see :func:`windows`.
+    """
+    return _along(balances(drive, values, prepared), prepared, window)
+
+
+def torque_errors(
+    drive: Drive, values: Mapping[str, float], train: Recording, test: Recording | None = None
+) -> tuple[Errors, Array]:
+    """Return the RMS torque errors in all bands, and that of the headline at each sample of what was fitted.
+
+    The bands are those of ``train``, whatever the model is.
+
+    Args:
+        drive: model and inertia.
+        values: parameters by key; the inertia among them unless the drive has one.
+        train, test: what was fitted and what was kept back, prepared.
+    """
+    inertia, _ = drive.split(values)
+    fitted = balances(drive, values, train)
+    kept = [] if test is None else balances(drive, values, test)
+    reference = _rms(train.torque)
+    found = {}
+    for window in windows(train):
+        own = _rms(_along(fitted, train, window))
+        other = float("nan") if test is None else _rms(_along(kept, test, window))
+        torque, motion = noise_floors(train)[window]
+        floor = float(np.hypot(torque, inertia * motion))
+        found[window] = Band(
+            1000 * (window or train.interval),
+            own,
+            _percent(own, reference),
+            other,
+            float("nan") if test is None else _percent(other, _rms(test.torque)),
+            _percent(floor, reference),
+        )
+    headline = headline_window(train)
+    return Errors(found[headline], tuple(found.values())), _along(fitted, train, headline)
+
+
+@once
+def noise_floors(prepared: Recording) -> dict[float, tuple[float, float]]:
+    """Return what noise leaves by window: of the torque [N m or N], and of the motion per unit of inertia."""
+    torque, motion = noise_balances(prepared)
+    return {w: (_rms(_along(torque, prepared, w)), _rms(_along(motion, prepared, w))) for w in windows(prepared)}
+
+
+def _along(found: list[Balance], prepared: Recording, window: float) -> Array:
+    error = np.zeros(len(prepared))
+    for balance in found:
+        error[balance.part] = balance.over(window)
+    return error
+
+
+def _rms(values: Array) -> float:
+    return float(np.sqrt(np.mean(values**2)))
+
+
+def _percent(value: float, reference: float) -> float:
+    return 100 * value / reference if reference > 0 else float("nan")

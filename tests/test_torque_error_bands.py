@@ -1,0 +1,219 @@
+"""The torque error per sample and over windows: exact balances, known missing torques, noise, and what is left out."""
+
+from __future__ import annotations
+
+import dataclasses
+import importlib.util
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from fricmodels.dimension import Motion
+from fricmodels.drive import Drive
+from fricmodels.model import Model
+from fricmodels.recording import Recording
+from fricmodels.score import headline_window, torque_error, torque_error_over, torque_errors, windows
+from fricmodels.signals import prepare
+
+ROOT = Path(__file__).parents[1]
+J, COULOMB = 2.0, 3.0
+COUNT, STEP = 2000, 1e-3
+DRIVE = Drive(Model.of("coulomb-viscous"), J)
+TRUE = {"J": J, "K_c": COULOMB, "K_v": 0.0}
+SOURCES = ("velocity", "position", "acceleration")
+
+
+def turning(torque: float, start: float, time: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return torque, velocity and position under a constant torque that turns the drive round once."""
+    before, after = (torque - np.sign(start) * COULOMB) / J, (torque + np.sign(start) * COULOMB) / J
+    turn = -start / before
+    velocity = np.where(time < turn, start + before * time, after * (time - turn))
+    position = np.where(
+        time < turn, start * time + before * time**2 / 2, -(start**2) / before / 2 + after * (time - turn) ** 2 / 2
+    )
+    return np.full(len(time), torque), velocity, position
+
+
+def turned(time: np.ndarray | None = None) -> Recording:
+    """Return four runs with one reversal each, at no sample."""
+    time = STEP * np.arange(COUNT) if time is None else time
+    runs = [turning(side * size, -side * speed, time) for side, size, speed in
+            ((1, 8.0, 4.1234), (-1, 7.0, 3.3), (1, 9.5, 5.017), (-1, 11.0, 6.01))]  # fmt: skip
+    torque, velocity, position = (np.concatenate(parts) for parts in zip(*runs, strict=True))
+    channels = {"time": np.tile(time, 4), "torque": torque, "velocity": velocity, "position": position}
+    return Recording("turned", Motion.ROTARY, channels, np.repeat(np.arange(4), len(time)))
+
+
+def sliding(source: str, time: np.ndarray | None = None) -> Recording:
+    """Return a drive that only slides forward, its motion known by one channel; torques are straight lines."""
+    time = STEP * np.arange(8 * COUNT) if time is None else time
+    omega = 2 * np.pi
+    velocity, rate = 5.0 + np.sin(omega * time), omega * np.cos(omega * time)
+    position = 5.0 * time - np.cos(omega * time) / omega
+    moved = {"velocity": velocity, "position": position, "acceleration": rate}
+    known = {"velocity": velocity, source: moved[source]} if source != "position" else {"position": position}
+    channels = {"time": time, "torque": J * rate + COULOMB, **known}
+    return Recording(source, Motion.ROTARY, channels, np.zeros(len(time), dtype=np.int64))
+
+
+def rms(values: np.ndarray) -> float:
+    return float(np.sqrt(np.mean(values**2)))
+
+
+def test_the_true_model_leaves_nothing_at_a_reversal() -> None:
+    recording = turned()
+    recording = recording.select(slice(None)).with_channels(derived=False)
+    prepared = prepare(
+        dataclasses.replace(recording, channels={k: v for k, v in recording.channels.items() if k != "position"})
+    )
+    for window in windows(prepared):
+        assert np.max(np.abs(torque_error_over(DRIVE, TRUE, prepared, window))) < 1e-8
+    # Taken at its word, with a differentiator, eq. 21 leaves a third of the Coulomb torque beside each reversal.
+    assert np.max(np.abs(torque_error(DRIVE, TRUE, prepared))) > COULOMB / 3
+
+
+@pytest.mark.parametrize("source", SOURCES)
+@pytest.mark.parametrize("jitter", [0.0, 0.6])
+def test_a_missing_constant_torque_is_found_at_its_size_in_every_band(source: str, jitter: float) -> None:
+    rng = np.random.default_rng(1)
+    time = STEP * (np.arange(8 * COUNT) + jitter * rng.uniform(-0.5, 0.5, 8 * COUNT))
+    time = np.delete(time, slice(5000, 5200))
+    recording = sliding(source, time)
+    prepared = prepare(recording.with_channels(derived=False, torque=recording.torque + 0.7))
+    assert len(windows(prepared)) == 4
+    for window in windows(prepared):
+        error = torque_error_over(DRIVE, TRUE, prepared, window)
+        smeared = 0.002 if source == "acceleration" else 0.02 if jitter else 2e-4
+        assert np.max(np.abs(error[50:-50] - 0.7)) < smeared
+
+
+@pytest.mark.parametrize("source", SOURCES)
+@pytest.mark.parametrize("jitter", [0.0, 0.6])
+def test_white_noise_leaves_what_is_printed(source: str, jitter: float) -> None:
+    rng = np.random.default_rng(2)
+    time = STEP * (np.arange(20 * COUNT) + jitter * rng.uniform(-0.5, 0.5, 20 * COUNT))
+    recording = sliding(source, time)
+    size = {"velocity": 0.01, "position": 1e-5, "acceleration": 0.5}[source]
+    noisy = recording[source] + size * rng.standard_normal(len(recording))
+    torque = recording.torque + 0.2 * rng.standard_normal(len(recording))
+    prepared = prepare(recording.with_channels(derived=False, torque=torque, **{source: noisy}))
+    errors, _ = torque_errors(DRIVE, TRUE, prepared)
+    for band in errors.bands[:3]:
+        assert band.percent == pytest.approx(band.noise_floor_percent, rel=0.1)
+    assert errors.bands[3].percent == pytest.approx(errors.bands[3].noise_floor_percent, rel=0.25)
+
+
+@pytest.mark.parametrize(("source", "response"), [("velocity", 0.9549), ("position", 0.9120)])
+@pytest.mark.parametrize("share", [0.02, 0.1, 0.25])
+def test_a_ripple_up_to_a_quarter_of_the_rate_enters_by_nine_tenths(source: str, response: float, share: float) -> None:
+    recording = sliding(source)
+    time, omega = recording.time, 2 * np.pi * share / STEP
+    moved = {"velocity": -np.cos(omega * time) / omega, "position": -np.sin(omega * time) / omega**2}[source]
+    shaken = prepare(recording.with_channels(derived=False, **{source: recording[source] + moved / J}))
+    own = rms(torque_error_over(DRIVE, TRUE, shaken, 0.0)[9:-9]) * np.sqrt(2)
+    assert own >= 0.9
+    if share == 0.25:
+        assert own == pytest.approx(response, abs=2e-3)
+    in_torque = prepare(recording.with_channels(derived=False, torque=recording.torque + np.sin(omega * time + 0.3)))
+    assert rms(torque_error_over(DRIVE, TRUE, in_torque, 0.0)) * np.sqrt(2) == pytest.approx(1.0, abs=2e-3)
+    for window in (0.005, 0.02):
+        expected = np.sinc(share / STEP * window) ** 2
+        found = rms(torque_error_over(DRIVE, TRUE, shaken, window)[99:-99]) * np.sqrt(2)
+        assert found == pytest.approx(expected, abs=0.03)
+
+
+@pytest.mark.parametrize("source", ["velocity", "position"])
+def test_a_fast_motion_that_the_model_explains_leaves_next_to_nothing(source: str) -> None:
+    recording = sliding(source)
+    time, omega = recording.time, 2 * np.pi * 20.0
+    moved = {"velocity": -np.cos(omega * time) / omega, "position": -np.sin(omega * time) / omega**2}[source]
+    torque = recording.torque + np.sin(omega * time)
+    shaken = prepare(recording.with_channels(derived=False, torque=torque, **{source: recording[source] + moved / J}))
+    # A straight line between samples differs from the sine by (2πf Δt)²/12 of it in the mean.
+    assert np.max(np.abs(torque_error_over(DRIVE, TRUE, shaken, 0.005)[99:-99])) < 1.1 * (omega * STEP) ** 2 / 12
+
+
+def test_figures_do_not_depend_on_units_direction_or_time_of_start() -> None:
+    rng = np.random.default_rng(3)
+    recording = turned()
+    noisy = {name: values + size * rng.standard_normal(len(values)) for (name, values), size in
+             zip(recording.channels.items(), (0, 0.1, 0.01, 0), strict=True) if name != "position"}  # fmt: skip
+
+    def figures(factor: float, torque: float, start: float, inertia: float, values: dict[str, float]) -> list[float]:
+        channels = {
+            "time": noisy["time"] + start,
+            "torque": torque * noisy["torque"],
+            "velocity": factor * noisy["velocity"],
+        }
+        prepared = prepare(dataclasses.replace(recording, channels=channels))
+        errors, _ = torque_errors(Drive(DRIVE.model, inertia), values, prepared, prepared)
+        return [figure for band in errors.bands for figure in (band.percent, band.held_out_percent)]
+
+    wrong = {**TRUE, "K_v": 0.3}
+    expected = figures(1.0, 1.0, 0.0, J, wrong)
+    assert figures(-1.0, -1.0, 0.0, J, wrong) == pytest.approx(expected, rel=1e-9)
+    assert figures(1.0, 1.0, 500.0, J, wrong) == pytest.approx(expected, rel=1e-6)
+    heavy = {key: 1000 * value for key, value in wrong.items()}
+    assert figures(1.0, 1000.0, 0.0, 1000 * J, heavy) == pytest.approx(expected, rel=1e-9)
+    in_turns = {"J": 2 * np.pi * J, "K_c": COULOMB, "K_v": 2 * np.pi * 0.3}
+    assert figures(1 / (2 * np.pi), 1.0, 0.0, 2 * np.pi * J, in_turns) == pytest.approx(expected, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("rate", "seconds", "expected", "headline"),
+    [
+        (10.0, 60.0, (0.0,), 0.0),
+        (60.0, 60.0, (0.0, 0.02, 0.1), 0.02),
+        (20_000.0, 1.0, (0.0, 0.005, 0.02, 0.1), 0.02),
+        (1000.0, 0.15, (0.0, 0.005, 0.02), 0.02),
+        (1000.0, 0.03, (0.0, 0.005), 0.0),
+    ],
+)
+def test_windows_follow_the_rate_and_the_stretches(
+    rate: float, seconds: float, expected: tuple[float, ...], headline: float
+) -> None:
+    time = np.arange(int(rate * seconds)) / rate
+    recording = sliding("velocity", time)
+    assert windows(recording) == expected
+    assert headline_window(recording) == headline
+    errors, error = torque_errors(DRIVE, {**TRUE, "K_c": 0.0}, prepare(recording))
+    assert errors.headline.window_ms == pytest.approx(1000 * (headline or 1 / rate))
+    assert rms(error) == pytest.approx(COULOMB, rel=2e-2)
+    assert rms(error) == errors.headline.SI
+    assert np.isnan(errors.held_out_percent)
+
+
+def test_no_window_reaches_over_a_gap_or_into_another_run() -> None:
+    recording = sliding("velocity")
+    time = recording.time + np.where(np.arange(len(recording)) >= 6000, 1.0, 0.0)
+    run = (np.arange(len(recording)) >= 12_000).astype(np.int64)
+    offset = np.where((np.arange(len(recording)) >= 6000) & (run == 0), 1.0, 0.0)
+    channels = {**recording.channels, "time": time, "torque": recording.torque + offset}
+    prepared = prepare(dataclasses.replace(recording, channels=channels, run=run))
+    for window in windows(prepared):
+        assert np.max(np.abs(torque_error_over(DRIVE, TRUE, prepared, window) - offset)) < 2e-3
+
+
+def test_at_rest_only_what_lies_outside_the_sticking_interval_counts() -> None:
+    time = STEP * np.arange(COUNT)
+    torque = 5.0 * np.sin(2 * np.pi * time)
+    channels = {"time": time, "torque": torque, "velocity": np.zeros(COUNT)}
+    prepared = prepare(Recording("rest", Motion.ROTARY, channels, np.zeros(COUNT, dtype=np.int64)))
+    beyond = np.sign(torque) * np.maximum(np.abs(torque) - COULOMB, 0.0)
+    assert torque_error_over(DRIVE, TRUE, prepared, 0.0) == pytest.approx(beyond, abs=1e-9)
+    inside = np.abs(torque) < 0.8 * COULOMB
+    assert torque_error_over(DRIVE, TRUE, prepared, 0.02)[inside] == pytest.approx(0.0, abs=1e-9)
+
+
+@pytest.mark.parametrize("sensors", ["velocity", "positions"])
+def test_a_ripple_on_the_rig_enters_the_fitted_error_by_nine_tenths(sensors: str) -> None:
+    spec = importlib.util.spec_from_file_location("torque_error_benchmark", ROOT / "benchmarks" / "torque_error.py")
+    assert spec is not None
+    assert spec.loader is not None
+    benchmark = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(benchmark)
+    without = benchmark.errors(benchmark.recording(sensors, samples=6000))
+    for way in ("motion", "torque"):
+        for frequency in (12.0, 250.0):
+            assert benchmark.shares(sensors, way, frequency, without, samples=6000)[0] >= 0.9
