@@ -100,7 +100,8 @@ class Term(ABC):
         angular: whether the position enters as an angle in rad (``sin q``), which no rescaling may change.
         optional: signals that are zero where a recording does not have them; only a load torque can be.
 
-    What a term claims is checked by :mod:`fricmodels.testing`.
+    What a term claims is checked by :mod:`fricmodels.testing`. Two terms are equal when they are of the same class and
+    hold the same values: a class defined again under its name, as in a notebook, is another one.
     """
 
     name: ClassVar[str]
@@ -157,6 +158,12 @@ class Term(ABC):
             past: the motion, see :class:`fricmodels.memory.Past`; parameters: values by symbol.
         """
         return {}
+
+    def __eq__(self, other: object) -> bool:
+        return type(other) is type(self) and vars(other) == vars(self)
+
+    def __hash__(self) -> int:
+        return hash(type(self))
 
     def __repr__(self) -> str:
         return f"<{type(self).__name__} '{self.name}'>"

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
-from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -118,7 +117,7 @@ def candidate_tests(
         if name in skipped or (only is not None and name not in only):
             continue
         try:
-            outcome = _candidate(problem, regression, _effect(registered[name]), rival, policy)
+            outcome = _candidate(problem, regression, registered[name](), rival, policy)
         except Exception as error:  # an effect of a plugin may do anything; the others go on
             outcome = f"it could not be tested: {type(error).__name__}: {error}"
         if isinstance(outcome, str):
@@ -152,12 +151,6 @@ def _candidate(
         if _is_noise(share, regression, found, policy):
             return "noise of the velocity hides what it would add beyond what the model already has"
     return _test(regression, effect, found)
-
-
-@lru_cache(maxsize=256)
-def _effect(cls: type[Effect]) -> Effect:
-    """Return the one effect of a class, so that what was compiled for it serves again."""
-    return cls()
 
 
 def _has(problem: WeakFormProblem, signal: str) -> bool:
