@@ -11,7 +11,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from fricmodels.shown import Shown
+from fricmodels.display import Displayed
 
 
 class Status(StrEnum):
@@ -25,7 +25,7 @@ class Status(StrEnum):
 
 
 @dataclass(frozen=True, repr=False)
-class Fit(Shown):
+class Fit(Displayed):
     """Estimated parameters of a drive, in SI units.
 
     Attributes:

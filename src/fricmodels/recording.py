@@ -23,8 +23,8 @@ from fricmodels.dimension import (
     Motion,
     Scales,
 )
+from fricmodels.display import Displayed
 from fricmodels.errors import InputError
-from fricmodels.shown import Shown
 
 CHANNELS: Mapping[str, Dimension] = {
     "time": TIME,
@@ -66,7 +66,7 @@ class Origin:
 
 
 @dataclass(frozen=True, repr=False)
-class Recording(Shown):
+class Recording(Displayed):
     """Measured (or simulated) motion of one drive under a known torque.
 
     Attributes:

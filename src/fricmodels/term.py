@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from fricmodels.memory import Past
+    from fricmodels.past import Past
 
 SIGNALS: Mapping[str, Dimension] = {
     "velocity": VELOCITY,
@@ -155,7 +155,7 @@ class Term(ABC):
         while ago. Whoever does not know the past, a filter or a simulation, follows the rates.
 
         Args:
-            past: the motion, see :class:`fricmodels.memory.Past`; parameters: values by symbol.
+            past: the motion, see :class:`fricmodels.past.Past`; parameters: values by symbol.
         """
         return {}
 

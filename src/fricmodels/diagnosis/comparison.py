@@ -9,12 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fricmodels.diagnosis.where import Regime, where
+from fricmodels.display import Displayed
 from fricmodels.drive import Drive
 from fricmodels.errors import InputError
 from fricmodels.model import Model
 from fricmodels.recording import Recording
 from fricmodels.score.torque import filtered_torque_error, sliding_half_width
-from fricmodels.shown import Shown
 from fricmodels.signals import noise
 from fricmodels.signals.lanczos import even_weights, lanczos_derivative
 from fricmodels.split import split
@@ -41,7 +41,7 @@ class Errors:
 
 
 @dataclass(frozen=True, repr=False)
-class Comparison(Shown):
+class Comparison(Displayed):
     """A model fitted to a recording, and where it fails.
 
     Attributes:

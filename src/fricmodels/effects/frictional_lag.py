@@ -14,7 +14,7 @@ from fricmodels.parameter import Parameter, State
 from fricmodels.term import Effect, Parameters, Signals
 
 if TYPE_CHECKING:
-    from fricmodels.memory import Past
+    from fricmodels.past import Past
 
 
 class FrictionalLag(Effect):

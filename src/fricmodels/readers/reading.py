@@ -102,7 +102,7 @@ def _check_file(source: Path) -> None:
 def _reader(source: Path, name: str | None) -> Reader:
     from fricmodels import plugins
 
-    readers = plugins.load().readers
+    readers: plugins.Registry[Reader] = plugins.load().readers
     if name is not None:
         return readers[name]()
     suffix = source.suffix.lower()

@@ -27,22 +27,18 @@ _FEW = 48
 
 
 def lanczos_derivative(
-    time: Array, values: Array, half_width: int | None = None, runs: Runs | None = None, *, degree: int = DEGREE
+    time: Array, values: Array, half_width: int, runs: Runs | None = None, *, degree: int = DEGREE
 ) -> tuple[Array, Array]:
     """Return the smoothed signal and its derivative by time.
 
     Args:
         time: sample times [s], increasing within each run, shape (N,).
         values: the signal, shape (N,).
-        half_width: h; found from the noise by :func:`fricmodels.signals.best_half_width` if not given.
+        half_width: h; :func:`fricmodels.signals.best_half_width` finds it from the noise.
         runs: run of each sample; windows never reach over runs or gaps.
         degree: of the local polynomial.
     """
     values = np.asarray(values, dtype=float)
-    if half_width is None:
-        from fricmodels.signals.noise_level import best_half_width
-
-        half_width = best_half_width(time, values, runs, degree=degree)
     smooth, slope = np.empty_like(values), np.empty_like(values)
     for part in stretches(time, runs):
         smooth[part], slope[part] = fit_stretch(time[part], values[part], half_width, degree)

@@ -18,6 +18,7 @@ from fricmodels import plugins
 from fricmodels.dimension import Motion
 from fricmodels.drive import Drive
 from fricmodels.errors import FricmodelsError
+from fricmodels.estimator import Estimator
 from fricmodels.fit import Fit, Status
 from fricmodels.model import Model
 from fricmodels.tournament.code import code_of
@@ -168,7 +169,7 @@ def _fit_and_score(job: Job) -> Row:
     _check_plugins(job.model)
     loaded = load(job.source)
     drive = _drive(job.model, job.source.inertia, loaded.train.motion)
-    estimator = plugins.load().estimators[job.estimator](json.loads(job.settings))
+    estimator: Estimator = plugins.load().estimators[job.estimator](json.loads(job.settings))
     begin = time.perf_counter()
     fit = estimator.fit(drive, loaded.train, seed=job.seed)
     row = job.row(fit.status, fit.message, time.perf_counter() - begin)

@@ -14,7 +14,7 @@ from fricmodels.tournament.files import write_text
 from fricmodels.tournament.sources import Source
 
 if TYPE_CHECKING:
-    from fricmodels.tournament.running import Plan
+    from fricmodels.tournament.planning import Plan
 
 SCHEMA = "fricmodels/run/1"
 FILE = "run.json"
