@@ -15,7 +15,7 @@ from fricmodels.recording import SIGNAL_CHANNEL
 from fricmodels.term import Effect
 from fricmodels.weakform.candidate import NonlinearOptimum
 from fricmodels.weakform.problem import WeakFormProblem
-from fricmodels.weakform.regression import Evidence, Regression, benjamini_yekutieli, compare
+from fricmodels.weakform.regression import Evidence, Regression, compare
 from fricmodels.weakform.search import search
 from fricmodels.weakform.shifted import regression_of
 
@@ -104,6 +104,8 @@ def candidate_tests(
         also: columns that are taken to be in the model already, shape (k, rows).
         policy: decides how much noise a column may hold, and what passes.
     """
+    from scipy.stats import false_discovery_control
+
     model = problem.drive.model
     present = {effect.name for effect in model.effects}
     regression = regression_of(problem, parameters, also)
@@ -125,7 +127,7 @@ def candidate_tests(
         else:
             tested.append(outcome)
             rival = max(rival, outcome.evidence.explained * total)
-    adjusted = benjamini_yekutieli(np.array([t.p_value for t in tested]))
+    adjusted = false_discovery_control([t.p_value for t in tested], method="by")  # under any dependence
     ranked = [replace(t, adjusted=float(p)) for t, p in zip(tested, adjusted, strict=True)]
     ranked.sort(key=lambda t: float(np.sum(t.evidence.loss)))
     return CandidateTests(problem, regression, parameters, tuple(ranked), untested, policy)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -12,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fricmodels.drive import Drive
+from fricmodels.files import replaced
 from fricmodels.fit import Fit
 from fricmodels.recording import Recording
 
@@ -46,10 +46,8 @@ def _figure(path: Path, rows: int, columns: int, size: tuple[float, float], **sh
         figure: Figure = Figure(figsize=size, layout="constrained")
         axes = figure.subplots(rows, columns, squeeze=False, **shared)
         yield list(axes.ravel())
-        path.parent.mkdir(parents=True, exist_ok=True)
-        temporary = path.with_name(f".{path.name}")
-        figure.savefig(temporary, format="png", dpi=110, metadata={"Software": None})
-        os.replace(temporary, path)
+        with replaced(path) as beside:
+            figure.savefig(beside, format="png", dpi=110, metadata={"Software": None})
 
 
 def _curve(drive: Drive, values: Mapping[str, float], velocity: Array) -> Array:

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import json
-import os
-from collections.abc import Callable
 from pathlib import Path
 
 from fricmodels.dimension import Motion
 from fricmodels.errors import InputError
+from fricmodels.files import replaced, write_text
 from fricmodels.recording import Recording
 
 COLUMNS = {
@@ -52,21 +51,8 @@ def write(recording: Recording, out: str | Path) -> tuple[Path, Path]:
     if recording.run[-1] > 0:
         table["run"] = recording.run
     text = json.dumps(dict(recording.provenance), indent=2) + "\n"
-    _atomically(truth, lambda beside: beside.write_text(text, encoding="utf-8"))
-    if path.suffix == ".csv":
-        _atomically(path, lambda beside: table.to_csv(beside, index=False))
-    else:
-        _atomically(path, lambda beside: table.to_parquet(beside, index=False))
+    write_text(truth, text)
+    with replaced(path) as beside:
+        save = table.to_csv if path.suffix == ".csv" else table.to_parquet
+        save(beside, index=False)
     return path, truth
-
-
-def _atomically(path: Path, save: Callable[[Path], object]) -> None:
-    beside = path.with_name(f".{path.name}.{os.getpid()}.part")
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        save(beside)
-        os.replace(beside, path)
-    except OSError as error:
-        raise InputError(f"cannot write '{path}': {error.strerror or error}") from None
-    finally:
-        beside.unlink(missing_ok=True)

@@ -12,7 +12,7 @@ from typing import Any
 
 from fricmodels.display import Displayed
 from fricmodels.errors import InputError
-from fricmodels.tournament.files import write_text
+from fricmodels.files import write_text
 from fricmodels.tournament.jobs import Row
 
 SCHEMA = "fricmodels/leaderboard/1"

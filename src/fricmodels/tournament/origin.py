@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from fricmodels import plugins
 from fricmodels.errors import InputError
-from fricmodels.tournament.files import write_text
+from fricmodels.files import write_text
 from fricmodels.tournament.sources import Source
 
 if TYPE_CHECKING:
