@@ -25,7 +25,7 @@ class ModelExpression:
         width: the width of rest [velocity].
         torque: the friction torque τ_F.
         rates: column of d/dt of the states.
-        advanced: by index into the states, those that a term advances itself, a time ``step`` later; they depend on the
+        discrete_step: by index into the states, those that have a formula for a time ``step`` later; they depend on the
             signals, the states and the signals at the end of the step, ``later``.
         needs: the signals that the equations touch.
         required: those of them without which there is no torque: an optional one is zero where it was not recorded.
@@ -39,7 +39,7 @@ class ModelExpression:
     rates: Expression
     later: Mapping[str, Expression]
     step: Expression
-    advanced: Mapping[int, Expression]
+    discrete_step: Mapping[int, Expression]
     needs: frozenset[str]
     required: frozenset[str]
 
@@ -144,7 +144,7 @@ class Model:
 
         e = self.expression()
         symbols = casadi.vertsplit(e.parameters) if self.parameters else []
-        memory = casadi.vertcat(e.rates, *e.advanced.values())
+        memory = casadi.vertcat(e.rates, *e.discrete_step.values())
         slopes = [casadi.jacobian(e.torque, symbol) for symbol in symbols]
         linear = [
             slope.nnz() > 0 and not casadi.depends_on(slope, symbol) and not casadi.depends_on(memory, symbol)
@@ -186,7 +186,7 @@ def _build(terms: tuple[Term, ...], smooth: bool) -> ModelExpression:
     signals = {name: casadi.SX.sym(name) for name in SIGNALS}
     later = {name: casadi.SX.sym(f"later_{name}") for name in SIGNALS}
     width, step = casadi.SX.sym("width"), casadi.SX.sym("step")
-    advanced: dict[int, Any] = {}
+    discrete_step: dict[int, Any] = {}
     parameters: list[Any] = []
     states: list[Any] = []
     rates: list[Any] = []
@@ -206,10 +206,12 @@ def _build(terms: tuple[Term, ...], smooth: bool) -> ModelExpression:
                     raise InputError(f"'{term.name}' gives no rate for its state '{sorted(missing)[0]}'")
                 rates.extend(changes[symbol] for symbol in memory)
                 end = Signals(later, {})
-                following = term.advance(s, end, step, p)
+                following = term.discrete_step(s, end, step, p)
                 if following and set(following) != set(memory):
-                    raise InputError(f"'{term.name}' advances some of its states only; give all of them, or none")
-                advanced |= {len(states) + list(memory).index(symbol): x for symbol, x in following.items()}
+                    raise InputError(
+                        f"'{term.name}' has a discrete step for some of its states only; give all, or none"
+                    )
+                discrete_step |= {len(states) + list(memory).index(symbol): x for symbol, x in following.items()}
                 s.touched |= end.touched
             parameters.extend(own.values())
             states.extend(memory.values())
@@ -224,7 +226,7 @@ def _build(terms: tuple[Term, ...], smooth: bool) -> ModelExpression:
         casadi.vertcat(*rates),
         later,
         step,
-        advanced,
+        discrete_step,
         frozenset(touched),
         frozenset(required),
     )

@@ -136,7 +136,7 @@ class Term(ABC):
         """Return d/dt of each declared state, by symbol. Only terms with memory write this."""
         return {}
 
-    def advance(self, s: Signals, later: Signals, h: Expression, p: Parameters) -> Mapping[str, Expression]:
+    def discrete_step(self, s: Signals, later: Signals, h: Expression, p: Parameters) -> Mapping[str, Expression]:
         """Return every declared state a time ``h`` later, by symbol, where a formula is exact; else nothing.
 
         Only terms whose states switch write this (a contact that either sticks or slips): a step of finite length
@@ -148,11 +148,11 @@ class Term(ABC):
         """
         return {}
 
-    def recalled(self, past: Past, parameters: Mapping[str, float]) -> Mapping[str, NDArray[np.float64]]:
-        """Return every declared state at every sample of a recorded motion, by symbol; nothing to follow the rates.
+    def states_from_recording(self, past: Past, parameters: Mapping[str, float]) -> Mapping[str, NDArray[np.float64]]:
+        """Return every declared state at every sample of a recorded motion, by symbol; by default nothing.
 
-        Only terms write this whose rates stand for something that a recording holds as it was, such as the speed of a
-        while ago. Whoever does not know the past, a filter or a simulation, follows the rates.
+        Override it where the state can be computed directly from recorded signals, such as the speed of a while ago.
+        Filters and simulations, which do not have the recording, integrate the rates.
 
         Args:
             past: the motion, see :class:`fricmodels.past.Past`; parameters: values by symbol.

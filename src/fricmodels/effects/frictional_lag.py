@@ -76,7 +76,7 @@ class FrictionalLag(Effect):
         """Return the rates of the delay's states."""
         return {"x": s.v, "v": absolute(s.velocity) - 6 * s.v / p.T - 12 * s.x / p.T**2}
 
-    def recalled(self, past: Past, parameters: Mapping[str, float]) -> Mapping[str, NDArray[np.float64]]:
+    def states_from_recording(self, past: Past, parameters: Mapping[str, float]) -> Mapping[str, NDArray[np.float64]]:
         """Return the states at which u is the speed that was recorded a time T ago."""
         duration = parameters["T"]
         now, then = np.abs(past.now("velocity")), np.abs(past.ago("velocity", duration))
