@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
+from fricmodels.arrays import Array
 from fricmodels.display import Displayed
 
 
@@ -44,7 +44,7 @@ class Fit(Displayed):
     estimator: str
     dataset: str
     parameters: Mapping[str, float]
-    covariance: NDArray[np.float64]
+    covariance: Array
     estimated: tuple[str, ...]
     status: Status = Status.OK
     message: str = ""

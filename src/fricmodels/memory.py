@@ -9,14 +9,13 @@ from functools import lru_cache
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from fricmodels.arrays import Array, Index
 from fricmodels.kernels import Scan
 from fricmodels.model import Model
 from fricmodels.past import Past
 from fricmodels.term import SIGNALS, Term
-
-Array = NDArray[np.float64]
 
 _GAMMA = 1 - 1 / math.sqrt(2)
 
@@ -45,9 +44,7 @@ class Memory:
     Source: J. G. Verwer et al., "A second-order Rosenbrock method", SIAM J. Sci. Comput. 20 (1999).
     """
 
-    def __init__(
-        self, model: Model, signals: Mapping[str, ArrayLike], time: Array, run: NDArray[np.int64], width: float
-    ) -> None:
+    def __init__(self, model: Model, signals: Mapping[str, ArrayLike], time: Array, run: Index, width: float) -> None:
         self._scan, self._width = _scan(model), width
         self._first = [state.initial for state in model.states]
         needed = _needed(model)

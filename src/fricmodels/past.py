@@ -6,9 +6,9 @@ import itertools
 from collections.abc import Mapping
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-Array = NDArray[np.float64]
+from fricmodels.arrays import Array
 
 
 class Past:

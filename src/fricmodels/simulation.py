@@ -20,15 +20,15 @@ from typing import Any, Literal, TypeAlias
 from weakref import WeakKeyDictionary
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from fricmodels.arrays import Array
 from fricmodels.drive import Drive
 from fricmodels.errors import InputError
 from fricmodels.kernels import Scan
 from fricmodels.recording import Recording
 from fricmodels.term import SIGNALS
 
-Array: TypeAlias = NDArray[np.float64]
 Between: TypeAlias = Literal["linear", "held"]
 
 _MOTION = ("velocity", "position", "acceleration")

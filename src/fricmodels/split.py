@@ -6,13 +6,11 @@ from dataclasses import replace
 from typing import Annotated, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict, Field, NonNegativeInt, PositiveFloat, PositiveInt, model_validator
 
+from fricmodels.arrays import Array, Mask
 from fricmodels.errors import InputError
 from fricmodels.recording import Recording
-
-Mask = NDArray[np.bool_]
 
 _ENOUGH_RUNS = 4
 """With so many runs whole ones are kept back: a cut within one would leave too short pieces."""
@@ -130,7 +128,7 @@ def _runs(recording: Recording, how: Split) -> Mask:
     return np.isin(recording.run, wanted)
 
 
-def _elapsed(recording: Recording) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _elapsed(recording: Recording) -> tuple[Array, Array]:
     """Return the time since the start of the run, and the duration of the run, of each sample."""
     numbers, inverse = np.unique(recording.run, return_inverse=True)
     start, stop = np.full(len(numbers), np.inf), np.full(len(numbers), -np.inf)
@@ -192,7 +190,7 @@ def period(recording: Recording) -> float:
     return float((peak + shift) * even.interval)
 
 
-def _autocorrelation(values: NDArray[np.float64]) -> NDArray[np.float64]:
+def _autocorrelation(values: Array) -> Array:
     """Return the correlation of a signal with itself at lags up to half its length, normalised on the overlap."""
     from scipy.signal import fftconvolve
 

@@ -20,8 +20,9 @@ from types import ModuleType
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from fricmodels.arrays import Array
 from fricmodels.errors import InputError
 from fricmodels.files import write_text
 from fricmodels.kernels.branches import Operation, written
@@ -62,8 +63,8 @@ class Scan:
         constants: ArrayLike,
         *,
         stride: int = 1,
-        outputs: NDArray[np.float64] | None = None,
-    ) -> tuple[NDArray[np.float64], NDArray[np.float64], int]:
+        outputs: Array | None = None,
+    ) -> tuple[Array, Array, int]:
         """Run over the rows of ``inputs``, shape (N, m).
 
         With ``stride`` k only every k-th output is kept: row i is the output of step ``i k + k − 1``. They are

@@ -13,8 +13,8 @@ from functools import lru_cache
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fricmodels.arrays import Array
 from fricmodels.dimension import Motion
 from fricmodels.errors import InputError
 from fricmodels.recording import CHANNELS
@@ -30,7 +30,7 @@ class Conversion:
     factor: float
     offset: float
 
-    def __call__(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
+    def __call__(self, values: Array) -> Array:
         """Convert an array."""
         if self.factor == 1.0 and self.offset == 0.0:
             return values

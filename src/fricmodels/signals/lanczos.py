@@ -15,9 +15,9 @@ from __future__ import annotations
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
-from fricmodels.signals.segments import Array, Runs, is_even, stretches
+from fricmodels.arrays import Array, Index
+from fricmodels.signals.segments import Runs, is_even, stretches
 
 DEGREE = 2
 _BLOCK = 1 << 22
@@ -83,7 +83,7 @@ def even_weights(half_width: int, degree: int = DEGREE) -> tuple[Array, Array]:
     return value, slope
 
 
-def _fit_windows(time: Array, values: Array, size: int, degree: int, at: NDArray[np.int64]) -> tuple[Array, Array]:
+def _fit_windows(time: Array, values: Array, size: int, degree: int, at: Index) -> tuple[Array, Array]:
     """Fit at the samples ``at`` by normal equations, each window scaled to [−1, 1] about its sample."""
     smooth, slope = np.empty(len(at)), np.empty(len(at))
     rows = max(1, _BLOCK // size)

@@ -8,10 +8,11 @@ from typing import Any
 
 import numpy as np
 
+from fricmodels.arrays import Array
 from fricmodels.errors import FricmodelsError
 from fricmodels.term import SIGNALS, Effect, Term
 from fricmodels.testing.faults import Fault, SkipTest
-from fricmodels.testing.subject import VELOCITY_PLACE, Array, Subject, at_bounds, written_anew
+from fricmodels.testing.subject import VELOCITY_PLACE, Subject, at_bounds, written_anew
 
 _NAME = re.compile(r"[a-z][a-z0-9]*(-[a-z0-9]+)*")
 _AT_REST = (0.0, -0.0, 1e-300, -1e-300, 1e-9, -1e-9)
