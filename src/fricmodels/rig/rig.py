@@ -154,10 +154,6 @@ class Rig(BaseModel):
 
     # ---- variations -----------------------------------------------------------------------------------------------
 
-    def without_effects(self) -> Rig:
-        """Return the same rig with nothing hidden."""
-        return self.model_copy(update={"effects": ()})
-
     def with_strength(self, factor: float) -> Rig:
         """Return the same rig with every hidden effect stronger by ``factor``."""
         return self.model_copy(update={"effects": tuple(effect.scaled(factor) for effect in self.effects)})

@@ -5,32 +5,10 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
-from fricmodels.dimension import Motion
 from fricmodels.errors import InputError
 from fricmodels.files import replaced, write_text
+from fricmodels.readers.columns import STANDARD
 from fricmodels.recording import Recording
-
-COLUMNS = {
-    Motion.ROTARY: {
-        "time": "time_s",
-        "torque": "torque_Nm",
-        "velocity": "velocity_rad_s",
-        "position": "position_rad",
-        "acceleration": "acceleration_rad_s2",
-        "load_torque": "load_torque_Nm",
-        "temperature": "temperature_degC",
-    },
-    Motion.LINEAR: {
-        "time": "time_s",
-        "torque": "force_N",
-        "velocity": "velocity_m_s",
-        "position": "position_m",
-        "acceleration": "acceleration_m_s2",
-        "load_torque": "load_force_N",
-        "temperature": "temperature_degC",
-    },
-}
-"""Standard columns of recordings on disk."""
 
 
 def write(recording: Recording, out: str | Path) -> tuple[Path, Path]:
@@ -47,7 +25,7 @@ def write(recording: Recording, out: str | Path) -> tuple[Path, Path]:
     if path.suffix not in (".csv", ".parquet"):
         raise InputError(f"cannot write '{path}': the name must end in .csv or .parquet")
     truth = path.with_suffix(".truth.json")
-    table = pd.DataFrame({COLUMNS[recording.motion][name]: values for name, values in recording.channels.items()})
+    table = pd.DataFrame({STANDARD[recording.motion][name]: values for name, values in recording.channels.items()})
     if recording.run[-1] > 0:
         table["run"] = recording.run
     text = json.dumps(dict(recording.provenance), indent=2) + "\n"
