@@ -9,13 +9,13 @@ import numpy as np
 import pytest
 
 from estimators.batch import Batch
-from estimators.batch.separable import separable
 from fricmodels.dimension import Motion
 from fricmodels.drive import Drive
 from fricmodels.model import Model
 from fricmodels.parameter import Parameter, State
 from fricmodels.recording import Recording
 from fricmodels.term import Effect, Law, Parameters, Signals
+from fricmodels.weakform.separable import separable
 
 Torque = Callable[[Signals, Parameters], Any]
 

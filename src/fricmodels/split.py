@@ -8,7 +8,7 @@ from typing import Annotated, Literal
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, NonNegativeInt, PositiveFloat, PositiveInt, model_validator
 
-from fricmodels.arrays import Array, Mask
+from fricmodels.arrays import Array, Index, Mask
 from fricmodels.errors import InputError
 from fricmodels.recording import Recording
 
@@ -101,7 +101,7 @@ def _spread(recording: Recording, how: Split) -> Mask:
     return np.asarray(np.isin(recording.run, numbers[_spread_over(len(numbers), how.fraction)]))
 
 
-def _spread_over(count: int, fraction: float) -> NDArray[np.int64]:
+def _spread_over(count: int, fraction: float) -> Index:
     """Return the places of a share of so many, at even distances."""
     chosen = min(max(1, round(fraction * count)), count - 1)
     return np.unique(((np.arange(chosen) + 0.5) * count / chosen).astype(np.int64))
