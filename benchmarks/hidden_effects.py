@@ -157,10 +157,10 @@ def main() -> None:
     print("\n".join(lines))
     if arguments.report:
         command = " ".join(["python benchmarks/hidden_effects.py", *(a for a in sys.argv[1:] if a != "--report")])
+        from fricmodels.files import write_text
+
         page = ROOT / "docs" / "hidden_effects.md"
-        beside = page.with_suffix(".md.part")
-        beside.write_text(report(lines, command, page), encoding="utf-8")
-        os.replace(beside, page)
+        write_text(page, report(lines, command, page))
 
 
 if __name__ == "__main__":

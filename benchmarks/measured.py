@@ -11,11 +11,12 @@ from __future__ import annotations
 import argparse
 import datetime
 import importlib
-import os
 import re
 import time
 from collections.abc import Mapping
 from pathlib import Path
+
+from fricmodels.files import write_text
 
 ROOT = Path(__file__).parent.parent
 DATA = ROOT.parent / "shared" / "data"
@@ -53,10 +54,7 @@ def write(name: str) -> None:
     stamp = f"*Made by {command} on {today}; every number is from that run unless it is called published.*"
     template = (Path(__file__).parent / "measured" / f"{name}.md").read_text(encoding="utf-8")
     page = ROOT / "docs" / "measured" / f"{name}.md"
-    page.parent.mkdir(parents=True, exist_ok=True)
-    temporary = page.with_suffix(".md.tmp")
-    temporary.write_text(fill(template, {**parts, "made": stamp}), encoding="utf-8")
-    os.replace(temporary, page)
+    write_text(page, fill(template, {**parts, "made": stamp}))
     say(f"wrote {page.relative_to(ROOT)}")
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import os
 import time
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
@@ -13,6 +12,7 @@ import numpy as np
 
 from fricmodels import plugins
 from fricmodels.drive import Drive
+from fricmodels.files import write_text
 from fricmodels.fit import Fit
 from fricmodels.model import Model
 from fricmodels.recording import Recording
@@ -346,9 +346,7 @@ def main() -> None:
     for name, text in sections.items():
         page = page.replace("{{" + name + "}}", text)
     target = arguments.docs / "paper.md"
-    temporary = target.with_name(f".{target.name}")
-    temporary.write_text(page, encoding="utf-8")
-    os.replace(temporary, target)
+    write_text(target, page)
     print(f"written to {target}")
 
 

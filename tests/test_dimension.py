@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from fractions import Fraction
+from typing import Any
 
+import pint
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from fricmodels import plugins
 from fricmodels.dimension import (
     ACCELERATION,
     DIMENSIONLESS,
@@ -23,6 +26,7 @@ from fricmodels.dimension import (
     parse_unit,
 )
 from fricmodels.errors import InputError
+from fricmodels.term import Term
 
 VISCOUS = FORCE * VELOCITY**-1
 
@@ -133,3 +137,16 @@ def test_the_papers_normalisation_makes_the_inertia_one() -> None:
     assert 1e-4 / paper.of(VISCOUS) == pytest.approx(1e-4 / (J * omega), rel=1e-12)
     assert 1e-2 / paper.of(FORCE) == pytest.approx(1e-2 / (J * omega**2), rel=1e-12)
     assert 0.5 / paper.of(VELOCITY**-1) == pytest.approx(0.5 * omega, rel=1e-12)
+
+
+def test_declared_units_mean_to_pint_what_they_mean_here() -> None:
+    """Pint leaves the angle out of a dimension; force, time and temperature must agree."""
+    registry: Any = pint.UnitRegistry()
+    registered = plugins.load()
+    terms: list[type[Term]] = [kind[name] for kind in (registered.laws, registered.effects) for name in kind]
+    declared = {part.unit for term in terms for part in (*term.parameters, *term.states)}
+    assert len(declared) > 10
+    for unit in declared:
+        d = parse_unit(unit)
+        here = registry.Unit("N m") ** float(d.force) * registry.s ** float(d.time) * registry.K ** float(d.temperature)
+        assert dict(here.dimensionality) == pytest.approx(dict(registry.parse_units(unit).dimensionality)), unit

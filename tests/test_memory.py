@@ -235,7 +235,7 @@ class SpringAndSlider(Effect):
     def rates(self, s: Any, p: Any) -> Mapping[str, Any]:
         return {"z": where(sign(s.velocity) * s.z >= 1, 0, s.velocity / p.x_s)}
 
-    def advance(self, s: Any, later: Any, h: Any, p: Any) -> Mapping[str, Any]:
+    def discrete_step(self, s: Any, later: Any, h: Any, p: Any) -> Mapping[str, Any]:
         return {"z": maximum(-1, minimum(1, s.z + h * (s.velocity + later.velocity) / 2 / p.x_s))}
 
 

@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.signal import savgol_filter
 
 from fricmodels.dimension import Motion, Scales
 from fricmodels.errors import InputError
@@ -67,6 +68,17 @@ def test_polynomials_are_exact_up_to_the_degree(time, degree):
 def test_a_sine(time):
     _, slope = lanczos_derivative(time, np.sin(2 * time), 3, degree=3)
     np.testing.assert_allclose(slope, 2 * np.cos(2 * time), atol=2e-3)
+
+
+@pytest.mark.parametrize("degree", [2, 3])
+@pytest.mark.parametrize("half_width", [3, 20, 60])
+def test_on_an_even_grid_it_is_the_filter_of_savitzky_and_golay(half_width, degree):
+    step = 1e-3
+    values = 1e3 + np.cumsum(np.random.default_rng(0).standard_normal(1000))
+    smooth, slope = lanczos_derivative(step * np.arange(1000), values, half_width, degree=degree)
+    np.testing.assert_allclose(smooth, savgol_filter(values, 2 * half_width + 1, degree), atol=1e-8)
+    expected = savgol_filter(values, 2 * half_width + 1, degree, deriv=1, delta=step)
+    np.testing.assert_allclose(slope, expected, atol=1e-9 * np.max(np.abs(expected)))
 
 
 def test_even_and_uneven_ways_agree():

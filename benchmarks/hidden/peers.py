@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from fricmodels.recording import Recording
 from fricmodels.rig import Rig
-from fricmodels.signals import lanczos_derivative, resting
+from fricmodels.signals import best_half_width, lanczos_derivative, resting
 
 Array = NDArray[np.float64]
 LEVEL = 0.01
@@ -34,7 +34,7 @@ def first_named(rig: Rig, recording: Recording) -> dict[str, str]:
 def rows(rig: Rig, recording: Recording) -> tuple[Array, Array, list[tuple[str, Array]]]:
     """Return the torque less inertia and load torque, the base law's columns, and the library."""
     t, tau, load = recording.time, recording.torque, recording.load_torque
-    omega, alpha = lanczos_derivative(t, recording.velocity)
+    omega, alpha = _derivative(t, recording.velocity)
     moving = ~resting(recording)
     s = np.sign(omega)
     base = [s, omega]
@@ -105,20 +105,24 @@ def _residual(values: Array, columns: Array) -> Array:
     return np.asarray(values - np.linalg.lstsq(columns.T, values, rcond=1e-10)[0] @ columns)
 
 
+def _derivative(time: Array, values: Array) -> tuple[Array, Array]:
+    return lanczos_derivative(time, values, best_half_width(time, values))
+
+
 def _library(
     recording: Recording, omega: Array, alpha: Array, left: Array, moving: NDArray[np.bool_]
 ) -> list[tuple[str, Array]]:
     t, tau, load = recording.time, recording.torque, recording.load_torque
     s, speed = np.sign(omega), np.abs(omega)
     top = float(np.quantile(speed, 0.95))
-    torque_rate = lanczos_derivative(t, tau)[1]
-    jerk = lanczos_derivative(t, alpha)[1]
+    torque_rate = _derivative(t, tau)[1]
+    jerk = _derivative(t, alpha)[1]
     late = (t - t[0]) / (t[-1] - t[0])
     named = [("torque-offset", np.ones_like(s)), ("asymmetry", speed), ("torque-gain", tau), ("inertia-error", alpha)]
     named += [("stribeck", s * np.exp(-((speed / (x * top)) ** n))) for x in (0.05, 0.1, 0.2) for n in (1, 2)]
     named += [("nonlinear-viscous", s * speed**p) for p in (0.5, 2 / 3, 2.0, 3.0)]
     named += [("frictional-lag", alpha * np.exp(-speed / (x * top))) for x in (0.05, 0.1, 0.2)]
-    named += [("sensor-delay", torque_rate), ("joint-compliance", lanczos_derivative(t, jerk)[1])]
+    named += [("sensor-delay", torque_rate), ("joint-compliance", _derivative(t, jerk)[1])]
     named += [("drift", late * omega), ("drift", late * s)]
     named += [("step-change", s * (late > x)) for x in np.arange(1, 10) / 10]
     if np.any(load):

@@ -11,12 +11,14 @@ from __future__ import annotations
 import importlib
 from typing import TYPE_CHECKING, Any
 
+from fricmodels.display import Displayed
 from fricmodels.hookspecs import hookimpl
 
 if TYPE_CHECKING:
     from fricmodels.diagnosis.comparison import compare
     from fricmodels.diagnosis.diagnose import diagnose
     from fricmodels.diagnosis.ladder import improve
+    from fricmodels.display import Display
     from fricmodels.drive import Drive
     from fricmodels.estimator import Estimator
     from fricmodels.fit import Fit
@@ -30,20 +32,20 @@ if TYPE_CHECKING:
 __version__ = "0.1.0"
 
 _HOMES = {
-    "Drive": "drive",
-    "Effect": "term",
-    "Estimator": "estimator",
-    "Fit": "fit",
-    "Law": "term",
-    "Model": "model",
-    "Parameter": "parameter",
-    "Recording": "recording",
-    "State": "parameter",
-    "compare": "diagnosis",
-    "diagnose": "diagnosis",
-    "improve": "diagnosis",
-    "read": "readers",
-    "run": "tournament",
+    "Drive": "fricmodels.drive",
+    "Effect": "fricmodels.term",
+    "Estimator": "fricmodels.estimator",
+    "Fit": "fricmodels.fit",
+    "Law": "fricmodels.term",
+    "Model": "fricmodels.model",
+    "Parameter": "fricmodels.parameter",
+    "Recording": "fricmodels.recording",
+    "State": "fricmodels.parameter",
+    "compare": "fricmodels.diagnosis",
+    "diagnose": "fricmodels.diagnosis",
+    "improve": "fricmodels.diagnosis",
+    "read": "fricmodels.readers",
+    "run": "fricmodels.tournament",
 }
 
 __all__ = [
@@ -65,7 +67,16 @@ __all__ = [
 ]
 
 
+def _display() -> Display:
+    from fricmodels import notebook
+
+    return notebook
+
+
+Displayed.display = _display
+
+
 def __getattr__(name: str) -> Any:
     if name in _HOMES:
-        return getattr(importlib.import_module(f"fricmodels.{_HOMES[name]}"), name)
+        return getattr(importlib.import_module(_HOMES[name]), name)
     raise AttributeError(f"module 'fricmodels' has no attribute '{name}'")

@@ -6,8 +6,8 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fricmodels.arrays import Array, Index
 from fricmodels.dimension import Motion
 from fricmodels.recording import Recording
 from fricmodels.signals.noise_level import noise, quantum
@@ -145,7 +145,7 @@ def _visible_step(recording: Recording, channel: str) -> float | None:
     return step if step > noise(recording.time, recording[channel], recording.run) else None
 
 
-def saturation(values: NDArray[np.float64]) -> float:
+def saturation(values: Array) -> float:
     """Return the share of samples at the signal's upper or lower limit.
 
     A limit shows as samples piled up on the extreme value itself: more than three times what a smooth signal, whose
@@ -166,7 +166,7 @@ def saturation(values: NDArray[np.float64]) -> float:
     return piled / len(values)
 
 
-def reversals(velocity: NDArray[np.float64], band: float, run: NDArray[np.int64]) -> int:
+def reversals(velocity: Array, band: float, run: Index) -> int:
     """Count changes of direction: from beyond the band about zero on one side to beyond it on the other."""
     sure = np.abs(velocity) > band
     direction, number = np.sign(velocity[sure]), run[sure]

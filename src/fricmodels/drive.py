@@ -9,8 +9,8 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fricmodels.arrays import Array
 from fricmodels.dimension import INERTIA, Dimension, Motion, Scales
 from fricmodels.errors import InputError
 from fricmodels.kernels import ArrayFunction
@@ -21,8 +21,6 @@ from fricmodels.term import SIGNALS
 
 if TYPE_CHECKING:
     from fricmodels.memory import Memory
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -6,10 +6,9 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from typing import Any, ClassVar
 
-import numpy as np
-from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict
 
+from fricmodels.arrays import Array
 from fricmodels.drive import Drive
 from fricmodels.fit import Fit
 from fricmodels.recording import Recording
@@ -66,5 +65,5 @@ class OnlineFilter(ABC):
 
     @property
     @abstractmethod
-    def covariance(self) -> NDArray[np.float64]:
+    def covariance(self) -> Array:
         """The filter's own covariance of the estimated parameters; overconfident when the law is wrong."""

@@ -9,9 +9,9 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
-from fricmodels.shown import Shown
+from fricmodels.arrays import Array
+from fricmodels.display import Displayed
 
 
 class Status(StrEnum):
@@ -25,7 +25,7 @@ class Status(StrEnum):
 
 
 @dataclass(frozen=True, repr=False)
-class Fit(Shown):
+class Fit(Displayed):
     """Estimated parameters of a drive, in SI units.
 
     Attributes:
@@ -44,7 +44,7 @@ class Fit(Shown):
     estimator: str
     dataset: str
     parameters: Mapping[str, float]
-    covariance: NDArray[np.float64]
+    covariance: Array
     estimated: tuple[str, ...]
     status: Status = Status.OK
     message: str = ""

@@ -12,34 +12,27 @@ implementations::
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import pluggy
-
-if TYPE_CHECKING:
-    from fricmodels.estimator import Estimator
-    from fricmodels.readers.base import Reader
-    from fricmodels.term import Effect, Law
 
 hookspec = pluggy.HookspecMarker("fricmodels")
 hookimpl = pluggy.HookimplMarker("fricmodels")
 
 
 @hookspec
-def fricmodels_laws() -> list[type[Law]]:  # type: ignore[empty-body]
-    """Return friction laws."""
+def fricmodels_laws() -> list[type]:  # type: ignore[empty-body]
+    """Return friction laws: subclasses of :class:`fricmodels.Law`."""
 
 
 @hookspec
-def fricmodels_effects() -> list[type[Effect]]:  # type: ignore[empty-body]
-    """Return effects that can be added to a law."""
+def fricmodels_effects() -> list[type]:  # type: ignore[empty-body]
+    """Return effects that can be added to a law: subclasses of :class:`fricmodels.Effect`."""
 
 
 @hookspec
-def fricmodels_estimators() -> list[type[Estimator]]:  # type: ignore[empty-body]
-    """Return estimators."""
+def fricmodels_estimators() -> list[type]:  # type: ignore[empty-body]
+    """Return estimators: subclasses of :class:`fricmodels.Estimator`."""
 
 
 @hookspec
-def fricmodels_readers() -> list[type[Reader]]:  # type: ignore[empty-body]
-    """Return readers of recordings."""
+def fricmodels_readers() -> list[type]:  # type: ignore[empty-body]
+    """Return readers of recordings: subclasses of :class:`fricmodels.readers.base.Reader`."""

@@ -9,41 +9,15 @@ from functools import lru_cache
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from fricmodels.arrays import Array, Index
 from fricmodels.kernels import Scan
 from fricmodels.model import Model
+from fricmodels.past import Past
 from fricmodels.term import SIGNALS, Term
 
-Array = NDArray[np.float64]
-
 _GAMMA = 1 - 1 / math.sqrt(2)
-
-
-class Past:
-    """A recorded motion as a term sees it that looks back: ``past.now("velocity")``, ``past.ago("velocity", 0.01)``.
-
-    Args:
-        signals: value or array of shape (N,) of each signal.
-        time: sample times [s].
-        edges: index of the first sample of every run, and N.
-    """
-
-    def __init__(self, signals: Mapping[str, ArrayLike], time: Array, edges: list[int]) -> None:
-        self._signals, self._time, self._edges = signals, time, edges
-
-    def now(self, name: str) -> Array:
-        """Return a signal, shape (N,)."""
-        return np.broadcast_to(np.asarray(self._signals[name], dtype=float), self._time.shape)
-
-    def ago(self, name: str, duration: float) -> Array:
-        """Return a signal as it was a time before, shape (N,); before a run began, as it was at its beginning."""
-        values, time = self.now(name), self._time
-        there = np.empty(len(time))
-        for begin, end in itertools.pairwise(self._edges):
-            own = slice(begin, end)
-            there[own] = np.interp(time[own] - duration, time[own], values[own])
-        return there
 
 
 class Memory:
@@ -57,9 +31,9 @@ class Memory:
         (I - \gamma h F) k_2 &= f(z_n + h k_1, t_{n+1}) - 2 k_1 - \gamma\,[f(z_n, t_{n+1}) - f(z_n, t_n)] \\
         z_{n+1} &= z_n + \tfrac h2 (3 k_1 + k_2), \qquad \gamma = 1 - 1/\sqrt2
 
-    which is L-stable: a contact that bends within less than a sample settles at once instead of ringing. States that a
-    term advances itself (:meth:`fricmodels.term.Term.advance`) follow its formula, and those that it finds in the
-    recording (:meth:`fricmodels.term.Term.recalled`) are what it found.
+    which is L-stable: a contact that bends within less than a sample settles at once instead of ringing. States
+    with a :meth:`fricmodels.term.Term.discrete_step` follow its formula, and those that a term computes from the
+    recording (:meth:`fricmodels.term.Term.states_from_recording`) are what it computed.
 
     Args:
         model: the model with memory.
@@ -70,9 +44,7 @@ class Memory:
     Source: J. G. Verwer et al., "A second-order Rosenbrock method", SIAM J. Sci. Comput. 20 (1999).
     """
 
-    def __init__(
-        self, model: Model, signals: Mapping[str, ArrayLike], time: Array, run: NDArray[np.int64], width: float
-    ) -> None:
+    def __init__(self, model: Model, signals: Mapping[str, ArrayLike], time: Array, run: Index, width: float) -> None:
         self._scan, self._width = _scan(model), width
         self._first = [state.initial for state in model.states]
         needed = _needed(model)
@@ -83,7 +55,7 @@ class Memory:
             self._rows[:, i], self._rows[:, i + len(needed)] = values[:-1], values[1:]
         self._edges = [0, *(np.flatnonzero(np.diff(run)) + 1).tolist(), len(time)]
         self._past = Past(signals, time, self._edges)
-        self._recalling = list(_recalling(model))
+        self._from_recording = list(_from_recording(model))
 
     def __call__(self, parameters: ArrayLike) -> tuple[Array, ...]:
         """Return each state at every sample, one array of shape (N,) for each.
@@ -93,25 +65,25 @@ class Memory:
         """
         states = np.empty((self._edges[-1], len(self._first)))
         values = np.asarray(parameters, dtype=float)
-        if sum(len(term.states) for term, _, _ in self._recalling) < len(self._first):
+        if sum(len(term.states) for term, _, _ in self._from_recording) < len(self._first):
             constants = [*values, self._width]
             for begin, end in itertools.pairwise(self._edges):
                 states[begin] = self._first
                 self._scan(self._first, self._rows[begin : end - 1], constants, outputs=states[begin + 1 : end])
-        for term, first_parameter, first_state in self._recalling:
+        for term, first_parameter, first_state in self._from_recording:
             symbols = [p.symbol for p in term.parameters]
             own = values[first_parameter : first_parameter + len(symbols)].tolist()
-            found = term.recalled(self._past, dict(zip(symbols, own, strict=True)))
+            found = term.states_from_recording(self._past, dict(zip(symbols, own, strict=True)))
             for i, state in enumerate(term.states, start=first_state):
                 states[:, i] = found[state.symbol]
         return tuple(states.T)
 
 
-def _recalling(model: Model) -> Iterator[tuple[Term, int, int]]:
+def _from_recording(model: Model) -> Iterator[tuple[Term, int, int]]:
     """Yield the terms that find their states in a recording, with the index of their first parameter and state."""
     parameter = state = 0
     for term in model.terms:
-        if type(term).recalled is not Term.recalled:
+        if type(term).states_from_recording is not Term.states_from_recording:
             yield term, parameter, state
         parameter, state = parameter + len(term.parameters), state + len(term.states)
 
@@ -133,7 +105,7 @@ def _scan(model: Model) -> Scan:
         return casadi.substitute(expression, casadi.vertcat(e.states, signals), casadi.vertcat(states, ends))
 
     following = casadi.SX(e.states)
-    integrated = [i for i in range(e.states.numel()) if i not in e.advanced]
+    integrated = [i for i in range(e.states.numel()) if i not in e.discrete_step]
     if integrated:
         states, rates = e.states[integrated], e.rates[integrated]
         before, after = at(rates, e.states, begin), at(rates, e.states, end)
@@ -147,7 +119,7 @@ def _scan(model: Model) -> Scan:
         k2 = casadi.solve(matrix, at(rates, moved, end) - 2 * k1 - change)
         following[integrated] = states + h / 2 * (3 * k1 + k2)
     given = casadi.vertcat(signals, *(e.later[name] for name in _needed(model)), e.step)
-    for i, expression in e.advanced.items():
+    for i, expression in e.discrete_step.items():
         following[i] = casadi.substitute(expression, given, casadi.vertcat(begin, end, h))
     slope = casadi.jacobian(following, e.states)
     if not casadi.depends_on(slope, e.states):  # all but a product and a sum can then be done ahead of the states

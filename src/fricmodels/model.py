@@ -25,8 +25,10 @@ class ModelExpression:
         width: the width of rest [velocity].
         torque: the friction torque τ_F.
         rates: column of d/dt of the states.
-        advanced: by index into the states, those that a term advances itself, a time ``step`` later; they depend on the
+        discrete_step: by index into the states, those that have a formula for a time ``step`` later; they depend on the
             signals, the states and the signals at the end of the step, ``later``.
+        needs: the signals that the equations touch.
+        required: those of them without which there is no torque: an optional one is zero where it was not recorded.
     """
 
     signals: Mapping[str, Expression]
@@ -37,7 +39,9 @@ class ModelExpression:
     rates: Expression
     later: Mapping[str, Expression]
     step: Expression
-    advanced: Mapping[int, Expression]
+    discrete_step: Mapping[int, Expression]
+    needs: frozenset[str]
+    required: frozenset[str]
 
 
 @dataclass(frozen=True)
@@ -50,7 +54,10 @@ class ModelParameter:
 
 
 class Model:
-    """A law and the effects added to it: ``asymmetric-coulomb-viscous+cogging+stribeck``."""
+    """A law and the effects added to it: ``asymmetric-coulomb-viscous+cogging+stribeck``.
+
+    Models are equal when their terms are, see :class:`fricmodels.term.Term`; their names alone do not make them so.
+    """
 
     def __init__(self, law: Law, effects: Sequence[Effect] = ()) -> None:
         names = [effect.name for effect in effects]
@@ -98,7 +105,7 @@ class Model:
         """All parameters, the law's first."""
         return tuple(
             ModelParameter(prefix + p.symbol, p, prefix + p.at_least if p.at_least else None)
-            for term, prefix in self._prefixed()
+            for term, prefix in _prefixed(self.terms)
             for p in term.parameters
         )
 
@@ -112,71 +119,19 @@ class Model:
         """All internal states, the law's first."""
         return tuple(state for term in self.terms for state in term.states)
 
-    def _prefixed(self) -> list[tuple[Term, str]]:
-        return [(self.law, ""), *((effect, f"{effect.name}.") for effect in self.effects)]
-
     @cached_property
     def needs(self) -> frozenset[str]:
         """The signals that the model's equations touch."""
-        return self._build(smooth=False)[1]
+        return self.expression().needs
 
     @cached_property
     def required(self) -> frozenset[str]:
-        """Those of them without which there is no torque: what is optional is zero where it was not recorded."""
-        return self._build(smooth=False)[2]
+        """Those of them without which there is no torque."""
+        return self.expression().required
 
     def expression(self, *, smooth: bool = False) -> ModelExpression:
-        """Build the friction torque; ``smooth`` replaces sgn by tanh of the expression's width."""
-        return self._build(smooth=smooth)[0]
-
-    @lru_cache(maxsize=4)  # noqa: B019 - models are few and short-lived
-    def _build(self, *, smooth: bool) -> tuple[ModelExpression, frozenset[str], frozenset[str]]:
-        import casadi
-
-        signals = {name: casadi.SX.sym(name) for name in SIGNALS}
-        later = {name: casadi.SX.sym(f"later_{name}") for name in SIGNALS}
-        width, step = casadi.SX.sym("width"), casadi.SX.sym("step")
-        advanced: dict[int, Any] = {}
-        parameters: list[Any] = []
-        states: list[Any] = []
-        rates: list[Any] = []
-        torque = casadi.SX(0)
-        touched: set[str] = set()
-        required: set[str] = set()
-        with rest_treatment(width, smooth=smooth):
-            for term, prefix in self._prefixed():
-                own = {p.symbol: casadi.SX.sym(prefix + p.symbol) for p in term.parameters}
-                memory = {z.symbol: casadi.SX.sym(prefix + z.symbol) for z in term.states}
-                s, p = Signals(signals, memory), Parameters(own)
-                torque = torque + term.torque(s, p)
-                if memory:
-                    changes = term.rates(s, p)
-                    missing = set(memory) - set(changes)
-                    if missing:
-                        raise InputError(f"'{term.name}' gives no rate for its state '{sorted(missing)[0]}'")
-                    rates.extend(changes[symbol] for symbol in memory)
-                    end = Signals(later, {})
-                    following = term.advance(s, end, step, p)
-                    if following and set(following) != set(memory):
-                        raise InputError(f"'{term.name}' advances some of its states only; give all of them, or none")
-                    advanced |= {len(states) + list(memory).index(symbol): x for symbol, x in following.items()}
-                    s.touched |= end.touched
-                parameters.extend(own.values())
-                states.extend(memory.values())
-                touched |= s.touched
-                required |= s.touched - term.optional
-        built = ModelExpression(
-            signals,
-            casadi.vertcat(*parameters),
-            casadi.vertcat(*states),
-            width,
-            torque,
-            casadi.vertcat(*rates),
-            later,
-            step,
-            advanced,
-        )
-        return built, frozenset(touched), frozenset(required)
+        """Return the friction torque; ``smooth`` replaces sgn by tanh of the expression's width."""
+        return _build(self.terms, smooth)
 
     @cached_property
     def linear(self) -> tuple[bool, ...]:
@@ -189,7 +144,7 @@ class Model:
 
         e = self.expression()
         symbols = casadi.vertsplit(e.parameters) if self.parameters else []
-        memory = casadi.vertcat(e.rates, *e.advanced.values())
+        memory = casadi.vertcat(e.rates, *e.discrete_step.values())
         slopes = [casadi.jacobian(e.torque, symbol) for symbol in symbols]
         linear = [
             slope.nnz() > 0 and not casadi.depends_on(slope, symbol) and not casadi.depends_on(memory, symbol)
@@ -209,10 +164,69 @@ class Model:
             linear[worst] = False
 
     def __eq__(self, other: object) -> bool:
-        return isinstance(other, Model) and other.name == self.name
+        return isinstance(other, Model) and other.terms == self.terms
 
     def __hash__(self) -> int:
-        return hash(self.name)
+        return hash(self.terms)
 
     def __repr__(self) -> str:
         return f"<Model '{self.name}'>"
+
+
+def _prefixed(terms: tuple[Term, ...]) -> list[tuple[Term, str]]:
+    law, *effects = terms
+    return [(law, ""), *((effect, f"{effect.name}.") for effect in effects)]
+
+
+@lru_cache(maxsize=128)
+def _build(terms: tuple[Term, ...], smooth: bool) -> ModelExpression:
+    """Build the torque of a model; equal models share it, and with it all that is compiled from it."""
+    import casadi
+
+    signals = {name: casadi.SX.sym(name) for name in SIGNALS}
+    later = {name: casadi.SX.sym(f"later_{name}") for name in SIGNALS}
+    width, step = casadi.SX.sym("width"), casadi.SX.sym("step")
+    discrete_step: dict[int, Any] = {}
+    parameters: list[Any] = []
+    states: list[Any] = []
+    rates: list[Any] = []
+    torque = casadi.SX(0)
+    touched: set[str] = set()
+    required: set[str] = set()
+    with rest_treatment(width, smooth=smooth):
+        for term, prefix in _prefixed(terms):
+            own = {p.symbol: casadi.SX.sym(prefix + p.symbol) for p in term.parameters}
+            memory = {z.symbol: casadi.SX.sym(prefix + z.symbol) for z in term.states}
+            s, p = Signals(signals, memory), Parameters(own)
+            torque = torque + term.torque(s, p)
+            if memory:
+                changes = term.rates(s, p)
+                missing = set(memory) - set(changes)
+                if missing:
+                    raise InputError(f"'{term.name}' gives no rate for its state '{sorted(missing)[0]}'")
+                rates.extend(changes[symbol] for symbol in memory)
+                end = Signals(later, {})
+                following = term.discrete_step(s, end, step, p)
+                if following and set(following) != set(memory):
+                    raise InputError(
+                        f"'{term.name}' has a discrete step for some of its states only; give all, or none"
+                    )
+                discrete_step |= {len(states) + list(memory).index(symbol): x for symbol, x in following.items()}
+                s.touched |= end.touched
+            parameters.extend(own.values())
+            states.extend(memory.values())
+            touched |= s.touched
+            required |= s.touched - term.optional
+    return ModelExpression(
+        signals,
+        casadi.vertcat(*parameters),
+        casadi.vertcat(*states),
+        width,
+        torque,
+        casadi.vertcat(*rates),
+        later,
+        step,
+        discrete_step,
+        frozenset(touched),
+        frozenset(required),
+    )

@@ -25,8 +25,8 @@ class Parameter:
         scan: for a coefficient that enters nonlinearly, the dimensionless values to try first, in units of the
             recording's own scales (peak velocity, position range, duration); empty for linear ones.
         part_of_drive: whether it is a share of the law's friction or of the drive's inertia, and no more than these.
-        doubtful_ends: the ends of what a recording can tell of it at which an effect with memory only resembles
-            another one; none where it sizes a part of the effect that may be missing or all there is.
+        doubtful_ends: bounds of the search at which the estimate suggests that the effect, one with internal states,
+            imitates another effect; none where the end itself is a physical case.
         own_time: whether a time or a rate is the drive's own, as that of a resonance, however long was recorded;
             ``scan`` counts it in durations of no more than 20 000 samples.
         periodic: whether it is a wave number in position, to be searched for in the spectrum over position.

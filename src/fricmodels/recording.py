@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from fricmodels.arrays import Array, Index
 from fricmodels.dimension import (
     ACCELERATION,
     DIMENSIONLESS,
@@ -23,8 +24,8 @@ from fricmodels.dimension import (
     Motion,
     Scales,
 )
+from fricmodels.display import Displayed
 from fricmodels.errors import InputError
-from fricmodels.shown import Shown
 
 CHANNELS: Mapping[str, Dimension] = {
     "time": TIME,
@@ -62,11 +63,11 @@ class Origin:
     """
 
     whole: Recording
-    index: NDArray[np.int64]
+    index: Index
 
 
 @dataclass(frozen=True, repr=False)
-class Recording(Shown):
+class Recording(Displayed):
     """Measured (or simulated) motion of one drive under a known torque.
 
     Attributes:
@@ -84,8 +85,8 @@ class Recording(Shown):
 
     name: str
     motion: Motion
-    channels: Mapping[str, NDArray[np.float64]]
-    run: NDArray[np.int64]
+    channels: Mapping[str, Array]
+    run: Index
     derived: frozenset[str] = frozenset()
     provenance: Mapping[str, Any] = field(default_factory=dict)
     origin: Origin | None = field(default=None, compare=False)
@@ -107,7 +108,7 @@ class Recording(Shown):
     def __contains__(self, channel: object) -> bool:
         return channel in self.channels
 
-    def __getitem__(self, channel: str) -> NDArray[np.float64]:
+    def __getitem__(self, channel: str) -> Array:
         try:
             return self.channels[channel]
         except KeyError:
@@ -115,26 +116,26 @@ class Recording(Shown):
             raise InputError(f"recording '{self.name}' has no channel '{channel}'; it has {known}") from None
 
     @property
-    def time(self) -> NDArray[np.float64]:
+    def time(self) -> Array:
         """Sample times [s]."""
         return self.channels["time"]
 
     @property
-    def torque(self) -> NDArray[np.float64]:
+    def torque(self) -> Array:
         """Motor torque [N m], or drive force [N]."""
         return self.channels["torque"]
 
     @property
-    def velocity(self) -> NDArray[np.float64]:
+    def velocity(self) -> Array:
         """Velocity [rad/s or m/s]."""
         return self["velocity"]
 
     @property
-    def load_torque(self) -> NDArray[np.float64]:
+    def load_torque(self) -> Array:
         """Known load torque [N m or N], zero where none was given."""
         return self.channels.get("load_torque", np.zeros(len(self)))
 
-    def signal(self, name: str) -> NDArray[np.float64]:
+    def signal(self, name: str) -> Array:
         """Return the channel that measures a term's signal.
 
         A load that was not given is zero; a torque rate that was not given is the central difference of the torque.
@@ -149,7 +150,7 @@ class Recording(Shown):
         return self[SIGNAL_CHANNEL[name]]
 
     @cached_property
-    def _torque_rate(self) -> NDArray[np.float64]:
+    def _torque_rate(self) -> Array:
         rate = np.zeros(len(self))
         for number in np.unique(self.run):
             inside = np.flatnonzero(self.run == number)
@@ -174,7 +175,7 @@ class Recording(Shown):
         pushing = shifted.with_channels(torque=shifted.torque - channels.get("load_torque", 0.0))
         return shifted.with_channels(torque_rate=pushing._torque_rate)
 
-    def change_over(self, delay: float, at: Recording) -> NDArray[np.float64]:
+    def change_over(self, delay: float, at: Recording) -> Array:
         r"""Return by how much what pushes the drive, :math:`\tau_m - \tau_L`, differs from that of the retimed record.
 
         Args:
@@ -189,7 +190,7 @@ class Recording(Shown):
     def _late(self, delay: float) -> list[str]:
         return ["torque", *(["load_torque"] if delay > 0 and "load_torque" in self else [])]
 
-    def _before(self, name: str, delay: float, at: Recording) -> NDArray[np.float64]:
+    def _before(self, name: str, delay: float, at: Recording) -> Array:
         order, numbers, first, last = self._one_after_another
         # On an axis on which every run begins where the one before has ended.
         shift = np.cumsum(last - first + 1.0) - last
@@ -198,7 +199,7 @@ class Recording(Shown):
         return np.asarray(np.interp(time, self.time[order] + shift[of], self.channels[name][order]))
 
     @cached_property
-    def _one_after_another(self) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[Any], NDArray[Any]]:
+    def _one_after_another(self) -> tuple[Index, Index, NDArray[Any], NDArray[Any]]:
         """Samples in order of their runs, the numbers of the runs, and when each begins and ends."""
         order = np.argsort(self.run, kind="stable")
         numbers, first, count = np.unique(self.run[order], return_index=True, return_counts=True)
@@ -248,7 +249,7 @@ class Recording(Shown):
             channels[name][index] = self[name]
         return replace(whole, channels=channels)
 
-    def with_channels(self, *, derived: bool = True, **channels: NDArray[np.float64]) -> Recording:
+    def with_channels(self, *, derived: bool = True, **channels: Array) -> Recording:
         """Return a copy with channels added or replaced."""
         marked = self.derived | set(channels) if derived else self.derived - set(channels)
         return replace(self, channels={**self.channels, **channels}, derived=frozenset(marked))

@@ -20,15 +20,15 @@ from typing import Any, Literal, TypeAlias
 from weakref import WeakKeyDictionary
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from fricmodels.arrays import Array
 from fricmodels.drive import Drive
 from fricmodels.errors import InputError
 from fricmodels.kernels import Scan
 from fricmodels.recording import Recording
 from fricmodels.term import SIGNALS
 
-Array: TypeAlias = NDArray[np.float64]
 Between: TypeAlias = Literal["linear", "held"]
 
 _MOTION = ("velocity", "position", "acceleration")
@@ -262,8 +262,10 @@ class _Motion:
         self._sliding = casadi.Function("sliding", [*arguments, *given], [sliding])
         self._resting = casadi.Function("resting", [*arguments, *given], [resting])
         ends = [e.later["velocity"], e.later["position"], *(e.later[name] for name in _inputs(drive)), e.step]
-        self._advanced = list(e.advanced)
-        self._advance = casadi.Function("advance", [*arguments, *ends, *given], [casadi.vertcat(*e.advanced.values())])
+        self._stepped = list(e.discrete_step)
+        self._discrete_step = casadi.Function(
+            "discrete_step", [*arguments, *ends, *given], [casadi.vertcat(*e.discrete_step.values())]
+        )
         self._given = given
 
     def excess(self, direction: Any, position: Any, states: Any, inputs: list[Any]) -> Any:
@@ -296,20 +298,22 @@ class _Motion:
         """Advance ``x`` (velocity, internal states) and the position by the trapezium rule.
 
         Newton's matrix takes no credit for friction that falls with speed: where the law pushes, an iteration is a
-        plain fixed-point one, and the rule is Heun's. States that a term advances itself follow its formula.
+        plain fixed-point one, and the rule is Heun's. States with a discrete step follow its formula.
         """
         import casadi
 
         first = self._change(x, direction, position, begin, moving=moving)
-        solved = [0, *(1 + i for i in range(self.n_states) if i not in self._advanced)]
+        solved = [0, *(1 + i for i in range(self.n_states) if i not in self._stepped)]
         unknown = casadi.SX.sym("x", len(solved))
         arrived = position + length / 2 * (x[0] + unknown[0])
         following = casadi.SX(x)
         following[solved] = unknown
-        if self._advanced:
+        if self._stepped:
             speeds = [direction * casadi.fmax(direction * v, 0) if moving else 0 for v in (x[0], unknown[0])]
-            advanced = self._advance(speeds[0], position, x[1:], *begin, speeds[1], arrived, *end, length, *self._given)
-            following[[1 + i for i in self._advanced]] = advanced
+            stepped = self._discrete_step(
+                speeds[0], position, x[1:], *begin, speeds[1], arrived, *end, length, *self._given
+            )
+            following[[1 + i for i in self._stepped]] = stepped
         last = self._change(following, direction, arrived, end, moving=moving)
         residual = (following - x - length / 2 * (first + last))[solved]
         matrix = casadi.jacobian(residual, unknown)

@@ -6,13 +6,11 @@ from dataclasses import replace
 from typing import Annotated, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict, Field, NonNegativeInt, PositiveFloat, PositiveInt, model_validator
 
+from fricmodels.arrays import Array, Index, Mask
 from fricmodels.errors import InputError
 from fricmodels.recording import Recording
-
-Mask = NDArray[np.bool_]
 
 _ENOUGH_RUNS = 4
 """With so many runs whole ones are kept back: a cut within one would leave too short pieces."""
@@ -103,7 +101,7 @@ def _spread(recording: Recording, how: Split) -> Mask:
     return np.asarray(np.isin(recording.run, numbers[_spread_over(len(numbers), how.fraction)]))
 
 
-def _spread_over(count: int, fraction: float) -> NDArray[np.int64]:
+def _spread_over(count: int, fraction: float) -> Index:
     """Return the places of a share of so many, at even distances."""
     chosen = min(max(1, round(fraction * count)), count - 1)
     return np.unique(((np.arange(chosen) + 0.5) * count / chosen).astype(np.int64))
@@ -130,7 +128,7 @@ def _runs(recording: Recording, how: Split) -> Mask:
     return np.isin(recording.run, wanted)
 
 
-def _elapsed(recording: Recording) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _elapsed(recording: Recording) -> tuple[Array, Array]:
     """Return the time since the start of the run, and the duration of the run, of each sample."""
     numbers, inverse = np.unique(recording.run, return_inverse=True)
     start, stop = np.full(len(numbers), np.inf), np.full(len(numbers), -np.inf)
@@ -192,7 +190,7 @@ def period(recording: Recording) -> float:
     return float((peak + shift) * even.interval)
 
 
-def _autocorrelation(values: NDArray[np.float64]) -> NDArray[np.float64]:
+def _autocorrelation(values: Array) -> Array:
     """Return the correlation of a signal with itself at lags up to half its length, normalised on the overlap."""
     from scipy.signal import fftconvolve
 

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from fricmodels.memory import Past
+    from fricmodels.past import Past
 
 SIGNALS: Mapping[str, Dimension] = {
     "velocity": VELOCITY,
@@ -100,7 +100,8 @@ class Term(ABC):
         angular: whether the position enters as an angle in rad (``sin q``), which no rescaling may change.
         optional: signals that are zero where a recording does not have them; only a load torque can be.
 
-    What a term claims is checked by :mod:`fricmodels.testing`.
+    What a term claims is checked by :mod:`fricmodels.testing`. Two terms are equal when they are of the same class and
+    hold the same values: a class defined again under its name, as in a notebook, is another one.
     """
 
     name: ClassVar[str]
@@ -135,7 +136,7 @@ class Term(ABC):
         """Return d/dt of each declared state, by symbol. Only terms with memory write this."""
         return {}
 
-    def advance(self, s: Signals, later: Signals, h: Expression, p: Parameters) -> Mapping[str, Expression]:
+    def discrete_step(self, s: Signals, later: Signals, h: Expression, p: Parameters) -> Mapping[str, Expression]:
         """Return every declared state a time ``h`` later, by symbol, where a formula is exact; else nothing.
 
         Only terms whose states switch write this (a contact that either sticks or slips): a step of finite length
@@ -147,16 +148,22 @@ class Term(ABC):
         """
         return {}
 
-    def recalled(self, past: Past, parameters: Mapping[str, float]) -> Mapping[str, NDArray[np.float64]]:
-        """Return every declared state at every sample of a recorded motion, by symbol; nothing to follow the rates.
+    def states_from_recording(self, past: Past, parameters: Mapping[str, float]) -> Mapping[str, NDArray[np.float64]]:
+        """Return every declared state at every sample of a recorded motion, by symbol; by default nothing.
 
-        Only terms write this whose rates stand for something that a recording holds as it was, such as the speed of a
-        while ago. Whoever does not know the past, a filter or a simulation, follows the rates.
+        Override it where the state can be computed directly from recorded signals, such as the speed of a while ago.
+        Filters and simulations, which do not have the recording, integrate the rates.
 
         Args:
-            past: the motion, see :class:`fricmodels.memory.Past`; parameters: values by symbol.
+            past: the motion, see :class:`fricmodels.past.Past`; parameters: values by symbol.
         """
         return {}
+
+    def __eq__(self, other: object) -> bool:
+        return type(other) is type(self) and vars(other) == vars(self)
+
+    def __hash__(self) -> int:
+        return hash(type(self))
 
     def __repr__(self) -> str:
         return f"<{type(self).__name__} '{self.name}'>"

@@ -251,9 +251,9 @@ EFFECTS: dict[str, tuple[dict[str, Any], str, str]] = {
         "F cannot be zero within",
     ),
     "a step of another law than the rates": (
-        {"advance": lambda self, s, later, h, p: {"z": s.z + h * s.velocity / p.x_s}},
-        "advance",
-        "over a short step",
+        {"discrete_step": lambda self, s, later, h, p: {"z": s.z + h * s.velocity / p.x_s}},
+        "discrete_step",
+        "over a short discrete_step()",
     ),
     "a state without its rate": ({"rates": lambda self, s, p: {}}, "torque_is_an_expression", "no rate for the state"),
     "wrong unit of a rate": (

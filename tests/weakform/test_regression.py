@@ -6,17 +6,13 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 from numpy.typing import NDArray
 from scipy.signal import lfilter
 from scipy.stats import f as fisher
-from scipy.stats import false_discovery_control
 
 from fricmodels.weakform.regression import (
     FOLDS,
     Regression,
-    benjamini_yekutieli,
     compare,
     cosine_terms,
     long_run_sum,
@@ -29,17 +25,6 @@ def noise(rng: np.random.Generator, rho: float, *shape: int) -> Array:
     """AR(1) noise of unit variance along the last axis, stationary from the first sample on."""
     white = rng.standard_normal((*shape[:-1], shape[-1] + 400)) * np.sqrt(1 - rho**2)
     return np.asarray(lfilter([1.0], [1.0, -rho], white, axis=-1)[..., 400:])
-
-
-@settings(deadline=None, max_examples=50)
-@given(st.lists(st.floats(0, 1), min_size=1, max_size=40))
-def test_benjamini_and_yekutieli_as_in_scipy(p_values: list[float]) -> None:
-    values = np.array(p_values)
-    np.testing.assert_allclose(benjamini_yekutieli(values), false_discovery_control(values, method="by"), atol=1e-12)
-
-
-def test_no_tests_need_no_correction() -> None:
-    assert benjamini_yekutieli(np.array([])).size == 0
 
 
 @pytest.mark.parametrize(("rho", "independent", "most"), [(0.0, 2000, 0.07), (0.5, 2000, 0.08), (0.9, 200, 0.10)])

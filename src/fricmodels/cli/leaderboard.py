@@ -20,7 +20,7 @@ def command(
     """Show or export the leaderboard of a run."""
     from fricmodels.errors import InputError
     from fricmodels.export import export
-    from fricmodels.tournament.files import write_bytes
+    from fricmodels.files import write_bytes
     from fricmodels.tournament.leaderboard import Leaderboard
 
     board = Leaderboard.read(run)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
-from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +15,7 @@ from fricmodels.recording import SIGNAL_CHANNEL
 from fricmodels.term import Effect
 from fricmodels.weakform.candidate import NonlinearOptimum
 from fricmodels.weakform.problem import WeakFormProblem
-from fricmodels.weakform.regression import Evidence, Regression, benjamini_yekutieli, compare
+from fricmodels.weakform.regression import Evidence, Regression, compare
 from fricmodels.weakform.search import search
 from fricmodels.weakform.shifted import regression_of
 
@@ -105,6 +104,8 @@ def candidate_tests(
         also: columns that are taken to be in the model already, shape (k, rows).
         policy: decides how much noise a column may hold, and what passes.
     """
+    from scipy.stats import false_discovery_control
+
     model = problem.drive.model
     present = {effect.name for effect in model.effects}
     regression = regression_of(problem, parameters, also)
@@ -118,7 +119,7 @@ def candidate_tests(
         if name in skipped or (only is not None and name not in only):
             continue
         try:
-            outcome = _candidate(problem, regression, _effect(registered[name]), rival, policy)
+            outcome = _candidate(problem, regression, registered[name](), rival, policy)
         except Exception as error:  # an effect of a plugin may do anything; the others go on
             outcome = f"it could not be tested: {type(error).__name__}: {error}"
         if isinstance(outcome, str):
@@ -126,7 +127,7 @@ def candidate_tests(
         else:
             tested.append(outcome)
             rival = max(rival, outcome.evidence.explained * total)
-    adjusted = benjamini_yekutieli(np.array([t.p_value for t in tested]))
+    adjusted = false_discovery_control([t.p_value for t in tested], method="by")  # under any dependence
     ranked = [replace(t, adjusted=float(p)) for t, p in zip(tested, adjusted, strict=True)]
     ranked.sort(key=lambda t: float(np.sum(t.evidence.loss)))
     return CandidateTests(problem, regression, parameters, tuple(ranked), untested, policy)
@@ -152,12 +153,6 @@ def _candidate(
         if _is_noise(share, regression, found, policy):
             return "noise of the velocity hides what it would add beyond what the model already has"
     return _test(regression, effect, found)
-
-
-@lru_cache(maxsize=256)
-def _effect(cls: type[Effect]) -> Effect:
-    """Return the one effect of a class, so that what was compiled for it serves again."""
-    return cls()
 
 
 def _has(problem: WeakFormProblem, signal: str) -> bool:

@@ -9,13 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fricmodels.diagnosis.where import Regime, where
+from fricmodels.display import Displayed
 from fricmodels.drive import Drive
 from fricmodels.errors import InputError
 from fricmodels.model import Model
 from fricmodels.recording import Recording
 from fricmodels.score.bands import Errors, torque_errors
 from fricmodels.score.torque import filtered_torque_error, sliding_half_width
-from fricmodels.shown import Shown
 from fricmodels.signals import noise
 from fricmodels.signals.lanczos import even_weights, lanczos_derivative
 from fricmodels.split import split
@@ -46,7 +46,7 @@ class SlidingErrors:
 
 
 @dataclass(frozen=True, repr=False)
-class Comparison(Shown):
+class Comparison(Displayed):
     """A model fitted to a recording, and where it fails.
 
     Attributes:

@@ -16,9 +16,9 @@ from fricmodels.diagnosis.predictability import AUTOREGRESSIVE, ChannelPredictor
 from fricmodels.diagnosis.refit_check import refit_check
 from fricmodels.diagnosis.sufficiency import as_predictor, is_sufficient, passing_predictors
 from fricmodels.diagnosis.verdict import LookAlikes, passing_all_gates, select_effect
+from fricmodels.display import Displayed
 from fricmodels.model import Model
 from fricmodels.recording import Recording
-from fricmodels.shown import Shown
 
 Verdict = Literal["adequate", "missing-effect", "undecided", "unknown-effect"]
 
@@ -33,7 +33,7 @@ class Finding:
 
 
 @dataclass(frozen=True, repr=False)
-class Diagnosis(Shown):
+class Diagnosis(Displayed):
     """What is missing in a model, as far as a recording can tell.
 
     Attributes:

@@ -11,10 +11,10 @@ from fricmodels.diagnosis.comparison import Comparison, compare, refitted, with_
 from fricmodels.diagnosis.diagnose import Diagnosis, Finding, examine
 from fricmodels.diagnosis.necessity import necessity
 from fricmodels.diagnosis.policy import POLICY, Policy
+from fricmodels.display import Displayed
 from fricmodels.errors import FricmodelsError
 from fricmodels.model import Model
 from fricmodels.recording import Recording
-from fricmodels.shown import Shown
 
 
 @dataclass(frozen=True)
@@ -32,7 +32,7 @@ class Rung:
 
 
 @dataclass(frozen=True, repr=False)
-class Ladder(Shown):
+class Ladder(Displayed):
     """From the model that was given to the best one.
 
     Attributes:

@@ -101,7 +101,7 @@ class Backlash(Effect):
         return p.J_l * ((1 - within) * s.v / _blow(p) - within * missing)
 
     def rates(self, s: Signals, p: Parameters) -> Mapping[str, Expression]:
-        """Return the rates of twist; the gap is closed and left in no time, which only :meth:`advance` can say."""
+        """Return the rates of twist; that the gap closes and opens in no time only :meth:`discrete_step` can say."""
         pushed = _pushed(s.load_torque, p)
         side = where(s.x > 0, 1, -1)
         held = side * (s.acceleration + _braking(s.velocity, p) + pushed + s.v / _blow(p)) >= 0
@@ -109,7 +109,7 @@ class Backlash(Effect):
         alone = s.acceleration + _braking(s.velocity - s.v, p) + pushed
         return {"x": where(contact, 0, s.v), "v": where(contact, -s.v / _blow(p), alone)}
 
-    def advance(self, s: Signals, later: Signals, h: Expression, p: Parameters) -> Mapping[str, Expression]:
+    def discrete_step(self, s: Signals, later: Signals, h: Expression, p: Parameters) -> Mapping[str, Expression]:
         """Return the twist after a step in which the velocity changes linearly; the load rests, strikes or leaves."""
         first, last, half = s.velocity, later.velocity, p.w / 2
         pushed = _pushed((s.load_torque + later.load_torque) / 2, p)

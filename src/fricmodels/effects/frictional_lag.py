@@ -6,15 +6,15 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fricmodels.arrays import Array
 from fricmodels.effects.experiments import SEVERAL_FREQUENCIES, SLOW_REVERSALS
 from fricmodels.expressions import Expression, absolute, exp, maximum, sign
 from fricmodels.parameter import Parameter, State
 from fricmodels.term import Effect, Parameters, Signals
 
 if TYPE_CHECKING:
-    from fricmodels.memory import Past
+    from fricmodels.past import Past
 
 
 class FrictionalLag(Effect):
@@ -76,7 +76,7 @@ class FrictionalLag(Effect):
         """Return the rates of the delay's states."""
         return {"x": s.v, "v": absolute(s.velocity) - 6 * s.v / p.T - 12 * s.x / p.T**2}
 
-    def recalled(self, past: Past, parameters: Mapping[str, float]) -> Mapping[str, NDArray[np.float64]]:
+    def states_from_recording(self, past: Past, parameters: Mapping[str, float]) -> Mapping[str, Array]:
         """Return the states at which u is the speed that was recorded a time T ago."""
         duration = parameters["T"]
         now, then = np.abs(past.now("velocity")), np.abs(past.ago("velocity", duration))

@@ -6,8 +6,9 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from fricmodels.arrays import Array
 from fricmodels.kernels.instructions import instructions
 
 _BLOCK = 16_384
@@ -108,7 +109,7 @@ class ArrayFunction:
                 self._steps.append((_FUNCTIONS[step.operation], operands, (where[result], 0)))
         self._places = max([first, *(place + 1 for operation, _, (place, _) in self._steps if operation)])
 
-    def __call__(self, *arguments: ArrayLike) -> list[NDArray[np.float64]]:
+    def __call__(self, *arguments: ArrayLike) -> list[Array]:
         """Evaluate; see the class.
 
         Raises:
@@ -125,7 +126,7 @@ class ArrayFunction:
             self._evaluate(block, [result[:, start:stop] for result in results])
         return results
 
-    def _evaluate(self, values: list[NDArray[np.float64]], results: list[NDArray[np.float64]]) -> None:
+    def _evaluate(self, values: list[Array], results: list[Array]) -> None:
         work: list[Any] = [*values, *self._constants]
         work += [None] * (self._places - len(work))
         with np.errstate(all="ignore"):

@@ -20,8 +20,11 @@ from types import ModuleType
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from fricmodels.arrays import Array
+from fricmodels.errors import InputError
+from fricmodels.files import write_text
 from fricmodels.kernels.branches import Operation, written
 from fricmodels.kernels.instructions import instructions
 
@@ -60,8 +63,8 @@ class Scan:
         constants: ArrayLike,
         *,
         stride: int = 1,
-        outputs: NDArray[np.float64] | None = None,
-    ) -> tuple[NDArray[np.float64], NDArray[np.float64], int]:
+        outputs: Array | None = None,
+    ) -> tuple[Array, Array, int]:
         """Run over the rows of ``inputs``, shape (N, m).
 
         With ``stride`` k only every k-th output is kept: row i is the output of step ``i k + k − 1``. They are
@@ -150,15 +153,12 @@ def cache_directory() -> Path:
 @lru_cache(maxsize=256)
 def _load(source: str) -> ModuleType:
     name = "fricmodels_scan_" + hashlib.sha256(source.encode()).hexdigest()[:24]
+    path = cache_directory() / f"{name}.py"
     try:
-        directory = cache_directory()
-        directory.mkdir(parents=True, exist_ok=True)
-        path = directory / f"{name}.py"
         if not path.exists() or path.read_text(encoding="utf-8") != source:
-            _write(path, source)
-    except OSError:
-        path = Path(tempfile.mkdtemp(prefix="fricmodels-")) / f"{name}.py"
-        _write(path, source)
+            write_text(path, source)
+    except (OSError, InputError):
+        path = write_text(Path(tempfile.mkdtemp(prefix="fricmodels-")) / f"{name}.py", source)
     spec = importlib.util.spec_from_file_location(name, path)
     if spec is None or spec.loader is None:
         raise ImportError(f"cannot load the generated module {path}")
@@ -166,10 +166,3 @@ def _load(source: str) -> ModuleType:
     sys.modules[name] = module
     spec.loader.exec_module(module)
     return module
-
-
-def _write(path: Path, source: str) -> None:
-    handle, temporary = tempfile.mkstemp(dir=path.parent, suffix=".tmp")
-    with os.fdopen(handle, "w", encoding="utf-8") as stream:
-        stream.write(source)
-    os.replace(temporary, path)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 import importlib.metadata
 import platform
 from functools import lru_cache
@@ -25,11 +24,12 @@ _HOOKS = {
     "reader": "fricmodels_readers",
 }
 _BASES = {
-    "law": ("fricmodels.term", "Law"),
-    "effect": ("fricmodels.term", "Effect"),
-    "estimator": ("fricmodels.estimator", "Estimator"),
-    "reader": ("fricmodels.readers.base", "Reader"),
+    "law": "fricmodels.term.Law",
+    "effect": "fricmodels.term.Effect",
+    "estimator": "fricmodels.estimator.Estimator",
+    "reader": "fricmodels.readers.base.Reader",
 }
+"""Base class of each kind; by name, as some of them stand above this room."""
 
 
 @lru_cache(maxsize=1)
@@ -62,8 +62,8 @@ def load() -> Plugins:
     return Plugins(
         laws=Registry("law", found["law"], kept),  # type: ignore[arg-type]
         effects=Registry("effect", found["effect"], kept),  # type: ignore[arg-type]
-        estimators=Registry("estimator", found["estimator"], kept),  # type: ignore[arg-type]
-        readers=Registry("reader", found["reader"], kept),  # type: ignore[arg-type]
+        estimators=Registry("estimator", found["estimator"], kept),
+        readers=Registry("reader", found["reader"], kept),
         failures=kept,
     )
 
@@ -154,9 +154,8 @@ def _unusable(kind: str, cls: type[Any]) -> str | None:
     abstract: frozenset[str] = getattr(cls, "__abstractmethods__", frozenset())
     if abstract:
         return f"{kind} '{name}' does not write {', '.join(sorted(abstract))}"
-    home, base = _BASES[kind]
-    if not (isinstance(cls, type) and issubclass(cls, getattr(importlib.import_module(home), base))):
-        return f"{kind} '{name}' is not derived from {home}.{base}"
+    if _BASES[kind] not in {f"{base.__module__}.{base.__qualname__}" for base in getattr(cls, "__mro__", ())}:
+        return f"{kind} '{name}' is not derived from {_BASES[kind]}"
     for declared in (*getattr(cls, "parameters", ()), *getattr(cls, "states", ())):
         try:
             _ = declared.dimension

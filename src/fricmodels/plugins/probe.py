@@ -18,15 +18,16 @@ import os
 import signal
 import subprocess
 import sys
-import tempfile
 import time
 from collections import deque
 from collections.abc import Collection, Iterator, Sequence
+from contextlib import suppress
 from importlib.metadata import EntryPoint
 from pathlib import Path
 from typing import Any
 
 from fricmodels.errors import InputError
+from fricmodels.files import write_text
 
 LIMIT = "FRICMODELS_PLUGIN_TIMEOUT"
 """Environment variable: seconds that a plugin may take to be loaded the first time."""
@@ -221,13 +222,5 @@ def _recalled(point: EntryPoint, fingerprint: str) -> str | None:
 
 
 def _remember(point: EntryPoint, **news: Any) -> None:
-    text = json.dumps({**_read(point), "plugin": point.name, **news})
-    try:
-        path = _verdict_file(point)
-        path.parent.mkdir(parents=True, exist_ok=True)
-        handle, temporary = tempfile.mkstemp(dir=path.parent, suffix=".tmp")
-        with os.fdopen(handle, "w", encoding="utf-8") as stream:
-            stream.write(text)
-        os.replace(temporary, path)
-    except OSError:
-        return
+    with suppress(OSError, InputError):
+        write_text(_verdict_file(point), json.dumps({**_read(point), "plugin": point.name, **news}))

@@ -9,8 +9,6 @@ from typing import TYPE_CHECKING, Any, Generic, TypeVar
 from fricmodels.errors import InputError, suggestion
 
 if TYPE_CHECKING:
-    from fricmodels.estimator import Estimator
-    from fricmodels.readers.base import Reader
     from fricmodels.term import Effect, Law
 
 GROUP = "fricmodels"
@@ -99,12 +97,16 @@ class Registry(Generic[T]):
 
 @dataclass(frozen=True)
 class Plugins:
-    """All that is registered, and what failed to register."""
+    """All that is registered, and what failed to register.
+
+    Estimators derive from :class:`fricmodels.estimator.Estimator`, readers from
+    :class:`fricmodels.readers.base.Reader`; both stand above this room.
+    """
 
     laws: Registry[Law]
     effects: Registry[Effect]
-    estimators: Registry[Estimator]
-    readers: Registry[Reader]
+    estimators: Registry[Any]
+    readers: Registry[Any]
     failures: tuple[Failure, ...]
 
     @property

@@ -5,11 +5,9 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fricmodels.arrays import Array, Index
 from fricmodels.recording import Recording
-
-Array = NDArray[np.float64]
 
 _SCALE = 0.1
 """A rate off by a tenth is one of another unit, or of the other side of a gear."""
@@ -72,7 +70,7 @@ def _of_rate(recording: Recording, quantity: str, rate: str) -> str:
     )
 
 
-def _compared(values: Array, area: Array, run: NDArray[np.int64], length: int) -> tuple[float, float] | None:
+def _compared(values: Array, area: Array, run: Index, length: int) -> tuple[float, float] | None:
     """Return the ratio of a rate to the change of its quantity over windows, and the share of windows that agree.
 
     The ratio is a median, since an angle may be wrapped; the windows are those of the larger half of the changes.

@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fricmodels.arrays import Array, Index
 from fricmodels.dimension import Motion
 from fricmodels.errors import InputError, suggestion
 from fricmodels.readers import units
@@ -102,7 +102,7 @@ def _check_file(source: Path) -> None:
 def _reader(source: Path, name: str | None) -> Reader:
     from fricmodels import plugins
 
-    readers = plugins.load().readers
+    readers: plugins.Registry[Reader] = plugins.load().readers
     if name is not None:
         return readers[name]()
     suffix = source.suffix.lower()
@@ -153,7 +153,7 @@ def _conversions(
     return result
 
 
-def _numbers(source: Path, reader: Reader, table: pd.DataFrame, column: Column) -> NDArray[np.float64]:
+def _numbers(source: Path, reader: Reader, table: pd.DataFrame, column: Column) -> Array:
     import pandas as pd
 
     values = table[column.column]
@@ -179,7 +179,7 @@ def _numbers(source: Path, reader: Reader, table: pd.DataFrame, column: Column) 
 
 def _runs(
     source: Path, reader: Reader, found: Mapping[str, Column], table: pd.DataFrame
-) -> tuple[NDArray[np.int64], dict[int, str]]:
+) -> tuple[Index, dict[int, str]]:
     """Return the run number of each row, and the names of runs that are not whole numbers."""
     import pandas as pd
 

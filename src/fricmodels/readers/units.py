@@ -13,31 +13,13 @@ from functools import lru_cache
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fricmodels.arrays import Array
 from fricmodels.dimension import Motion
 from fricmodels.errors import InputError
+from fricmodels.recording import CHANNELS
 
-_ROTARY = {
-    "time": "s",
-    "torque": "N*m",
-    "velocity": "rad/s",
-    "position": "rad",
-    "acceleration": "rad/s^2",
-    "load_torque": "N*m",
-    "temperature": "degC",
-    "current": "A",
-}
-_LINEAR = _ROTARY | {
-    "torque": "N",
-    "velocity": "m/s",
-    "position": "m",
-    "acceleration": "m/s^2",
-    "load_torque": "N",
-}
-SI_UNITS = {Motion.ROTARY: _ROTARY, Motion.LINEAR: _LINEAR}
-"""The unit of each channel, by kind of motion."""
-
+_NOT_MECHANICAL = {"temperature": "degC", "current": "A"}
 _COUNT = re.compile(r"\bcounts?\b")
 
 
@@ -48,7 +30,7 @@ class Conversion:
     factor: float
     offset: float
 
-    def __call__(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
+    def __call__(self, values: Array) -> Array:
         """Convert an array."""
         if self.factor == 1.0 and self.offset == 0.0:
             return values
@@ -97,9 +79,13 @@ def is_current(unit: str) -> bool:
     return _measures(unit, "A")
 
 
+def _si_unit(channel: str, motion: Motion) -> str:
+    return _NOT_MECHANICAL.get(channel) or CHANNELS[channel].unit(motion)
+
+
 def fits(unit: str, channel: str) -> set[Motion]:
     """Return the kinds of motion in which the channel may have this unit."""
-    return {motion for motion, targets in SI_UNITS.items() if _measures(unit, targets[channel])}
+    return {motion for motion in Motion if _measures(unit, _si_unit(channel, motion))}
 
 
 def conversion(unit: str, channel: str, motion: Motion) -> Conversion:
@@ -108,14 +94,14 @@ def conversion(unit: str, channel: str, motion: Motion) -> Conversion:
     Raises:
         InputError: for an unknown unit, or one of another dimension than the channel's.
     """
-    target = SI_UNITS[motion][channel]
+    target = _si_unit(channel, motion)
     quantity = _quantity(unit)
     if not _measures(unit, target):
         hint = "; state the counts a turn, such as count/2000" if _COUNT.search(unit) else ""
         hint = hint or ("; use turn/s or rad/s" if "hz" in unit.lower() else "")
         raise InputError(
             f"the unit '{unit}' does not measure the {channel.replace('_', ' ')} of a {motion} drive, "
-            f"which is in {target.replace('*', ' ')}{hint}"
+            f"which is in {target}{hint}"
         )
     create = _registry().Quantity
     low, high = (create(value * quantity.magnitude, quantity.units).to(target).magnitude for value in (0.0, 1.0))

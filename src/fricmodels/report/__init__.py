@@ -39,8 +39,8 @@ def write(page: Page, path: str | Path) -> Path:
     Raises:
         InputError: when Plotly or Jinja2 is not installed, or the file cannot be written.
     """
+    from fricmodels.files import write_text
     from fricmodels.report.render import render
-    from fricmodels.tournament.files import write_text
 
     check(path)
     return write_text(Path(path), render(page))

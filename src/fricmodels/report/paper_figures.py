@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fricmodels.arrays import Array
 from fricmodels.drive import Drive
+from fricmodels.files import replaced
 from fricmodels.fit import Fit
 from fricmodels.recording import Recording
 
@@ -19,7 +19,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-Array = NDArray[np.float64]
 
 BLUE, ORANGE, GREEN, GREY = "#0072b2", "#d55e00", "#009e73", "#7f7f7f"
 _MILLI = 1e3
@@ -46,10 +45,8 @@ def _figure(path: Path, rows: int, columns: int, size: tuple[float, float], **sh
         figure: Figure = Figure(figsize=size, layout="constrained")
         axes = figure.subplots(rows, columns, squeeze=False, **shared)
         yield list(axes.ravel())
-        path.parent.mkdir(parents=True, exist_ok=True)
-        temporary = path.with_name(f".{path.name}")
-        figure.savefig(temporary, format="png", dpi=110, metadata={"Software": None})
-        os.replace(temporary, path)
+        with replaced(path) as beside:
+            figure.savefig(beside, format="png", dpi=110, metadata={"Software": None})
 
 
 def _curve(drive: Drive, values: Mapping[str, float], velocity: Array) -> Array:

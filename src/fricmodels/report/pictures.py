@@ -8,8 +8,8 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fricmodels.arrays import Array, Mask
 from fricmodels.dimension import Motion
 from fricmodels.errors import InputError
 from fricmodels.report.page import Picture, Table, table
@@ -21,7 +21,6 @@ if TYPE_CHECKING:
     from fricmodels.diagnosis.comparison import Comparison
     from fricmodels.term import Effect
 
-Array = NDArray[np.float64]
 
 _ROWS = 25
 """Rows of a table that stands for a figure."""
@@ -191,7 +190,7 @@ def map_words(figure: Figure) -> str:
     return f"{spread}."
 
 
-def _explained(grid: Array, known: NDArray[np.bool_], axis: int) -> float:
+def _explained(grid: Array, known: Mask, axis: int) -> float:
     """Return the share of a map's variance that means along one axis explain, beyond what as many of anything would."""
     count = known.sum(axis=axis)
     mean = np.where(known, grid, 0.0).sum(axis=axis) / np.maximum(count, 1)

@@ -12,7 +12,7 @@ import hashlib
 import json
 from collections.abc import Iterable, Iterator
 from functools import lru_cache
-from importlib import resources
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fricmodels.report.formula import mathml, symbol
@@ -56,7 +56,7 @@ def render(page: Page) -> str:
 @lru_cache(maxsize=8)
 def asset(name: str) -> str:
     """Return the text of a file of the page."""
-    return (resources.files("fricmodels.report") / "assets" / name).read_text(encoding="utf-8")
+    return (Path(__file__).with_name("assets") / name).read_text(encoding="utf-8")
 
 
 @lru_cache(maxsize=1)

@@ -11,10 +11,10 @@ from dataclasses import dataclass
 from typing import Annotated, ClassVar, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict, Field
 
-Array = NDArray[np.float64]
+from fricmodels.arrays import Array
+
 Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 
 

@@ -6,9 +6,9 @@ from functools import cached_property
 from typing import Annotated, Any, Self
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
+from fricmodels.arrays import Array
 from fricmodels.dimension import Motion
 from fricmodels.errors import InputError
 from fricmodels.recording import Recording
@@ -18,7 +18,6 @@ from fricmodels.rig.hidden import Waves
 from fricmodels.rig.memory import SensorDelay
 from fricmodels.rig.sensors import History, Sensors, instants, noisy, quantised
 
-Array = NDArray[np.float64]
 Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 NotNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
 Pair = tuple[NotNegative, NotNegative]
@@ -154,10 +153,6 @@ class Rig(BaseModel):
         return hash(self.model_dump_json())
 
     # ---- variations -----------------------------------------------------------------------------------------------
-
-    def without_effects(self) -> Rig:
-        """Return the same rig with nothing hidden."""
-        return self.model_copy(update={"effects": ()})
 
     def with_strength(self, factor: float) -> Rig:
         """Return the same rig with every hidden effect stronger by ``factor``."""

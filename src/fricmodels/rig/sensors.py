@@ -6,10 +6,10 @@ from dataclasses import dataclass
 from typing import Annotated, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict, Field
 
-Array = NDArray[np.float64]
+from fricmodels.arrays import Array
+
 NotNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
 
 

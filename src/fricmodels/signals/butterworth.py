@@ -8,10 +8,10 @@ from __future__ import annotations
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fricmodels.arrays import Array, Mask
 from fricmodels.errors import InputError
-from fricmodels.signals.segments import Array, Runs, stretches
+from fricmodels.signals.segments import Runs, stretches
 
 
 def butterworth(time: Array, values: Array, cutoff: float, order: int = 4, runs: Runs | None = None) -> Array:
@@ -38,7 +38,7 @@ def butterworth(time: Array, values: Array, cutoff: float, order: int = 4, runs:
     return result
 
 
-def settled(time: Array, cutoff: float, order: int, runs: Runs | None = None) -> NDArray[np.bool_]:
+def settled(time: Array, cutoff: float, order: int, runs: Runs | None = None) -> Mask:
     """Return where the filter has settled: its slowest pole has fallen to 1 % since either border of the stretch.
 
     Second derivatives nearer to a border are worthless.

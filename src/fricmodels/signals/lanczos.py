@@ -15,9 +15,9 @@ from __future__ import annotations
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
-from fricmodels.signals.segments import Array, Runs, is_even, stretches
+from fricmodels.arrays import Array, Index
+from fricmodels.signals.segments import Runs, is_even, stretches
 
 DEGREE = 2
 _BLOCK = 1 << 22
@@ -27,22 +27,18 @@ _FEW = 48
 
 
 def lanczos_derivative(
-    time: Array, values: Array, half_width: int | None = None, runs: Runs | None = None, *, degree: int = DEGREE
+    time: Array, values: Array, half_width: int, runs: Runs | None = None, *, degree: int = DEGREE
 ) -> tuple[Array, Array]:
     """Return the smoothed signal and its derivative by time.
 
     Args:
         time: sample times [s], increasing within each run, shape (N,).
         values: the signal, shape (N,).
-        half_width: h; found from the noise by :func:`fricmodels.signals.best_half_width` if not given.
+        half_width: h; :func:`fricmodels.signals.best_half_width` finds it from the noise.
         runs: run of each sample; windows never reach over runs or gaps.
         degree: of the local polynomial.
     """
     values = np.asarray(values, dtype=float)
-    if half_width is None:
-        from fricmodels.signals.noise_level import best_half_width
-
-        half_width = best_half_width(time, values, runs, degree=degree)
     smooth, slope = np.empty_like(values), np.empty_like(values)
     for part in stretches(time, runs):
         smooth[part], slope[part] = fit_stretch(time[part], values[part], half_width, degree)
@@ -87,7 +83,7 @@ def even_weights(half_width: int, degree: int = DEGREE) -> tuple[Array, Array]:
     return value, slope
 
 
-def _fit_windows(time: Array, values: Array, size: int, degree: int, at: NDArray[np.int64]) -> tuple[Array, Array]:
+def _fit_windows(time: Array, values: Array, size: int, degree: int, at: Index) -> tuple[Array, Array]:
     """Fit at the samples ``at`` by normal equations, each window scaled to [−1, 1] about its sample."""
     smooth, slope = np.empty(len(at)), np.empty(len(at))
     rows = max(1, _BLOCK // size)

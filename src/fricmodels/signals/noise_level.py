@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from fricmodels.arrays import Array
 from fricmodels.signals.lanczos import DEGREE, even_weights, fit_stretch
-from fricmodels.signals.segments import Array, Runs, is_even, stretches
+from fricmodels.signals.segments import Runs, is_even, stretches
 
 _EXCERPT = 2048
 _ENOUGH = 16 * _EXCERPT

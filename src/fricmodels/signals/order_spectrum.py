@@ -5,9 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from fricmodels.arrays import Array
 
 PEAKS = 12
 """Most wave numbers that are returned."""

@@ -14,12 +14,12 @@ from functools import wraps
 from typing import TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fricmodels.arrays import Array, Mask
 from fricmodels.recording import Recording
 from fricmodels.signals.lanczos import even_weights, lanczos_derivative
 from fricmodels.signals.noise_level import best_half_width, noise, quantum
-from fricmodels.signals.segments import Array, stretches
+from fricmodels.signals.segments import stretches
 
 _BAND = 3.0
 """Standard errors from zero within which a velocity is no evidence of motion."""
@@ -42,7 +42,7 @@ def once(find: Callable[[Recording], Found]) -> Callable[[Recording], Found]:
 
 
 @once
-def resting(recording: Recording) -> NDArray[np.bool_]:
+def resting(recording: Recording) -> Mask:
     """Return where the drive stands still, shape (N,).
 
     From the measured velocity; from the position where the velocity is not there or was derived.
@@ -69,7 +69,7 @@ def _from_position(recording: Recording) -> bool:
     return "velocity" not in recording or ("velocity" in recording.derived and "position" in recording)
 
 
-def _in_place(recording: Recording, still: NDArray[np.bool_], band: float, passage: float) -> NDArray[np.bool_]:
+def _in_place(recording: Recording, still: Mask, band: float, passage: float) -> Mask:
     """Tell where the position changes no more than its sensor does at rest, while the velocity may be zero.
 
     Over as long as a drive that creeps at the limit of the band needs to show it; over the whole of shorter stretches.
@@ -87,7 +87,7 @@ def _in_place(recording: Recording, still: NDArray[np.bool_], band: float, passa
     return result
 
 
-def _borders(recording: Recording, mask: NDArray[np.bool_]) -> Iterator[tuple[int, int]]:
+def _borders(recording: Recording, mask: Mask) -> Iterator[tuple[int, int]]:
     """Yield start and stop of each piece of an uninterrupted stretch where the mask holds."""
     for part in stretches(recording.time, recording.run):
         edges = np.flatnonzero(np.diff(np.r_[0, mask[part].astype(np.int8), 0])) + part.start

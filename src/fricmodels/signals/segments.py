@@ -5,10 +5,10 @@ from __future__ import annotations
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
-Runs = NDArray[np.int64]
+from fricmodels.arrays import Array, Index
+
+Runs = Index
 
 _FENCE = 3.0
 """Tukey's outer fence, in interquartile ranges."""

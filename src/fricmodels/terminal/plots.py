@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from fricmodels.arrays import Array, Index
 from fricmodels.terminal.tables import plain
 
 if TYPE_CHECKING:
     from rich.console import Console
 
-Array = NDArray[np.float64]
 
 _EIGHTHS = " ▏▎▍▌▋▊▉"
 _WIDEST, _ROWS = 100, 13
@@ -89,7 +89,7 @@ def show_plot(console: Console, series: Sequence[Band], x_title: str, y_title: s
         console.print(Text(f"{'':>{margin + 2}}{line}".rstrip(), no_wrap=True))
 
 
-def _draw_band(cells: NDArray[np.str_], mark: str, column: NDArray[np.int64], row: NDArray[np.int64]) -> None:
+def _draw_band(cells: NDArray[np.str_], mark: str, column: Index, row: Index) -> None:
     """Mark, in every column, the rows from the least to the greatest that the line passes."""
     width = cells.shape[1]
     top, bottom = np.full(width, len(cells)), np.full(width, -1)
@@ -113,7 +113,7 @@ def _limits(values: Sequence[Array]) -> tuple[float, float]:
     return low - pad, high + pad
 
 
-def _rows(y: Array, low: float, high: float) -> NDArray[np.int64]:
+def _rows(y: Array, low: float, high: float) -> Index:
     return np.asarray(np.rint((high - y) / (high - low) * (_ROWS - 1)), dtype=np.int64)
 
 

@@ -106,9 +106,9 @@ class TermExam:
         """An effect of size zero changes nothing."""
         term_checks.check_neutral(self.subject)
 
-    def test_advance(self) -> None:
-        """States advanced by a formula: a short step agrees with the rates."""
-        term_checks.check_advance(self.subject)
+    def test_discrete_step(self) -> None:
+        """States with a discrete step: a short one agrees with the rates."""
+        term_checks.check_discrete_step(self.subject)
 
     def test_identifiable(self) -> None:
         """A rich motion determines every parameter."""

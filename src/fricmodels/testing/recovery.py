@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fricmodels import plugins
+from fricmodels.arrays import Array
 from fricmodels.dimension import INERTIA as INERTIA_DIMENSION
 from fricmodels.drive import Drive
 from fricmodels.errors import EstimationError, FricmodelsError
@@ -21,7 +22,7 @@ from fricmodels.signals import Preparation, prepare
 from fricmodels.simulation import simulate
 from fricmodels.term import Effect, Law, Term
 from fricmodels.testing.faults import Fault, SkipTest
-from fricmodels.testing.subject import Array, Subject, in_order
+from fricmodels.testing.subject import Subject, in_order
 from fricmodels.weakform.ranges import scan_size
 
 if TYPE_CHECKING:

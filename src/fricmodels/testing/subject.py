@@ -8,11 +8,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
-from typing import Any, TypeAlias
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fricmodels.arrays import Array, Mask
 from fricmodels.dimension import VELOCITY, Dimension
 from fricmodels.errors import FricmodelsError
 from fricmodels.expressions import rest_treatment
@@ -21,8 +21,6 @@ from fricmodels.parameter import Parameter
 from fricmodels.term import SIGNALS, Effect, Law, Parameters, Signals, Term
 from fricmodels.testing.faults import Fault
 from fricmodels.weakform.problem import NoFriction
-
-Array: TypeAlias = NDArray[np.float64]
 
 VELOCITY_PLACE = list(SIGNALS).index("velocity")
 FIRST_PARAMETER = len(SIGNALS)
@@ -52,7 +50,7 @@ class Subject:
     touched: frozenset[str]
 
     @property
-    def linear(self) -> NDArray[np.bool_]:
+    def linear(self) -> Mask:
         """Which parameters enter linearly."""
         return np.array(self.model.linear, dtype=bool)
 

@@ -8,10 +8,11 @@ from typing import Any
 
 import numpy as np
 
+from fricmodels.arrays import Array
 from fricmodels.errors import FricmodelsError
 from fricmodels.term import SIGNALS, Effect, Term
 from fricmodels.testing.faults import Fault, SkipTest
-from fricmodels.testing.subject import VELOCITY_PLACE, Array, Subject, at_bounds, written_anew
+from fricmodels.testing.subject import VELOCITY_PLACE, Subject, at_bounds, written_anew
 
 _NAME = re.compile(r"[a-z][a-z0-9]*(-[a-z0-9]+)*")
 _AT_REST = (0.0, -0.0, 1e-300, -1e-300, 1e-9, -1e-9)
@@ -275,29 +276,29 @@ def check_neutral(s: Subject) -> None:
             )
 
 
-def check_advance(s: Subject) -> None:
-    """Where states are advanced by a formula, a short step agrees with the rates, in either direction."""
+def check_discrete_step(s: Subject) -> None:
+    """Where states have a discrete step, a short one agrees with the rates, in either direction."""
     import casadi
 
     e = s.model.expression()
-    if not e.advanced:
-        raise SkipTest("no state is advanced by a formula: the rates are integrated")
+    if not e.discrete_step:
+        raise SkipTest("no state has a discrete step: the rates are integrated")
     given = casadi.vertcat(*e.signals.values(), e.parameters, e.states, e.width)
-    following = casadi.vertcat(*(e.advanced[i] for i in range(e.states.numel())))
+    following = casadi.vertcat(*(e.discrete_step[i] for i in range(e.states.numel())))
     ends = {**e.signals, "velocity": e.signals["velocity"] + e.step * e.signals["acceleration"]}
     step = casadi.substitute(following, casadi.vertcat(*e.later.values()), casadi.vertcat(*ends.values()))
     by_states = casadi.jacobian(e.torque, e.states)
     change = casadi.substitute(e.torque, e.states, step) - e.torque
-    both = casadi.Function("advance", [given, e.step], [change / e.step, casadi.mtimes(by_states, e.rates)])
+    both = casadi.Function("discrete_step", [given, e.step], [change / e.step, casadi.mtimes(by_states, e.rates)])
     decay = casadi.Function("decay", [given], [casadi.norm_inf(casadi.vec(casadi.jacobian(e.rates, e.states)))])
     rng = np.random.default_rng(10)
     for direction in (1, -1) * 20:
         column = s.column(rng, velocity=direction * float(rng.uniform(0.1, 2)))
         fast = max(float(np.max(np.abs(s.values(column)[1:]))), float(decay(column)))
-        advanced, rate = (float(value) for value in both(column, 1e-6 / max(fast, 1.0)))
-        if not abs(advanced - rate) <= 1e-3 * abs(rate) + 1e-6 * max(fast, 1.0):
+        stepped, rate = (float(value) for value in both(column, 1e-6 / max(fast, 1.0)))
+        if not abs(stepped - rate) <= 1e-3 * abs(rate) + 1e-6 * max(fast, 1.0):
             raise Fault(
-                f"over a short step advance() changes the torque by {advanced:.4g} a second, rates() by {rate:.4g} "
+                f"over a short discrete_step() the torque changes by {stepped:.4g} a second, rates() by {rate:.4g} "
                 f"({s.written(column)}); write the same law in both: the step's length is h, signals at its end later"
             )
 

@@ -8,9 +8,10 @@ from fractions import Fraction
 
 import numpy as np
 
+from fricmodels.arrays import Array
 from fricmodels.dimension import TIME, Dimension, Scales
 from fricmodels.testing.faults import Fault
-from fricmodels.testing.subject import FIRST_PARAMETER, Array, Subject
+from fricmodels.testing.subject import FIRST_PARAMETER, Subject
 
 _COLUMNS = 6
 _BASES = {"force": "N m", "displacement": "rad", "time": "s", "temperature": "K"}

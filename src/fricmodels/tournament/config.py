@@ -10,10 +10,10 @@ from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_valida
 
 from fricmodels import plugins
 from fricmodels.dimension import Motion
+from fricmodels.documents import Document, read_yaml, validate
 from fricmodels.errors import InputError
 from fricmodels.signals import Preparation
 from fricmodels.split import Split
-from fricmodels.tournament.document import Document, read_yaml, validate
 
 ALL = "all"
 Ranking = Literal[
@@ -215,7 +215,7 @@ def _check_models(config: Config, document: Document) -> None:
 def _check_estimators(config: Config, document: Document) -> None:
     from pydantic import ValidationError
 
-    from fricmodels.tournament.document import first_problem
+    from fricmodels.documents import first_problem
 
     registered = plugins.load().estimators
     for index, entrant in enumerate(config.estimators):

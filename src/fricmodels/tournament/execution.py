@@ -110,10 +110,12 @@ def _ready() -> None:
     import importlib
     import signal
 
+    import fricmodels.score  # noqa: F401
+
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
         os.environ.setdefault(name, "1")
-    for module in ("casadi", "numba", "scipy.optimize", "fricmodels.score"):
+    for module in ("casadi", "numba", "scipy.optimize"):
         importlib.import_module(module)
     plugins.load()
 

@@ -3,32 +3,27 @@
 from __future__ import annotations
 
 import hashlib
-import importlib.metadata
-import inspect
 import json
 import math
-import sys
 import time
 import warnings
-from collections.abc import Container, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import lru_cache
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from fricmodels import __version__, plugins
+from fricmodels import plugins
 from fricmodels.dimension import Motion
 from fricmodels.drive import Drive
 from fricmodels.errors import FricmodelsError
+from fricmodels.estimator import Estimator
 from fricmodels.fit import Fit, Status
 from fricmodels.model import Model
+from fricmodels.tournament.code import code_of
 from fricmodels.tournament.config import Config
 from fricmodels.tournament.sources import Source, load
-
-SCHEMA = 2
-"""Raised whenever rows change their meaning, so that old results are not taken for new ones."""
 
 Row = dict[str, Any]
 
@@ -38,7 +33,7 @@ class Job:
     """What one worker does at a time; all plain values, so that it can be sent anywhere.
 
     Attributes:
-        key: hash of all that decides the result; equal keys, equal results.
+        key: hash of all that decides the result, the code included; equal keys, equal results.
         title: what the estimator is called in the leaderboard.
         settings: of the estimator, as JSON.
         measure: what the score's percentages are of.
@@ -98,19 +93,11 @@ def jobs(config: Config, sources: list[Source], digests: Mapping[Source, str]) -
     for model in config.model_names:
         for entrant in config.entrants:
             settings = json.dumps(entrant.settings, sort_keys=True)
-            what = (model, _code(model), entrant.name, estimator_version(entrant.name), settings, measure)
+            what = (model, entrant.name, settings, measure, config.simulate, config.decimate)
             for source in sources:
-                decides = (
-                    SCHEMA,
-                    __version__,
-                    *what,
-                    config.simulate,
-                    config.decimate,
-                    source.description,
-                    source.inertia,
-                )
-                content = json.dumps([*decides, digests.get(source, "")], sort_keys=True)
-                key = hashlib.sha256(content.encode()).hexdigest()
+                code = code_of(entrant.name, model, *source.models)
+                decides = (code, *what, source.description, source.inertia, digests.get(source, ""))
+                key = hashlib.sha256(json.dumps(decides, sort_keys=True).encode()).hexdigest()
                 listed.append(
                     Job(
                         key,
@@ -125,64 +112,6 @@ def jobs(config: Config, sources: list[Source], digests: Mapping[Source, str]) -
                     )
                 )
     return listed
-
-
-@lru_cache(maxsize=256)
-def _code(model: str) -> str:
-    """Return a hash of a model's terms and the versions of where they came from, or why it is left out."""
-    registered = plugins.load()
-    try:
-        parsed = Model.parse(model)
-    except plugins.LeftOut as reason:
-        return str(reason)
-    entries: list[Any] = [registered.laws.entry(parsed.law.name)]
-    entries += [registered.effects.entry(effect.name) for effect in parsed.effects]
-    texts = [_source(entry.cls) + _version(entry.distribution) for entry in entries]
-    return hashlib.sha256("\n".join(texts).encode()).hexdigest()
-
-
-@lru_cache(maxsize=256)
-def estimator_version(name: str) -> str:
-    """Return a hash of an estimator's whole package and the version of its distribution, or why it is left out."""
-    try:
-        entry = plugins.load().estimators.entry(name)
-    except plugins.LeftOut as reason:
-        return str(reason)
-    package = sys.modules[entry.cls.__module__.partition(".")[0]]
-    folders = [Path(folder) for folder in getattr(package, "__path__", ())]
-    code = _tree(folders[0]) if folders else _source(entry.cls)
-    return hashlib.sha256((code + _version(entry.distribution)).encode()).hexdigest()
-
-
-@lru_cache(maxsize=1)
-def _core() -> str:
-    """Return a hash of the part of this package that fits and scores: what comes after decides nothing."""
-    after = {"cli", "diagnosis", "effects", "export", "laws", "report", "testing", "tournament"}
-    return _tree(Path(__file__).parents[1], after)
-
-
-def _tree(folder: Path, without: Container[str] = ()) -> str:
-    digest = hashlib.sha256()
-    for file in sorted(folder.rglob("*.py")):
-        if file.relative_to(folder).parts[0] not in without:
-            digest.update(str(file.relative_to(folder)).encode() + file.read_bytes())
-    return digest.hexdigest()
-
-
-def _source(cls: type) -> str:
-    """Return the source of the module that a class stands in, or of itself in a module without a file."""
-    module = inspect.getmodule(cls)
-    try:
-        return inspect.getsource(module if module is not None else cls)
-    except (OSError, TypeError):
-        return repr(cls)
-
-
-def _version(distribution: str) -> str:
-    try:
-        return importlib.metadata.version(distribution)
-    except importlib.metadata.PackageNotFoundError:
-        return ""
 
 
 @lru_cache(maxsize=64)
@@ -242,7 +171,7 @@ def _fit_and_score(job: Job) -> Row:
     _check_plugins(job.model)
     loaded = load(job.source)
     drive = _drive(job.model, job.source.inertia, loaded.train.motion)
-    estimator = plugins.load().estimators[job.estimator](json.loads(job.settings))
+    estimator: Estimator = plugins.load().estimators[job.estimator](json.loads(job.settings))
     begin = time.perf_counter()
     fit = estimator.fit(drive, loaded.train, seed=job.seed)
     row = job.row(fit.status, fit.message, time.perf_counter() - begin)

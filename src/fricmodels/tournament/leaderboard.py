@@ -10,9 +10,9 @@ from pathlib import Path
 from statistics import median
 from typing import Any
 
+from fricmodels.display import Displayed
 from fricmodels.errors import InputError
-from fricmodels.shown import Shown
-from fricmodels.tournament.files import write_text
+from fricmodels.files import write_text
 from fricmodels.tournament.jobs import Row
 
 SCHEMA = "fricmodels/leaderboard/1"
@@ -21,7 +21,7 @@ HELD_OUT = "held_out_rms_torque_error_percent"
 
 
 @dataclass(frozen=True, repr=False)
-class Leaderboard(Shown):
+class Leaderboard(Displayed):
     """Rows in order of rank; those without a result come last, with their reason."""
 
     rows: tuple[Row, ...]

@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING, Any
 
 from fricmodels import plugins
 from fricmodels.errors import InputError
-from fricmodels.tournament.files import write_text
+from fricmodels.files import write_text
 from fricmodels.tournament.sources import Source
 
 if TYPE_CHECKING:
-    from fricmodels.tournament.running import Plan
+    from fricmodels.tournament.planning import Plan
 
 SCHEMA = "fricmodels/run/1"
 FILE = "run.json"

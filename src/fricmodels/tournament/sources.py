@@ -59,6 +59,12 @@ class Source:
         key = "J" if values["motion"] == Motion.ROTARY else "M"
         return {key: values["inertia"], **values["parameters"]}
 
+    @property
+    def models(self) -> list[str]:
+        """Name of the model that it is simulated with; none for measurements."""
+        values = self.values
+        return [values["model"]] if values["kind"] == "simulate" else []
+
 
 @dataclass(frozen=True)
 class Loaded:

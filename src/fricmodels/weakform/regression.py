@@ -287,16 +287,3 @@ def compare(loss: Array, other: Array, terms: int) -> tuple[float, float]:
     if spread == 0:
         return float(gain), 1.0
     return float(gain), float(stdtr(terms, -float(np.sum(difference)) / spread))
-
-
-def benjamini_yekutieli(p_values: Array) -> Array:
-    """Adjust p-values for the number of tests under any dependence between them (Benjamini and Yekutieli 2001)."""
-    count = len(p_values)
-    if count == 0:
-        return p_values
-    order = np.argsort(p_values)
-    harmonic = float(np.sum(1.0 / np.arange(1, count + 1)))
-    raised = p_values[order] * count * harmonic / np.arange(1, count + 1)
-    adjusted = np.empty(count)
-    adjusted[order] = np.minimum(1.0, np.minimum.accumulate(raised[::-1])[::-1])
-    return adjusted

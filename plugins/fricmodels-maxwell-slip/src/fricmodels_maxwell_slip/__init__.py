@@ -95,7 +95,7 @@ class GeneralisedMaxwellSlip(Law):
         return p.F_1 * s.phi_1 + p.F_2 * s.phi_2 + p.F_3 * s.phi_3 + p.F_4 * s.phi_4 + p.K_v * s.velocity
 
     def rates(self, s: Signals, p: Parameters) -> Mapping[str, Expression]:
-        """Return dφ_i/dt; an element begins or ceases to slip in no time, which only :meth:`advance` can say."""
+        """Return dφ_i/dt; an element begins or ceases to slip in no time, which only :meth:`discrete_step` can say."""
         direction, level = sign(s.velocity), _curve(absolute(s.velocity), p)
         changes: dict[str, Expression] = {}
         for i, (phi, slips) in enumerate(_elements(s), start=1):
@@ -106,7 +106,7 @@ class GeneralisedMaxwellSlip(Law):
             changes[f"slips_{i}"] = 0 * phi
         return changes
 
-    def advance(self, s: Signals, later: Signals, h: Expression, p: Parameters) -> Mapping[str, Expression]:
+    def discrete_step(self, s: Signals, later: Signals, h: Expression, p: Parameters) -> Mapping[str, Expression]:
         """Return the states after a step in which the velocity changes linearly; where it turns, in two parts."""
         first, last = s.velocity, later.velocity
         turns = first * last < 0

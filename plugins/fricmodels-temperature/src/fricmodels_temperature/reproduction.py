@@ -6,7 +6,6 @@ figure, which needs matplotlib (``pip install "fricmodels[report]"``).
 
 from __future__ import annotations
 
-import os
 import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -14,6 +13,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from fricmodels.files import replaced
 from fricmodels.model import Model
 from fricmodels_temperature import printed
 from fricmodels_temperature.joint import Array, friction
@@ -76,9 +76,8 @@ def save_figure(file: Path) -> None:
     speeds = np.linspace(1e-5, 1.0, 1000)
     _curves(left, speeds, [(load, 40.0, f"{load:g} N m") for load in FIGURE_LOADS], "40 °C, load torque")
     _curves(right, speeds, [(500.0, warm, f"{warm:g} °C") for warm in FIGURE_TEMPERATURES], "500 N m, temperature")
-    temporary = file.with_suffix(".part")
-    figure.savefig(temporary, format="png", dpi=90, metadata={"Software": None})
-    os.replace(temporary, file)
+    with replaced(file) as beside:
+        figure.savefig(beside, format="png", dpi=90, metadata={"Software": None})
 
 
 def _curves(axes: Axes, speeds: Array, cases: Sequence[tuple[float, float, str]], title: str) -> None:

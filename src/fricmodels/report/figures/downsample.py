@@ -7,12 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from fricmodels.arrays import Array, Index
 from fricmodels.report.figures.style import POINTS
 
-Array = NDArray[np.float64]
 
-
-def extremes(x: Array, values: Array, points: int = POINTS) -> NDArray[np.int64]:
+def extremes(x: Array, values: Array, points: int = POINTS) -> Index:
     """Return the indices of the least and the greatest value in each of ``points / 2 - 1`` even buckets of x.
 
     A line through them covers the same pixels as one through all samples.
@@ -49,7 +48,7 @@ class Line:
     y: NDArray[np.float32]
 
 
-def line(x: Array, values: Array, piece: NDArray[np.int64] | None = None, points: int = POINTS) -> Line:
+def line(x: Array, values: Array, piece: Index | None = None, points: int = POINTS) -> Line:
     """Return a line of at most ``points`` points through a signal, with its peaks, interrupted between pieces.
 
     Args:

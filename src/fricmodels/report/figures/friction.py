@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fricmodels.arrays import Array
 from fricmodels.recording import Recording
 from fricmodels.report.figures.grid import even_edges
 from fricmodels.report.figures.samples import Samples
@@ -16,7 +16,6 @@ from fricmodels.report.figures.style import LIGHT, Figure, graph_objects, styled
 if TYPE_CHECKING:
     from fricmodels.diagnosis.comparison import Comparison
 
-Array = NDArray[np.float64]
 
 CELLS = 60
 """Cells of the density along each axis."""

@@ -6,8 +6,8 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fricmodels.arrays import Array
 from fricmodels.dimension import Motion
 from fricmodels.errors import InputError
 from fricmodels.report.figures.downsample import line
@@ -26,8 +26,6 @@ from fricmodels.report.figures.style import (
 if TYPE_CHECKING:
     from fricmodels.drive import Drive
     from fricmodels.fit import Fit
-
-Array = NDArray[np.float64]
 
 
 _POINTS = 6000

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fricmodels.arrays import Array, Index, Mask
 from fricmodels.dimension import DISPLACEMENT
 from fricmodels.errors import InputError
 from fricmodels.report.figures.samples import Samples
@@ -17,8 +17,6 @@ from fricmodels.report.figures.style import LIGHT, Figure, graph_objects, label,
 if TYPE_CHECKING:
     from fricmodels.diagnosis.comparison import Comparison
 
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 
 _BINS = 24
 _LEAST = 5
@@ -36,10 +34,10 @@ class Reversals:
         turn: number of the reversal that a sample belongs to, from 0.
     """
 
-    index: NDArray[np.int64]
-    leaving: NDArray[np.bool_]
+    index: Index
+    leaving: Mask
     way: Array
-    turn: NDArray[np.int64]
+    turn: Index
 
     @property
     def count(self) -> int:

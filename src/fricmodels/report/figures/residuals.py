@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fricmodels.arrays import Array, Index
 from fricmodels.errors import InputError
 from fricmodels.report.figures.grid import even_edges
 from fricmodels.report.figures.samples import Samples
@@ -16,7 +16,6 @@ from fricmodels.report.figures.style import LIGHT, Figure, graph_objects, styled
 if TYPE_CHECKING:
     from fricmodels.diagnosis.comparison import Comparison
 
-Array = NDArray[np.float64]
 Unit = Literal["torque", "standard errors"]
 
 CELLS = 48
@@ -45,11 +44,11 @@ class Cells:
     y_edges: Array
     mean: Array
     standard_error: Array
-    count: NDArray[np.int64]
+    count: Index
     independent: Array
 
 
-def binned_mean(x: Array, y: Array, values: Array, piece: NDArray[np.int64], cells: int = CELLS) -> Cells:
+def binned_mean(x: Array, y: Array, values: Array, piece: Index, cells: int = CELLS) -> Cells:
     r"""Return the mean of values in the cells of a grid over x and y.
 
     The standard error of a mean of n samples is :math:`s\sqrt{T/n}` with the pooled standard deviation s within the
@@ -91,7 +90,7 @@ def _edges(values: Array, cells: int) -> Array:
     return even_edges(low, high, cells)
 
 
-def correlation_length(values: Array, piece: NDArray[np.int64]) -> float:
+def correlation_length(values: Array, piece: Index) -> float:
     """Return over how many samples a signal resembles itself: the sum of its autocorrelation up to its first zero.
 
     From the longest piece, or its beginning.

@@ -9,8 +9,8 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fricmodels.arrays import Array, Index, Mask
 from fricmodels.dimension import FORCE, Motion
 from fricmodels.recording import Recording
 from fricmodels.report.figures.style import label, unit_of, words
@@ -19,8 +19,6 @@ if TYPE_CHECKING:
     from fricmodels.diagnosis.comparison import Comparison
     from fricmodels.drive import Drive
 
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 
 _known: dict[int, tuple[weakref.ref[Comparison], Samples]] = {}
 
@@ -155,7 +153,7 @@ def _evaluated(comparison: Comparison) -> Samples:
     return Samples(replace(comparison), recording, place, consecutive, kept_back, error, slow, velocity, still)
 
 
-def _joined(train: Recording, test: Recording) -> tuple[Recording, Mask, NDArray[np.int64], Array, bool]:
+def _joined(train: Recording, test: Recording) -> tuple[Recording, Mask, Index, Array, bool]:
     """Put two parts of a recording together again, by time where that says the order."""
     from fricmodels.signals import stretches
 

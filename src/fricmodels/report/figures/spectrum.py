@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fricmodels.arrays import Array
 from fricmodels.dimension import Motion
 from fricmodels.report.figures.downsample import extremes
 from fricmodels.report.figures.samples import Samples
@@ -17,7 +17,6 @@ from fricmodels.report.figures.style import LIGHT, Figure, graph_objects, label,
 if TYPE_CHECKING:
     from fricmodels.diagnosis.comparison import Comparison
 
-Array = NDArray[np.float64]
 
 _MOST_BINS = 2**15
 _PADDING = 4

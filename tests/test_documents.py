@@ -8,8 +8,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from fricmodels.documents import read_yaml
 from fricmodels.errors import InputError
-from fricmodels.tournament.document import read_yaml
 
 
 def written(tmp_path: Path, text: str) -> Path:

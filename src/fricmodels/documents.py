@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from types import UnionType
-from typing import Any, TypeVar, Union, get_args, get_origin
+from typing import Any, Literal, TypeVar, get_args, get_origin
 
 import yaml
 from pydantic import BaseModel, ValidationError
@@ -129,13 +128,28 @@ def validate(document: Document, model: type[M]) -> M:
     try:
         return model.model_validate(document.content)
     except ValidationError as error:
-        first = _first(error)
-        raise document.error(first["loc"], _message(first, model)) from None
+        problem = _first(error)
+        place = _place(problem, document.lines)
+        raise document.error(place, _message(problem, place, model)) from None
+
+
+def _place(problem: Any, lines: Mapping[Place, int]) -> Place:
+    """Return where a problem is in the file; pydantic names the kind too where a mapping is of one of several kinds."""
+    place: Place = ()
+    for part in problem["loc"]:
+        if (*place, part) in lines:
+            place = (*place, part)
+    if problem["type"] == "missing":
+        place = (*place, problem["loc"][-1])
+    if problem["type"] == "union_tag_invalid":
+        place = (*place, str(problem["ctx"]["discriminator"]).strip("'"))
+    return place
 
 
 def first_problem(error: ValidationError, model: type[BaseModel]) -> str:
     """Return the first problem of a validation in one line, without a place."""
-    return _message(_first(error), model)
+    problem = _first(error)
+    return _message(problem, problem["loc"], model)
 
 
 def _first(error: ValidationError) -> Any:
@@ -144,16 +158,17 @@ def _first(error: ValidationError) -> Any:
     return next((problem for problem in problems if problem["type"] == "extra_forbidden"), problems[0])
 
 
-def _message(problem: Any, model: type[BaseModel]) -> str:
-    path = problem["loc"]
-    names = [str(part) for part in path if isinstance(part, str)]
+def _message(problem: Any, place: Place, model: type[BaseModel]) -> str:
+    names = [str(part) for part in place if isinstance(part, str)]
     key = names[-1] if names else "?"
     inside = f" in '{'.'.join(names[:-1])}'" if len(names) > 1 else ""
     if problem["type"] == "extra_forbidden":
-        known = _fields(model, path[:-1])
-        return f"key '{key}'{inside} is unknown{suggestion(key, known)}"
+        return f"key '{key}'{inside} is unknown{suggestion(key, _fields(model, problem['loc'][:-1]))}"
     if problem["type"] == "missing":
         return f"key '{key}'{inside} is missing"
+    if problem["type"] == "union_tag_invalid":
+        known = [tag.strip("' ") for tag in problem["ctx"]["expected_tags"].split(",")]
+        return f"key '{key}'{inside} cannot be '{problem['ctx']['tag']}'{suggestion(problem['ctx']['tag'], known)}"
     text = str(problem["msg"]).removeprefix("Value error, ")
     value = problem.get("input")
     shown = f", got {value!r}" if isinstance(value, str | int | float | bool) or value is None else ""
@@ -166,23 +181,25 @@ def _message(problem: Any, model: type[BaseModel]) -> str:
 
 
 def _fields(model: type[BaseModel], path: Sequence[str | int]) -> set[str]:
-    """Return the keys that the model knows at ``path``."""
-    here: type[BaseModel] | None = model
+    """Return the keys that the model knows at ``path``, in which pydantic names the kind of each mapping of several."""
+    here = [model]
     for part in path:
-        if not isinstance(part, str) or here is None:
-            continue
-        field = here.model_fields.get(part)
-        if field is not None:
-            here = _model_of(field.annotation)
-    return set(here.model_fields) if here is not None else set()
+        if len(here) > 1 and any(part in _tags(kind) for kind in here):
+            here = [kind for kind in here if part in _tags(kind)]
+        elif isinstance(part, str):
+            fields = [kind.model_fields[part] for kind in here if part in kind.model_fields]
+            here = [inner for field in fields for inner in _models(field.annotation)]
+    return {name for kind in here for name in kind.model_fields}
 
 
-def _model_of(annotation: Any) -> type[BaseModel] | None:
+def _models(annotation: Any) -> list[type[BaseModel]]:
+    """Return the models that an annotation names, however deep."""
     if isinstance(annotation, type) and issubclass(annotation, BaseModel):
-        return annotation
-    if get_origin(annotation) in (Union, UnionType, list, tuple, dict):
-        for inner in get_args(annotation):
-            found = _model_of(inner)
-            if found is not None:
-                return found
-    return None
+        return [annotation]
+    return [model for inner in get_args(annotation) for model in _models(inner)]
+
+
+def _tags(model: type[BaseModel]) -> set[Any]:
+    """Return the values that say of a mapping that it is of this kind."""
+    literals = (field.annotation for field in model.model_fields.values() if get_origin(field.annotation) is Literal)
+    return {value for literal in literals for value in get_args(literal)}

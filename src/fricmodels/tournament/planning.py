@@ -1,0 +1,83 @@
+"""What a tournament will do: every job of it, checked before anything is written."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from fricmodels import plugins
+from fricmodels.errors import InputError
+from fricmodels.model import Model
+from fricmodels.tournament.config import Config
+from fricmodels.tournament.jobs import Job, jobs
+from fricmodels.tournament.sources import Loaded, Source, load, sources
+
+
+@dataclass(frozen=True)
+class Plan:
+    """All jobs of a tournament, checked against the recordings; nothing has been written yet.
+
+    Attributes:
+        config, jobs: what is run.
+        left_out: one line for each optional dataset that is not there.
+        digests: of the content of each recording.
+        doubts: what speaks against the units or the columns of a recording, a line each.
+    """
+
+    config: Config
+    jobs: tuple[Job, ...]
+    left_out: tuple[str, ...]
+    digests: Mapping[Source, str] = field(default_factory=dict)
+    doubts: tuple[str, ...] = ()
+
+
+def plan(config: Config, directory: str | Path = ".") -> Plan:
+    """Read every file once, check that each model has the channels that it needs, and list the jobs.
+
+    Args:
+        config: the tournament.
+        directory: where its relative paths start; that of its file.
+
+    Raises:
+        InputError: for anything that cannot be used, before anything is written.
+    """
+    titles: dict[str, str] = {}
+    for entrant in config.entrants:
+        content = entrant.model_dump_json(exclude={"label"})
+        if titles.setdefault(entrant.title, content) != content:
+            raise InputError(f"two estimators are called '{entrant.title}'; give one of them another 'label'")
+    listed, left_out = sources(config, Path(directory))
+    models = [model for name in config.model_names if (model := _built_in(name)) is not None]
+    digests: dict[Source, str] = {}
+    doubts: list[str] = []
+    for source in listed:
+        if source.values["kind"] == "files":
+            loaded = _checked(source, models)
+            digests[source] = loaded.digest
+            doubts += loaded.doubts
+    if not plugins.load().estimators:
+        raise InputError("no estimator is registered; install the distribution that has them")
+    return Plan(config, tuple(jobs(config, listed, digests)), tuple(left_out), digests, tuple(dict.fromkeys(doubts)))
+
+
+def _built_in(name: str) -> Model | None:
+    """Return a model of which no part comes from a plugin, whose code runs in workers only: it may hang or crash."""
+    try:
+        model = Model.parse(name)
+    except plugins.LeftOut:
+        return None
+    registered = plugins.load()
+    entries: list[plugins.Registered[Any]] = [registered.laws.entry(model.law.name)]
+    entries += [registered.effects.entry(effect.name) for effect in model.effects]
+    return model if all(entry.distribution == "fricmodels" for entry in entries) else None
+
+
+def _checked(source: Source, models: list[Model]) -> Loaded:
+    loaded = load(source)
+    for model in models:
+        for part in (loaded.prepared_train, loaded.prepared_test):
+            if part is not None:
+                part.require(model.required, model.name)
+    return loaded

@@ -1,0 +1,33 @@
+"""The p-values of the candidates, corrected for how many there are."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from tests.conftest import INERTIA, LAW, Made
+
+from fricmodels.diagnosis import compare
+from fricmodels.diagnosis.candidate_tests import candidate_tests
+
+
+def test_p_values_are_corrected_for_the_number_of_effects_under_any_dependence(made: Made) -> None:
+    """The adjusted i-th smallest of n is the least of p_j n (1 + 1/2 + … + 1/n) / j over j ≥ i, and at most 1."""
+    recording = made("coulomb-viscous+stribeck", {"stribeck.F_s": 1.0, "stribeck.omega_s": 1.0, "stribeck.delta": 1.0})
+    comparison = compare(recording, "coulomb-viscous", INERTIA)
+    only = {"cogging", "stribeck", "torque-offset", "gravity", "asymmetry"}
+    tested = sorted(
+        candidate_tests(comparison.problem, comparison.estimate.parameters, only=only).tested, key=lambda t: t.p_value
+    )
+    count = len(tested)
+    assert count >= 4
+    harmonic = sum(1 / i for i in range(1, count + 1))
+    raised = [t.p_value * count * harmonic / i for i, t in enumerate(tested, start=1)]
+    expected = [min(1.0, *raised[i:]) for i in range(count)]
+    np.testing.assert_allclose([t.adjusted for t in tested], expected, rtol=1e-12)
+    assert tested[0].adjusted > tested[0].p_value
+
+
+def test_without_a_candidate_there_is_nothing_to_correct(made: Made) -> None:
+    comparison = compare(made(), "coulomb-viscous", INERTIA)
+    assert candidate_tests(comparison.problem, comparison.estimate.parameters, only=set()).tested == ()
+    assert comparison.estimate.parameters["K_c"] == pytest.approx(LAW["K_c"], rel=0.05)
