@@ -86,14 +86,14 @@ def filtered_torque_error(
         recording: with ``velocity``.
         half_width: h; :func:`sliding_half_width` if not given.
     """
-    from fricmodels.signals import lanczos_derivative, resting, stretches
+    from fricmodels.signals import lanczos_derivative, resting, standstill, stretches
     from fricmodels.signals.lanczos import even_weights
 
     recording, values = drive.timed(recording, values)
     width = sliding_half_width(recording) if half_width is None else half_width
     smooth, _ = lanczos_derivative(recording.time, recording.velocity, width, recording.run)
-    rest = resting(recording) | (recording.velocity == 0)
-    smooth[rest] = 0.0
+    rest = resting(recording)
+    smooth[rest | (np.abs(smooth) <= standstill(smooth))] = 0.0
     doubtful = np.abs(smooth) <= 3 * _noise(recording) * np.linalg.norm(even_weights(width)[0])
     moving = recording.with_channels(velocity=smooth)
     error = np.zeros(len(recording))
@@ -124,11 +124,14 @@ def _mean_friction(
     rest: Mask,
     doubtful: Mask,
 ) -> tuple[Array, Array]:
-    """Return the least and the greatest mean friction torque of each sampling interval; equal while sliding."""
+    """Return the least and the greatest mean friction torque of each sampling interval; equal while sliding.
+
+    Where the velocity is zero, though not long enough for a rest, the friction lies anywhere in the sticking interval.
+    """
     velocity = one.velocity
     at = drive.friction(one, values, states=states)
-    sliding = _mean(at)
     below, above = drive.sticking_interval(one, values, states=states)
+    low, high = np.where(velocity == 0, below, at), np.where(velocity == 0, above, at)
     applied = one.torque - one.load_torque
     holding = np.clip(applied, below, above)
     first, last = velocity[:-1], velocity[1:]
@@ -136,15 +139,19 @@ def _mean_friction(
     share = np.where(passes, _share_before_zero(velocity), 0.0)
     leaving, entering = np.where(first > 0, above[:-1], below[:-1]), np.where(first > 0, below[1:], above[1:])
     in_two = share * (at[:-1] + leaving) / 2 + (1 - share) * (entering + at[1:]) / 2
-    sliding = np.where(passes, in_two, sliding)
     held = _mean(holding)
     at_rest = rest[:-1] & rest[1:]
     may_rest = rest | (doubtful & (holding == applied))
     either = (may_rest[:-1] | may_rest[1:]) & ~at_rest
     one_rests = rest[:-1] ^ rest[1:]
-    sliding = np.where(one_rests, np.where(rest[:-1], at[1:], at[:-1]), sliding)
-    least = np.where(at_rest, held, np.where(either, np.minimum(sliding, held), sliding))
-    greatest = np.where(at_rest, held, np.where(either, np.maximum(sliding, held), sliding))
+
+    def sliding(limit: Array) -> Array:
+        whole = np.where(one_rests, np.where(rest[:-1], limit[1:], limit[:-1]), _mean(limit))
+        return np.where(passes, in_two, whole)
+
+    least, greatest = sliding(low), sliding(high)
+    least = np.where(at_rest, held, np.where(either, np.minimum(least, held), least))
+    greatest = np.where(at_rest, held, np.where(either, np.maximum(greatest, held), greatest))
     return least, greatest
 
 
