@@ -26,6 +26,10 @@ FOLDS = 8
 _SEEN = 1e-5
 """A column of which less than this share (squared) is left outside the base directions cannot be told from them."""
 
+LEAST_P = 1e-20
+"""The least p-value that is given. The distribution of a statistic is not known farther out, and what stood there would
+change with the last digits of a sample."""
+
 unwarned = np.errstate(invalid="ignore", over="ignore")
 """A column that is not finite is not visible; its products need no warning."""
 
@@ -299,4 +303,4 @@ def benjamini_yekutieli(p_values: Array) -> Array:
     raised = p_values[order] * count * harmonic / np.arange(1, count + 1)
     adjusted = np.empty(count)
     adjusted[order] = np.minimum(1.0, np.minimum.accumulate(raised[::-1])[::-1])
-    return adjusted
+    return np.maximum(adjusted, LEAST_P)
