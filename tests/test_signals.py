@@ -25,6 +25,7 @@ from fricmodels.signals import (
     quantum,
     resample,
     resting,
+    standstill,
     stretches,
 )
 
@@ -170,6 +171,20 @@ def test_the_step_of_a_quantised_signal(step, seed):
 def test_constants_and_two_levels_have_their_step():
     assert quantum(np.ones(5)) == 0.0
     assert quantum(np.array([0.0, 2.0, 0.0])) == 2.0
+
+
+def test_a_step_is_found_where_the_last_digits_are_noise():
+    rng = np.random.default_rng(0)
+    values = 2e-5 * rng.integers(0, 200_000, 2_000)
+    assert quantum(values * (1 + 1e-9 * rng.uniform(-1, 1, 2_000))) == pytest.approx(2e-5, rel=1e-2)
+
+
+def test_a_drive_that_turns_hardly_ever_stands_still_and_one_that_stands_does():
+    turning = np.sin(0.01 * np.arange(10_000) + 0.5)
+    assert np.mean(np.abs(turning) <= standstill(turning)) < 1e-3
+    stopping = np.maximum(turning, 0.0) + 1e-7 * np.random.default_rng(0).standard_normal(10_000)
+    assert np.all(np.abs(stopping[turning < -0.1]) <= standstill(stopping))
+    assert standstill(np.ones(1)) == 0.0
 
 
 # Window and filter

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from fricmodels.weakform.optimise import coordinate_search, multistart_nelder_mead
+from fricmodels.weakform.optimise import coordinate_search, multistart_nelder_mead, refine
 
 Point = tuple[float, ...]
 POSITIVE, SIGNED = (1e-12, np.inf), (-0.9, 0.9)
@@ -126,3 +126,33 @@ def test_patience_begins_anew_where_it_did_not_help() -> None:
 
 def test_nothing_free_leaves_the_best_start() -> None:
     assert multistart_nelder_mead(sum, [(1.0, 2.0), (3.0, 1.0)], [POSITIVE] * 2, [1.0, 1.0]) == (3.0, 1.0)
+
+
+@pytest.mark.parametrize("begin", [(2.6, 0.28), (2.9, 0.35), (2.7, 0.1)])
+def test_refinement_ends_at_the_top_whatever_the_path(begin: Point) -> None:
+    """On a ridge that is neither straight nor symmetric."""
+
+    def ridge(point: Point) -> float:
+        along = np.log(point[0] / 2.7)
+        return -float(along**2 + along**3 / 2 + 5 * (point[1] - 0.3 - along) ** 2 + (point[1] - 0.3) ** 4)
+
+    top = refine(ridge, begin, [(0.1, 10.0), (-1.0, 1.0)], [2.0, -1.0])
+    assert top == pytest.approx((2.7, 0.3), abs=1e-6)
+
+
+def test_refinement_leaves_a_parameter_at_its_bound_and_never_goes_down() -> None:
+    seen: list[float] = []
+
+    def slope(point: Point) -> float:
+        seen.append(point[0])
+        return point[0] - (point[1] - 1.0) ** 2
+
+    begin = (2.0, 1.1)
+    top = refine(slope, begin, [(0.5, 2.0), (0.1, 10.0)], [2.0, 2.0])
+    assert top == pytest.approx((2.0, 1.0), abs=1e-6)
+    assert max(seen) <= 2.0
+    assert slope(top) >= slope(begin)
+
+
+def test_refinement_leaves_alone_what_makes_no_difference() -> None:
+    assert refine(lambda point: 1.0, (2.0, 3.0), [(0.5, 5.0)] * 2, [2.0, 1.0]) == (2.0, 3.0)

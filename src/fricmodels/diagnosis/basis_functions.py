@@ -28,6 +28,8 @@ _INSTANTS = 31
 _WAVES = 6
 _FINE_WAVES = 3
 _EARLIER = 16
+_CLOSEST = 1e-5
+"""Share of the longest distance or time since an event below which it is the event itself: less is rounding."""
 
 
 def basis_functions(problem: WeakFormProblem, regression: Regression, policy: Policy) -> Sets:
@@ -180,7 +182,7 @@ def _hats(values: Array, count: int) -> Array:
 
 def _log_hats(values: Array, count: int) -> Array:
     """Return hats that are the finer the nearer to zero; the last one reaches to the end."""
-    positive = values[values > 0]
+    positive = values[values > _CLOSEST * np.max(values)]
     if not len(positive):
         return np.zeros((1, len(values)))
     largest, smallest = np.quantile(positive, [0.9, 0.01])

@@ -15,7 +15,7 @@ from fricmodels.recording import SIGNAL_CHANNEL
 from fricmodels.term import Effect
 from fricmodels.weakform.candidate import NonlinearOptimum
 from fricmodels.weakform.problem import WeakFormProblem
-from fricmodels.weakform.regression import Evidence, Regression, compare
+from fricmodels.weakform.regression import LEAST_P, Evidence, Regression, compare
 from fricmodels.weakform.search import search
 from fricmodels.weakform.shifted import regression_of
 
@@ -128,7 +128,7 @@ def candidate_tests(
             tested.append(outcome)
             rival = max(rival, outcome.evidence.explained * total)
     adjusted = false_discovery_control([t.p_value for t in tested], method="by")  # under any dependence
-    ranked = [replace(t, adjusted=float(p)) for t, p in zip(tested, adjusted, strict=True)]
+    ranked = [replace(t, adjusted=max(float(p), LEAST_P)) for t, p in zip(tested, adjusted, strict=True)]
     ranked.sort(key=lambda t: float(np.sum(t.evidence.loss)))
     return CandidateTests(problem, regression, parameters, tuple(ranked), untested, policy)
 

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from fricmodels.diagnosis.basis_functions import TORQUE_PAST, basis_functions
 from fricmodels.diagnosis.candidate_tests import CandidateTests
 from fricmodels.weakform.problem import WeakFormProblem
-from fricmodels.weakform.regression import Evidence
+from fricmodels.weakform.regression import LEAST_P, Evidence
 
 Array = NDArray[np.float64]
 
@@ -60,7 +60,9 @@ def each_predictor(result: CandidateTests, first: Sequence[str] = ()) -> Iterato
         chosen = np.flatnonzero(regression.visible(columns))[:most]
         if len(chosen):
             evidence = regression.test(columns[chosen])
-            yield ChannelPredictor(channels, evidence, min(1.0, evidence.p_value * len(every)), columns[chosen])
+            yield ChannelPredictor(
+                channels, evidence, float(np.clip(evidence.p_value * len(every), LEAST_P, 1.0)), columns[chosen]
+            )
 
 
 def own_past(problem: WeakFormProblem, residual: Array) -> Array:

@@ -115,17 +115,18 @@ def balances(drive: Drive, values: Mapping[str, float], prepared: Recording) -> 
     Raises:
         InputError: when the recording lacks a channel that the model needs.
     """
-    from fricmodels.signals import resting, smoothed_velocity
+    from fricmodels.signals import resting, smoothed_velocity, standstill
 
     of = source(prepared)
     if of == "acceleration":
         error = torque_error(drive, values, prepared)
         return [_at_its_word(part, prepared.time[part], error[part]) for part in _parts(prepared)]
     smooth, spread = smoothed_velocity(prepared)
-    rest = resting(prepared) | (prepared.velocity == 0)
+    rest = resting(prepared)
     # At a reversal the slope of the velocity jumps; there smoothing may change it by more than noise does.
     bent = np.abs(prepared.velocity - smooth) > 3 * velocity_noise(prepared)
-    velocity = np.where(rest, 0.0, np.where(bent, prepared.velocity, smooth))
+    velocity = np.where(bent, prepared.velocity, smooth)
+    velocity[rest | (np.abs(velocity) <= standstill(velocity))] = 0.0
     doubtful = np.abs(velocity) <= 3 * spread
     recording, values = drive.timed(prepared, values)
     moving = recording.with_channels(velocity=velocity)

@@ -86,14 +86,14 @@ def filtered_torque_error(
         recording: with ``velocity``.
         half_width: h; :func:`sliding_half_width` if not given.
     """
-    from fricmodels.signals import lanczos_derivative, resting, stretches
+    from fricmodels.signals import lanczos_derivative, resting, standstill, stretches
     from fricmodels.signals.lanczos import even_weights
 
     recording, values = drive.timed(recording, values)
     width = sliding_half_width(recording) if half_width is None else half_width
     smooth, _ = lanczos_derivative(recording.time, recording.velocity, width, recording.run)
-    rest = resting(recording) | (recording.velocity == 0)
-    smooth[rest] = 0.0
+    rest = resting(recording)
+    smooth[rest | (np.abs(smooth) <= standstill(smooth))] = 0.0
     doubtful = np.abs(smooth) <= 3 * velocity_noise(recording) * np.linalg.norm(even_weights(width)[0])
     moving = recording.with_channels(velocity=smooth)
     error = np.zeros(len(recording))
@@ -131,10 +131,14 @@ def friction_moments(
     rest: Mask,
     doubtful: Mask,
 ) -> tuple[Array, Array]:
-    """Return :func:`moments` of the least and the greatest friction torque of each interval; equal while sliding."""
+    """Return :func:`moments` of the least and the greatest friction torque of each interval; equal while sliding.
+
+    Where the velocity is zero, though not long enough for a rest, the friction lies anywhere in the sticking interval.
+    """
     velocity = one.velocity
     at = drive.friction(one, values, states=states)
     below, above = drive.sticking_interval(one, values, states=states)
+    low, high = np.where(velocity == 0, below, at), np.where(velocity == 0, above, at)
     applied = one.torque - one.load_torque
     holding = np.clip(applied, below, above)
     first, last = velocity[:-1], velocity[1:]
@@ -142,16 +146,20 @@ def friction_moments(
     leaving, entering = np.where(first > 0, above[:-1], below[:-1]), np.where(first > 0, below[1:], above[1:])
     in_two = _moments_in_two(_share_before_zero(velocity), moments(at[:-1], leaving), moments(entering, at[1:]))
     one_rests = rest[:-1] ^ rest[1:]
-    moving = np.where(rest[:-1], at[1:], at[:-1])
-    sliding = np.where(one_rests, moments(moving, moving), moments(at[:-1], at[1:]))
-    sliding = np.where(passes, in_two, sliding)
     held = moments(holding[:-1], holding[1:])
     may_rest = rest | (doubtful & (holding == applied))
     at_rest = rest[:-1] & rest[1:]
     either = may_rest[:-1] | may_rest[1:]
-    less = held.sum(axis=0) < sliding.sum(axis=0)
-    least = np.where(at_rest | (either & less), held, sliding)
-    greatest = np.where(at_rest | (either & ~less), held, sliding)
+
+    def sliding(limit: Array) -> Array:
+        moving = np.where(rest[:-1], limit[1:], limit[:-1])
+        whole = np.where(one_rests, moments(moving, moving), moments(limit[:-1], limit[1:]))
+        return np.where(passes, in_two, whole)
+
+    least, greatest = sliding(low), sliding(high)
+    less, more = held.sum(axis=0) < least.sum(axis=0), held.sum(axis=0) > greatest.sum(axis=0)
+    least = np.where(at_rest | (either & less), held, least)
+    greatest = np.where(at_rest | (either & more), held, greatest)
     return least, greatest
 
 

@@ -7,7 +7,7 @@ from fricmodels.signals.lanczos import lanczos_derivative, lanczos_smooth, lancz
 from fricmodels.signals.noise_level import best_half_width, noise, quantum
 from fricmodels.signals.preparation import Preparation, prepare, with_derived_velocity
 from fricmodels.signals.resample import resample
-from fricmodels.signals.rest import resting, smoothed_velocity
+from fricmodels.signals.rest import resting, smoothed_velocity, standstill
 from fricmodels.signals.segments import gap_length, is_even, stretches
 
 __all__ = [
@@ -26,6 +26,7 @@ __all__ = [
     "resample",
     "resting",
     "smoothed_velocity",
+    "standstill",
     "stretches",
     "with_derived_velocity",
 ]

@@ -12,6 +12,9 @@ _EXCERPT = 2048
 _ENOUGH = 16 * _EXCERPT
 """Samples from which a width is chosen: more would hardly change it."""
 
+_FINEST = 1e-8
+"""Values that differ by less than this share of the largest are the same one: no sensor has finer steps."""
+
 
 def quantum(values: Array) -> float:
     """Return the step of a quantised signal, or 0 if its values stand on no grid.
@@ -20,7 +23,7 @@ def quantum(values: Array) -> float:
     """
     distinct = np.unique(values)
     distance = np.diff(distinct)
-    rounding = 4.0 * np.spacing(np.abs(distinct).max()) if len(distinct) else 0.0
+    rounding = _FINEST * np.abs(distinct).max() if len(distinct) else 0.0
     distance = distance[distance > rounding]
     if len(distance) < 2:
         return float(distance[0]) if len(distance) else 0.0

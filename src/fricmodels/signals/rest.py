@@ -26,6 +26,12 @@ _BAND = 3.0
 
 Found = TypeVar("Found")
 
+_STANDING = 0.01
+"""Speed of a drive at standstill, in RMS changes of the velocity from sample to sample."""
+_SLOW = 0.05
+"""Share of the passages that are slower than the one taken as slow; it is the lower quartile of the acceleration over
+time where the motion is Gaussian (Rice 1944)."""
+
 
 def once(find: Callable[[Recording], Found]) -> Callable[[Recording], Found]:
     """Let a function find what it does once for each recording; its arrays are not to be written to."""
@@ -109,18 +115,28 @@ def smoothed_velocity(recording: Recording) -> tuple[Array, float]:
     return smooth, max(error, float(rounding))
 
 
+def standstill(velocity: Array) -> float:
+    """Return the speed below which a velocity is zero: its sign would be that of the last digits of a sample.
+
+    It is a hundredth of the RMS change from sample to sample, so that a drive that turns hardly ever stops there.
+    """
+    return _STANDING * float(np.sqrt(np.mean(np.diff(velocity) ** 2))) if len(velocity) > 1 else 0.0
+
+
 def _passage(recording: Recording, velocity: Array, band: float) -> float:
     """Return how long [s] a passage through the band about zero lasts, going at the slower of the usual accelerations.
 
-    The usual acceleration is taken where the speed is low but certain; its lower quartile stands for slow passages.
+    The usual acceleration is taken where the speed is low but certain. Each sample counts by the change of speed that
+    it stands for, so that motion at a constant low speed, which passes nothing, does not count.
     """
     speed = np.abs(velocity)
     moving = speed > band
     if not moving.any():
         return 0.0
     low = moving & (speed <= max(np.quantile(speed[moving], 0.25), 2.0 * band))
-    acceleration = np.abs(_slope(recording, velocity))[low]
-    slow = float(np.quantile(acceleration, 0.25)) if len(acceleration) else 0.0
+    acceleration = np.sort(np.abs(_slope(recording, velocity))[low])
+    passed = np.cumsum(acceleration)
+    slow = float(acceleration[np.searchsorted(passed, _SLOW * passed[-1])])
     shortest = 3.0 * recording.interval
     return max(2.0 * band / slow, shortest) if slow > 0.0 else shortest
 

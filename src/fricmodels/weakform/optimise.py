@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,19 +13,29 @@ Point = tuple[float, ...]
 Bounds = tuple[float, float]
 
 _ROUNDS = 7
+"""Rounds of a coordinate search; each halves the steps."""
 _LONGEST_WALK = 12
+"""Most steps in one direction."""
 _STARTS, _GLANCE = 12, 12
-"""So many simplexes are begun, with so many trials each."""
+"""Number of simplexes begun, and evaluations each."""
 _BEST, _SHORT = 8, 28
-"""So many of them have so many more."""
+"""Number of simplexes continued, and further evaluations each."""
 _UNLIKELY = 0.25
-"""Where none has come to this share of what is worth it by then, none will."""
+"""A search ends if by then no simplex has reached this share of the value that makes it worth going on."""
 _LONG, _ENOUGH = 150, 0.003
-"""The best one has so many more, and is begun anew as long as that raises the value by this share."""
+"""Evaluations of each restart of the best simplex. It is restarted as long as that raises the value by this share."""
 _EDGE, _EDGES = 0.5, (0.25, 0.5) * 4
-"""Edges of a simplex at first and whenever it is begun anew, in spacings of what was tried before."""
+"""Edge of a simplex at first, and at each restart, in spacings of the points tried before."""
 _SURE = 1e-4
-"""A simplex has arrived when its corners differ by this share of the value and of an edge."""
+"""A simplex has converged when its corners differ by this share of the value and of an edge."""
+_NEWTON_STEPS = 8
+"""Most Newton steps that refine an optimum."""
+_WIDE, _NARROW = 0.05, 1e-3
+"""Largest and smallest distance of the points that give the derivatives, in spacings."""
+_CONVERGED = 1e-7
+"""A Newton step shorter than this, in spacings, is the last."""
+_SHORTENED = (1.0, 0.25, 0.0625)
+"""Parts of a Newton step that are tried until one raises the value."""
 
 
 def coordinate_search(
@@ -140,3 +150,82 @@ def multistart_nelder_mead(
         if stalled > patience:
             break
     return best
+
+
+def refine(value: Callable[[Point], float], point: Point, bounds: Sequence[Bounds], spacing: Sequence[float]) -> Point:
+    """Return the optimum next to a point by Newton's method, so that it does not depend on the path to the point.
+
+    The derivatives are central differences; a parameter at a bound stays there.
+
+    Args:
+        value: what is to be made large.
+        point: from a search.
+        bounds: of each parameter.
+        spacing: as of :func:`multistart_nelder_mead`.
+    """
+    width = _WIDE
+    for _ in range(_NEWTON_STEPS):
+        free = [i for i in range(len(point)) if _has_room(point, i, bounds, spacing, width)]
+        if not free:
+            return point
+        step = _newton_step(value, point, spacing, free, width)
+        here = value(point)
+        for part in _SHORTENED:
+            trial = _moved(point, dict(zip(free, (part * step).tolist(), strict=True)), bounds, spacing)
+            if value(trial) > here:
+                point = trial
+                break
+        else:
+            if width <= _NARROW:
+                return point
+        longest = float(np.max(np.abs(step)))
+        if longest < _CONVERGED:
+            return point
+        width = min(max(longest, _NARROW), 0.25 * width)
+        width = max(width, _NARROW)
+    return point
+
+
+def _has_room(point: Point, i: int, bounds: Sequence[Bounds], spacing: Sequence[float], width: float) -> bool:
+    """Whether a parameter can move both ways."""
+    if spacing[i] == 1.0 or (spacing[i] > 0 and point[i] <= 0):
+        return False
+    ends = (_moved(point, {i: side * width}, None, spacing)[i] for side in (-1, 1))
+    return all(bounds[i][0] <= end <= bounds[i][1] for end in ends)
+
+
+def _moved(point: Point, by: Mapping[int, float], bounds: Sequence[Bounds] | None, spacing: Sequence[float]) -> Point:
+    """Return a point with some parameters moved by so many spacings, within bounds."""
+    moved = list(point)
+    for i, distance in by.items():
+        step = spacing[i]
+        moved[i] = point[i] - step * distance if step < 0 else point[i] * step**distance
+        if bounds is not None:
+            moved[i] = min(max(moved[i], bounds[i][0]), bounds[i][1])
+    return tuple(moved)
+
+
+def _newton_step(
+    value: Callable[[Point], float], point: Point, spacing: Sequence[float], free: Sequence[int], width: float
+) -> Array:
+    """Return Newton's step in spacings, at most ten times as long as the differences are wide."""
+
+    def at(by: Mapping[int, float]) -> float:
+        return value(_moved(point, by, None, spacing))
+
+    here, count = value(point), len(free)
+    ahead = np.array([at({i: width}) for i in free])
+    behind = np.array([at({i: -width}) for i in free])
+    gradient = (ahead - behind) / 2
+    curvature = np.diag(ahead + behind - 2 * here)
+    for j in range(count):
+        for k in range(j):
+            both = at({free[j]: width, free[k]: width}) + at({free[j]: -width, free[k]: -width})
+            mixed = (both - ahead[j] - ahead[k] - behind[j] - behind[k] + 2 * here) / 2
+            curvature[j, k] = curvature[k, j] = mixed
+    along, axes = np.linalg.eigh(curvature)
+    slope = axes.T @ gradient
+    steps = np.divide(slope, np.abs(along), out=np.zeros(count), where=np.abs(along) > 1e-12 * abs(here))
+    step = axes @ steps
+    longest = float(np.max(np.abs(step)))
+    return np.asarray(width * step * min(1.0, 10 / longest if longest > 0 else 1.0))

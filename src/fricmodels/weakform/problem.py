@@ -20,7 +20,7 @@ from fricmodels.memory import Memory
 from fricmodels.model import Model
 from fricmodels.parameter import Parameter
 from fricmodels.recording import Recording
-from fricmodels.signals import best_half_width, lanczos_derivative, noise, resting
+from fricmodels.signals import best_half_width, lanczos_derivative, noise, resting, standstill
 from fricmodels.term import Effect, Law, Parameters, Signals
 from fricmodels.weakform.remembered import Remembered
 from fricmodels.weakform.row_noise import bump_width, noise_like
@@ -97,6 +97,7 @@ class WeakFormProblem:
         smooth, acceleration = lanczos_derivative(part.time, part.velocity, half_width, part.run)
         if "acceleration" not in part:
             part = part.with_channels(acceleration=acceleration)
+        smooth = np.where(np.abs(smooth) <= standstill(smooth), 0.0, smooth)
         sigma = noise(part.time, part.velocity, part.run)
         width = width or bump_width(part, inertia, sigma)
         part = part.with_channels(torque_rate=part.signal("motor_torque_rate"))

@@ -26,6 +26,10 @@ FOLDS = 8
 _SEEN = 1e-5
 """A column of which less than this share (squared) is left outside the base directions cannot be told from them."""
 
+LEAST_P = 1e-20
+"""The least p-value that is given. The distribution of a statistic is not known farther out, and what stood there would
+change with the last digits of a sample."""
+
 unwarned = np.errstate(invalid="ignore", over="ignore")
 """A column that is not finite is not visible; its products need no warning."""
 

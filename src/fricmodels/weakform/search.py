@@ -17,7 +17,7 @@ from fricmodels.parameter import Parameter
 from fricmodels.signals.order_spectrum import WaveNumbers, wave_numbers
 from fricmodels.term import Effect
 from fricmodels.weakform.candidate import Candidate, NonlinearOptimum, Point
-from fricmodels.weakform.optimise import coordinate_search, multistart_nelder_mead
+from fricmodels.weakform.optimise import coordinate_search, multistart_nelder_mead, refine
 from fricmodels.weakform.problem import WeakFormProblem
 from fricmodels.weakform.ranges import scan_size
 from fricmodels.weakform.regression import Regression
@@ -80,10 +80,12 @@ def _summit(
 ) -> Point:
     """Return where most is explained; ``starts`` are the most hopeful first, ``worth`` is what it must come near."""
     if len(bounds) > _FEW:
-        return multistart_nelder_mead(value, starts, bounds, spacing, worth)
-    best = coordinate_search(value, starts[0], bounds, spacing)
-    more = starts[1:_STARTS] if len(bounds) > 1 and value(best) >= _UNLIKELY * worth else ()
-    return max((best, *(coordinate_search(value, start, bounds, spacing) for start in more)), key=value)
+        best = multistart_nelder_mead(value, starts, bounds, spacing, worth)
+    else:
+        best = coordinate_search(value, starts[0], bounds, spacing)
+        more = starts[1:_STARTS] if len(bounds) > 1 and value(best) >= _UNLIKELY * worth else ()
+        best = max((best, *(coordinate_search(value, start, bounds, spacing) for start in more)), key=value)
+    return refine(value, best, bounds, spacing) if value(best) >= _UNLIKELY * worth else best
 
 
 def is_at_an_end(nonlinear: Sequence[Parameter], point: Point, spacing: Sequence[float]) -> bool:

@@ -64,7 +64,7 @@ class Quadrature:
         step = np.where(joined, np.diff(recording.time), 0.0)
         moving = ~resting
         both = moving[:-1] & moving[1:]
-        turning = both & (velocity[:-1] * velocity[1:] < 0.0)
+        turning = both & (velocity[:-1] * velocity[1:] <= 0.0)
         half = np.where(both & ~turning, 0.5 * step, 0.0)
         cell = np.flatnonzero(joined & (turning | (moving[:-1] != moving[1:])))
         earlier, later = velocity[cell], velocity[cell + 1]
@@ -156,7 +156,7 @@ def _share_to_zero(velocity: Array, next_one: Array, one_further: Array) -> Arra
 def _share(velocity: Array, change: Array) -> Array:
     """Return the share of a cell after which a velocity that changes so much in a cell is zero, at most 1."""
     with np.errstate(divide="ignore", invalid="ignore"):
-        share = np.where(change != 0.0, velocity / change, 1.0)
+        share = np.where(change != 0.0, velocity / change, velocity != 0.0)
     return np.where((share >= 0.0) & (share <= 1.0), share, 1.0)
 
 

@@ -36,7 +36,8 @@ def direction_unclear(
         width: samples that a bump spans.
         parameters: the model's parameters by key.
     """
-    unclear = resting | creeping(recording, width) | _hidden_turns(drive, recording, smooth, parameters)
+    error = smoothed_velocity(recording)[1]
+    unclear = resting | creeping(recording, width) | _hidden_turns(drive, recording, smooth, error, parameters)
     return _widened(unclear, 1 + recording.derived_over)
 
 
@@ -57,16 +58,17 @@ def creeping(recording: Recording, width: int) -> NDArray[np.bool_]:
 
 
 def _hidden_turns(
-    drive: Drive, recording: Recording, smooth: Array, parameters: Mapping[str, float]
+    drive: Drive, recording: Recording, smooth: Array, error: float, parameters: Mapping[str, float]
 ) -> NDArray[np.bool_]:
     """Mark passages near zero speed of which the samples do not show the course.
 
     Where the velocity could have reached zero between two samples, it passed cleanly only if the torque at both drives
-    it on in one direction, beyond what friction holds. Otherwise it may have stuck, or turned twice, in between.
+    it on in one direction, beyond what friction holds. Otherwise it may have stuck, or turned twice, in between. So it
+    may where both velocities are zero as far as can be told.
     """
-    first, last = smooth[:-1], smooth[1:]
-    near = np.minimum(np.abs(first), np.abs(last)) < np.abs(last - first)
-    cell = np.flatnonzero((near | (first * last < 0)) & (np.diff(recording.run) == 0))
+    first, last = np.abs(smooth[:-1]), np.abs(smooth[1:])
+    near = (np.minimum(first, last) < np.abs(np.diff(smooth))) | (np.maximum(first, last) <= CERTAIN * error)
+    cell = np.flatnonzero(near & (np.diff(recording.run) == 0))
     marked = np.zeros(len(recording), dtype=bool)
     if len(cell):
         least, greatest = drive.sticking_interval(recording, parameters)

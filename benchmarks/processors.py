@@ -1,0 +1,177 @@
+"""Whether a diagnosis says the same on every processor, and of a recording whose last digits are others.
+
+Recordings of the hidden-effect challenge are diagnosed with the OpenBLAS kernels of several processors, each in a
+process of its own, and once more with every sample changed by a relative 1e-9. What is compared is what is printed:
+the verdict, the names in their order, and every number with the digits shown.
+"""
+
+from __future__ import annotations
+
+import argparse
+import io
+import json
+import os
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+sys.path.insert(0, str(Path(__file__).resolve().parent))
+
+from hidden.draw import EFFECTS, generator
+
+ROOT = Path(__file__).resolve().parent.parent
+KERNELS = ("Haswell", "SkylakeX", "Zen", "Sandybridge")
+UNSET, CHANGED = "unset", "changed by 1e-9"
+NOTHING = "nothing"
+FEW = ("presliding", "backlash", "joint-compliance", "frictional-lag", "rising-stiction")
+"""Drawn first: effects with memory, whose parameters are searched for."""
+ROUND = (NOTHING, *FEW, NOTHING, *(effect for effect in EFFECTS if effect not in FEW), NOTHING, NOTHING)
+CHANGE = 1e-9
+Row = dict[str, Any]
+
+
+def drawn(folder: Path, count: int, seed: int) -> Iterator[tuple[str, Path]]:
+    """Yield names and files of the first recordings of the challenge, drawn where they are not stored."""
+    from fricmodels.errors import FricmodelsError
+    from fricmodels.rig import random_rig
+
+    for place in range(count):
+        effect, index = ROUND[place % len(ROUND)], place // len(ROUND)
+        name = f"{effect}-{place}"
+        path = folder / f"{seed}-{name}.npz"
+        if not path.exists():
+            rng = generator(seed, "processors", effect, place, index)
+            while True:
+                try:
+                    rig = random_rig(rng, [] if effect == NOTHING else [effect])
+                    recording = rig.simulate()
+                except (FricmodelsError, ValueError):  # a drive that is stuck or runs away
+                    continue
+                break
+            of = {"law": rig.friction.law, "inertia": rig.inertia, "motion": rig.motion.value}
+            np.savez(path, run=recording.run, of=json.dumps(of), **{f"_{k}": v for k, v in recording.channels.items()})
+        yield name, path
+
+
+def answer(path: Path, *, change: float = 0.0, ladder: bool = False) -> Row:
+    """Return what is said of a stored recording: verdict, names, and the printed lines.
+
+    Args:
+        path: of the recording.
+        change: by which every sample but the time is changed, relative, uniformly between plus and minus.
+        ladder: whether effects are added until nothing is missing.
+    """
+    from rich.console import Console
+
+    from fricmodels.diagnosis import diagnose, improve
+    from fricmodels.diagnosis.present import show_diagnosis, show_ladder, show_parameters
+    from fricmodels.dimension import Motion
+    from fricmodels.errors import FricmodelsError
+    from fricmodels.model import Model
+    from fricmodels.recording import Recording
+
+    rng = np.random.default_rng(1)
+    with np.load(path) as data:
+        of = json.loads(str(data["of"]))
+        run = data["run"]
+        channels = {key[1:]: data[key] for key in data.files if key.startswith("_")}
+    for name in channels if change else ():
+        if name != "time":
+            channels[name] = channels[name] * (1 + change * rng.uniform(-1, 1, len(run)))
+    recording = Recording(path.stem, Motion(of["motion"]), channels, run)
+    console = Console(file=io.StringIO(), width=160)
+    try:
+        if ladder:
+            climbed = improve(recording, Model.parse(of["law"]), of["inertia"])
+            diagnosis = climbed.last
+            names = [f"with {r.added}" if r.added else f"without {r.removed}" for r in climbed.rungs[1:]]
+            show_ladder(console, climbed)
+        else:
+            diagnosis = diagnose(recording, Model.parse(of["law"]), of["inertia"])
+            names = [name for finding in diagnosis.findings for name in finding.names]
+    except FricmodelsError as error:
+        return {"verdict": "refused", "names": [], "lines": [str(error)]}
+    comparison = diagnosis.comparison
+    errors = comparison.errors
+    shown = f"{errors.SI:.4g} {errors.percent:.4g} {errors.held_out_percent:.4g} {comparison.noise_floor_percent:.3g}"
+    console.print(f"errors {shown}")
+    show_parameters(console, comparison)
+    show_diagnosis(console, diagnosis)
+    lines = console.file.getvalue().splitlines()  # type: ignore[attr-defined]
+    words = [" ".join(line.split()) for line in lines if set(line) - set(" ─━")]  # rules are as wide as the numbers
+    return {"verdict": diagnosis.verdict, "names": names, "lines": words}
+
+
+def answers(kernel: str, paths: list[Path], *, ladder: bool) -> Iterator[Row]:
+    """Yield the answers for recordings, from a process with the OpenBLAS kernels of a processor."""
+    environment = {**os.environ, "OPENBLAS_NUM_THREADS": "1", "NUMBA_NUM_THREADS": "1"}
+    environment.pop("OPENBLAS_CORETYPE", None)
+    if kernel in KERNELS:
+        environment["OPENBLAS_CORETYPE"] = kernel
+    command = [sys.executable, __file__, "--answer", kernel, *(["--improve"] if ladder else [])]
+    with subprocess.Popen(
+        command, env=environment, text=True, stdin=subprocess.PIPE, stdout=subprocess.PIPE
+    ) as process:
+        assert process.stdin is not None
+        assert process.stdout is not None
+        for path in paths:
+            process.stdin.write(f"{path}\n")
+            process.stdin.flush()
+            yield dict(json.loads(process.stdout.readline()))
+        process.stdin.close()
+
+
+def difference(first: Row, other: Row) -> tuple[str, str]:
+    """Return in what two answers differ, ``verdict``, ``names`` or ``digits``, and where; both empty if in nothing."""
+    for kind in ("verdict", "names"):
+        if first[kind] != other[kind]:
+            return kind, f"{first[kind]} | {other[kind]}"
+    for a, b in zip(first["lines"], other["lines"], strict=False):
+        if a != b:
+            return "digits", f"{a} | {b}"
+    return ("digits", "more lines") if len(first["lines"]) != len(other["lines"]) else ("", "")
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--recordings", type=int, default=208, help=f"how many; {len(ROUND)} are one of each effect")
+    parser.add_argument("--begin", type=int, default=0, help="leave out so many of them")
+    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--improve", action="store_true", help="compare whole ladders")
+    parser.add_argument("--only", action="append", choices=(UNSET, *KERNELS, CHANGED), help="beside unset (repeatable)")
+    parser.add_argument("--out", default=str(ROOT / "runs" / "processors"), help="where recordings are stored")
+    parser.add_argument("--answer", help=argparse.SUPPRESS)
+    arguments = parser.parse_args()
+    if arguments.answer:
+        for line in sys.stdin:
+            change = CHANGE if arguments.answer == CHANGED else 0.0
+            row = answer(Path(line.strip()), change=change, ladder=arguments.improve)
+            print(json.dumps(row), flush=True)
+        return
+    folder = Path(arguments.out)
+    folder.mkdir(parents=True, exist_ok=True)
+    stored = list(drawn(folder, arguments.recordings, arguments.seed))[arguments.begin :]
+    paths = [path for _, path in stored]
+    cases = [case for case in (*KERNELS, CHANGED) if not arguments.only or case in arguments.only]
+    runs = [answers(case, paths, ladder=arguments.improve) for case in (UNSET, *cases)]
+    began, count = time.perf_counter(), dict.fromkeys(cases, 0)
+    for done, (name, _) in enumerate(stored, 1):
+        first, *others = (next(run) for run in runs)
+        for case, other in zip(cases, others, strict=True):
+            kind, where = difference(first, other)
+            if kind:
+                count[case] += 1
+                print(f"{name}, {case}: {kind} differ: {where}", flush=True)
+        left = (time.perf_counter() - began) / done * (len(stored) - done)
+        print(f"{done}/{len(stored)} {name} {first['verdict']} {first['names']}  {left / 60:.1f} min left", flush=True)
+    for case in cases:
+        print(f"{case}: {len(stored) - count[case]} of {len(stored)} recordings the same")
+
+
+if __name__ == "__main__":
+    main()
