@@ -68,11 +68,11 @@ def filterpy_step(*, by_numpy: bool) -> float:
 
     With ``by_numpy`` F is a constant matrix, so that only filterpy's own arithmetic is measured.
     """
-    from estimators.ekf import run_filterpy
+    from estimators.ekf import ExtendedKalman
 
     filtering, recording = problem("ekf", 201)
     if not by_numpy:
-        return seconds(lambda: run_filterpy(filtering, recording), 20) / 200
+        return seconds(lambda: ExtendedKalman({"engine": "filterpy"}).run(filtering, recording), 20) / 200
     from filterpy.kalman import ExtendedKalmanFilter
 
     kalman = ExtendedKalmanFilter(dim_x=9, dim_z=1)

@@ -97,8 +97,8 @@ def medians(rows: Sequence[Row]) -> tuple[np.ndarray, float, float, float]:
     return np.median(errors, axis=0), float(np.median(errors.mean(axis=1))), float(np.median(errors.max(axis=1))), rms
 
 
-def lower_bound(amplitude: float, noise: float) -> tuple[float, float]:
-    """Return the medians of mean and largest coefficient error [%] of an estimator at the Cramér–Rao bound.
+def bound_covariance(amplitude: float, noise: float) -> np.ndarray:
+    """Return the Cramér–Rao bound of the covariance of the four relative coefficients [%²].
 
     The noise is white, so the information is SᵀS/σ² with S the derivative of the simulated velocity by the relative
     coefficients.
@@ -109,7 +109,12 @@ def lower_bound(amplitude: float, noise: float) -> tuple[float, float]:
         columns.append((up - down) / 1e-3)
     sensitivity = np.array(columns).T
     rms = np.sqrt(np.mean(sinusoid(TRUE, amplitude=amplitude).velocity ** 2))
-    covariance = (noise * rms) ** 2 * np.linalg.inv(sensitivity.T @ sensitivity)
+    return np.asarray((noise * rms) ** 2 * np.linalg.inv(sensitivity.T @ sensitivity))
+
+
+def lower_bound(amplitude: float, noise: float) -> tuple[float, float]:
+    """Return the medians of mean and largest coefficient error [%] of an estimator at the Cramér–Rao bound."""
+    covariance = bound_covariance(amplitude, noise)
     errors = np.abs(np.random.default_rng(0).multivariate_normal(np.zeros(4), covariance, 20000))
     return float(np.median(errors.mean(axis=1))), float(np.median(errors.max(axis=1)))
 

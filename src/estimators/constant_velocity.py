@@ -2,27 +2,24 @@
 
 from __future__ import annotations
 
-import time
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
-from estimators.preparation import (
+from fricmodels.dimension import Scales
+from fricmodels.drive import Drive
+from fricmodels.errors import EstimationError
+from fricmodels.estimator import Estimator, EstimatorSettings, Solution
+from fricmodels.filtering.preparation import (
     dominant_frequency,
     inertia_guess,
     peak_speed,
     scanned_guess,
     smoothed_acceleration,
-    usable,
 )
-from estimators.result import failed_fit, provenance
-from fricmodels.dimension import Scales
-from fricmodels.drive import Drive
-from fricmodels.errors import EstimationError
-from fricmodels.estimator import Estimator, EstimatorSettings
-from fricmodels.fit import Fit, Status
+from fricmodels.fit import Status
 from fricmodels.recording import Recording
 
 Array = NDArray[np.float64]
@@ -54,100 +51,60 @@ class ConstantVelocity(Estimator):
 
     Stretches of at least ten samples whose inertial torque stays below 5 % of the RMS torque are the plateaus. Where a
     recording has too few of them, the *modified* method uses the samples of near-zero acceleration instead, which a
-    sine drive has at its speed peaks. The law is fitted to these samples (nonlinear parameters by their scan); the
-    standard errors treat each plateau as one observation. An inertia that is not given comes from the other samples.
+    sine drive has at its speed peaks. The law is fitted to these samples (nonlinear parameters by their scan). An
+    inertia that is not given comes from the other samples. Standard errors are by the distance to an unbiased fit,
+    :mod:`fricmodels.interval`.
     """
 
     name = "constant-velocity"
     summary = "friction against speed on plateaus of constant speed (Kubo et al. 1986)"
     Settings = ConstantVelocitySettings
 
-    def fit(self, drive: Drive, recording: Recording, *, seed: int = 0) -> Fit:
+    def solve(self, drive: Drive, recording: Recording, seed: int) -> Solution:
         """Fit the law to the plateaus; status ``failed``, with the reason, where the recording has too few.
 
         Raises:
             EstimationError: for a model with internal states.
         """
-        began = time.perf_counter()
         if drive.model.states:
             raise EstimationError(f"'{drive.model.name}' has internal states, which constant speed does not show")
-        kept = usable(drive, recording)
-        inertia = inertia_guess(drive, kept)
-        acceleration = smoothed_acceleration(kept)
-        kept = kept.with_channels(acceleration=acceleration)
-        linear = np.array(drive.model.linear)
-        keys = [p.key for p, is_linear in zip(drive.model.parameters, linear, strict=True) if is_linear]
-        nonlinear: list[float] = []
-        if not linear.all():
-            guess = scanned_guess(drive, kept).values
-            nonlinear = [
-                guess[p.key] for p, is_linear in zip(drive.model.parameters, linear, strict=True) if not is_linear
-            ]
+        inertia = inertia_guess(drive, recording)
+        kept = recording.with_channels(acceleration=smoothed_acceleration(recording))
+        linear = [p for p, ok in zip(drive.model.parameters, drive.model.linear, strict=True) if ok]
+        keys = [p.key for p in linear]
+        held = [p.key for p in drive.model.parameters if p.key not in keys]
+        guess = scanned_guess(drive, kept).values if held else {}
         found = self._plateaus(kept, inertia, len(keys))
         count = len(np.unique(found.number))
         method = "samples of near-zero acceleration" if found.modified else "plateaus of constant speed"
         if count <= len(keys):
             reason = f"the recording has {count} {method}; more than {len(keys)} are needed, at different speeds"
-            return failed_fit(self, drive, kept, began, Status.FAILED, reason)
-        design, offset = drive.regressors(found.samples, nonlinear)
+            return Solution(status=Status.FAILED, message=reason)
+        design, offset = drive.regressors(found.samples, [guess[key] for key in held])
         omega = dominant_frequency(kept)
         rms = float(np.sqrt(np.mean(kept.torque**2)))
         natural = Scales(force=rms, displacement=peak_speed(kept) / omega, time=1 / omega)
-        size = np.array(
-            [natural.of(p.declared.dimension) for p, ok in zip(drive.model.parameters, linear, strict=True) if ok]
-        )
+        size = np.array([natural.of(p.declared.dimension) for p in linear])
         columns = design * size[:, None] / rms
         right = found.samples.torque - found.samples.load_torque - inertia * found.samples["acceleration"] - offset
         theta, errors, smallest = clustered_least_squares(columns, right / rms, found.number)
         if smallest < _SINGULAR:
             reason = f"the {count} {method} do not differ enough in speed and direction to separate {', '.join(keys)}"
-            return failed_fit(self, drive, kept, began, Status.FAILED, reason)
-        values = dict(zip(keys, (theta * size).tolist(), strict=True))
-        held = {
-            p.key: value
-            for p, value in zip(
-                (p for p, ok in zip(drive.model.parameters, linear, strict=True) if not ok), nonlinear, strict=True
-            )
-        }
-        covariance = errors * np.outer(size, size)
-        return self._fit(drive, kept, inertia, values | held, keys, covariance, size, method, began)
-
-    def _fit(
-        self,
-        drive: Drive,
-        recording: Recording,
-        inertia: float,
-        values: dict[str, float],
-        keys: list[str],
-        covariance: Array,
-        size: Array,
-        method: str,
-        began: float,
-    ) -> Fit:
-        estimated = tuple(keys)
-        vague = {
-            key: f"its standard error is over {_VAGUE:g} of the value that would carry the whole RMS torque"
-            for key, error, whole in zip(keys, np.sqrt(np.diag(covariance)), size, strict=True)
-            if error > _VAGUE * whole
-        }
+            return Solution(status=Status.FAILED, message=reason)
+        found_values = {**guess, **dict(zip(keys, (theta * size).tolist(), strict=True))}
+        values = {p.key: found_values[p.key] for p in drive.model.parameters}
         if drive.inertia is None:
-            inertia, variance = _inertia(drive, recording, {**values, drive.inertia_key: inertia})
-            wider = np.zeros((len(keys) + 1,) * 2)
-            wider[0, 0], wider[1:, 1:] = variance, covariance
-            covariance, estimated = wider, (drive.inertia_key, *keys)
-        ordered = {p.key: values[p.key] for p in drive.model.parameters}
-        held = [key for key in ordered if key not in keys]
-        return Fit(
-            model=drive.model.name,
-            estimator=self.name,
-            dataset=recording.name,
-            parameters={drive.inertia_key: inertia, **ordered},
-            covariance=covariance,
-            estimated=estimated,
+            inertia = _inertia(drive, kept, {**values, drive.inertia_key: inertia})
+            keys = [drive.inertia_key, *keys]
+        return Solution(
+            parameters={drive.inertia_key: inertia, **values},
+            estimated=tuple(keys),
             message=f"from {method}" + (f"; held at the best of their scan: {', '.join(held)}" if held else ""),
-            not_identified=vague,
-            seconds=time.perf_counter() - began,
-            provenance=provenance(self, recording),
+            not_identified={
+                p.key: f"its standard error is over {_VAGUE:g} of the value that would carry the whole RMS torque"
+                for p, error in zip(linear, np.sqrt(np.diag(errors)), strict=True)
+                if error > _VAGUE
+            },
         )
 
     def _plateaus(self, recording: Recording, inertia: float, parameters: int) -> _Plateaus:
@@ -195,15 +152,10 @@ def clustered_least_squares(columns: Array, right: Array, cluster: NDArray[np.in
     return theta / size, covariance / np.outer(size, size), smallest
 
 
-def _inertia(drive: Drive, recording: Recording, values: dict[str, float]) -> tuple[float, float]:
-    """Return the inertia and its variance from what friction leaves of the torque where the drive accelerates."""
+def _inertia(drive: Drive, recording: Recording, values: dict[str, float]) -> float:
+    """Return the inertia from what friction leaves of the torque where the drive accelerates."""
     moving = np.abs(recording.velocity) > _MOVING * peak_speed(recording)
     used = recording.select(moving)
     remaining = used.torque - used.load_torque - drive.friction(used, values)
     acceleration = used["acceleration"]
-    power = float(acceleration @ acceleration)
-    inertia = float(acceleration @ remaining) / power
-    scores = np.add.reduceat(
-        acceleration * (remaining - inertia * acceleration), np.arange(0, len(used), max(1, len(used) // 20))
-    )
-    return inertia, float(scores @ scores) / power**2
+    return float(acceleration @ remaining) / float(acceleration @ acceleration)

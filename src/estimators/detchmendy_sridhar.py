@@ -2,38 +2,26 @@
 
 from __future__ import annotations
 
-import time
 from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
-from estimators.normalisation import NormalisedSpace, normalised_space
-from estimators.preparation import Hold, paper_scales, peak_speed, scanned_guess, usable
-from estimators.result import averaged_fit
-from estimators.sequential import (
-    FilterProblem,
-    ProblemOnline,
-    bounded,
-    normalised_bounds,
-    symbolic_covariance,
-    symbolic_pack,
-    symbolic_prediction,
-)
-from estimators.substeps import stable_substeps
-from estimators.transition import transition
 from fricmodels.dimension import INERTIA, Scales
 from fricmodels.drive import Drive
-from fricmodels.estimator import EstimatorSettings, OnlineFilter, SequentialEstimator
-from fricmodels.fit import Fit
+from fricmodels.estimator import EstimatorSettings, OnlineFilter, SequentialEstimator, Solution, usable
+from fricmodels.filtering import FilterProblem, ProblemOnline, transition
+from fricmodels.filtering.bounds import bounded, normalised_bounds
+from fricmodels.filtering.covariance import symbolic_covariance, symbolic_pack, symbolic_prediction
+from fricmodels.filtering.normalisation import NormalisedSpace, normalised_space
+from fricmodels.filtering.preparation import REST_WIDTH, Hold, paper_scales, peak_speed, scanned_guess
+from fricmodels.filtering.problem import diverged, initial_states, unidentified
+from fricmodels.filtering.substeps import stable_substeps
 from fricmodels.kernels import Scan
 from fricmodels.recording import Recording
 
 Array = NDArray[np.float64]
-
-REST_WIDTH = 1e-3
-"""Width of rest, as a fraction of the peak speed: limits the slope of |ω|^p to what a step can follow."""
 
 
 def detchmendy_sridhar_step(space: NormalisedSpace, drive: Drive) -> Any:
@@ -45,13 +33,13 @@ def detchmendy_sridhar_step(space: NormalisedSpace, drive: Drive) -> Any:
         M = \tfrac{\partial}{\partial x}\{HQ(y - h(\hat x))\}
 
     M contains the second derivative of a nonlinear h. The step splits the two parts of the right-hand sides: the
-    motion first (:mod:`estimators.transition`; P ← F P Fᵀ + W Δr), then the observation, whose equation
+    motion first (:mod:`fricmodels.filtering.transition`; P ← F P Fᵀ + W Δr), then the observation, whose equation
     dP/dr = 2PMP has the exact solution P ← P + 2Δr P M (I − 2Δr P M)⁻¹ P. For linear h this never overflows, however
     large P is, where explicit integration does; it tends to eqs. 12–14 as Δr → 0. Only the lower triangle of P is
     stored, so that it stays symmetric.
 
     State: ``[x; lower triangle of P]``. Input: ``[Δr, weight, y, u…]``, the weight being the time since the last
-    observation, or zero for none. Constants: ``[known…, Q, W, lower bounds…, upper bounds…]``.
+    observation, or zero for none. Constants: ``[known…, Q, diagonal of W…, lower bounds…, upper bounds…]``.
     Output: ``[x; diagonal of P; innovation; 2/(Q Δr) + Hᵀ P H]``.
     """
     import casadi
@@ -59,10 +47,11 @@ def detchmendy_sridhar_step(space: NormalisedSpace, drive: Drive) -> Any:
     step = transition(space)
     x, n, moving = space.x, space.x.numel(), space.moving
     triangle, covariance = symbolic_covariance(n)
-    weight, y, q, w = (casadi.SX.sym(name) for name in ("weight", "y", "Q", "W"))
+    weight, y, q = (casadi.SX.sym(name) for name in ("weight", "y", "Q"))
+    w = casadi.SX.sym("W", n)
     lower, upper = casadi.SX.sym("lower", n - moving), casadi.SX.sym("upper", n - moving)
 
-    predicted = symbolic_prediction(step.jacobian, covariance, w * step.duration * casadi.SX.ones(n))
+    predicted = symbolic_prediction(step.jacobian, covariance, w * step.duration)
     observation = casadi.Function("observation", [x, space.u], [space.output])
     slope = casadi.gradient(space.output, x)
     correction = casadi.Function("correction", [x, space.u, y, q], [slope * q * (y - space.output)])
@@ -118,9 +107,9 @@ class DetchmendySridhar(SequentialEstimator):
 
     The recording is normalised as in eq. 6 and the estimate converted back. Eq. 14 adds the unit matrix to dP/dr, so
     the gain never dies and the filter keeps following; the estimate that it is asked for at the end is the mean of
-    its history over the last whole cycles (``average``), and its standard error from filtering
-    the recording again with noise added to it: P itself is no covariance of the estimate, since Q = W = 1 are not
-    noise intensities.
+    its history over the last whole cycles (``average``). P is no covariance of the estimate, since Q = W = 1 are not
+    noise intensities, and cannot know what is left to converge: standard errors are by the distance to an unbiased
+    fit, :mod:`fricmodels.interval`.
     """
 
     name = "detchmendy-sridhar"
@@ -128,14 +117,26 @@ class DetchmendySridhar(SequentialEstimator):
     Settings = DetchmendySridharSettings
     carries_states = True
 
-    def fit(self, drive: Drive, recording: Recording, *, seed: int = 0) -> Fit:
-        """Filter the recording; see the class."""
-        began = time.perf_counter()
-        kept = usable(drive, recording)
-        problem = self._problem(drive, kept)
-        trajectory = problem.run(kept)
-        settings = self.settings
-        return averaged_fit(self, problem, kept, trajectory, settings.average, settings.weight_of_model, began, seed)
+    def solve(self, drive: Drive, recording: Recording, seed: int) -> Solution:
+        """Filter the recording; see the class.
+
+        The estimate is the mean over the last whole cycles, one being the period of the normalisation, 2π of
+        normalised time; with less than one in the share that is to be averaged, the final value.
+        """
+        problem = self._problem(drive, recording)
+        trajectory = problem.run(recording)
+        if trajectory.diverged_at is not None:
+            return diverged(problem, trajectory)
+        elapsed = _elapsed(recording) / problem.scales.time / (2 * np.pi)
+        cycles = int(np.floor(elapsed[-1] * self.settings.average + 1e-6))
+        last = elapsed > elapsed[-1] - cycles + 1e-6 if cycles else elapsed >= elapsed[-1]
+        estimate = problem.parameters(trajectory.states[last].mean(axis=0))
+        walked = self.settings.weight_of_model * float(elapsed[-1]) * 2 * np.pi
+        return Solution(
+            parameters=problem.named(estimate),
+            not_identified=unidentified(problem, trajectory, walked),
+            history=problem.history(trajectory),
+        )
 
     def start(self, drive: Drive, recording: Recording) -> OnlineFilter:
         """Return the filter before its first sample."""
@@ -156,13 +157,16 @@ class DetchmendySridhar(SequentialEstimator):
         if not settings.bounds:
             lower, upper = np.full_like(lower, -1e300), np.full_like(upper, 1e300)
         known = space.values(drive, scales, REST_WIDTH * peak_speed(recording))
-        weights = [settings.weight_of_observations, settings.weight_of_model]
         return FilterProblem(
             drive=drive,
             scales=scales,
             space=space,
             scan=Scan(detchmendy_sridhar_step(space, drive)),
-            constants=np.concatenate([known, weights, lower, upper]),
+            known=known,
+            measurement=settings.weight_of_observations,
+            walk=np.full(space.x.numel(), settings.weight_of_model),
+            lower=lower,
+            upper=upper,
             initial_states=initial_states(drive, scales),
             initial_parameters=parameters,
             initial_covariance=covariance,
@@ -171,9 +175,10 @@ class DetchmendySridhar(SequentialEstimator):
         )
 
 
-def initial_states(drive: Drive, scales: Scales) -> Array:
-    """Return the normalised velocity, zero, and the model's internal states at their initial values."""
-    return np.array([0.0, *(state.initial / scales.of(state.dimension) for state in drive.model.states)])
+def _elapsed(recording: Recording) -> Array:
+    """Return the time spent within runs up to each sample [s]."""
+    steps = np.where(np.diff(recording.run) == 0, np.diff(recording.time), 0.0)
+    return np.concatenate([[0.0], np.cumsum(steps)])
 
 
 def start_values(drive: Drive, recording: Recording, scales: Scales, scan: str) -> Array:

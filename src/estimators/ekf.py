@@ -2,108 +2,46 @@
 
 from __future__ import annotations
 
-import itertools
-import math
-import time
-from dataclasses import replace
 from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field
 
-from estimators.detchmendy_sridhar import REST_WIDTH, initial_states
-from estimators.normalisation import NormalisedSpace, normalised_space
-from estimators.preparation import (
-    Hold,
-    dominant_frequency,
-    paper_scales,
-    peak_speed,
-    scanned_guess,
-    usable,
-    velocity_noise,
-)
-from estimators.result import diverged_fit, filtered_fit
-from estimators.sequential import (
-    FilterProblem,
-    ProblemOnline,
-    Trajectory,
-    bounded,
-    normalised_bounds,
-    pack,
-    projected,
-    symbolic_covariance,
-    symbolic_pack,
-    symbolic_prediction,
-    unpack,
-)
-from estimators.substeps import stable_substeps
-from estimators.transition import transition
-from fricmodels.dimension import VELOCITY, Scales
+from fricmodels.arrays import Array
 from fricmodels.drive import Drive
-from fricmodels.estimator import EstimatorSettings, OnlineFilter, SequentialEstimator
-from fricmodels.fit import Fit
+from fricmodels.estimator import OnlineFilter, SequentialEstimator, usable
+from fricmodels.filtering import FilterProblem, KalmanEstimator, KalmanSettings, ProblemOnline, Trajectory, transition
+from fricmodels.filtering.normalisation import NormalisedSpace
 from fricmodels.kernels import Scan
 from fricmodels.recording import Recording
 
-Array = NDArray[np.float64]
 
-_FARTHEST = 3.0
-"""How many initial standard deviations a parameter may move from its start."""
-_CALIBRATION_SAMPLES = 20_000
-_MODEL_NOISE = (0.0, 1e-3, 3e-3, 1e-2, 3e-2, 0.1, 0.3)
-_NOISE_FACTORS = (0.5, 0.7, 1.0, 1.4, 2.0)
-_PRIOR_FACTORS = (1.0, 0.3, 0.1)
-"""For laws with nonlinear parameters: how wide to start, as a share of the widest, lest linearisation fails."""
-_INDISTINCT = 1.92
-"""Half the 95 % quantile of chi-square, one degree of freedom: model noise is assumed where it explains more."""
+class ExtendedKalmanSettings(KalmanSettings):
+    """Settings; what is left out comes from the data."""
+
+    engine: Literal["compiled", "filterpy"] = Field("compiled", description="the compiled twin, or filterpy itself")
 
 
-def kalman_step(space: NormalisedSpace, drive: Drive) -> Any:
-    r"""Build one predict-and-update step as a CasADi function for :class:`fricmodels.kernels.Scan`.
+class ExtendedKalman(KalmanEstimator, SequentialEstimator):
+    """Extended Kalman filter of velocity, internal states and constant parameters.
 
-    .. math::
-        \hat x^- = f(\hat x, u),\; P^- = F P F^T + W\Delta t;\quad
-        K = P^- H / (H^T P^- H + R),\; \hat x = \hat x^- + K (y - \hat x^-_1),\; P = P^- - K (H^T P^- H + R) K^T
-
-    with H = [1, 0, …, 0]ᵀ, the measured velocity; the update is left out where the weight of the row is zero.
-
-    State: ``[x; lower triangle of P]``. Input: ``[Δt, weight, y, u…]``.
-    Constants: ``[known…, R, diagonal of W…, lower bounds…, upper bounds…]``.
-    Output: ``[x; diagonal of P; innovation; HᵀPH + R]``.
+    Start and noise are found as :class:`fricmodels.filtering.KalmanEstimator` says; standard errors by the distance to
+    an unbiased fit, :mod:`fricmodels.interval`.
     """
-    import casadi
 
-    step = transition(space)
-    n, moving = space.x.numel(), space.moving
-    triangle, covariance = symbolic_covariance(n)
-    weight, y, r = (casadi.SX.sym(name) for name in ("weight", "y", "R"))
-    w = casadi.SX.sym("W", n)
-    lower, upper = casadi.SX.sym("lower", n - moving), casadi.SX.sym("upper", n - moving)
+    name = "ekf"
+    summary = "extended Kalman filter (filterpy, or its compiled twin)"
+    Settings = ExtendedKalmanSettings
 
-    predicted = symbolic_prediction(step.jacobian, covariance, step.duration * w)
-    spread = predicted[0, 0] + r
-    measured = casadi.sign(weight)
-    gain = predicted[:, 0] * (measured / spread)
-    innovation = y - step.following[0]
-    estimate = step.following + gain * innovation
-    posterior = predicted - casadi.mtimes(gain, predicted[0, :])
-    kept = predicted[0, :] * ((r + (1 - measured) * predicted[0, 0]) / spread)
-    posterior[0, :], posterior[:, 0] = kept, kept.T
-    estimate = bounded(estimate, posterior, lower, upper, drive)
-    return casadi.Function(
-        "kalman",
-        [
-            casadi.vertcat(space.x, triangle),
-            casadi.vertcat(step.duration, weight, y, space.u),
-            casadi.vertcat(space.known, r, w, lower, upper),
-        ],
-        [
-            casadi.vertcat(estimate, symbolic_pack(posterior)),
-            casadi.vertcat(estimate, casadi.diag(posterior), innovation, spread),
-        ],
-        {"cse": True},
-    )
+    def run(self, problem: FilterProblem, recording: Recording) -> Trajectory:
+        """Filter with the engine that the settings name."""
+        if self.settings.engine == "compiled":
+            return problem.run(recording)
+        return problem.run_stepwise(recording, _filterpy(problem))
+
+    def start(self, drive: Drive, recording: Recording) -> OnlineFilter:
+        """Return the filter before its first sample; it runs compiled whatever the engine."""
+        return ProblemOnline(self.problem(drive, usable(drive, recording)))
 
 
 def prediction_step(space: NormalisedSpace) -> Any:
@@ -119,208 +57,32 @@ def prediction_step(space: NormalisedSpace) -> Any:
     )
 
 
-class ExtendedKalmanSettings(EstimatorSettings):
-    """Settings; what is left out comes from the data."""
-
-    engine: Literal["compiled", "filterpy"] = Field("compiled", description="the compiled twin, or filterpy itself")
-    velocity_noise: float | None = Field(
-        None, gt=0, description="standard deviation of the velocity noise, SI; from third differences and likelihood"
-    )
-    model_noise: float | None = Field(
-        None, ge=0, description="white torque error of a sample over the RMS torque; by likelihood where not given"
-    )
-    drift: float = Field(0.0, ge=0, description="random walk of each parameter in a cycle, over its initial deviation")
-    initial_inertia_deviation: float = Field(0.3, gt=0, description="relative, where the inertia is estimated")
-    substeps: int | None = Field(None, ge=1, description="steps between samples; by stability where not given")
-    torque: Hold = Field("linear", description="motor torque between samples: linear, or held")
-
-
-class ExtendedKalman(SequentialEstimator):
-    """Extended Kalman filter of velocity, internal states and constant parameters.
-
-    Starts from a regression (nonlinear parameters from their scan), with standard deviations as wide as the torque
-    itself. The noise of the measurement and of the model are those, on a grid, under which the innovations of the
-    first 20 000 samples are likeliest; so is, for laws with nonlinear parameters, how wide it starts. Standard errors
-    are the filter's own, widened where the innovations are larger or more alike from sample to sample than the filter
-    believes.
-    """
-
-    name = "ekf"
-    summary = "extended Kalman filter (filterpy, or its compiled twin)"
-    Settings = ExtendedKalmanSettings
-    carries_states = True
-
-    def fit(self, drive: Drive, recording: Recording, *, seed: int = 0) -> Fit:
-        """Filter the recording; see the class."""
-        began = time.perf_counter()
-        kept = usable(drive, recording)
-        problem = self.problem(drive, kept)
-        trajectory = run_filterpy(problem, kept) if self.settings.engine == "filterpy" else problem.run(kept)
-        if trajectory.diverged_at is not None:
-            return diverged_fit(self, problem, kept, trajectory, began)
-        return filtered_fit(self, problem, kept, trajectory, began, noise=self._noise(problem))
-
-    def start(self, drive: Drive, recording: Recording) -> OnlineFilter:
-        """Return the filter before its first sample; it runs compiled whatever the engine."""
-        return ProblemOnline(self.problem(drive, usable(drive, recording)))
-
-    def _noise(self, problem: FilterProblem) -> dict[str, float]:
-        """Return the noise that the filter was given, in SI."""
-        velocity, first = problem.scales.of(VELOCITY), problem.space.known.numel()
-        return {
-            "velocity": float(np.sqrt(problem.constants[first]) * velocity),
-            "model": float(np.sqrt(problem.constants[first + 1] / problem.scales.time) * velocity),
-        }
-
-    def problem(self, drive: Drive, recording: Recording) -> FilterProblem:
-        """Return the filter before its first sample: scales, step, noise, bounds and start."""
-        settings = self.settings
-        scales = paper_scales(drive, recording)
-        space = normalised_space(drive)
-        size = drive.parameter_scales(scales)
-        lower, upper = normalised_bounds(drive, scales)
-        guess = scanned_guess(drive, recording).values
-        start = np.clip(np.array([guess[key] for key in drive.keys]) / size, lower, upper)
-        deviation = initial_deviation(drive, recording, start * size) / size
-        if drive.inertia is None:
-            deviation[0] = settings.initial_inertia_deviation
-        linear = np.array([p.linear for p in drive.parameters])
-        crest = float(np.max(np.abs(recording.torque)) / np.sqrt(np.mean(recording.torque**2)))
-        largest = np.maximum(crest * deviation, 2.0 * (np.array(drive.keys) == drive.inertia_key))
-        start = np.where(linear, np.clip(start, -largest, largest), start)
-        lower = np.maximum(lower, start - _FARTHEST * deviation)
-        upper = np.minimum(upper, start + _FARTHEST * deviation)
-        noise = (settings.velocity_noise or velocity_noise(recording)) / scales.of(VELOCITY)
-        memory = [state.initial / scales.of(state.dimension) for state in drive.model.states]
-        problem = FilterProblem(
-            drive=drive,
-            scales=scales,
-            space=space,
-            scan=Scan(kalman_step(space, drive)),
-            constants=space.values(drive, scales, REST_WIDTH * peak_speed(recording)),
-            initial_states=initial_states(drive, scales),
-            initial_parameters=start,
-            initial_covariance=np.diag([noise**2, *(1e-6 + np.square(memory)), *deviation**2]),
-            substeps=settings.substeps or stable_substeps(drive, recording, scales),
-            hold=settings.torque,
-        )
-        walk = (settings.drift * deviation) ** 2 / (2 * np.pi)
-        return self._calibrated(problem, recording, noise, walk, lower, upper)
-
-    def _calibrated(
-        self, problem: FilterProblem, recording: Recording, noise: float, walk: Array, lower: Array, upper: Array
-    ) -> FilterProblem:
-        """Return the problem with the noise under which the innovations are likeliest, started where that run ends."""
-        settings, scales = self.settings, problem.scales
-        part = (
-            recording if len(recording) <= _CALIBRATION_SAMPLES else recording.select(np.arange(_CALIBRATION_SAMPLES))
-        )
-        torque = float(np.sqrt(np.mean(recording.torque**2))) / scales.force
-        step = recording.interval / scales.time
-        factors = _NOISE_FACTORS if settings.velocity_noise is None else (1.0,)
-        levels = _MODEL_NOISE if settings.model_noise is None else (settings.model_noise,)
-        nonlinear = not all(p.linear for p in problem.drive.parameters)
-        priors = _PRIOR_FACTORS if nonlinear else (1.0,)
-        tried = []
-        for prior, factor, level in itertools.product(priors, factors, levels):
-            w = [(level * torque) ** 2 * step, *[0.0] * (problem.moving - 1), *walk]
-            candidate = replace(
-                problem,
-                constants=np.array([*problem.constants, (factor * noise) ** 2, *w, *lower, *upper]),
-                initial_covariance=_narrowed(problem, prior),
-            )
-            trajectory = candidate.run(part)
-            tried.append((log_likelihood(trajectory), level, candidate, trajectory.memory))
-        likeliest = max(score for score, *_ in tried)
-        if likeliest == -math.inf:
-            return tried[0][2]
-        likely = [entry for entry in tried if entry[0] >= likeliest - _INDISTINCT]
-        smallest = min(level for _, level, *_ in likely)
-        score, _, chosen, memory = max((e for e in likely if e[1] == smallest), key=lambda entry: entry[0])
-        again = replace(chosen, initial_parameters=memory[problem.moving : problem.order])
-        return again if log_likelihood(again.run(part)) >= score else chosen
-
-
-def _narrowed(problem: FilterProblem, factor: float) -> Array:
-    """Return the initial covariance with the parameters' standard deviations multiplied by a factor."""
-    deviations = np.ones(problem.order)
-    deviations[problem.moving :] = factor
-    return np.asarray(problem.initial_covariance * np.outer(deviations, deviations))
-
-
-def initial_deviation(drive: Drive, recording: Recording, start: Array) -> Array:
-    """Return the standard deviations in SI that parameters start with.
-
-    A linear one may carry the whole RMS torque at the peak speed; a nonlinear one may be wrong by half.
-    """
-    omega = dominant_frequency(recording)
-    torque = float(np.sqrt(np.mean(recording.torque**2)))
-    natural = Scales(force=torque, displacement=peak_speed(recording) / omega, time=1 / omega)
-    size = drive.parameter_scales(natural)
-    linear = np.array([p.linear for p in drive.parameters])
-    return np.where(linear | (start == 0), size, 0.5 * np.abs(start))
-
-
-def log_likelihood(trajectory: Trajectory) -> float:
-    """Return the logarithm of the likelihood of the innovations; minus infinity for a run that diverged."""
-    if trajectory.diverged_at is not None:
-        return -math.inf
-    with np.errstate(invalid="ignore", divide="ignore"):
-        terms = np.log(trajectory.innovation_variance) + trajectory.innovation**2 / trajectory.innovation_variance
-    total = -0.5 * float(np.nansum(terms))
-    return total if math.isfinite(total) else -math.inf
-
-
-def run_filterpy(problem: FilterProblem, recording: Recording) -> Trajectory:
-    """Filter with filterpy's ExtendedKalmanFilter: ``predict()`` for each sub-step, then ``update()``.
+def _filterpy(problem: FilterProblem) -> Any:
+    """Return filterpy's ExtendedKalmanFilter of a problem, as a :class:`fricmodels.filtering.SampleFilter`.
 
     The only Python per sample is filterpy's own and the calls of the compiled prediction.
     """
     from filterpy.kalman import ExtendedKalmanFilter
 
-    n, moving = problem.order, problem.moving
+    n = problem.order
     prediction = Scan(prediction_step(problem.space))
-    count = n - moving
-    ends = np.cumsum([problem.space.known.numel(), 1, n, count])
-    known, (noise,), w, lower, upper = np.split(problem.constants, ends)
     observed = np.zeros((1, n))
     observed[0, 0] = 1.0
 
     class Filter(ExtendedKalmanFilter):  # type: ignore[misc]
         def predict_x(self, u: Any = 0) -> None:
-            following, jacobian, _ = prediction(self.x, u[None, :], known)
-            self.x: Array = following[:, None]
+            following, jacobian, _ = prediction(self.x, u[None, :], problem.known)
+            self.x: Array = following
             self.F = jacobian.reshape(n, n).T
-            self.Q = u[0] * np.diag(w)
+            self.Q = u[0] * np.diag(problem.walk)
 
-    memory = problem.initial_memory()
-    outputs = np.full((len(recording), 2 * n + 2), np.nan)
-    scaled = recording.scaled(problem.scales)
-    diverged = None
-    for number in np.unique(recording.run):
-        where = np.flatnonzero(recording.run == number)
-        run = scaled.select(where)
-        memory = problem.restarted(memory, float(run.velocity[0]))
-        kalman = Filter(dim_x=n, dim_z=1)
-        kalman.x, kalman.P, kalman.R = memory[:n, None].copy(), unpack(memory[n:], n), np.array([[noise]])
-        outputs[where[0], :n], outputs[where[0], n : 2 * n] = memory[:n], np.diag(kalman.P)
-        rows = problem.rows(run)
-        sample = 0
-        for row in rows:
-            kalman.predict(np.concatenate([row[:1], row[3:]]))
-            if not row[1] > 0:
-                continue
-            sample += 1
-            if not (np.all(np.isfinite(kalman.x)) and np.all(np.isfinite(kalman.P))):
-                diverged = int(where[sample])
-                break
-            kalman.update(row[2], lambda _: observed, lambda x: x[:1])
-            kalman.x[:, 0] = projected(kalman.x[:, 0], kalman.P, lower, upper, problem.drive)
-            outputs[where[sample]] = [
-                *kalman.x[:, 0], *np.diag(kalman.P), kalman.y.item(), kalman.S.item()
-            ]  # fmt: skip
-        memory = np.concatenate([kalman.x[:, 0], pack(kalman.P)])
-        if diverged is not None:
-            break
-    columns = (outputs[:, :n], outputs[:, n : 2 * n], outputs[:, 2 * n], outputs[:, 2 * n + 1])
-    return Trajectory(recording.time, recording.run, *columns, memory, diverged)
+        def step(self, duration: float, inputs: Array) -> None:
+            self.predict(np.concatenate([[duration], inputs]))
+
+        def observe(self, measured: float) -> tuple[float, float]:
+            self.update(np.array([measured]), lambda _: observed, lambda x: x[:1])
+            return float(self.y.item()), float(self.S.item())
+
+    kalman = Filter(dim_x=n, dim_z=1)
+    kalman.R = np.array([[problem.measurement]])
+    return kalman

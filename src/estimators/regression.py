@@ -1,4 +1,4 @@
-"""The equation of motion as a linear regression: smoothed signals, windows in weak form, robust covariances."""
+"""The equation of motion as a linear regression: smoothed signals, windows in weak form."""
 
 from __future__ import annotations
 
@@ -149,19 +149,3 @@ def smooth(time: Array, velocity: Array, samples: int) -> tuple[Array, Array]:
 def span(samples: int) -> int:
     """Return how many samples the local cubic spans."""
     return max(_CUBIC, samples | 1)
-
-
-def long_run_covariance(scores: Array, cosines: int = 12) -> Array:
-    """Return the covariance of the sum of correlated rows, by equal-weighted cosines."""
-    count = len(scores)
-    phase = np.pi * (np.arange(count) + 0.5) / count
-    waves = np.sqrt(2.0) * np.array([np.cos(k * phase) @ scores for k in range(1, cosines + 1)])
-    return np.asarray(waves.T @ waves / cosines)
-
-
-def long_run_variance(values: Array, cosines: int = 16) -> float:
-    """Return the variance that the mean of correlated values has, times their number (equal-weighted cosines)."""
-    count = len(values)
-    phase = np.pi * (np.arange(count) + 0.5) / count
-    waves = np.sqrt(2 / count) * np.array([values @ np.cos(k * phase) for k in range(1, cosines + 1)])
-    return float(np.mean(waves**2))

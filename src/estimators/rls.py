@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from collections import deque
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -13,14 +12,19 @@ import pandas as pd
 from numpy.typing import NDArray
 from pydantic import Field
 
-from estimators.preparation import dominant_frequency, inertia_guess, peak_speed, scanned_guess, usable, velocity_noise
-from estimators.regression import Design, long_run_covariance
-from estimators.result import provenance
-from estimators.sequential import HISTORY_ROWS, symbolic_covariance, symbolic_pack, unpack
+from estimators.regression import Design
 from fricmodels.drive import Drive
 from fricmodels.errors import EstimationError, InputError
-from fricmodels.estimator import EstimatorSettings, OnlineFilter, SequentialEstimator
-from fricmodels.fit import Fit
+from fricmodels.estimator import EstimatorSettings, OnlineFilter, SequentialEstimator, Solution, usable
+from fricmodels.filtering.covariance import symbolic_covariance, symbolic_pack, unpack
+from fricmodels.filtering.preparation import (
+    dominant_frequency,
+    inertia_guess,
+    peak_speed,
+    scanned_guess,
+    velocity_noise,
+)
+from fricmodels.filtering.problem import HISTORY_ROWS
 from fricmodels.kernels import Scan
 from fricmodels.recording import SIGNAL_CHANNEL, Recording
 
@@ -97,45 +101,35 @@ class RecursiveLeastSquares(SequentialEstimator):
 
     The torque equation is multiplied by a bump over the last samples and integrated, so that no measured velocity is
     differentiated. Windows that contain standstill are left out. Only linear parameters are estimated; nonlinear
-    ones are held at the best of their scan. Standard errors hold for autocorrelated errors.
+    ones are held at the best of their scan. Standard errors are by the distance to an unbiased fit,
+    :mod:`fricmodels.interval`.
     """
 
     name = "rls"
     summary = "recursive weighted least squares with forgetting (Canudas de Wit and Carrillo 1988)"
     Settings = RecursiveLeastSquaresSettings
 
-    def fit(self, drive: Drive, recording: Recording, *, seed: int = 0) -> Fit:
+    def solve(self, drive: Drive, recording: Recording, seed: int) -> Solution:
         """Estimate over the recording; see the class.
 
         Raises:
             EstimationError: for a model with internal states, or a recording that never slides for a whole window.
         """
-        began = time.perf_counter()
-        kept = usable(drive, recording)
-        problem = self._problem(drive, kept)
-        rows = np.concatenate([problem.design.windows(run) for run in kept.runs()])
+        problem = self._problem(drive, recording)
+        rows = np.concatenate([problem.design.windows(run) for run in recording.runs()])
         used = rows[:, -1] > 0
         if np.count_nonzero(used) < 2 * problem.order:
-            raise EstimationError(
-                f"recording '{kept.name}' slides for {np.count_nonzero(used)} windows; {2 * problem.order} are needed"
-            )
+            windows = f"{np.count_nonzero(used)} windows; {2 * problem.order} are needed"
+            raise EstimationError(f"recording '{recording.name}' slides for {windows}")
         memory, outputs, _ = problem.scan(problem.initial_memory(), rows, [problem.forgetting])
         n, size = problem.order, problem.design.size
-        theta, covariance = memory[:n], unpack(memory[n:], n)
-        age = np.cumsum(used[::-1])[::-1] - 1.0
-        weight = np.where(used, problem.forgetting**age, 0.0)
-        scores = (weight * (rows[:, n] - rows[:, :n] @ theta))[:, None] * rows[:, :n]
-        errors = covariance @ long_run_covariance(scores[used]) @ covariance
+        covariance = unpack(memory[n:], n)
         stride = -(-len(rows) // HISTORY_ROWS)
-        frame = {"time": kept.time[::stride]}
+        frame = {"time": recording.time[::stride]}
         frame |= {key: outputs[::stride, i] * size[i] for i, key in enumerate(problem.design.keys)}
         held = sorted(set(problem.design.fixed) - {drive.inertia_key})
-        return Fit(
-            model=drive.model.name,
-            estimator=self.name,
-            dataset=kept.name,
+        return Solution(
             parameters=problem.named(memory),
-            covariance=errors * np.outer(size, size),
             estimated=problem.design.keys,
             message=f"held at the best of their scan: {', '.join(held)}" if held else "",
             not_identified={
@@ -144,8 +138,6 @@ class RecursiveLeastSquares(SequentialEstimator):
                 if covariance[i, i] > 1e-3 * _VAGUE
             },
             history=pd.DataFrame(frame),
-            seconds=time.perf_counter() - began,
-            provenance=provenance(self, kept),
         )
 
     def start(self, drive: Drive, recording: Recording) -> OnlineFilter:

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from fricmodels.diagnosis.ladder import improve
     from fricmodels.display import Display
     from fricmodels.drive import Drive
-    from fricmodels.estimator import Estimator
+    from fricmodels.estimator import Estimator, Solution
     from fricmodels.fit import Fit
     from fricmodels.model import Model
     from fricmodels.parameter import Parameter, State
@@ -40,6 +40,7 @@ _HOMES = {
     "Model": "fricmodels.model",
     "Parameter": "fricmodels.parameter",
     "Recording": "fricmodels.recording",
+    "Solution": "fricmodels.estimator",
     "State": "fricmodels.parameter",
     "compare": "fricmodels.diagnosis",
     "diagnose": "fricmodels.diagnosis",
@@ -57,6 +58,7 @@ __all__ = [
     "Model",
     "Parameter",
     "Recording",
+    "Solution",
     "State",
     "compare",
     "diagnose",

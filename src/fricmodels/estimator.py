@@ -2,16 +2,26 @@
 
 from __future__ import annotations
 
+import time
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cache
+from importlib.metadata import version
 from typing import Any, ClassVar
 
+import numpy as np
+import pandas as pd
 from pydantic import BaseModel, ConfigDict
 
 from fricmodels.arrays import Array
 from fricmodels.drive import Drive
-from fricmodels.fit import Fit
+from fricmodels.errors import EstimationError
+from fricmodels.fit import Fit, Status
+from fricmodels.interval import about
 from fricmodels.recording import Recording
+
+_LEAST = 20
 
 
 class EstimatorSettings(BaseModel):
@@ -20,11 +30,34 @@ class EstimatorSettings(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True)
 
 
+@dataclass(frozen=True)
+class Solution:
+    """What :meth:`Estimator.solve` finds, in SI units.
+
+    Attributes:
+        parameters: estimated values by key; an inertia that is given need not be there.
+        covariance: of the estimated parameters, in the order of :attr:`estimated`; ``None`` where the estimator does
+            not know how far it is off: the distance to an unbiased fit then says it, see :mod:`fricmodels.interval`.
+        estimated: keys of the parameters that were estimated; all of ``drive.keys`` by default.
+        status, message, not_identified, history: as in :class:`fricmodels.fit.Fit`.
+        notes: what the provenance says besides settings, recording and versions.
+    """
+
+    parameters: Mapping[str, float] = field(default_factory=dict)
+    covariance: Array | None = None
+    estimated: tuple[str, ...] | None = None
+    status: Status = Status.OK
+    message: str = ""
+    not_identified: Mapping[str, str] = field(default_factory=dict)
+    history: pd.DataFrame | None = None
+    notes: Mapping[str, Any] = field(default_factory=dict)
+
+
 class Estimator(ABC):
     """Fits a drive to a recording.
 
-    A subclass names itself, declares its ``Settings`` and writes :meth:`fit`. An estimator that cannot give an
-    answer raises :class:`fricmodels.errors.EstimationError` or returns a fit whose status says so.
+    A subclass names itself, declares its ``Settings`` and writes :meth:`solve`; names, time, provenance and, where it
+    has none, the covariance are added to what that returns.
     """
 
     name: ClassVar[str]
@@ -39,8 +72,46 @@ class Estimator(ABC):
         self.settings: Any = self.Settings.model_validate(dict(settings or {}))
 
     @abstractmethod
+    def solve(self, drive: Drive, recording: Recording, seed: int) -> Solution:
+        """Estimate the drive's free parameters from the usable samples of a recording, see :func:`usable`.
+
+        Raises:
+            EstimationError: where no answer can be given.
+        """
+
     def fit(self, drive: Drive, recording: Recording, *, seed: int = 0) -> Fit:
-        """Estimate the drive's free parameters from the recording, in SI units."""
+        """Estimate the drive's free parameters from the recording, in SI units; see :meth:`solve`."""
+        began = time.perf_counter()
+        kept = usable(drive, recording)
+        found = self.solve(drive, kept, seed)
+        keys = drive.keys if found.estimated is None else found.estimated
+        given = {} if drive.inertia is None else {drive.inertia_key: drive.inertia}
+        parameters = {**given, **dict.fromkeys(drive.keys, float("nan")), **found.parameters}
+        covariance, no_interval = found.covariance, dict[str, str]()
+        if found.status is not Status.OK:
+            covariance = np.full((len(keys), len(keys)), np.nan)
+        elif covariance is None:
+            covariance, no_interval = about(drive, kept, parameters, keys)
+        return Fit(
+            model=drive.model.name,
+            estimator=self.name,
+            dataset=recording.name,
+            parameters=parameters,
+            covariance=covariance,
+            estimated=keys,
+            status=found.status,
+            message=found.message,
+            not_identified=found.not_identified,
+            no_interval=no_interval,
+            history=found.history,
+            seconds=time.perf_counter() - began,
+            provenance={
+                "settings": self.settings.model_dump(mode="json"),
+                "recording": recording.checksum,
+                "versions": dict(_versions()),
+                **found.notes,
+            },
+        )
 
 
 class SequentialEstimator(Estimator):
@@ -67,3 +138,32 @@ class OnlineFilter(ABC):
     @abstractmethod
     def covariance(self) -> Array:
         """The filter's own covariance of the estimated parameters; overconfident when the law is wrong."""
+
+
+@cache
+def _versions() -> Mapping[str, str]:
+    return {name: version(name) for name in ("casadi", "numba", "filterpy")}
+
+
+def usable(drive: Drive, recording: Recording) -> Recording:
+    """Return the samples at which everything that the drive needs, and that cannot be derived, is finite.
+
+    Raises:
+        InputError: when a channel is missing.
+        EstimationError: when fewer than 20 samples are left, or the drive does not move, or no torque was applied.
+    """
+    derived = {"acceleration"}
+    if "position" in recording and "velocity" not in recording:
+        derived.add("velocity")
+    recording.require(drive.model.required - derived, drive.model.name)
+    signals = {"motor_torque", "time", "velocity", *drive.model.needs} - derived
+    finite = np.all([np.isfinite(recording.signal(name)) for name in signals], axis=0)
+    kept = recording if finite.all() else recording.select(finite)
+    where = f"recording '{recording.name}'"
+    if len(kept) < _LEAST:
+        raise EstimationError(f"{where} has {len(kept)} usable samples; at least {_LEAST} are needed")
+    if "velocity" in kept and not np.ptp(kept.velocity) > 0:
+        raise EstimationError(f"{where} has a constant velocity; friction and inertia need a motion that changes")
+    if not np.any(kept.torque):
+        raise EstimationError(f"{where} has zero torque throughout; there is nothing to relate the motion to")
+    return kept

@@ -35,6 +35,8 @@ class Fit(Displayed):
         estimated: keys of the parameters that were estimated.
         status, message: how it ended, and why if not well.
         not_identified: keys of parameters that the recording does not determine, with the reason in words.
+        no_interval: keys of estimated parameters without a standard error, with the reason in words; their rows and
+            columns of the covariance are NaN.
         history: for sequential estimators, one row per (kept) sample: ``time`` and each parameter.
         seconds: duration of the fit.
         provenance: settings, versions, checksum of the recording.
@@ -49,15 +51,18 @@ class Fit(Displayed):
     status: Status = Status.OK
     message: str = ""
     not_identified: Mapping[str, str] = field(default_factory=dict)
+    no_interval: Mapping[str, str] = field(default_factory=dict)
     history: pd.DataFrame | None = None
     seconds: float = float("nan")
     provenance: Mapping[str, Any] = field(default_factory=dict)
 
     @property
     def standard_errors(self) -> dict[str, float]:
-        """Standard error of each estimated parameter."""
+        """Standard error of each estimated parameter that has one."""
         spread = np.sqrt(np.clip(np.diag(self.covariance), 0.0, None))
-        return {key: float(value) for key, value in zip(self.estimated, spread, strict=True)}
+        return {
+            key: float(value) for key, value in zip(self.estimated, spread, strict=True) if key not in self.no_interval
+        }
 
     @property
     def converged(self) -> bool:

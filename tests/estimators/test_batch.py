@@ -224,7 +224,7 @@ def test_derivative_form_agrees_with_weak_form() -> None:
 
 
 def test_too_short_a_recording_is_refused() -> None:
-    with pytest.raises(EstimationError, match="moves too little"):
+    with pytest.raises(EstimationError, match="at least 20 are needed"):
         Batch().fit(drive(), paper().select(slice(500, 515)))
 
 

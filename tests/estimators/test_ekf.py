@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 from estimators.ekf import ExtendedKalman
-from estimators.regression import long_run_variance
 from fricmodels.dimension import Motion
 from fricmodels.drive import Drive
 from fricmodels.fit import Status
@@ -115,10 +114,3 @@ def test_a_term_with_memory_and_a_position_is_carried() -> None:
     assert fit.status is Status.OK
     assert fit.parameters["K_v"] == pytest.approx(viscous, rel=0.1)
     assert fit.parameters["K_c"] == pytest.approx(coulomb, rel=0.1)
-
-
-def test_the_long_run_variance_of_correlated_noise() -> None:
-    white = np.random.default_rng(0).standard_normal(200_000)
-    correlated = np.convolve(white, np.ones(10), "valid")
-    assert long_run_variance(correlated) == pytest.approx(100, rel=0.7)
-    assert long_run_variance(white) == pytest.approx(1, rel=0.7)

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import time
-from collections.abc import Mapping
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,13 +11,13 @@ from pydantic import Field
 from estimators.batch.derivative_form import derivative_fit
 from fricmodels.drive import Drive
 from fricmodels.errors import EstimationError, InputError
-from fricmodels.estimator import Estimator, EstimatorSettings
-from fricmodels.fit import Fit, Status
+from fricmodels.estimator import Estimator, EstimatorSettings, Solution
+from fricmodels.fit import Status
 from fricmodels.recording import Recording
 from fricmodels.signals import Preparation
 from fricmodels.weakform.estimate import Estimate, estimate
 from fricmodels.weakform.identification import not_identified, searched_range
-from fricmodels.weakform.nonlinear import Outcome, Plan, check_start
+from fricmodels.weakform.nonlinear import Plan, check_start
 from fricmodels.weakform.prepared import prepared
 
 Array = NDArray[np.float64]
@@ -66,17 +64,21 @@ class Batch(Estimator):
     Settings = BatchSettings
     carries_states = True
 
-    def fit(self, drive: Drive, recording: Recording, *, seed: int = 0) -> Fit:
+    def solve(self, drive: Drive, recording: Recording, seed: int) -> Solution:
         """Estimate the free parameters; see :class:`BatchSettings` for the objectives."""
-        began = time.perf_counter()
-        if not np.any(recording.torque):
-            raise EstimationError(f"recording '{recording.name}' has zero torque throughout; there is nothing to fit")
         check_start(drive, self.settings.start)
         ready = prepared(recording)
         found = self._weak(drive, ready)
         if self.settings.objective == "torque" and self.settings.form == "weak":
             notes = {"relative_error": found.residual_percent / 100, "shift_s": found.shift}
-            return self._report(drive, recording, found, found.covariance, found.not_identified, notes, began)
+            return Solution(
+                found.parameters,
+                found.covariance,
+                status=Status.FAILED if found.message else Status.OK,
+                message=found.message,
+                not_identified=found.not_identified,
+                notes=notes,
+            )
         nonlinear = {p.key: found.parameters[p.key] for p in drive.parameters if not p.linear}
         if self.settings.objective == "simulation":
             from estimators.batch.simulation_fit import simulation_fit
@@ -91,7 +93,14 @@ class Batch(Estimator):
         reasons = not_identified(
             drive, outcome.values, outcome.covariance, outcome.undetermined, searched_range(drive, ready)
         )
-        return self._report(drive, recording, outcome, outcome.covariance, reasons, notes, began)
+        return Solution(
+            dict(zip(drive.keys, outcome.values.tolist(), strict=True)),
+            outcome.covariance,
+            status=Status.OK if outcome.succeeded else Status.FAILED,
+            message=outcome.message,
+            not_identified=reasons,
+            notes=notes,
+        )
 
     def _weak(self, drive: Drive, ready: Recording) -> Estimate:
         try:
@@ -104,34 +113,3 @@ class Batch(Estimator):
             )[1]
         except InputError as error:
             raise EstimationError(str(error)) from None
-
-    def _report(
-        self,
-        drive: Drive,
-        recording: Recording,
-        found: Estimate | Outcome,
-        covariance: Array | None,
-        reasons: Mapping[str, str],
-        notes: Mapping[str, Any],
-        began: float,
-    ) -> Fit:
-        if isinstance(found, Outcome):
-            parameters = dict(zip(drive.keys, (float(value) for value in found.values), strict=True))
-            parameters.setdefault(drive.inertia_key, drive.inertia or float("nan"))
-        else:
-            parameters = dict(found.parameters)
-        assert covariance is not None, "every fit here has its covariance"
-        ended_well = found.succeeded if isinstance(found, Outcome) else not found.message
-        return Fit(
-            model=drive.model.name,
-            estimator=self.name,
-            dataset=recording.name,
-            parameters=parameters,
-            covariance=covariance,
-            estimated=drive.keys,
-            status=Status.OK if ended_well else Status.FAILED,
-            message=found.message,
-            not_identified=dict(reasons),
-            seconds=time.perf_counter() - began,
-            provenance={"settings": self.settings.model_dump(), "recording": recording.checksum, **notes},
-        )

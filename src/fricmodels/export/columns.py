@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 Row = Mapping[str, Any]
 _BANDS = "rms_torque_error_bands"
-_NESTED = ("tags", "parameters", "standard_errors", "true_parameters", "not_identified", "settings")
+_NESTED = ("tags", "parameters", "standard_errors", "true_parameters", "not_identified", "no_interval", "settings")
 
 
 def concise(board: Leaderboard) -> list[Column]:

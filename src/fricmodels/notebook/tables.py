@@ -50,12 +50,12 @@ def _(recording: Recording) -> Tables:
 
 @tables.register
 def _(fit: Fit) -> Tables:
-    errors = fit.standard_errors
+    errors, remarks = fit.standard_errors, {**fit.no_interval, **fit.not_identified}
     rows = {
         key: {
             "value": value,
             "standard error": errors.get(key, float("nan")),
-            "remark": fit.not_identified.get(key, "" if key in errors else "given"),
+            "remark": remarks.get(key, "" if key in errors else "given"),
         }
         for key, value in fit.parameters.items()
     }

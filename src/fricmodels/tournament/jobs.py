@@ -75,6 +75,7 @@ class Job:
             "status": status.value,
             "message": " ".join(message.split()),
             "not_identified": {},
+            "no_interval": {},
             "settings": json.loads(self.settings),
             "key": self.key,
         }
@@ -201,6 +202,7 @@ def _describe(row: Row, fit: Fit) -> None:
     row["parameters"] = {key: _number(value) for key, value in fit.parameters.items()}
     row["standard_errors"] = {key: _number(value) for key, value in fit.standard_errors.items()}
     row["not_identified"] = dict(fit.not_identified)
+    row["no_interval"] = dict(fit.no_interval)
 
 
 def _number(value: Any) -> Any:

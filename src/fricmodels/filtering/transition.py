@@ -24,7 +24,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from estimators.normalisation import NormalisedSpace
+from fricmodels.filtering.normalisation import NormalisedSpace
 
 
 @dataclass(frozen=True)

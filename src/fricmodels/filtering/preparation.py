@@ -1,4 +1,4 @@
-"""What every sequential estimator does before the first sample: clean, find the scales, make a first guess."""
+"""What every sequential estimator does before the first sample: find the scales, make a first guess."""
 
 from __future__ import annotations
 
@@ -11,39 +11,18 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from fricmodels.arrays import Array
 from fricmodels.dimension import Dimension, Scales
 from fricmodels.drive import Drive
 from fricmodels.errors import EstimationError
 from fricmodels.recording import Recording
 
-Array = NDArray[np.float64]
 Hold = Literal["linear", "held"]
 
-_LEAST = 20
+REST_WIDTH = 1e-3
+"""Width of rest, as a fraction of the peak speed: limits the slope of |ω|^p to what a step can follow."""
 _MOST_COMBINATIONS = 400
 _TRACED = 20_000
-
-
-def usable(drive: Drive, recording: Recording) -> Recording:
-    """Return the samples at which everything that the drive needs is finite.
-
-    Raises:
-        InputError: when a channel is missing.
-        EstimationError: when fewer than 20 samples are left, or the drive does not move, or no torque was applied.
-    """
-    recording.require(drive.model.required - {"acceleration"}, drive.model.name)
-    channels = [recording.time, recording.torque, recording.velocity]
-    channels += [recording.signal(name) for name in drive.model.needs - {"acceleration"}]
-    finite = np.all([np.isfinite(values) for values in channels], axis=0)
-    kept = recording if finite.all() else recording.select(finite)
-    where = f"recording '{recording.name}'"
-    if len(kept) < _LEAST:
-        raise EstimationError(f"{where} has {len(kept)} usable samples; at least {_LEAST} are needed")
-    if not np.ptp(kept.velocity) > 0:
-        raise EstimationError(f"{where} has a constant velocity; friction and inertia need a motion that changes")
-    if not np.any(kept.torque):
-        raise EstimationError(f"{where} has zero torque throughout; there is nothing to relate the motion to")
-    return kept
 
 
 def peak_speed(recording: Recording) -> float:

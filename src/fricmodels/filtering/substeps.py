@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from estimators.preparation import peak_speed, scanned_guess
 from fricmodels.dimension import Scales
 from fricmodels.drive import Drive
+from fricmodels.filtering.preparation import peak_speed, scanned_guess
 from fricmodels.recording import Recording
 
 _LARGEST = 64

@@ -11,13 +11,11 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fricmodels.arrays import Array
 from fricmodels.dimension import VELOCITY, Scales
 from fricmodels.drive import Drive
 from fricmodels.term import SIGNALS
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

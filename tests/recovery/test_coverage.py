@@ -1,0 +1,54 @@
+"""The quick part of benchmarks/coverage_matrix.py: every interval holds, or there is none and a reason why."""
+
+from __future__ import annotations
+
+import importlib
+import sys
+from pathlib import Path
+from types import ModuleType
+
+import pytest
+
+BENCHMARKS = Path(__file__).parents[2] / "benchmarks"
+REPLICATIONS = 6
+ESTIMATORS = ("detchmendy-sridhar", "ekf", "rls", "constant-velocity")
+
+
+@pytest.fixture(scope="module")
+def matrix() -> ModuleType:
+    sys.path.append(str(BENCHMARKS))
+    try:
+        return importlib.import_module("coverage_matrix")
+    finally:
+        sys.path.remove(str(BENCHMARKS))
+
+
+@pytest.mark.parametrize("number", [0, 3, 4])
+def test_intervals_hold_or_say_why_not(matrix: ModuleType, number: int) -> None:
+    cell = matrix.quick_cells()[number]
+    rows = matrix.collected([cell], ESTIMATORS, REPLICATIONS, 1, None)
+    for estimator in ESTIMATORS:
+        own = [row for row in rows if row["estimator"] == estimator]
+        for p in cell.drive.parameters:
+            found = matrix.figures(own, p.key, cell.truth[p.key])
+            assert found.fits == REPLICATIONS
+            assert found.good, (cell.name, estimator, p.key, found)
+
+
+def test_replications_do_not_depend_on_their_order(matrix: ModuleType) -> None:
+    one, other = matrix.quick_cells()[:2]
+    first = one.recording(3).velocity
+    other.recording(0)
+    assert (one.recording(3).velocity == first).all()
+    assert (one.recording(4).velocity != first).any()
+
+
+def test_a_wrong_standard_error_is_seen(matrix: ModuleType) -> None:
+    rows = [
+        {"values": {"a": 1.0 + 0.1 * (-1) ** i}, "errors": {"a": 0.01}, "reasons": {}, "bound": {}} for i in range(20)
+    ]
+    assert not matrix.figures(rows, "a", 1.0).good
+    silent = [{**row, "errors": {}} for row in rows]
+    assert not matrix.figures(silent, "a", 1.0).good
+    said = [{**row, "errors": {}, "reasons": {"a": "not identified"}} for row in rows]
+    assert matrix.figures(said, "a", 1.0).good
