@@ -7,7 +7,7 @@ from contextlib import suppress
 from dataclasses import dataclass, replace
 
 from fricmodels.diagnosis.candidate_tests import CandidateTest
-from fricmodels.diagnosis.comparison import Comparison, compare, refitted, with_effect
+from fricmodels.diagnosis.comparison import Comparison, compare, from_scratch, refitted, with_effect
 from fricmodels.diagnosis.diagnose import Diagnosis, Finding, examine
 from fricmodels.diagnosis.necessity import necessity
 from fricmodels.diagnosis.policy import POLICY, Policy
@@ -122,6 +122,10 @@ class _Search:
         removed = {name for rung in self.rungs for name in rung.removed.split("+") if name}
         self.diagnosis = self._examine(self._here, removed.difference(self._added))
 
+    def _append(self, rung: Rung) -> None:
+        """Take a rung, its model fitted as `compare` fits it."""
+        self.rungs.append(replace(rung, comparison=from_scratch(rung.comparison)))
+
     def extend(self) -> None:
         """Add what is missing until nothing is, or nothing lowers the test error."""
         while self.diagnosis.findings and len(self.steps) < self._policy.most_steps:
@@ -132,7 +136,7 @@ class _Search:
                 return
             for diagnosis, rung in step:
                 self.steps.append(diagnosis)
-                self.rungs.append(rung)
+                self._append(rung)
             self.diagnose()
 
     def _step(self) -> list[tuple[Diagnosis, Rung]]:
@@ -190,7 +194,7 @@ class _Search:
             comparison = simpler
             removed.append(weakest)
         if removed:
-            self.rungs.append(Rung(comparison, removed="+".join(removed)))
+            self._append(Rung(comparison, removed="+".join(removed)))
         return bool(removed)
 
     def exchange(self) -> bool:
@@ -233,7 +237,8 @@ class _Search:
         return changed
 
     def _replace(self, name: str, smaller: Comparison, other: Rung, diagnosis: Diagnosis) -> None:
-        self.rungs += [Rung(smaller, removed=name), other]
+        self._append(Rung(smaller, removed=name))
+        self._append(other)
         self.steps.append(diagnosis)
 
     def _may_replace(self, other: Comparison) -> bool:
