@@ -24,6 +24,7 @@ def several_runs(count=5, samples=40):
 
 
 HOWS = st.one_of(
+    st.builds(Split, by=st.just("spread"), fraction=st.floats(0.01, 0.99)),
     st.builds(Split, by=st.just("runs"), fraction=st.floats(0.01, 0.99)),
     st.builds(Split, by=st.just("time"), fraction=st.floats(0.1, 0.9)),
     st.builds(Split, by=st.just("blocks"), fraction=st.floats(0.01, 0.99), blocks=st.integers(2, 20)),
@@ -69,7 +70,7 @@ def test_by_runs():
 
 
 def test_by_time_keeps_the_end_of_each_run_or_a_piece():
-    train, test = split(several_runs(2), Split(fraction=0.25))
+    train, test = split(several_runs(2), Split(by="time", fraction=0.25))
     assert set(test.run.tolist()) == {0, 1}
     for run in (0, 1):
         assert test.time[test.run == run].min() > train.time[train.run == run].max()
@@ -78,6 +79,12 @@ def test_by_time_keeps_the_end_of_each_run_or_a_piece():
     assert len(set(train.run.tolist())) == 4
     with pytest.raises(InputError, match="nothing to score"):
         split(several_runs(2), Split(test_from=50.0))
+
+
+def test_the_usual_split_is_spread_over_record_and_runs():
+    one = recording(np.linspace(0, 10, 1000))
+    np.testing.assert_array_equal(split(one)[1].time, split(one, Split(by="blocks"))[1].time)
+    assert sorted(set(split(several_runs(7))[1].run.tolist())) == [1, 5]
 
 
 def test_blocks_are_spread():

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, NonNegativeInt, PositiveFloat, PositiveInt, model_validator
@@ -41,6 +42,14 @@ class Split(BaseModel):
     test_from: float | None = None
     test_to: float | None = None
     blocks: Annotated[NonNegativeInt, Field(ge=2)] = 10
+
+    @model_validator(mode="before")
+    @classmethod
+    def _implied(cls, given: Any) -> Any:
+        """A piece of time is one way of splitting, whether it is named or not."""
+        if isinstance(given, Mapping) and "by" not in given and {"test_from", "test_to"} & set(given):
+            return {**given, "by": "time"}
+        return given
 
     @model_validator(mode="after")
     def _belongs(self) -> Split:
