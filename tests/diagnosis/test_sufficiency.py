@@ -222,7 +222,7 @@ def test_friction_that_lags_is_no_wrong_inertia(made: Made, samples: int) -> Non
     assert outpredicted_by_channel(result, wrong, [lag])
 
 
-@pytest.mark.parametrize("seed", [0, 9, 10])
+@pytest.mark.parametrize("seed", [4, 9, 10])
 def test_friction_that_lags_is_unknown_when_it_is_no_candidate(seed: int) -> None:
     """Without the view of acceleration and speed it is a wrong inertia, or a joint that rings."""
     rng = np.random.default_rng(seed)

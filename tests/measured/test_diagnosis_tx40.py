@@ -48,7 +48,7 @@ def test_base_law_agrees_with_the_published_coefficients(joint_1: Ladder) -> Non
 def test_viscous_friction_is_curved_on_joint_1(joint_1: Ladder) -> None:
     """Named first, and the error kept back falls by a third at least."""
     assert joint_1.first.findings[0].tested.name == "nonlinear-viscous"
-    kept = [rung.comparison.errors.held_out_percent for rung in joint_1.rungs]
+    kept = [rung.comparison.sliding.held_out_percent for rung in joint_1.rungs]
     assert kept[-1] < 0.67 * kept[0]
     values = joint_1.rungs[-1].comparison.estimate.parameters
     assert 4 < values["nonlinear-viscous.a"] < 11

@@ -13,6 +13,7 @@ from fricmodels.diagnosis import Ladder, improve, ready
 from fricmodels.model import Model
 from fricmodels.readers import read
 from fricmodels.score import torque_error_over
+from fricmodels.split import Split
 
 ROOT = Path(__file__).parents[2]
 DATA = ROOT.parent / "shared" / "data"
@@ -42,7 +43,7 @@ def folder(story: ModuleType, tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(scope="module")
 def ladder(folder: Path) -> Ladder:
     """Return the ladder of the twelve logs."""
-    return improve(read(folder / "xl330_M1_fit.csv"), Model.parse("coulomb-viscous"))
+    return improve(read(folder / "xl330_M1_fit.csv"), Model.parse("coulomb-viscous"), how=Split(by="runs"))
 
 
 def test_load_friction_is_named(ladder: Ladder) -> None:

@@ -175,16 +175,20 @@ def test_no_length_is_longer_than_the_travel(made: Made) -> None:
         assert 0 < tested.parameters[lengths[tested.name]] <= np.ptp(recording["position"])
 
 
-@pytest.mark.parametrize(("samples", "at_search_bound"), [(0.7, True), (30.0, False)])
-def test_no_duration_is_shorter_than_two_samples(made: Made, samples: float, at_search_bound: bool) -> None:
-    """Sampling alone delays friction by part of a sample."""
+@pytest.mark.parametrize("samples", [0.7, 30.0])
+def test_no_duration_is_shorter_than_two_samples(made: Made, samples: float) -> None:
+    """Sampling alone delays friction by part of a sample: a lag of that size explains nothing."""
     falling = {"stribeck.F_s": 4.0, "stribeck.omega_s": 0.3, "stribeck.delta": 1.0}
     lagging = {"frictional-lag.F_s": 4.0, "frictional-lag.omega_s": 0.3, "frictional-lag.T": samples * 2e-3}
     recording = made("coulomb-viscous+stribeck+frictional-lag", falling | lagging)
     problem, found = estimate(Drive(Model.parse("coulomb-viscous+stribeck"), 2.0), recording)
     (tested,) = candidate_tests(problem, found.parameters, only=["frictional-lag"]).tested
-    assert tested.found.at_search_bound is at_search_bound
-    assert tested.parameters["T"] == pytest.approx(max(samples, 2.0) * recording.interval, rel=0.1)
+    assert tested.parameters["T"] >= 2.0 * recording.interval * (1 - 1e-9)
+    if samples > 2.0:
+        assert not tested.found.at_search_bound
+        assert tested.parameters["T"] == pytest.approx(samples * recording.interval, rel=0.1)
+    else:
+        assert tested.evidence.explained < 0.05 or tested.found.at_search_bound
 
 
 @pytest.mark.parametrize(("lower", "instant"), [(-np.inf, True), (0.0, True), (0.0, False), (-1.0, False)])

@@ -18,7 +18,7 @@ from fricmodels.score.bands import Errors, torque_errors
 from fricmodels.score.torque import filtered_torque_error, sliding_half_width
 from fricmodels.signals import noise
 from fricmodels.signals.lanczos import even_weights, lanczos_derivative
-from fricmodels.split import split
+from fricmodels.split import Split, split
 from fricmodels.term import Effect
 from fricmodels.weakform.estimate import Estimate, estimate
 from fricmodels.weakform.prepared import ready
@@ -75,13 +75,13 @@ class Comparison(Displayed):
         return self.errors.headline.noise_floor_percent
 
 
-def kept_back(prepared: Recording) -> tuple[Recording, Recording]:
-    """Return what is fitted and what is kept back, by the rule of every tournament.
+def kept_back(prepared: Recording, how: Split | None = None) -> tuple[Recording, Recording]:
+    """Return what is fitted and what is kept back, by the rule of every tournament if no other is asked for.
 
     See :class:`fricmodels.split.Split`. What remembers
     does so through both: a block does not begin with a drive that was at rest.
     """
-    return split(prepared.remembering())
+    return split(prepared.remembering(), how)
 
 
 def compare_model(
@@ -189,16 +189,19 @@ def noise_torques(recording: Recording, inertia: float, half_width: int) -> tupl
     return inertia * rate, noise(recording.time, recording.torque, recording.run) * smooth
 
 
-def compare(recording: Recording, model: Model | str, inertia: float | None = None) -> Comparison:
+def compare(
+    recording: Recording, model: Model | str, inertia: float | None = None, *, how: Split | None = None
+) -> Comparison:
     """Fit a model to seven tenths of a recording and say where it fails.
 
     Args:
         recording: as read.
         model: law plus effects, or its name such as ``coulomb-viscous+cogging``.
         inertia: J [kg m²] or M [kg]; estimated if not given.
+        how: what is kept back; blocks or runs spread over the record if not given.
 
     Raises:
         InputError: for an unknown model, or a recording that lacks what it needs or does not move enough.
     """
-    train, test = kept_back(ready(recording))
+    train, test = kept_back(ready(recording), how)
     return compare_model(train, test, Drive(Model.of(model), inertia, recording.motion))

@@ -19,6 +19,7 @@ from fricmodels.diagnosis.verdict import LookAlikes, passing_all_gates, select_e
 from fricmodels.display import Displayed
 from fricmodels.model import Model
 from fricmodels.recording import Recording
+from fricmodels.split import Split
 
 Verdict = Literal["adequate", "missing-effect", "undecided", "unknown-effect"]
 
@@ -64,6 +65,7 @@ def diagnose(
     *,
     leave_out: Iterable[str] = (),
     policy: Policy = POLICY,
+    how: Split | None = None,
 ) -> Diagnosis:
     """Say which effect a model is missing.
 
@@ -73,11 +75,12 @@ def diagnose(
         inertia: J [kg m²] or M [kg]; estimated if not given.
         leave_out: effects that are not considered.
         policy: the constants that decide.
+        how: what is kept back; blocks or runs spread over the record if not given.
 
     Raises:
         InputError: when the recording lacks what the model needs, or does not move enough.
     """
-    return examine(compare(recording, model, inertia), leave_out=leave_out, policy=policy)
+    return examine(compare(recording, model, inertia, how=how), leave_out=leave_out, policy=policy)
 
 
 def examine(comparison: Comparison, *, leave_out: Iterable[str] = (), policy: Policy = POLICY) -> Diagnosis:

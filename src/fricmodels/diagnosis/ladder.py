@@ -15,6 +15,7 @@ from fricmodels.display import Displayed
 from fricmodels.errors import FricmodelsError
 from fricmodels.model import Model
 from fricmodels.recording import Recording
+from fricmodels.split import Split
 
 
 @dataclass(frozen=True)
@@ -58,6 +59,7 @@ def improve(
     leave_out: Iterable[str] = (),
     progress: Callable[[str], None] | None = None,
     policy: Policy = POLICY,
+    how: Split | None = None,
 ) -> Ladder:
     """Add the missing effect, refit everything, repeat until nothing is missing; then try to remove or exchange each.
 
@@ -70,11 +72,12 @@ def improve(
         leave_out: effects that are not considered.
         progress: called with one line at every step.
         policy: the constants that decide.
+        how: what is kept back; blocks or runs spread over the record if not given.
     """
     say = progress or (lambda line: None)
     model = Model.of(model)
     say(f"fitting {model.name}")
-    comparison = compare(recording, model, inertia)
+    comparison = compare(recording, model, inertia, how=how)
     say(f"testing effects on {model.name}")
     first = examine(comparison, leave_out=leave_out, policy=policy)
     search = _Search({e.name for e in model.effects}, set(leave_out), say, policy, first)

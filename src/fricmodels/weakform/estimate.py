@@ -30,6 +30,9 @@ from fricmodels.weakform.solve import Solved, solve
 
 Array = NDArray[np.float64]
 
+_SMOOTH = 64
+"""Samples that a test function spans where an effect with memory is searched for: through narrower ones a contact that
+closes a sample late is an error of its own, and the search ends where few are late, far from the truth."""
 _STAGES = 3
 """Fits in which the motor torque of a column is the one that the last fit explains, and the record at its delay."""
 
@@ -140,7 +143,7 @@ def _started(drive: Drive, recording: Recording, start: Mapping[str, float]) -> 
         if not wanted:
             continue
         smaller = Drive(drive.model.minus(effect.name), drive.inertia, drive.motion)
-        problem, rest = estimate(smaller, recording, start)
+        problem, rest = estimate(smaller, recording, start, width=_SMOOTH if effect.states else None)
         found = search(problem, regression_of(problem, rest.parameters), effect, problem.alone(effect))
         if found is None:
             return start

@@ -33,6 +33,8 @@ _HOPELESS, _NEAR = 0.05, 0.5
 """What explains less than this share of the residual, or of what another effect explains, is sought no further."""
 _UNLIKELY = 0.25
 """Nor is what explains less than this share of that from its best start."""
+_HARMONIC = 0.05
+"""A wave of half the wave number must explain a twentieth more: so much an effect must do to be worth its place."""
 _AT_END = 1e-3
 """Within a thousandth of a bound a parameter is at its end."""
 _SIGNED = 0.2
@@ -66,7 +68,10 @@ def search(
     if value(starts[0]) <= 0:
         return candidate.found(starts[0], trials) if candidate.is_visible(starts[0]) else None
     worth = max(_HOPELESS * float(regression.residual @ regression.residual), _NEAR * rival)
-    best = _summit(value, starts, [(p.lower, p.upper) for p in nonlinear], spacing, worth)
+    bounds = [(p.lower, p.upper) for p in nonlinear]
+    best = _summit(value, starts, bounds, spacing, worth)
+    if any(p.periodic for p in nonlinear):
+        best = _fundamental(value, best, nonlinear, bounds, spacing)
     at_search_bound = bool(effect.states) and is_at_an_end(nonlinear, best, spacing)
     return candidate.found(best, trials, at_search_bound=at_search_bound)
 
@@ -86,6 +91,26 @@ def _summit(
         more = starts[1:_STARTS] if len(bounds) > 1 and value(best) >= _UNLIKELY * worth else ()
         best = max((best, *(coordinate_search(value, start, bounds, spacing) for start in more)), key=value)
     return refine(value, best, bounds, spacing) if value(best) >= _UNLIKELY * worth else best
+
+
+def _fundamental(
+    value: Callable[[Point], float],
+    found: Point,
+    nonlinear: Sequence[Parameter],
+    bounds: Sequence[tuple[float, float]],
+    spacing: Sequence[float],
+) -> Point:
+    """Return the largest of k, 2k and k/2 that explains nearly as much as the best of them.
+
+    An effect with a second harmonic explains a wave as that of half its wave number, too, with nothing in the first.
+    """
+    points = {found}
+    for factor in (0.5, 2.0):
+        moved = tuple(factor * x if p.periodic else x for p, x in zip(nonlinear, found, strict=True))
+        if all(lower <= x <= upper for x, (lower, upper) in zip(moved, bounds, strict=True)):
+            points.add(coordinate_search(value, moved, bounds, spacing))
+    enough = (1 - _HARMONIC) * max(map(value, points))
+    return max(point for point in points if value(point) >= enough)
 
 
 def is_at_an_end(nonlinear: Sequence[Parameter], point: Point, spacing: Sequence[float]) -> bool:
