@@ -171,9 +171,9 @@ def test_an_adequate_model_is_called_so(folder: Path, ladder: Ladder) -> None:
 def test_an_error_that_nothing_predicts_has_its_words(ladder: Ladder) -> None:
     from dataclasses import replace
 
-    silent = story.of_diagnosis(replace(ladder.first, verdict="unknown-effect", view=None, findings=()))
+    silent = story.of_diagnosis(replace(ladder.last, verdict="unknown-effect", view=None, findings=()))
     assert silent.verdict.tone == "bad"
-    assert any("yet nothing predicts it" in detail for detail in silent.verdict.details)
+    assert any("no recorded channel predicts it" in detail for detail in silent.verdict.details)
 
 
 def test_a_linear_axis_has_forces_and_metres() -> None:

@@ -14,6 +14,7 @@ from functools import cache, cached_property, lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
+from fricmodels.arrays import Array, Mask
 from fricmodels.dimension import FORCE, INERTIA, Motion
 from fricmodels.drive import Drive, rest_width
 from fricmodels.memory import Memory
@@ -21,13 +22,12 @@ from fricmodels.model import Model
 from fricmodels.parameter import Parameter
 from fricmodels.recording import Recording
 from fricmodels.signals import best_half_width, lanczos_derivative, noise, resting, standstill
+from fricmodels.signals.rest import once
 from fricmodels.term import Effect, Law, Parameters, Signals
 from fricmodels.weakform.remembered import Remembered
 from fricmodels.weakform.row_noise import bump_width, noise_like
 from fricmodels.weakform.test_functions import HOPS, Quadrature, TestFunctions, mean_velocity
 from fricmodels.weakform.unclear import creeping, direction_unclear
-
-Array = NDArray[np.float64]
 
 MAX_SAMPLES = 163_840
 """Longer recordings are diagnosed on this many samples, in blocks spread evenly over them."""
@@ -68,7 +68,7 @@ class WeakFormProblem:
     drive: Drive
     recording: Recording
     smooth: Array
-    resting: NDArray[np.bool_]
+    resting: Mask
     quadrature: Quadrature
     bumps: TestFunctions
     velocity_noise: float
@@ -92,19 +92,14 @@ class WeakFormProblem:
         inertia, _ = drive.split(parameters)
         delay = parameters[drive.model.delay] if drive.model.delay else 0.0
         recording, parameters = drive.timed(recording, parameters)
-        part = spread(recording)
-        half_width = best_half_width(part.time, part.velocity, part.run)
-        smooth, acceleration = lanczos_derivative(part.time, part.velocity, half_width, part.run)
-        if "acceleration" not in part:
-            part = part.with_channels(acceleration=acceleration)
-        smooth = np.where(np.abs(smooth) <= standstill(smooth), 0.0, smooth)
-        sigma = noise(part.time, part.velocity, part.run)
-        width = width or bump_width(part, inertia, sigma)
-        part = part.with_channels(torque_rate=part.signal("motor_torque_rate"))
-        at_rest = resting(part)
+        motion = _smoothed(recording)
+        part, smooth, at_rest = motion.recording, motion.velocity, motion.resting
+        width = width or bump_width(part, inertia, motion.noise)
         unclear = direction_unclear(drive, part, smooth, at_rest, width, parameters)
         quadrature, bumps = _rows(part, smooth, width, unclear)
-        problem = cls(drive, part, smooth, at_rest, quadrature, bumps, sigma, half_width, (0.0, 0.0), delay=delay)
+        problem = cls(
+            drive, part, smooth, at_rest, quadrature, bumps, motion.noise, motion.half_width, (0.0, 0.0), delay=delay
+        )
         return replace(problem, friction_limits=problem.limits_of_friction(parameters))
 
     def limits_of_friction(self, parameters: Mapping[str, float]) -> tuple[float, float]:
@@ -166,7 +161,7 @@ class WeakFormProblem:
         quadrature, bumps = _rows(self.recording, self.smooth, self.bumps.width, unclear)
         return replace(self, quadrature=quadrature, bumps=bumps)
 
-    def along(self, velocity: Array, resting: NDArray[np.bool_]) -> WeakFormProblem:
+    def along(self, velocity: Array, resting: Mask) -> WeakFormProblem:
         """Return the same problem with friction evaluated at another velocity, on all samples that do not rest by it.
 
         Args:
@@ -359,6 +354,29 @@ def _alone(effect: Effect, motion: Motion) -> Drive:
     return Drive(Model(NoFriction(), [effect]), 1.0, motion)
 
 
+@dataclass(frozen=True)
+class _Smoothed:
+    """A recording with acceleration and torque rate, freed of noise: what does not depend on the model."""
+
+    recording: Recording
+    velocity: Array
+    half_width: int
+    noise: float
+    resting: Mask
+
+
+@once
+def _smoothed(recording: Recording) -> _Smoothed:
+    part = spread(recording)
+    half_width = best_half_width(part.time, part.velocity, part.run)
+    smooth, acceleration = lanczos_derivative(part.time, part.velocity, half_width, part.run)
+    if "acceleration" not in part:
+        part = part.with_channels(acceleration=acceleration)
+    smooth = np.where(np.abs(smooth) <= standstill(smooth), 0.0, smooth)
+    part = part.with_channels(torque_rate=part.signal("motor_torque_rate"))
+    return _Smoothed(part, smooth, half_width, noise(part.time, part.velocity, part.run), resting(part))
+
+
 def spread(recording: Recording) -> Recording:
     """Return at most :data:`MAX_SAMPLES` samples, as blocks spread evenly over a longer recording."""
     count = len(recording)
@@ -374,8 +392,6 @@ def spread(recording: Recording) -> Recording:
     return replace(chosen, run=run.astype(np.int64).ravel())
 
 
-def _rows(
-    recording: Recording, smooth: Array, width: int, unclear: NDArray[np.bool_]
-) -> tuple[Quadrature, TestFunctions]:
+def _rows(recording: Recording, smooth: Array, width: int, unclear: Mask) -> tuple[Quadrature, TestFunctions]:
     bumps = TestFunctions(recording, width, unclear, least_moving=1.0, over_cells=recording.derived_over > 0)
     return Quadrature.of(recording, smooth, unclear), bumps
