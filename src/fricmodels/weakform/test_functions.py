@@ -13,7 +13,6 @@ from __future__ import annotations
 
 import itertools
 from dataclasses import dataclass, replace
-from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -87,11 +86,6 @@ class Quadrature:
         half_step = 0.5 * step[cell]
         at = replace(recording, channels=channels, run=run, origin=None)
         return cls(at, cell, before * half_step, after * half_step, half)
-
-    @cached_property
-    def weight(self) -> Array:
-        """Duration that each recorded sample stands for in the cells that are not split, shape (N,)."""
-        return np.asarray(np.concatenate([self.half, [0.0]]) + np.concatenate([[0.0], self.half]))
 
     def impulses(self, rows: Array) -> Array:
         """Return the integral of each row over each cell, shape (k, N), in torque × time; cell k follows sample k.
@@ -181,7 +175,6 @@ class TestFunctions:
         least_moving: float = 0.5,
         over_cells: bool = False,
     ) -> None:
-        self._samples = len(recording)
         self.hop = max(1, round(width / HOPS))
         self.width = self.hop * HOPS
         changes, between = _cells(self.width, over_cells)
@@ -195,7 +188,6 @@ class TestFunctions:
             if piece.stop - piece.start >= self.width
         ]
         moving = self._apply((~resting).astype(float)[None], self._mean)[0] if self._pieces else np.zeros(0)
-        self._every = len(moving)
         self._kept = np.flatnonzero(moving >= least_moving - 1e-12)
         self.count = len(self._kept)
 
@@ -218,22 +210,6 @@ class TestFunctions:
     def change(self, values: Array) -> Array:
         """Return ∫φ df = −∫φ' f dt of what was measured, shape (number of bumps,)."""
         return np.asarray(self._keep(self._apply(values[None], self._fall))[0])
-
-    def spread(self, values: Array) -> Array:
-        """Return Σ c φ(t) at the samples for one coefficient c a bump: the transpose of :meth:`integrals`."""
-        every = np.zeros(self._every)
-        every[self._kept] = values
-        result = np.zeros(self._samples)
-        first = 0
-        for piece in self._pieces:
-            blocks = (piece.stop - piece.start) // self.hop
-            count = blocks - HOPS + 1
-            parts = np.zeros((blocks, self.hop))
-            for part, kernel in enumerate(self._mean.reshape(HOPS, self.hop)):
-                parts[part : part + count] += np.outer(every[first : first + count], kernel)
-            result[piece] = parts.ravel()
-            first += count
-        return result
 
     def _keep(self, values: Array) -> Array:
         return values if self.count == values.shape[1] else np.take(values, self._kept, axis=1)
