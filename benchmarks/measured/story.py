@@ -20,6 +20,7 @@ from fricmodels.errors import FricmodelsError
 from fricmodels.model import Model
 from fricmodels.recording import Recording
 from fricmodels.score import headline_window, torque_error_over
+from fricmodels.split import Split
 from fricmodels.tournament import load_config, run
 
 Array = NDArray[np.float64]
@@ -53,11 +54,15 @@ class Story:
 
 
 def tell(
-    recording: Recording, model: str, inertia: float | None = None, checks: Mapping[str, Recording] | None = None
+    recording: Recording,
+    model: str,
+    inertia: float | None = None,
+    checks: Mapping[str, Recording] | None = None,
+    how: Split | None = None,
 ) -> Story:
-    """Improve a model on a recording."""
+    """Improve a model on a recording; ``how`` says what of it is kept back."""
     start = time.perf_counter()
-    ladder = improve(recording, Model.parse(model), inertia)
+    ladder = improve(recording, Model.parse(model), inertia, how=how)
     seconds = time.perf_counter() - start
     others = {name: ready(check) for name, check in (checks or {}).items()}
     return Story(ready(recording), ladder, others, seconds)

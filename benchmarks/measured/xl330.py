@@ -11,6 +11,7 @@ import pandas as pd
 from fricmodels.readers import read
 from fricmodels.recording import Recording
 from fricmodels.signals import lanczos_derivative
+from fricmodels.split import Split
 from measured.pictures import picture
 from measured.story import Story, blocks, by_hand_table, independent_table, leaderboard_table, tell
 
@@ -99,7 +100,7 @@ def free_swing(data: Path) -> tuple[float, float]:
 def story(folder: Path, constants: str = "M1") -> Story:
     """Improve the Coulomb–viscous law on twelve logs."""
     checks = {"other logs": recording(folder, constants, "check")}
-    return tell(recording(folder, constants, "fit"), BASE, checks=checks)
+    return tell(recording(folder, constants, "fit"), BASE, checks=checks, how=Split(by="runs"))
 
 
 def page(data: Path, configs: Path, pictures: Path, folder: Path, say: Callable[[str], None]) -> dict[str, str]:
