@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from fricmodels.drive import Drive
 from fricmodels.errors import InputError
+from fricmodels.model import Model
 from fricmodels.recording import Recording
 from fricmodels.score.torque import filtered_torque_error, sliding_half_width
 from fricmodels.weakform.identification import identified
@@ -87,8 +88,8 @@ def estimate(
     found = _solved(first, start)
     # Once the friction is known, so is where the drive may stick at a reversal.
     problem = WeakFormProblem.of(drive, recording, found.parameters, width)
-    found = _solved(problem, {**start, **found.parameters})
-    if drive.model.delay or "motor_torque" in drive.model.needs:
+    found = _solved(problem, start, found.parameters)
+    if drive.model.delay or _explains_torque_by_itself(drive):
         for _ in range(_STAGES):
             if drive.model.delay:
                 problem = WeakFormProblem.of(drive, recording, found.parameters, width)
@@ -115,7 +116,25 @@ def estimate(
     )
 
 
-def _solved(problem: WeakFormProblem, start: Mapping[str, float]) -> Solved:
+def _explains_torque_by_itself(drive: Drive) -> bool:
+    """Whether an effect goes with the motor torque, as a gain does: the recorded one it could explain by itself.
+
+    A law whose friction goes with the load takes the recorded torque: what a fit explains of it is less true at
+    reversals, where the acceleration jumps.
+    """
+    return any("motor_torque" in Model(drive.model.law, [effect]).needs for effect in drive.model.effects) and (
+        "motor_torque" not in Model(drive.model.law).needs
+    )
+
+
+def _solved(problem: WeakFormProblem, start: Mapping[str, float], found: Mapping[str, float] | None = None) -> Solved:
+    """Return the fit to the rows of a problem.
+
+    Args:
+        problem: drive and rows.
+        start: nonlinear parameters to begin from; those not given are scanned.
+        found: parameters of an earlier fit to other rows. A scan of these rows may know better where to begin.
+    """
     drive = problem.drive
     if problem.rows <= 4 * len(drive.parameters):
         raise InputError(
@@ -123,7 +142,16 @@ def _solved(problem: WeakFormProblem, start: Mapping[str, float]) -> Solved:
             f"{len(drive.parameters)} parameters; record longer, faster, or with less noise"
         )
     nonlinear = {p.key for p in drive.parameters if not p.linear}
-    return solve(problem, Plan(start={key: value for key, value in start.items() if key in nonlinear}))
+
+    def fit(begin: Mapping[str, float]) -> Solved:
+        return solve(problem, Plan(start={key: value for key, value in begin.items() if key in nonlinear}))
+
+    if found is None:
+        return fit(start)
+    again = fit({**start, **found})
+    if drive.model.states or nonlinear <= set(start):
+        return again
+    return min((again, fit(start)), key=lambda solved: solved.solution.cost)
 
 
 def _left(drive: Drive, recording: Recording, parameters: Mapping[str, float]) -> float:

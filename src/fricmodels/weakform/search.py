@@ -33,8 +33,8 @@ _HOPELESS, _NEAR = 0.05, 0.5
 """What explains less than this share of the residual, or of what another effect explains, is sought no further."""
 _UNLIKELY = 0.25
 """Nor is what explains less than this share of that from its best start."""
-_HARMONIC = 0.05
-"""A wave of half the wave number must explain a twentieth more: so much an effect must do to be worth its place."""
+_HARMONIC = 0.2
+"""A wave of half the wave number must explain a fifth of all more; other waves make it explain a little more."""
 _AT_END = 1e-3
 """Within a thousandth of a bound a parameter is at its end."""
 _SIGNED = 0.2

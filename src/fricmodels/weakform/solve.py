@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cache, cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from fricmodels.weakform.equations import projection
 from fricmodels.weakform.inference import covariance
 from fricmodels.weakform.nonlinear import Plan
-from fricmodels.weakform.optimise import coordinate_search
+from fricmodels.weakform.optimise import coordinate_search, multistart_nelder_mead
 from fricmodels.weakform.problem import WeakFormProblem
 from fricmodels.weakform.regression import cosine_terms
 from fricmodels.weakform.search import in_gap
@@ -240,7 +240,17 @@ def _searched(problem: WeakFormProblem, least_squares: Projection, search: Nonli
         1.0 if held else 1.02 if p.declared.periodic else _STARTED if p.key in plan.start else _SCANNED
         for p, held in zip(chosen, search.held, strict=True)
     ]
-    best = coordinate_search(lambda point: -least_squares.cost(np.array(point)), tuple(begin.tolist()), bounds, ratios)
+
+    @cache
+    def value(point: tuple[float, ...]) -> float:
+        return -least_squares.cost(np.array(point))
+
+    start = tuple(begin.tolist())
+    if len(points) > 1 and len(chosen) > 2:  # many summits: from several of the values that are tried first
+        hopeful = sorted((tuple(point.tolist()) for point in points), key=value, reverse=True)
+        scanned = all(values[0] > 0.0 for values in search.starts)
+        start = multistart_nelder_mead(value, hopeful, bounds, ratios, patience=1) if scanned else start
+    best = coordinate_search(value, start, bounds, ratios)
     time, resolution = np.sort(problem.recording.time), problem.bumps.width * problem.recording.interval
     return np.array(
         [
