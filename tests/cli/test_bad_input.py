@@ -179,20 +179,26 @@ def test_out_that_is_a_file(tmp_path: Path, capsys: pytest.CaptureFixture[str]) 
     assert out.read_text() == "mine"
 
 
-def test_doubtful_units_are_a_warning_and_the_work_goes_on(tmp_path, capsys):
+def test_wrong_units_stop_the_work_unless_trusted(tmp_path, capsys):
     path = tmp_path / "log.csv"
     rows = [[*row, f"{-np.cos(2 * np.pi * float(row[0])) * 180 / np.pi / (2 * np.pi):.6f}"] for row in motion()]
     path.write_text(table(rows, f"{HEADER},position_rad"), encoding="utf-8")
+    compare = ["compare", str(path), "--model", "coulomb-viscous", "--inertia", "0.01"]
+    with pytest.raises(SystemExit, match="2"):
+        main(compare)
+    said = capsys.readouterr().err.splitlines()
+    assert len(said) == 1
+    assert said[0].startswith(f"error: {path}: the velocity (velocity=velocity_rad_s) is 0.0174 times the change of")
+    assert "as between deg and rad/s; give the unit, as in --column position=position_rad:deg, or go on" in said[0]
     with pytest.raises(SystemExit, match="0"):
-        main(["compare", str(path), "--model", "coulomb-viscous", "--inertia", "0.01"])
-    warned = capsys.readouterr().err.splitlines()
-    assert len(warned) == 1
-    assert warned[0].startswith(
-        f"warning: {path}: the velocity (velocity=velocity_rad_s) is 0.0174 times the change of"
-    )
-    assert "as between degrees and radians; give their units, as in --column" in warned[0]
+        main([*compare, "--trust"])
+    assert [line for line in capsys.readouterr().err.splitlines() if "as between deg and rad/s" in line]
     config = tmp_path / "log.yaml"
     config.write_text("name: log\ndatasets:\n  - {name: log, files: log.csv}\nmodels: coulomb-viscous\n", "utf-8")
+    run = ["run", str(config), "--out", str(tmp_path / "out"), "--executor", "serial"]
+    with pytest.raises(SystemExit, match="2"):
+        main(run)
+    assert capsys.readouterr().err.startswith("error: ")
     with pytest.raises(SystemExit, match="0"):
-        main(["run", str(config), "--out", str(tmp_path / "out"), "--executor", "serial"])
-    assert capsys.readouterr().err.count("as between degrees and radians") == 1
+        main([*run, "--trust"])
+    assert capsys.readouterr().err.count("as between deg and rad/s") == 1

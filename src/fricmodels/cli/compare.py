@@ -12,6 +12,7 @@ from fricmodels.cli.measurement import (
     Out,
     Report,
     TorqueConstant,
+    Trust,
     check,
     load,
 )
@@ -25,11 +26,12 @@ def command(
     torque_constant: TorqueConstant = None,
     reader: Format = None,
     linear: Linear = False,
+    trust: Trust = False,
     out: Out = None,
     report: Report = None,
 ) -> None:
     """Fit a model to a recording and show where it fails."""
-    recording, chosen = load(data, model, column, torque_constant, reader, linear)
+    recording, chosen = load(data, model, column, torque_constant, reader, linear, None, inertia, trust)
     check(report)
     from rich.console import Console
 
@@ -46,4 +48,5 @@ def command(
         from fricmodels.report import story
         from fricmodels.report import write as write_report
 
-        console.print(f"wrote {write_report(story.of_comparison(comparison), report)}")
+        page = story.of_comparison(comparison, ["--trust"] * trust)
+        console.print(f"wrote {write_report(page, report)}")

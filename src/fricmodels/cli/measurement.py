@@ -27,7 +27,10 @@ TorqueConstant = Annotated[
 ]
 Format = Annotated[str | None, typer.Option("--reader", help="Read the file as this format.")]
 Linear = Annotated[bool, typer.Option("--linear", help="A linear axis: forces and metres.")]
-Out = Annotated[Path | None, typer.Option("--out", metavar="DIR", help="Write diagnosis.json there.")]
+Out = Annotated[Path | None, typer.Option("--out", metavar="DIR", help="Write the result as JSON there.")]
+Trust = Annotated[
+    bool, typer.Option("--trust", help="Go on with a recording whose units, signs or columns look wrong.")
+]
 Report = Annotated[
     Path | None, typer.Option("--report", metavar="FILE.html", help="Write the report there: one page, with figures.")
 ]
@@ -44,25 +47,28 @@ def load(
     reader: str | None,
     linear: bool,
     leave_out: list[str] | None = None,
+    inertia: float | None = None,
+    trust: bool = False,
 ) -> tuple[Recording, Model]:
-    """Read the recording and the model that the options name; warn where the recording's units are doubtful.
+    """Read the recording and the model that the options name; warn of what is the matter with the recording.
 
     Raises:
-        InputError: for anything that cannot be read or is not known.
+        InputError: for anything that cannot be read or is not known, and where units, signs or columns look so wrong
+            that every answer would be nonsense.
     """
     from fricmodels import plugins
     from fricmodels.cli.printing import warn
     from fricmodels.dimension import Motion
+    from fricmodels.logcheck import checked
     from fricmodels.model import Model
-    from fricmodels.readers import doubts, read
+    from fricmodels.readers import read
 
     chosen = Model.parse(model)
     for effect in leave_out or ():
         plugins.load().effects.entry(effect)
     motion = Motion.LINEAR if linear else None
     recording = read(data, columns=columns or (), motion=motion, reader=reader, torque_constant=torque_constant)
-    warn(doubts(recording))
-    return recording, chosen
+    return checked(recording, inertia, trust=trust, warn=warn), chosen
 
 
 @dataclass(frozen=True)
@@ -75,11 +81,12 @@ class Measurement:
     leave_out: tuple[str, ...]
     out: Path | None
     report: Path | None
+    trust: bool = False
 
     @property
     def options(self) -> list[str]:
         """The options that a report repeats, so that its command gives the same answer."""
-        return [part for name in self.leave_out for part in ("--leave-out", name)]
+        return [*(part for name in self.leave_out for part in ("--leave-out", name)), *["--trust"] * self.trust]
 
 
 def measured(work: Callable[[Measurement], None]) -> Callable[..., None]:
@@ -94,12 +101,13 @@ def measured(work: Callable[[Measurement], None]) -> Callable[..., None]:
         reader: Format = None,
         linear: Linear = False,
         leave_out: LeaveOut = None,
+        trust: Trust = False,
         out: Out = None,
         report: Report = None,
     ) -> None:
-        recording, chosen = load(data, model, column, torque_constant, reader, linear, leave_out)
+        recording, chosen = load(data, model, column, torque_constant, reader, linear, leave_out, inertia, trust)
         check(report)
-        work(Measurement(recording, chosen, inertia, tuple(leave_out or ()), out, report))
+        work(Measurement(recording, chosen, inertia, tuple(leave_out or ()), out, report, trust))
 
     command.__doc__ = work.__doc__
     return command

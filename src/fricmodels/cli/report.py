@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from fricmodels.cli.measurement import Column, Format, Inertia, LeaveOut, Linear, TorqueConstant, load
+from fricmodels.cli.measurement import Column, Format, Inertia, LeaveOut, Linear, TorqueConstant, Trust, load
 
 
 def command(
@@ -23,6 +23,7 @@ def command(
     reader: Format = None,
     linear: Linear = False,
     leave_out: LeaveOut = None,
+    trust: Trust = False,
     out: Annotated[
         Path | None,
         typer.Option("--out", metavar="FILE.html", help="File to write; RUN/report.html or DATA.html by default."),
@@ -41,12 +42,12 @@ def command(
         return
     page = out or Path(f"{target.stem}.html")
     check(page)
-    recording, chosen = load(target, model, column, torque_constant, reader, linear, leave_out)
+    recording, chosen = load(target, model, column, torque_constant, reader, linear, leave_out, inertia, trust)
     from rich.console import Console
 
     from fricmodels.diagnosis import improve
 
     with Console(stderr=True).status("improving") as status:
         ladder = improve(recording, chosen, inertia, leave_out=leave_out or (), progress=status.update)
-    options = [part for name in leave_out or () for part in ("--leave-out", name)]
+    options = [part for name in leave_out or () for part in ("--leave-out", name)] + ["--trust"] * trust
     print(f"wrote {write(story.of_ladder(ladder, options), page)}")

@@ -7,6 +7,8 @@ from typing import Annotated
 
 import typer
 
+from fricmodels.cli.measurement import Trust
+
 
 def command(
     config: Annotated[Path, typer.Argument(help="The tournament, in YAML.", show_default=False)],
@@ -17,6 +19,7 @@ def command(
         Path | None,
         typer.Option("--report", metavar="FILE.html", help="Write the report there: one page, with figures."),
     ] = None,
+    trust: Trust = False,
     retry: Annotated[bool, typer.Option("--retry", help="Do again what did not end well.")] = False,
 ) -> None:
     """Run a tournament and rank models and estimators.
@@ -31,7 +34,7 @@ def command(
 
     warn(plugins.load().failures)
     loaded = load_config(config)
-    planned = plan(loaded, config.parent)
+    planned = plan(loaded, config.parent, trust=trust)
     warn([*planned.left_out, *planned.doubts])
     if report_file is not None:
         from fricmodels.report import check

@@ -107,6 +107,7 @@ def described(comparison: Comparison) -> dict[str, Any]:
         "samples": {"fitted": len(train), "kept_back": len(test)},
         "interval": train.interval,
         "true_model": known.get("true_model"),
+        "findings": list(known.get("findings", ())),
     }
 
 

@@ -7,12 +7,11 @@ from fricmodels.readers.bag import BagReader
 from fricmodels.readers.base import Reader
 from fricmodels.readers.checks import check
 from fricmodels.readers.csv import CsvReader
-from fricmodels.readers.doubts import doubts
 from fricmodels.readers.matlab import MatlabReader
 from fricmodels.readers.parquet import ParquetReader
 from fricmodels.readers.reading import read
 
-__all__ = ["Reader", "check", "doubts", "read"]
+__all__ = ["Reader", "check", "read"]
 
 
 @hookimpl

@@ -1,7 +1,8 @@
 """Which column of a table is which channel: standard names, and ``CHANNEL=COLUMN[:UNIT]``.
 
 The column may contain spaces, equal signs and colons. A column of the whole name after the first ``=`` is taken
-first; only if there is none, what follows the last colon is the unit. So ``velocity=a:b`` is the column ``a:b``
+first; only if there is none, what follows the last colon is the unit, and without one the unit that the column's name
+states (``Speed [rpm]``, ``pos_deg``). So ``velocity=a:b`` is the column ``a:b``
 where the table has one, and the column ``a`` in the unit ``b`` otherwise.
 """
 
@@ -14,6 +15,7 @@ from difflib import get_close_matches
 from fricmodels.dimension import Motion
 from fricmodels.errors import InputError, suggestion
 from fricmodels.readers import units
+from fricmodels.readers.header_units import stated_unit
 
 STANDARD: Mapping[Motion, Mapping[str, str]] = {
     Motion.ROTARY: {
@@ -157,7 +159,10 @@ def assign(
         InputError: naming a channel that is missing, the columns that are there and the way out; or a column that is
             there twice.
     """
-    found = mapping(columns, present)
+    found = {
+        channel: Column(column.name, column.column, column.unit or _stated(column))
+        for channel, column in mapping(columns, present).items()
+    }
     kind = motion or detect_motion(found, present)
     for channel, name in STANDARD[kind].items():
         if channel not in found and name in present:
@@ -168,6 +173,10 @@ def assign(
             raise InputError(f"the column '{column.column}' is there {count} times; rename all but one")
     _require(found, kind, present)
     return found, kind
+
+
+def _stated(column: Column) -> str | None:
+    return None if column.channel == "run" else stated_unit(column.column, column.channel)
 
 
 def _require(found: Mapping[str, Column], motion: Motion, present: Sequence[str]) -> None:

@@ -17,6 +17,7 @@ from fricmodels.readers.base import Reader
 from fricmodels.readers.checks import check
 from fricmodels.readers.columns import Column, assign
 from fricmodels.recording import Recording
+from fricmodels.signals.wrapping import unwrap
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -43,7 +44,8 @@ def read(
         torque_constant: K_t [N m/A, or N/A], which makes torque of the current where no torque was measured.
 
     Returns:
-        The recording in SI units, samples of each run together, checked by :func:`fricmodels.readers.check`.
+        The recording in SI units, samples of each run together, checked by :func:`fricmodels.readers.check`; a position
+        that jumps by a whole turn, or by the range of a counter, is unwrapped.
 
     Raises:
         InputError: for a file that is not there or holds nothing usable; one line with the place and the way out.
@@ -81,7 +83,7 @@ def read(
         },
     )
     check(recording, lambda row: chosen.place(source, int(order[row])))
-    return recording
+    return unwrap(recording)
 
 
 def _check_file(source: Path) -> None:

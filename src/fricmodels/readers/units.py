@@ -79,6 +79,11 @@ def is_current(unit: str) -> bool:
     return _measures(unit, "A")
 
 
+def is_voltage(unit: str) -> bool:
+    """Whether a unit measures an electric voltage."""
+    return _measures(unit, "V")
+
+
 def _si_unit(channel: str, motion: Motion) -> str:
     return _NOT_MECHANICAL.get(channel) or CHANNELS[channel].unit(motion)
 
@@ -98,6 +103,8 @@ def conversion(unit: str, channel: str, motion: Motion) -> Conversion:
     quantity = _quantity(unit)
     if not _measures(unit, target):
         hint = "; state the counts a turn, such as count/2000" if _COUNT.search(unit) else ""
+        if is_voltage(unit):
+            hint = "; a voltage is not a torque: give the current with --torque-constant, or the torque itself"
         hint = hint or ("; use turn/s or rad/s" if "hz" in unit.lower() else "")
         raise InputError(
             f"the unit '{unit}' does not measure the {channel.replace('_', ' ')} of a {motion} drive, "

@@ -20,6 +20,9 @@ def recording_section(data: Data, command: str, options: Sequence[str] = ()) -> 
         options: more options of that command.
     """
     blocks: list[Block] = [recording(data)]
+    if known := data["recording"].get("findings"):
+        rows = [(one["kind"], one["severity"], "; ".join(filter(None, (one["text"], one["remedy"])))) for one in known]
+        blocks.append(table("What is the matter with it", {"what": False, "": False, "seen": False}, rows))
     if data["recording"]["source"]:
         blocks.append(Code("To do it again", commands(data, command, options)))
     return Section("provenance", "Where this comes from", blocks)

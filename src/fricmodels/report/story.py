@@ -36,7 +36,7 @@ def of_diagnosis(diagnosis: Diagnosis, options: Sequence[str] = ()) -> Page:
     return page(document(diagnosis), [Rung(diagnosis.comparison)], "diagnose", options)
 
 
-def of_comparison(comparison: Comparison) -> Page:
+def of_comparison(comparison: Comparison, options: Sequence[str] = ()) -> Page:
     """Return the report on a comparison: the model against the measurement and where it fails, without a diagnosis."""
     from fricmodels.diagnosis.document import described, facts
     from fricmodels.plugins import versions
@@ -51,7 +51,7 @@ def of_comparison(comparison: Comparison) -> Page:
         sections.measured([comparison]),
         sections.fails([comparison]),
         sections.all_parameters(data),
-        recording_section(data, "compare"),
+        recording_section(data, "compare", options),
     ]
     details = [_left(data), where_words(comparison, most=3), advice]
     return _page(data, Verdict(sentence, "plain", details), found)

@@ -23,7 +23,7 @@ class Plan:
         config, jobs: what is run.
         left_out: one line for each optional dataset that is not there.
         digests: of the content of each recording.
-        doubts: what speaks against the units or the columns of a recording, a line each.
+        doubts: what is the matter with the recordings, a line each.
     """
 
     config: Config
@@ -33,12 +33,13 @@ class Plan:
     doubts: tuple[str, ...] = ()
 
 
-def plan(config: Config, directory: str | Path = ".") -> Plan:
+def plan(config: Config, directory: str | Path = ".", *, trust: bool = True) -> Plan:
     """Read every file once, check that each model has the channels that it needs, and list the jobs.
 
     Args:
         config: the tournament.
         directory: where its relative paths start; that of its file.
+        trust: go on with recordings whose units, signs or columns look so wrong that every answer would be nonsense.
 
     Raises:
         InputError: for anything that cannot be used, before anything is written.
@@ -55,8 +56,10 @@ def plan(config: Config, directory: str | Path = ".") -> Plan:
     for source in listed:
         if source.values["kind"] == "files":
             loaded = _checked(source, models)
+            if loaded.nonsense and not trust:
+                raise InputError(f"{loaded.nonsense[0]}, or go on with --trust")
             digests[source] = loaded.digest
-            doubts += loaded.doubts
+            doubts += [*loaded.nonsense, *loaded.doubts]
     if not plugins.load().estimators:
         raise InputError("no estimator is registered; install the distribution that has them")
     return Plan(config, tuple(jobs(config, listed, digests)), tuple(left_out), digests, tuple(dict.fromkeys(doubts)))

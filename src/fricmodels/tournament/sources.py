@@ -9,7 +9,7 @@ import glob
 import hashlib
 import json
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from itertools import product
@@ -71,7 +71,8 @@ class Loaded:
     """A recording, split into what is fitted and what is scored.
 
     ``train`` is as measured, with the velocity derived where it was not; the others are prepared for the score.
-    ``doubts`` are lines on units and columns of a file, see :func:`fricmodels.readers.doubts`.
+    ``nonsense`` and ``doubts`` are lines on what is the matter with a file, see :func:`fricmodels.logcheck.findings`:
+    with the former every answer would be nonsense.
     """
 
     train: Recording
@@ -79,6 +80,7 @@ class Loaded:
     prepared_test: Recording | None
     true_parameters: Mapping[str, float] | None
     digest: str
+    nonsense: tuple[str, ...] = ()
     doubts: tuple[str, ...] = ()
 
 
@@ -189,8 +191,6 @@ def load(source: Source) -> Loaded:
     Raises:
         InputError: for anything in the file that cannot be used.
     """
-    from fricmodels.readers import doubts
-
     values = source.values
     recording, tests = _recordings(source, values)
     preparation = Preparation.model_validate(values["preparation"])
@@ -213,8 +213,19 @@ def load(source: Source) -> Loaded:
         score_as(test) if test is not None else None,
         recording.provenance.get("true_parameters"),
         hashlib.sha256(checksums.encode()).hexdigest(),
-        tuple(doubt for one in (recording, *tests) for doubt in doubts(one)) if values["kind"] == "files" else (),
+        *(_matters(source, (recording, *tests)) if values["kind"] == "files" else ((), ())),
     )
+
+
+def _matters(source: Source, recordings: Sequence[Recording]) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """Return what makes every answer nonsense, and what is worth a warning, a line each."""
+    from fricmodels.logcheck import Severity, findings
+
+    lines: dict[Severity, list[str]] = {severity: [] for severity in Severity}
+    for recording in recordings:
+        for finding in findings(recording, source.inertia):
+            lines[finding.severity].append(f"{recording.provenance.get('source', recording.name)}: {finding}")
+    return tuple(lines[Severity.STOP]), tuple(lines[Severity.WARN])
 
 
 def _recordings(source: Source, values: Mapping[str, Any]) -> tuple[Recording, list[Recording]]:

@@ -1,0 +1,248 @@
+"""Ways to spoil a good recording, each with what should be said of it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.signal import lfilter
+
+from fricmodels.dimension import Motion
+from fricmodels.recording import Recording
+
+Array = np.ndarray
+DEGREES = 180.0 / math.pi
+RPM = 30.0 / math.pi
+
+
+@dataclass(frozen=True)
+class Way:
+    """One way to spoil a recording.
+
+    Attributes:
+        name: what is done.
+        spoil: does it; ``None`` where it cannot be done to this recording.
+        says: kinds of finding of which one names it.
+        told: what must be known besides: ``inertia`` where the true one is given, as by ``--inertia``.
+    """
+
+    name: str
+    spoil: Callable[[Recording, np.random.Generator], Recording | None]
+    says: tuple[str, ...]
+    told: str = ""
+
+
+def rms(values: Array) -> float:
+    return float(np.sqrt(np.mean(np.square(values))))
+
+
+def changed(recording: Recording, **channels: Array) -> Recording:
+    return replace(recording, channels={**recording.channels, **channels})
+
+
+def scaled(**factors: float) -> Callable[[Recording, np.random.Generator], Recording | None]:
+    """Multiply channels; angles only where there are any."""
+    turning = any(abs(abs(factor) - 1.0) > 1e-9 for name, factor in factors.items() if name != "torque")
+
+    def spoil(recording: Recording, rng: np.random.Generator) -> Recording | None:
+        if not set(factors) <= set(recording.channels) or (turning and recording.motion is Motion.LINEAR):
+            return None
+        return changed(recording, **{name: factor * recording[name] for name, factor in factors.items()})
+
+    return spoil
+
+
+def with_both(spoil: Callable[[Recording, np.random.Generator], Recording | None]) -> Callable[..., Recording | None]:
+    """Only where position and velocity are both there."""
+    return lambda recording, rng: spoil(recording, rng) if {"position", "velocity"} <= set(recording.channels) else None
+
+
+def alone(factor: float) -> Callable[[Recording, np.random.Generator], Recording | None]:
+    """Take the position away and scale the velocity."""
+
+    def spoil(recording: Recording, rng: np.random.Generator) -> Recording | None:
+        if "velocity" not in recording or recording.motion is Motion.LINEAR:
+            return None
+        kept = {name: values for name, values in recording.channels.items() if name != "position"}
+        return replace(recording, channels={**kept, "velocity": factor * recording.velocity})
+
+    return spoil
+
+
+def swapped(one: str, other: str) -> Callable[[Recording, np.random.Generator], Recording | None]:
+    def spoil(recording: Recording, rng: np.random.Generator) -> Recording | None:
+        if not {one, other} <= set(recording.channels):
+            return None
+        return changed(recording, **{one: recording[other], other: recording[one]})
+
+    return spoil
+
+
+def wrapped(period: float, factor: float) -> Callable[[Recording, np.random.Generator], Recording | None]:
+    """Let an encoder begin anew at the middle of the travel."""
+
+    def spoil(recording: Recording, rng: np.random.Generator) -> Recording | None:
+        if "position" not in recording or recording.motion is Motion.LINEAR:
+            return None
+        position = factor * recording["position"]
+        return changed(recording, position=np.mod(position - np.median(position), period))
+
+    return spoil
+
+
+def late(samples: int, *names: str) -> Callable[[Recording, np.random.Generator], Recording | None]:
+    def spoil(recording: Recording, rng: np.random.Generator) -> Recording | None:
+        if not set(names) <= set(recording.channels):
+            return None
+        return changed(
+            recording, **{n: np.r_[np.full(samples, recording[n][0]), recording[n][:-samples]] for n in names}
+        )
+
+    return spoil
+
+
+def clipped(recording: Recording, rng: np.random.Generator) -> Recording:
+    low, high = np.quantile(recording.torque, [0.1, 0.9])
+    return changed(recording, torque=np.clip(recording.torque, low, high))
+
+
+def stopped(recording: Recording, rng: np.random.Generator) -> Recording | None:
+    """Let the drive end at a stop that it meets in full motion, three times or more."""
+    if "position" not in recording:
+        return None
+    position, fastest, limit = recording["position"], 0.0, None
+    for share in np.arange(0.55, 0.95, 0.05):
+        at = np.quantile(position, share)
+        met = np.flatnonzero((position[:-1] < at) & (position[1:] >= at))
+        met = met[(met > 16) & (met < len(position) - 17)]
+        beyond = position[np.minimum(met + 16, len(position) - 1)] > at
+        if np.count_nonzero(beyond) < 3:
+            continue
+        speed = float(np.median(position[met + 4] - position[met - 4]))
+        if speed > fastest:
+            fastest, limit = speed, float(at)
+    if limit is None:
+        return None
+    channels = {"position": np.minimum(position, limit)}
+    if "velocity" in recording:
+        channels["velocity"] = np.where(position > limit, 0.0, recording.velocity)
+    return changed(recording, **channels)
+
+
+def false_stamps(recording: Recording, rng: np.random.Generator) -> Recording:
+    wander = recording.interval * rng.uniform(-0.2, 0.2, len(recording))
+    return changed(recording, time=recording.time + wander)
+
+
+def with_gap(recording: Recording, rng: np.random.Generator) -> Recording:
+    middle = len(recording) // 2
+    return recording.select(np.r_[0:middle, middle + len(recording) // 40 : len(recording)])
+
+
+def held(name: str, samples: int) -> Callable[[Recording, np.random.Generator], Recording | None]:
+    """Poll a channel less often than it is logged."""
+
+    def spoil(recording: Recording, rng: np.random.Generator) -> Recording | None:
+        if name not in recording:
+            return None
+        return changed(recording, **{name: np.repeat(recording[name][::samples], samples)[: len(recording)]})
+
+    return spoil
+
+
+def repeated(recording: Recording, rng: np.random.Generator) -> Recording:
+    """Repeat one sample in ten, in all channels but time."""
+    index = np.arange(len(recording))
+    again = rng.random(len(recording)) < 0.1
+    again[0] = False
+    index[again] -= 1
+    return changed(recording, **{n: v[index] for n, v in recording.channels.items() if n != "time"})
+
+
+def coarse(name: str) -> Callable[[Recording, np.random.Generator], Recording | None]:
+    """Round to a fifth of the RMS value."""
+
+    def spoil(recording: Recording, rng: np.random.Generator) -> Recording | None:
+        if name not in recording:
+            return None
+        step = 0.2 * rms(recording[name])
+        return changed(recording, **{name: step * np.round(recording[name] / step)})
+
+    return spoil
+
+
+def low_passed(recording: Recording, rng: np.random.Generator) -> Recording:
+    """Low-pass a torque with 2 % noise at a sixtieth of the rate: a delay of nine samples."""
+    torque = recording.torque + 0.02 * rms(recording.torque) * rng.standard_normal(len(recording))
+    return changed(recording, torque=lfilter([0.1], [1.0, -0.9], torque - torque[0]) + torque[0])
+
+
+def coloured(recording: Recording, rng: np.random.Generator) -> Recording | None:
+    """Add noise with a memory of twenty samples, 5 % of the velocity."""
+    if not {"position", "velocity"} <= set(recording.channels):
+        return None
+    noise = lfilter([math.sqrt(1 - 0.95**2)], [1.0, -0.95], rng.standard_normal(len(recording)))
+    return changed(recording, velocity=recording.velocity + 0.05 * rms(recording.velocity) * noise)
+
+
+def voltage(recording: Recording, rng: np.random.Generator) -> Recording | None:
+    """Add a back-EMF of three to ten times the drop over the resistance."""
+    if "velocity" not in recording:
+        return None
+    constant = rng.uniform(3.0, 10.0) * rms(recording.torque) / rms(recording.velocity)
+    return changed(recording, torque=recording.torque + constant * recording.velocity)
+
+
+def hardly_moving(recording: Recording, rng: np.random.Generator) -> Recording | None:
+    """Shrink the motion to half of the velocity's noise."""
+    if "velocity" not in recording:
+        return None
+    noise = 0.02 * rms(recording.velocity) * rng.standard_normal(len(recording))
+    channels = {"velocity": 0.01 * recording.velocity + noise}
+    if "position" in recording:
+        channels["position"] = 0.01 * recording["position"]
+    return changed(recording, **channels)
+
+
+WAYS = (
+    Way("torque with the other sign", scaled(torque=-1.0), ("torque-sign",)),
+    Way("velocity in deg/s", with_both(scaled(velocity=DEGREES)), ("unit",)),
+    Way("velocity in rpm", with_both(scaled(velocity=RPM)), ("unit",)),
+    Way("position in degrees", with_both(scaled(position=DEGREES)), ("unit",)),
+    Way("both in degrees, inertia given", with_both(scaled(position=DEGREES, velocity=DEGREES)), ("unit",), "inertia"),
+    Way("velocity alone, deg/s, inertia given", alone(DEGREES), ("unit",), "inertia"),
+    Way("velocity alone, rpm, inertia given", alone(RPM), ("unit",), "inertia"),
+    Way("torque in mN m, inertia given", scaled(torque=1000.0), ("unit",), "inertia"),
+    Way("velocity with the other sign", with_both(scaled(velocity=-1.0)), ("velocity-sign",)),
+    Way("position with the other sign", with_both(scaled(position=-1.0)), ("velocity-sign",)),
+    Way("a gear between the sensors (× 7)", with_both(scaled(velocity=7.0)), ("velocity-scale",)),
+    Way("position and velocity swapped", swapped("position", "velocity"), ("swapped-columns",)),
+    Way("torque and velocity swapped", swapped("torque", "velocity"), ("swapped-columns",)),
+    Way("torque and position swapped", swapped("torque", "position"), ("swapped-columns",)),
+    Way("position wrapped at 2π", wrapped(2.0 * math.pi, 1.0), ("wrapped-position",)),
+    Way("position in degrees, wrapped at 360", wrapped(360.0, DEGREES), ("unit",)),
+    Way("velocity four samples late", with_both(late(4, "velocity")), ("velocity-lag",)),
+    Way("torque eight samples late", late(8, "torque"), ("torque-delay",)),
+    Way("torque clipped", clipped, ("saturation",)),
+    Way("an end stop", stopped, ("end-stop",)),
+    Way("time stamps ± 20 %", false_stamps, ("false-stamps", "jitter")),
+    Way("a gap", with_gap, ("gap",)),
+    Way("velocity polled every third sample", held("velocity", 3), ("repeated-samples",)),
+    Way("torque polled every fourth sample", held("torque", 4), ("repeated-samples",)),
+    Way("one sample in ten repeated", repeated, ("repeated-samples",)),
+    Way("torque in steps of a fifth", coarse("torque"), ("quantisation",)),
+    Way("velocity in steps of a fifth", coarse("velocity"), ("quantisation",)),
+    Way("low-passed torque", low_passed, ("filtered-torque", "torque-delay")),
+    Way("coloured velocity noise", coloured, ("coloured-noise",)),
+    Way("a voltage taken for a torque", voltage, ("not-a-torque",)),
+    Way("hardly any motion", hardly_moving, ("little-motion",)),
+)
+"""All ways, those that would make every answer nonsense first."""
+
+BOTH = (
+    Way("both in degrees, nothing else known", with_both(scaled(position=DEGREES, velocity=DEGREES)), ("unit",)),
+    Way("velocity alone, deg/s, nothing else known", alone(DEGREES), ("unit",)),
+)
+"""Ways that most recordings cannot show, counted apart: rescaled angles obey the same equation of motion."""

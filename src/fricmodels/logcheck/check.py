@@ -1,0 +1,61 @@
+"""All checks of a recording, in the order in which what they find is printed."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from fricmodels.logcheck import angle, colour, limits, motion, rates, samples, stamps, torque
+from fricmodels.logcheck.balance import balances, best
+from fricmodels.logcheck.finding import Finding, Severity
+from fricmodels.logcheck.view import Log
+from fricmodels.recording import Recording
+
+_ORDER = {Severity.STOP: 0, Severity.WARN: 1, Severity.NOTE: 2}
+
+
+def findings(recording: Recording, inertia: float | None = None) -> tuple[Finding, ...]:
+    """Return what is the matter with a recording, the gravest first.
+
+    Args:
+        recording: as read.
+        inertia: the stated one [kg m² or kg], by which units are judged.
+    """
+    return findings_of(Log(recording), inertia)
+
+
+def findings_of(log: Log, inertia: float | None = None) -> tuple[Finding, ...]:
+    """Return what is the matter with the recording of a log, the gravest first."""
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        return tuple(sorted(_all(log, inertia), key=lambda finding: _ORDER[finding.severity]))
+
+
+def _all(log: Log, inertia: float | None) -> Iterator[Finding]:
+    yield from stamps.gaps(log)
+    yield from stamps.truth(log)
+    yield from angle.wrapped(log)
+    yield from angle.grid(log)
+    rows = balances(log)
+    found = best(rows)
+    related = list(rates.consistency(log, found))
+    if found is not None and not related:
+        related = list(rates.exchanged(log, found))
+    yield from related
+    if found is not None and not any(finding.severity is Severity.STOP for finding in related):
+        yield from torque.sign(log, found)
+        yield from torque.inertia(log, found, inertia)
+        yield from torque.voltage(log, found)
+        yield from torque.delay(log, rows)
+        yield from angle.periods(log, found)
+    if not related:
+        yield from rates.lag(log)
+    yield from limits.torque_limit(log)
+    yield from limits.end_stop(log)
+    yield from samples.repeated(log)
+    yield from samples.quantisation(log)
+    noises = {name: colour.channel_noise(log.short, log.short.recording[name]) for name in log.measured}
+    if "velocity" in noises and "position" in noises and not related:
+        noises["velocity"] = max(noises["velocity"], colour.difference_noise(log.short), key=colour.evidence)
+    yield from colour.colour(log, noises)
+    yield from motion.little(log, noises["velocity"].size if "velocity" in noises else 0.0)

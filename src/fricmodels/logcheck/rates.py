@@ -1,0 +1,244 @@
+"""Whether a velocity is the change of the position, and an acceleration that of the velocity."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from itertools import combinations
+
+import numpy as np
+
+from fricmodels.arrays import Array
+from fricmodels.logcheck.balance import CLUSTERS, Balance, Cells, balances, best
+from fricmodels.logcheck.finding import Finding, Severity
+from fricmodels.logcheck.statistics import certain, clusters, slope
+from fricmodels.logcheck.view import Log
+
+_WIDTHS = (1, 4, 16, 64, 256)
+_LEAST = 16
+_CHAINS = (("position", "velocity"), ("velocity", "acceleration"))
+_SAME = 0.1
+"""A rate off by a tenth is one of another unit, or of the other side of a gear; calibrations differ by less."""
+_FOLLOWS = 0.5
+"""Correlation below which less than a quarter of the one is explained by the other."""
+_IS = 0.9
+"""Correlation above which the one is the change of the other: four fifths of it are explained."""
+_MATCHES = 0.01
+"""A ratio is that of two units if it is so within a hundredth: chance hits one of them in one case of a few dozen."""
+
+_ANGLES = {"rad": 1.0, "deg": 180.0 / math.pi, "turn": 0.5 / math.pi}
+_SPEEDS = {"rad/s": 1.0, "deg/s": 180.0 / math.pi, "rpm": 30.0 / math.pi, "turn/s": 0.5 / math.pi}
+
+
+@dataclass(frozen=True)
+class Link:
+    """How a rate goes with the change of a quantity.
+
+    Attributes:
+        scale: rate over change; their standard deviations' ratio, with the sign of the correlation.
+        correlation: of the two, over cells of the width at which it is largest in size.
+    """
+
+    scale: float
+    correlation: float
+
+    @property
+    def holds(self) -> bool:
+        """Whether the rate is the change of the quantity, in the same unit."""
+        return self.correlation > _IS and abs(self.scale - 1.0) <= _SAME
+
+
+def link(log: Log, quantity: Array, rate: Array) -> Link | None:
+    """Return how a rate goes with the change of a quantity, or ``None`` where too little changes to tell."""
+    closest: Link | None = None
+    area = log.area(rate)
+    for width in _WIDTHS:
+        if len(area) <= width * (_LEAST + 1):
+            break
+        cells = Cells.of(log, width)
+        one = np.r_[True, cells.whole] & np.r_[cells.whole, True]
+        change, mean = cells.slope(quantity)[one], cells.slope(area)[one]
+        spread, other = float(np.sqrt(np.mean(change**2))), float(np.sqrt(np.mean(mean**2)))
+        if len(change) < _LEAST or spread == 0.0 or other == 0.0:
+            continue
+        correlation = float(np.mean(change * mean)) / (spread * other)
+        if closest is None or abs(correlation) > abs(closest.correlation):
+            closest = Link(math.copysign(other / spread, correlation), correlation)
+    return closest
+
+
+def consistency(log: Log, balance: Balance | None) -> Iterator[Finding]:
+    """Judge each measured rate beside its quantity: swapped columns, other units, another sign, another motion.
+
+    Over cells of the record the change of the quantity is correlated with the mean of the rate. Swapped columns are
+    those whose exchange makes every pair agree where one does not.
+    """
+    short = log.short
+    channels = {name: short.recording.channels[name] for name in log.measured}
+    pairs = [pair for pair in _CHAINS if set(pair) <= set(channels)]
+    links = {pair: link(short, channels[pair[0]], channels[pair[1]]) for pair in pairs}
+    wrong = [pair for pair, found in links.items() if found is not None and not found.holds]
+    if wrong and (swapped := _swapped(short, channels, pairs, links)):
+        yield _swap(log, *swapped, "each rate is the change of its quantity")
+        return
+    for pair in wrong:
+        found = links[pair]
+        assert found is not None
+        yield _of_pair(log, pair, found, balance)
+
+
+def _swapped(
+    log: Log,
+    channels: dict[str, Array],
+    pairs: list[tuple[str, str]],
+    links: dict[tuple[str, str], Link | None],
+) -> tuple[str, str] | None:
+    names = [name for name in ("position", "velocity", "acceleration", "torque") if name in channels]
+    for one, other in combinations(names, 2):
+        renamed = {**channels, one: channels[other], other: channels[one]}
+        again = {
+            pair: link(log, renamed[pair[0]], renamed[pair[1]]) if {one, other} & set(pair) else links[pair]
+            for pair in pairs
+        }
+        if all(found is not None and found.holds for found in again.values()):
+            return one, other
+    return None
+
+
+def exchanged(log: Log, found: Balance) -> Iterator[Finding]:
+    """Judge whether torque and motion are swapped where only one channel tells the motion.
+
+    The balance is set up once more with the two channels exchanged. They are swapped if that leaves less than a quarter
+    of the share of the variance, with a friction and an inertia that are certainly positive.
+    """
+    motion = [name for name in ("velocity", "position") if name in log.measured]
+    if len(motion) != 1:
+        return
+    channel = motion[0]
+    recording = log.short.recording
+    channels = {**recording.channels, "torque": recording[channel], channel: recording.torque}
+    other = best(balances(Log(replace(recording, channels=channels))))
+    if other is None or other.unexplained > 0.25 * found.unexplained:
+        return
+    if certain(other.power, CLUSTERS) and certain(other.ratio({"J": 1.0}), CLUSTERS):
+        yield _swap(log, "torque", channel, "the drive obeys its equation of motion")
+
+
+def _swap(log: Log, one: str, other: str, then: str) -> Finding:
+    return Finding(
+        "swapped-columns",
+        Severity.STOP,
+        one,
+        f"the {log.called(one)} and the {log.called(other)} are swapped: with the one in place of the other {then}",
+        f"map them the other way round, as in {log.exchanged(one, other)}",
+    )
+
+
+def _of_pair(log: Log, pair: tuple[str, str], found: Link, balance: Balance | None) -> Finding:
+    quantity, rate = pair
+    names = log.called(rate), log.called(quantity)
+    if abs(found.correlation) < _FOLLOWS:
+        return Finding(
+            "velocity-scale",
+            Severity.WARN,
+            rate,
+            f"the {names[0]} does not follow the change of the {names[1]}",
+            "check which columns they are",
+        )
+    says = f"the {names[0]} is {found.scale:.3g} times the change of the {names[1]}"
+    if found.scale < 0:
+        turned = balance is not None and certain(-balance.power, CLUSTERS)
+        which = rate if turned else quantity
+        return Finding(
+            "velocity-sign",
+            Severity.STOP if turned else Severity.WARN,
+            rate,
+            f"{says}; {'with this velocity friction would drive the joint' if turned else 'their signs differ'}",
+            f"turn the sign of one of them, as in {log.turned(which)}",
+        )
+    units = _units(found.scale) if log.rotary and quantity == "position" else []
+    if units:
+        angle, speed = units[0]
+        either = " or ".join(f"{a} and {b}" for a, b in units)
+        options = [
+            log.option(channel, unit)
+            for channel, unit, usual in (("position", angle, "rad"), ("velocity", speed, "rad/s"))
+            if unit != usual
+        ]
+        return Finding(
+            "unit",
+            Severity.STOP if not _whole(found.scale) else Severity.WARN,
+            "velocity" if speed != "rad/s" else "position",
+            f"{says}, as between {either}",
+            "give the unit, as in " + " ".join(options),
+        )
+    thousand = (
+        ", as between milli and one" if any(abs(abs(math.log10(found.scale)) - n) < 0.005 for n in (3, 6)) else ""
+    )
+    return Finding(
+        "velocity-scale",
+        Severity.WARN,
+        rate,
+        f"{says}{thousand}; a gear between the two sensors does the same",
+        f"if it is a unit, give it, as in {log.option(rate, 'UNIT')}",
+    )
+
+
+def _units(scale: float) -> list[tuple[str, str]]:
+    """Return which units of angle and speed have this ratio; the likelier first: those with fewer strange ones."""
+    found = [
+        (angle, speed)
+        for angle, a in _ANGLES.items()
+        for speed, s in _SPEEDS.items()
+        if abs(scale * a / s - 1.0) < _MATCHES and abs(s / a - 1.0) > _MATCHES
+    ]
+    return sorted(found, key=lambda pair: (pair[0] != "rad") + (pair[1] != "rad/s"))
+
+
+def _whole(scale: float) -> bool:
+    """Whether a gear of whole numbers would do: 6 : 1, 60 : 1, 360 : 1."""
+    larger = max(scale, 1.0 / scale)
+    return abs(larger - round(larger)) < _MATCHES * larger and round(larger) in (6, 60, 360)
+
+
+def lag(log: Log) -> Iterator[Finding]:
+    r"""Judge whether the measured velocity comes later than the motion.
+
+    .. math:: \bar v_k - \frac{\Delta q_k}{\Delta t} = -T\,\bar{\dot v}_k
+
+    T by least squares with the slope of the measured velocity as the instrument of the slope of the position's, so
+    that noise and rounding do not shrink it; error over 32 clusters. Said where T is longer than a sample at the level
+    of :data:`~fricmodels.logcheck.statistics.LEVEL`: half a sample is what a difference costs.
+    """
+    if not {"position", "velocity"} <= set(log.measured):
+        return
+    short = log.short
+    recording = short.recording
+    surest: tuple[float, float, int] | None = None
+    area = short.area(recording.velocity)
+    for width in (1, 4):
+        if len(recording) < width * 8 * CLUSTERS:
+            break
+        cells = Cells.of(short, width)
+        inner = np.flatnonzero(cells.whole[:-1] & cells.whole[1:]) + 1
+        moved, mean = cells.slope(recording["position"]), cells.slope(area)
+        step = 0.5 * (cells.time[inner + 2] - cells.time[inner - 1] + cells.time[inner + 1] - cells.time[inner])
+        steep, seen = (x[inner + 1] - x[inner - 1] for x in (moved, mean))
+        group = clusters(cells.edges[inner], len(recording), CLUSTERS)
+        late, error, count = slope((moved - mean)[inner], steep / step, group, seen)
+        if error > 0 and (surest is None or abs(late / error) > abs(surest[0] / surest[1])):
+            surest = late, error, count
+    if surest is None:
+        return
+    late, error, count = surest
+    beyond = abs(late) - recording.interval
+    if certain(beyond / error, count):
+        yield Finding(
+            "velocity-lag",
+            Severity.WARN,
+            "velocity",
+            f"the {log.called('velocity')} is {1e3 * abs(late):.3g} ms ({abs(late) / recording.interval:.1f} samples) "
+            f"{'behind' if late > 0 else 'ahead of'} the {log.called('position')}",
+            "leave the velocity out, so that it is derived from the position, or shift it",
+        )

@@ -1,0 +1,122 @@
+"""Whether samples are new ones, and fine enough."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from fricmodels.arrays import Array
+from fricmodels.logcheck.finding import Finding, Severity
+from fricmodels.logcheck.statistics import LEVEL
+from fricmodels.logcheck.view import Log
+from fricmodels.signals.noise_level import quantum
+
+_NEAR = 8
+"""Samples on each side from which the usual change is taken."""
+_STEPS = 4.0
+"""Steps of the grid by which a channel changes from sample to sample where a repeated value is no rounding."""
+_BLOCK = 1024
+_COARSE = 0.01
+"""Rounding of a hundredth of a channel's RMS is as large as the torque error that is looked for."""
+
+
+def repeated(log: Log) -> Iterator[Finding]:
+    """Judge whether values stand still while the channel changes: polled less often than logged, or lost samples.
+
+    Looked at is where a channel changes by four steps of its grid or more from sample to sample, on the average over
+    eight samples on each side, and goes the same way on both. There an exact repetition is one value among many, and
+    changes by a step, or a thirtieth of the usual change, either way are more frequent. The two counts are compared by
+    the binomial test of one half.
+    """
+    from scipy.special import bdtrc
+
+    for channel, values in log.short.recording.channels.items():
+        if channel not in log.measured or channel not in ("position", "velocity", "torque", "acceleration"):
+            continue
+        if not np.any(values[1:] == values[:-1]):
+            continue
+        change, usual, grid = _moving(log.short, values)
+        total = int(np.count_nonzero(usual))
+        if not total:
+            continue
+        same = int(np.count_nonzero(change[usual > 0.0] == 0.0))
+        small = int(np.count_nonzero((usual > 0.0) & (np.abs(change) <= np.maximum(1.5 * grid, usual / 30.0)))) - same
+        if same <= small or bdtrc(same - 1, same + small, 0.5) >= LEVEL:
+            continue
+        share = same / total
+        often = f", a new one every {1 / (1 - share):.2g} samples" if share > 0.3 else ""
+        yield Finding(
+            "repeated-samples",
+            Severity.WARN,
+            channel,
+            f"{100 * share:.2g} % of the samples of the {log.called(channel)} repeat the one before while it changes"
+            f"{often}",
+            "log each new value once" if share > 0.3 else "drop repeated samples",
+        )
+
+
+def _moving(log: Log, values: Array) -> tuple[Array, Array, Array]:
+    """Return the changes from sample to sample, their usual size where it is many steps of the grid, and the grid.
+
+    The usual size is 0 where it is too few steps, or where the channel does not go on.
+    """
+    change = np.diff(values)
+    usual, grid = np.zeros(len(change)), _grid(values)[1:]
+    if len(change) < 4 * _NEAR:
+        return change, usual, grid
+    path = np.r_[0.0, np.cumsum(np.abs(change))]
+    breaks = np.r_[0, np.cumsum(~log.joined)]
+    first, last = np.arange(len(change) - 2 * _NEAR), np.arange(2 * _NEAR, len(change))
+    middle = first + _NEAR
+    goes_on = (values[middle] - values[first]) * (values[last] - values[middle + 1]) > 0.0
+    whole = (breaks[last] == breaks[first]) & goes_on
+    least = _NEAR * _STEPS * grid[middle]
+    for one, other in ((first, middle), (middle + 1, last)):
+        half = path[other] - path[one]
+        whole &= (half >= least) & (half > 0.25 * (path[last] - path[first]))
+    usual[middle] = np.where(whole, (path[last] - path[first]) / (2 * _NEAR), 0.0)
+    return change, usual, grid
+
+
+def _grid(values: Array) -> Array:
+    """Return the step of the grid around each sample: a number printed to so many digits is coarser where it is large.
+
+    It is at least the rounding of a number of double precision.
+    """
+    step = 8.0 * np.spacing(np.abs(values))
+    for start in range(0, len(values), _BLOCK):
+        part = slice(start, start + _BLOCK)
+        step[part] = np.maximum(step[part], quantum(values[part]))
+    return step
+
+
+def quantisation(log: Log) -> Iterator[Finding]:
+    r"""Say which channels stand on a grid, and warn where it is coarse.
+
+    Rounding to steps of q has the standard deviation :math:`q/\sqrt{12}` (Widrow and Kollár 2008). A channel is coarse
+    where that is more than a hundredth of its RMS value about its mean, and more than the noise within a step; a
+    position, where the speed of a step a sample is never reached.
+    """
+    for channel in log.measured:
+        step = log.resolution[channel]
+        values = log.short.recording[channel]
+        if step <= 0.0 or channel in ("temperature", "load_torque"):
+            continue
+        spread = float(np.std(values))
+        rounding = step / np.sqrt(12.0)
+        distinct = float(np.ptp(values)) / step
+        if channel == "position":
+            change = np.abs(np.diff(values))[log.short.joined]
+            coarse = "velocity" not in log.measured and bool(np.quantile(change, 0.99) <= step)
+        else:
+            coarse = rounding > _COARSE * spread
+        if coarse or (channel == "position" and distinct < 2**20):
+            yield Finding(
+                "quantisation",
+                Severity.WARN if coarse else Severity.NOTE,
+                channel,
+                f"the {log.called(channel)} comes in steps of {step:.4g} {log.unit(channel)} "
+                f"({distinct:.0f} over its range)",
+                "log it finer" if coarse else "",
+            )

@@ -1,0 +1,191 @@
+"""What a recording is: sampling, coverage, and how good its signals are; with what is the matter with it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from fricmodels.arrays import Array
+from fricmodels.logcheck.check import findings_of
+from fricmodels.logcheck.colour import channel_noise
+from fricmodels.logcheck.finding import Finding
+from fricmodels.logcheck.stamps import jitter
+from fricmodels.logcheck.statistics import LEVEL
+from fricmodels.logcheck.view import Log
+from fricmodels.recording import Recording
+from fricmodels.signals.rest import resting
+
+SCHEMA = "fricmodels/info/1"
+
+
+@dataclass(frozen=True)
+class Channel:
+    """One channel: its unit and range, the step of its grid (0 if there is none) and its noise, all in that unit."""
+
+    unit: str
+    least: float
+    greatest: float
+    resolution: float
+    noise: float
+
+
+@dataclass(frozen=True)
+class Summary:
+    """Figures about one recording in SI units; shares are between 0 and 1, ``None`` is what does not apply.
+
+    Attributes:
+        name, motion, samples, runs: what it is.
+        channels: what was measured.
+        duration: of all runs together, without gaps [s].
+        rate: of sampling, the inverse of the median interval [Hz].
+        jitter: standard deviation of the intervals over their median, gaps and lost samples aside.
+        gaps, gap_time: number of gaps within runs, and their duration [s].
+        rest: share of samples at standstill.
+        forward: share of the moving samples that go forward.
+        reversals: number of changes of direction.
+        travel: distance between the ends of the position [rad or m].
+        band: frequency below which nine tenths of the power of the velocity lie [Hz].
+        feedback: whether the torque answers the noise of the velocity, as in a closed loop.
+        findings: what is the matter, the gravest first.
+    """
+
+    name: str
+    motion: str
+    samples: int
+    runs: int
+    channels: dict[str, Channel]
+    duration: float
+    rate: float
+    jitter: float
+    gaps: int
+    gap_time: float
+    rest: float
+    forward: float
+    reversals: int
+    travel: float | None
+    band: float
+    feedback: bool
+    findings: tuple[Finding, ...]
+
+    def rows(self) -> list[tuple[str, str]]:
+        """Return what to print: label and value with unit."""
+        length = "rad" if self.motion == "rotary" else "m"
+        loop = "closed: the torque answers the noise of the velocity" if self.feedback else "no feedback of noise seen"
+        rows = [
+            ("motion", self.motion),
+            ("samples", f"{self.samples} in {self.runs} run{'s' if self.runs != 1 else ''}, {self.duration:.4g} s"),
+            ("rate", f"{self.rate:.6g} Hz, jitter {100 * self.jitter:.2g} %"),
+            ("gaps", f"{self.gaps}, {self.gap_time:.3g} s" if self.gaps else "none"),
+            ("at rest", f"{100 * self.rest:.3g} % of the samples"),
+            ("moving", f"{100 * self.forward:.3g} % forward, {self.reversals} reversals"),
+            ("excites", f"nine tenths of the velocity's power below {self.band:.3g} Hz"),
+            ("loop", loop),
+        ]
+        if self.travel is not None:
+            turns = f" ({self.travel / (2 * np.pi):.4g} turns)" if length == "rad" else ""
+            rows.insert(6, ("travel", f"{self.travel:.4g} {length}{turns}"))
+        return rows
+
+    def to_json(self) -> dict[str, Any]:
+        """Return plain data, as ``info.json`` holds it."""
+        return {
+            "schema": SCHEMA,
+            "dataset": self.name,
+            "motion": self.motion,
+            "channels": {name: vars(channel) for name, channel in self.channels.items()},
+            "rate_Hz": self.rate if np.isfinite(self.rate) else None,
+            "samples": self.samples,
+            "runs": self.runs,
+            "duration_s": self.duration,
+            "jitter": self.jitter,
+            "gaps": self.gaps,
+            "gap_time_s": self.gap_time,
+            "rest": self.rest,
+            "forward": self.forward,
+            "reversals": self.reversals,
+            "travel": self.travel,
+            "band_Hz": self.band,
+            "closed_loop": self.feedback,
+            "findings": [finding.to_json() for finding in self.findings],
+        }
+
+
+def summary(recording: Recording, inertia: float | None = None) -> Summary:
+    """Return what a recording is, and what is the matter with it.
+
+    Args:
+        recording: as read.
+        inertia: the stated one [kg m² or kg], by which units are judged.
+    """
+    log = Log(recording)
+    velocity = log.velocity
+    within = np.diff(recording.run) == 0
+    lost = log.steps[within & ~log.joined]
+    noise = {name: channel_noise(log.short, log.short.recording[name]).size for name in log.measured}
+    moving = ~resting(recording) & (velocity != 0.0)
+    position = log.measured.get("position")
+    return Summary(
+        name=recording.name,
+        motion=str(recording.motion),
+        samples=len(recording),
+        runs=len(np.unique(recording.run)),
+        channels={
+            name: Channel(
+                log.unit(name),
+                float(values.min()),
+                float(values.max()),
+                log.resolution[name],
+                max(noise[name], log.resolution[name] / np.sqrt(12.0)),
+            )
+            for name, values in log.measured.items()
+        },
+        duration=float(log.steps[log.joined].sum()),
+        rate=1.0 / recording.interval,
+        jitter=jitter(log),
+        gaps=len(lost),
+        gap_time=float(lost.sum()),
+        rest=1.0 - float(np.mean(moving)),
+        forward=float(np.mean(velocity[moving] > 0.0)) if moving.any() else 0.0,
+        reversals=_reversals(velocity[moving], recording.run[moving]),
+        travel=None if position is None else float(np.ptp(position)),
+        band=_band(log),
+        feedback=_feedback(log.short),
+        findings=findings_of(log, inertia),
+    )
+
+
+def _reversals(velocity: Array, run: Array) -> int:
+    sign = np.sign(velocity)
+    return int(np.count_nonzero((np.diff(sign) != 0) & (np.diff(run) == 0)))
+
+
+def _band(log: Log) -> float:
+    """Return the frequency below which nine tenths of the velocity's power lie, in the longest stretch [Hz]."""
+    part = max(log.short.parts, key=lambda one: one.stop - one.start)
+    values = log.short.velocity[part]
+    power = np.abs(np.fft.rfft(values * np.hanning(len(values)))) ** 2
+    total = np.cumsum(power)
+    if total[-1] <= 0.0:
+        return 0.0
+    return float(np.searchsorted(total, 0.9 * total[-1]) / (len(values) * log.recording.interval))
+
+
+def _feedback(log: Log) -> bool:
+    """Judge whether the torque answers the noise of the velocity, now or up to three samples later.
+
+    Third differences of both have nothing left but noise; their correlation times the root of the number of
+    independent samples (a third of them, for third differences) is compared with the normal distribution, four lags at
+    once, at the level of :data:`~fricmodels.logcheck.statistics.LEVEL`. A controller's answer is against the noise.
+    """
+    from scipy.special import ndtr
+
+    if "velocity" not in log.measured or len(log.recording) < 64:
+        return False
+    torque, velocity = (np.diff(values, 3) for values in (log.recording.torque, log.recording.velocity))
+    size = float(np.sqrt(np.mean(torque**2) * np.mean(velocity**2)))
+    if size == 0.0:
+        return False
+    against = min(float(np.mean(torque[lag:] * velocity[: len(velocity) - lag])) for lag in (0, 1, 2, 3))
+    return bool(4.0 * ndtr(against / size * np.sqrt(len(torque) / 3.0)) < LEVEL)

@@ -1,0 +1,153 @@
+"""Whether the torque can be what drives the motion: its sign, its unit, its delay."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+
+from fricmodels.logcheck.balance import CLUSTERS, Balance
+from fricmodels.logcheck.finding import Finding, Severity
+from fricmodels.logcheck.statistics import LEVEL, PROBABLE, certain, significance, slope
+from fricmodels.logcheck.view import Log
+
+_FACTORS = {
+    180.0 / math.pi: ("velocity", "deg/s"),
+    30.0 / math.pi: ("velocity", "rpm"),
+    0.5 / math.pi: ("velocity", "turn/s"),
+    1e-3: ("torque", "mN*m"),
+}
+"""Factor of the inertia → what may be in which unit."""
+_NEAR_INERTIA = 1.3
+_VOLTAGE = 0.75
+"""Share of the variance from which one term makes the whole; a convention."""
+
+
+def sign(log: Log, found: Balance) -> Iterator[Finding]:
+    r"""Judge whether friction would drive the joint.
+
+    With the torque's sign turned, inertia and friction come out negative. The statistic is the power that the
+    friction of the balance takes up, :math:`K_v\overline{\omega^2} + K_c\overline{|\omega|}`, over its standard error;
+    it is compared with Student's t of 31. Two more things must hold: the inertia is not positive beyond chance (it is
+    where the velocity lags, which makes the viscous coefficient alone negative), and the work of the torque is
+    negative as a whole (a speed loop that fights cogging has a torque that falls with the speed, but still drives).
+    """
+    short = log.short
+    pushing = short.recording.torque - short.recording.load_torque
+    chance = significance(found.power, CLUSTERS)
+    if found.power >= 0.0 or chance >= PROBABLE or certain(found.ratio({"J": 1.0}), CLUSTERS):
+        return
+    if float(np.mean(pushing * short.velocity)) >= 0.0:
+        return
+    constant = log.recording.provenance.get("torque_constant")
+    remedy = (
+        f"turn the sign of the torque constant, as in --torque-constant={-constant:g}"
+        if constant is not None
+        else f"turn its sign, as in {log.turned('torque')}"
+    )
+    verb, driven = "has" if chance < LEVEL else "may have", "joint" if log.rotary else "axis"
+    yield Finding(
+        "torque-sign",
+        Severity.STOP if chance < LEVEL else Severity.WARN,
+        "torque",
+        f"the {log.called('torque')} {verb} the wrong sign: friction would drive the {driven} (p = {chance:.1g})",
+        remedy,
+    )
+
+
+def inertia(log: Log, found: Balance, given: float | None) -> Iterator[Finding]:
+    """Judge the units of motion and torque by the inertia that is given.
+
+    Motion in degrees taken for radians makes the inertia of the balance 57.3 times too small, one in rpm 9.55 times;
+    a torque in mN m makes it a thousand times too large. A unit is found where the inertia is certain and, times the
+    factor of the unit, within three tenths of the given one: so much may friction or another joint change it.
+    """
+    estimate = found.coefficients["J"]
+    if given is None or not certain(found.ratio({"J": 1.0}), CLUSTERS):
+        return
+    factors = _FACTORS if log.rotary else {1e-3: _FACTORS[1e-3], 1e3: ("velocity", "mm/s")}
+    for factor, (channel, unit) in factors.items():
+        if not 1.0 / _NEAR_INERTIA < estimate * factor / given < _NEAR_INERTIA:
+            continue
+        if channel == "velocity" and channel not in log.measured:
+            channel, unit = "position", unit.removesuffix("/s").replace("rpm", "turn")
+        also = ["position"] if channel == "velocity" and "position" in log.measured else []
+        units = {"deg/s": "deg", "rpm": "turn", "mm/s": "mm", "turn/s": "turn"}
+        options = [log.option(channel, unit), *(log.option(other, units[unit]) for other in also)]
+        yield Finding(
+            "unit",
+            Severity.STOP,
+            channel,
+            f"the torque asks for an inertia of {estimate:.3g} where {given:.3g} is given, a ratio of "
+            f"{given / estimate:.3g}: the {log.called(channel)} "
+            f"seems to be in {unit}",
+            "give the unit, as in " + " ".join(options),
+        )
+        return
+
+
+def voltage(log: Log, found: Balance) -> Iterator[Finding]:
+    r"""Judge whether what is taken for a torque may be a voltage: the back-EMF makes it go with the velocity.
+
+    Said where :math:`K_v\omega` makes three quarters of the torque's variance and is certainly positive. A drive
+    whose friction is nearly all viscous looks the same, so that this is no more than a question.
+    """
+    if found.share("K_v") ** 2 > _VOLTAGE and certain(found.ratio({"K_v": 1.0}), CLUSTERS):
+        yield Finding(
+            "not-a-torque",
+            Severity.WARN,
+            "torque",
+            f"{100 * min(found.share('K_v') ** 2, 1.0):.0f} % of the variance of the {log.called('torque')} goes with "
+            f"the velocity alone, as a voltage does by its back-EMF",
+            "if it is one, give the current or the torque instead",
+        )
+
+
+def delay(log: Log, rows: list[Balance]) -> Iterator[Finding]:
+    r"""Judge whether the torque was recorded later than it acted.
+
+    .. math:: \tau(t) = m(t - T) \approx m - T\,\dot m
+
+    where m is the balance fitted to uninterrupted sliding, away from reversals, where presliding, backlash and
+    frictional lag look like a delay, with columns for |ω| and ω|ω| besides. T is the coefficient of the change of m
+    after all columns of the balance are projected out, at the width at which it explains most; its error is over 32
+    clusters. Said where T is longer than two samples at the level of
+    :data:`~fricmodels.logcheck.statistics.PROBABLE`. A motion that is recorded late is not told here from friction with
+    memory; that is the effect ``sensor-delay``.
+    """
+    interval = log.recording.interval
+    found = [outcome for row in rows if (outcome := _late(row, interval)) is not None]
+    if not found:
+        return
+    late, error, count, _ = max(found, key=lambda outcome: outcome[3])
+    if significance(max(late - 2.0, 0.0) / error, count) < PROBABLE:
+        yield Finding(
+            "torque-delay",
+            Severity.WARN,
+            "torque",
+            f"the {log.called('torque')} is {1e3 * late * interval:.3g} ms ({late:.1f} samples) behind the motion",
+            "shift it, or see what the effect sensor-delay makes of it",
+        )
+
+
+def _late(row: Balance, interval: float) -> tuple[float, float, int, float] | None:
+    """Return T and its error in samples, the number of clusters, and the share of the rest that it explains."""
+    sliding = np.abs(row.columns[:, row.names.index("K_c")]) > 1.0 - 1e-9
+    middle = np.zeros(len(row.start), dtype=bool)
+    middle[1:-1] = (row.start[2:] - row.start[:-2] == 2 * row.width) & sliding[1:-1] & sliding[2:] & sliding[:-2]
+    at = np.flatnonzero(middle)
+    if len(at) < 4 * CLUSTERS:
+        return None
+    speed = np.abs(row.columns[:, row.names.index("K_v")])
+    wider = np.column_stack([row.columns, speed, speed * row.columns[:, row.names.index("K_v")]])
+    scale = np.sqrt(np.mean(wider**2, axis=0))
+    columns = wider / np.where(scale > 0, scale, 1.0)
+    fitted = columns @ np.linalg.lstsq(columns[sliding], row.target[sliding], rcond=1e-10)[0]
+    both = np.stack([row.target[at], (fitted[at + 1] - fitted[at - 1]) / (2 * row.width)], axis=1)
+    both -= columns[at] @ np.linalg.lstsq(columns[at], both, rcond=1e-10)[0]
+    cluster = np.unique(row.cluster[at], return_inverse=True)[1]
+    value, error, count = slope(both[:, 0], both[:, 1], cluster)
+    left = both[:, 0] - value * both[:, 1]
+    whole = float(both[:, 0] @ both[:, 0])
+    return -value, error, count, 1.0 - float(left @ left) / whole if whole > 0 else 0.0

@@ -1,0 +1,213 @@
+"""What the log check says of recordings that are spoilt in a known way, and of those that are not."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from fricmodels.dimension import Motion
+from fricmodels.errors import InputError
+from fricmodels.logcheck import Severity, checked, findings
+from fricmodels.recording import Recording
+from fricmodels.rig import random_rig
+from fricmodels.signals.wrapping import find_wrap, unwrap
+
+INERTIA = 0.05
+
+
+def drive(samples: int = 8000, seed: int = 0, noise: float = 0.005, **sensors: float) -> Recording:
+    """Return a drive with inertia, viscous and Coulomb friction, moved by three sines, with noise on its sensors."""
+    rng = np.random.default_rng(seed)
+    step = 2e-3
+    time = step * np.arange(samples)
+    frequencies, sizes, phases = np.array([2.1, 5.3, 9.7]), np.array([3.0, 2.0, 1.0]), rng.uniform(0, 6, 3)
+    angle = np.outer(time, frequencies) + phases
+    velocity, position = np.sin(angle) @ sizes, -np.cos(angle) @ (sizes / frequencies)
+    torque = INERTIA * np.cos(angle) @ (sizes * frequencies) + 0.1 * velocity + 0.6 * np.sign(velocity)
+    channels = {
+        "time": time,
+        "torque": torque + 0.01 * rng.standard_normal(samples),
+        "velocity": velocity + noise * 2.6 * rng.standard_normal(samples),
+        "position": position + 1e-5 * rng.standard_normal(samples),
+    }
+    return Recording("log", Motion.ROTARY, channels, np.zeros(samples, dtype=np.int64))
+
+
+CLEAN = drive()
+
+
+def changed(recording: Recording = CLEAN, **channels: np.ndarray) -> Recording:
+    return replace(recording, channels={**recording.channels, **channels})
+
+
+def without(name: str, recording: Recording = CLEAN) -> Recording:
+    return replace(recording, channels={key: values for key, values in recording.channels.items() if key != name})
+
+
+def kinds(recording: Recording, inertia: float | None = None, *, notes: bool = False) -> dict[str, Severity]:
+    found = findings(unwrap(recording), inertia)
+    return {one.kind: one.severity for one in found if notes or one.severity is not Severity.NOTE}
+
+
+def late(values: np.ndarray, samples: int) -> np.ndarray:
+    return np.r_[np.full(samples, values[0]), values[:-samples]]
+
+
+def noise_with_memory(samples: int) -> np.ndarray:
+    from scipy.signal import lfilter
+
+    white = np.random.default_rng(3).standard_normal(samples)
+    return np.asarray(lfilter([np.sqrt(1 - 0.95**2)], [1.0, -0.95], white))
+
+
+STOP, WARN = Severity.STOP, Severity.WARN
+SPOILT = {
+    "sign": (changed(torque=-CLEAN.torque), "torque-sign", STOP),
+    "sign without velocity": (without("velocity", changed(torque=-CLEAN.torque)), "torque-sign", STOP),
+    "velocity in degrees": (changed(velocity=np.degrees(CLEAN.velocity)), "unit", STOP),
+    "position in degrees": (changed(position=np.degrees(CLEAN["position"])), "unit", STOP),
+    "velocity in rpm": (changed(velocity=30 / np.pi * CLEAN.velocity), "unit", STOP),
+    "velocity turned": (changed(velocity=-CLEAN.velocity), "velocity-sign", STOP),
+    "position turned": (changed(position=-CLEAN["position"]), "velocity-sign", WARN),
+    "gear": (changed(velocity=7.0 * CLEAN.velocity), "velocity-scale", WARN),
+    "other motion": (changed(position=np.roll(CLEAN["position"], 3000)[::-1]), "velocity-scale", WARN),
+    "velocity and position": (
+        changed(velocity=CLEAN["position"], position=CLEAN.velocity),
+        "swapped-columns",
+        STOP,
+    ),
+    "torque and velocity": (changed(velocity=CLEAN.torque, torque=CLEAN.velocity), "swapped-columns", STOP),
+    "late velocity": (changed(velocity=late(CLEAN.velocity, 4)), "velocity-lag", WARN),
+    "late torque": (changed(torque=late(CLEAN.torque, 8)), "torque-delay", WARN),
+    "clipped": (changed(torque=np.clip(CLEAN.torque, -0.9, 0.9)), "saturation", WARN),
+    "gap": (CLEAN.select(np.r_[0:4000, 4400:8000]), "gap", WARN),
+    "false stamps": (
+        changed(time=CLEAN.time + 4e-4 * np.random.default_rng(1).uniform(-1, 1, 8000)),
+        "false-stamps",
+        WARN,
+    ),
+    "polled": (changed(velocity=np.repeat(CLEAN.velocity[::3], 3)[:8000]), "repeated-samples", WARN),
+    "coarse": (changed(torque=0.2 * np.round(CLEAN.torque / 0.2)), "quantisation", WARN),
+    "coloured": (changed(velocity=CLEAN.velocity + 0.12 * noise_with_memory(8000)), "coloured-noise", WARN),
+    "voltage": (changed(torque=CLEAN.torque + 2.0 * CLEAN.velocity), "not-a-torque", WARN),
+    "no motion": (changed(**{n: 1e-3 * CLEAN[n] for n in ("position",)}, velocity=CLEAN.velocity * 1e-3
+                          + 0.02 * np.random.default_rng(2).standard_normal(8000)), "little-motion", WARN),
+    "one way": (changed(velocity=CLEAN.velocity + 12.0, position=CLEAN["position"] + 12.0 * CLEAN.time),
+                "little-motion", WARN),
+}  # fmt: skip
+
+
+def test_a_good_recording_is_accused_of_nothing():
+    assert kinds(CLEAN, INERTIA) == {}
+    assert kinds(without("position"), INERTIA) == {}
+    assert kinds(without("velocity"), INERTIA) == {}
+
+
+@pytest.mark.parametrize("name", SPOILT)
+def test_what_is_spoilt_is_named(name):
+    recording, kind, severity = SPOILT[name]
+    assert kinds(recording).get(kind) == severity
+
+
+@given(st.integers(0, 10**6), st.floats(-3.0, 3.0), st.floats(-3.0, 3.0))
+@settings(max_examples=15, deadline=None)
+def test_findings_do_not_depend_on_the_size_of_force_and_angle_units(seed, force, length):
+    """Of a linear axis, on which no unit is special; to a power of two, so that no digit changes."""
+    sign = -1.0 if seed % 2 else 1.0
+    f, x = 2.0 ** round(force), 2.0 ** round(length)
+    base = replace(drive(4000, seed), motion=Motion.LINEAR)
+    base = changed(base, torque=sign * base.torque)
+    other = changed(base, torque=f * base.torque, velocity=x * base.velocity, position=x * base["position"])
+    assert kinds(base) == kinds(other)
+    assert ("torque-sign" in kinds(base)) == (sign < 0)
+
+
+@pytest.mark.parametrize("excitation", ["sine", "multisine", "tracking", "trapezoid", "stair", "ramp"])
+def test_drives_with_hidden_effects_are_accused_of_nothing_and_with_the_torque_turned_of_its_sign(excitation):
+    hidden = {"sine": "cogging", "trapezoid": "rising-stiction", "ramp": "presliding"}.get(excitation)
+    rig = random_rig(
+        np.random.default_rng(5), [hidden] if hidden else (), excitation=excitation, samples=6000, noise_percent=1.0
+    )
+    recording = rig.simulate()
+    assert kinds(recording, rig.inertia) == {}
+    assert kinds(changed(recording, torque=-recording.torque))["torque-sign"] is STOP
+
+
+@pytest.mark.parametrize("factor", [180 / np.pi, 30 / np.pi])
+def test_an_inertia_tells_units_that_the_motion_alone_cannot(factor):
+    both = changed(velocity=factor * CLEAN.velocity, position=factor * CLEAN["position"])
+    assert "unit" not in kinds(both)
+    assert kinds(both, INERTIA)["unit"] is STOP
+    alone = without("position", changed(velocity=factor * CLEAN.velocity))
+    assert kinds(alone, INERTIA)["unit"] is STOP
+
+
+@pytest.mark.parametrize(("period", "factor"), [(2 * np.pi, 4.0), (360.0, np.degrees(4.0)), (65536 * 0.001, 40.0)])
+def test_a_wrapped_position_goes_on(period, factor):
+    position = factor * CLEAN["position"]
+    if period not in (2 * np.pi, 360.0):
+        position = 0.001 * np.round(position / 0.001)
+        period = 0.001 * 2 ** np.ceil(np.log2(np.ptp(position) / 0.001 / 1.5))
+    wrapped = np.mod(position - np.median(position), period)
+    wrap = find_wrap(wrapped, CLEAN.run)
+    assert wrap is not None
+    assert wrap.period == pytest.approx(period)
+    again = unwrap(changed(position=wrapped))["position"]
+    np.testing.assert_allclose(again - again[0], position - position[0], atol=1e-9)
+
+
+def test_a_position_that_turns_or_jumps_otherwise_is_left_alone():
+    assert find_wrap(CLEAN["position"], CLEAN.run) is None
+    assert find_wrap(np.r_[np.zeros(50), np.full(50, 3.0), np.zeros(50)], np.zeros(150, dtype=np.int64)) is None
+    saw = np.mod(np.arange(300) * 0.7, 5.0)
+    assert find_wrap(saw, np.zeros(300, dtype=np.int64)) is None
+
+
+def test_degrees_show_in_a_wrap_and_in_the_steps_of_an_encoder():
+    degrees = np.degrees(4.0 * CLEAN["position"])
+    wrapped = without("velocity", changed(position=np.mod(degrees - np.median(degrees), 360.0)))
+    assert kinds(wrapped)["unit"] is STOP
+    step = 360.0 / 2**14
+    counted = without("velocity", changed(position=step * np.round(np.degrees(CLEAN["position"]) / step)))
+    assert kinds(counted)["unit"] is STOP
+    radians = 2 * np.pi / 2**14
+    counted = without("velocity", changed(position=radians * np.round(CLEAN["position"] / radians)))
+    assert "unit" not in kinds(counted)
+
+
+def test_an_end_stop_is_met_in_full_motion():
+    limit = np.quantile(CLEAN["position"], 0.7)
+    beyond = CLEAN["position"] > limit
+    found = kinds(changed(position=np.minimum(CLEAN["position"], limit), velocity=np.where(beyond, 0, CLEAN.velocity)))
+    assert found["end-stop"] is WARN
+
+
+def test_true_jitter_is_only_noted():
+    rng = np.random.default_rng(0)
+    time = CLEAN.time + 4e-4 * rng.uniform(-1, 1, 8000)
+    again = {name: np.interp(time, CLEAN.time, CLEAN[name]) for name in ("torque", "velocity", "position")}
+    found = kinds(changed(time=time, **again), notes=True)
+    assert found["jitter"] is Severity.NOTE
+    assert "false-stamps" not in found
+
+
+def test_checked_stops_goes_on_when_trusted_and_remembers():
+    wrong = changed(torque=-CLEAN.torque)
+    with pytest.raises(InputError, match=r"wrong sign.*--column 'torque=COLUMN:-1 N.m', or go on with --trust"):
+        checked(wrong)
+    said: list[str] = []
+    trusted = checked(wrong, trust=True, warn=said.extend)
+    assert [one["kind"] for one in trusted.provenance["findings"]] == ["torque-sign"]
+    assert len(said) == 1
+    assert said[0].startswith("log: the torque has the wrong sign")
+
+
+def test_short_recordings_are_no_error():
+    for samples in (2, 3, 5, 17, 40, 70, 130):
+        findings(CLEAN.select(np.arange(samples)))
+    constant = changed(velocity=np.r_[1.0, np.zeros(7999)], torque=np.ones(8000))
+    findings(without("position", constant))

@@ -1,0 +1,102 @@
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+
+from fricmodels.cli import main
+from fricmodels.dimension import Motion
+from fricmodels.logcheck import summary
+from fricmodels.logcheck.limits import saturation
+from fricmodels.recording import Recording
+
+
+def recording(time, motion=Motion.ROTARY, run=None, **channels):
+    run = np.zeros(len(time), dtype=np.int64) if run is None else run
+    torque = channels.pop("torque", np.sin(np.arange(len(time)) / 7.0))
+    return Recording("r", motion, {"time": time, "torque": torque, **channels}, run)
+
+
+def test_sampling_of_several_runs_with_gaps_and_lost_samples():
+    rng = np.random.default_rng(0)
+    grid = np.concatenate([np.arange(0, 5, 0.01), np.arange(8, 10, 0.01)])
+    one = np.delete(grid, rng.choice(np.arange(1, 400), 20, replace=False))
+    time = np.r_[one, np.arange(0, 3, 0.01)]
+    time = time + rng.normal(0, 2e-4, len(time))
+    run = np.r_[np.zeros(len(one), dtype=np.int64), np.ones(300, dtype=np.int64)]
+    found = summary(recording(time, run=run, velocity=np.sin(3 * time)))
+    assert (found.runs, found.gaps) == (2, 1)
+    assert found.rate == pytest.approx(100, rel=0.02)
+    assert found.jitter == pytest.approx(np.sqrt(2) * 0.02, rel=0.1)
+    assert found.gap_time == pytest.approx(3.01, abs=0.01)
+    assert found.duration == pytest.approx(4.99 + 1.99 + 2.99, abs=0.05)
+
+
+def test_channels_and_motion():
+    time = np.arange(0, 20, 2e-3)
+    velocity = 3 * np.sin(2 * time) + 0.01 * np.random.default_rng(0).standard_normal(len(time))
+    position = 0.01 * np.round(-1.5 * np.cos(2 * time) / 0.01)
+    found = summary(recording(time, velocity=velocity, position=position))
+    assert found.reversals == pytest.approx(12, abs=2)
+    assert found.forward == pytest.approx(0.5, abs=0.05)
+    assert found.band == pytest.approx(1 / np.pi, rel=0.3)
+    assert found.channels["velocity"].noise == pytest.approx(0.01, rel=0.1)
+    assert found.channels["position"].resolution == pytest.approx(0.01)
+    assert found.channels["position"].unit == "rad"
+    assert found.travel == pytest.approx(3.0, rel=0.01)
+    assert found.rest < 0.02
+    assert not found.feedback
+
+
+def test_a_controller_that_hears_the_noise_is_a_closed_loop():
+    time = np.arange(0, 20, 2e-3)
+    noise = 0.02 * np.random.default_rng(0).standard_normal(len(time))
+    velocity = np.sin(2 * time)
+    torque = np.cos(2 * time) - 2.0 * np.r_[0.0, noise[:-1]]
+    assert summary(recording(time, velocity=velocity + noise, torque=torque)).feedback
+
+
+@pytest.mark.parametrize("limit", [0.3, 0.8])
+@pytest.mark.parametrize("step", [0.0, 0.01])
+def test_saturation(limit, step):
+    torque = np.sin(np.arange(20_000) / 71.0) + 0.002 * np.random.default_rng(0).standard_normal(20_000)
+    if step:
+        torque = step * np.round(torque / step)
+    assert saturation(torque) == 0.0
+    clipped = np.clip(torque, -limit, limit)
+    truth = np.mean(np.abs(torque) >= limit - 1e-12)
+    assert saturation(clipped) == pytest.approx(truth, rel=0.01)
+    assert saturation(-3.0 * clipped) == pytest.approx(truth, rel=0.01)
+
+
+def test_saturation_on_one_side_and_a_command_in_steps():
+    assert saturation(np.minimum(np.sin(np.arange(5000) / 71.0), 0.5)) == pytest.approx(1 / 3, abs=0.01)
+    assert saturation(np.repeat(np.random.default_rng(0).choice([-1.0, -0.5, 0.5, 1.0], 100), 50)) == 0.0
+
+
+def test_the_command_prints_and_writes(tmp_path, capsys):
+    time = np.arange(0, 8, 2e-3)
+    speed = np.sin(4 * time) + 0.5 * np.sin(9 * time)
+    torque = -(0.1 * speed + 0.3 * np.sign(speed) + 0.02 * (4 * np.cos(4 * time) + 4.5 * np.cos(9 * time)))
+    rows = np.column_stack([time, torque, 30 / np.pi * speed])
+    path = tmp_path / "log.csv"
+    lines = [",".join(f"{value:.9f}" for value in row) for row in rows]
+    path.write_text("\n".join(["t [s],tau,Speed [rpm]", *lines]), encoding="utf-8")
+    columns = ["--column", "time=t [s]", "--column", "torque=tau", "--column", "velocity=Speed [rpm]"]
+    with pytest.raises(SystemExit, match="0"):
+        main(["info", str(path), *columns, "--out", str(tmp_path / "out")])
+    printed = capsys.readouterr().out
+    assert printed.startswith("stops: torque-sign: the torque (torque=tau) has the wrong sign")
+    assert "--column 'torque=tau:-1 N*m'" in printed
+    data = json.loads((tmp_path / "out" / "info.json").read_text(encoding="utf-8"))
+    assert data["schema"] == "fricmodels/info/1"
+    assert data["channels"]["velocity"]["greatest"] == pytest.approx(speed.max(), rel=1e-3)
+    assert set(data["findings"][0]) == {"kind", "severity", "channel", "text", "remedy"}
+    with pytest.raises(SystemExit, match="0"):
+        main(["info", str(path), *columns, "--json"])
+    assert json.loads(capsys.readouterr().out)["samples"] == len(time)
+    diagnose = ["compare", str(path), *columns, "--model", "coulomb-viscous"]
+    with pytest.raises(SystemExit, match="2"):
+        main(diagnose)
+    assert capsys.readouterr().err.count("\n") == 1

@@ -1,0 +1,60 @@
+"""Units that stand in the names of columns."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from fricmodels.errors import InputError
+from fricmodels.readers import read
+from fricmodels.readers.header_units import stated_unit
+
+
+@pytest.mark.parametrize(
+    ("column", "channel", "unit"),
+    [
+        ("Speed [rpm]", "velocity", "rpm"),
+        ("pos_deg", "position", "deg"),
+        ("i (mA)", "current", "mA"),
+        ("Torque (N m)", "torque", "N*m"),
+        ("q [°]", "position", "deg"),
+        ("vel_rads", "velocity", "rad/s"),
+        ("stamp_ms", "time", "ms"),
+        ("acc [m/s²]", "acceleration", "m/s^2"),
+        ("motor_volt_V", "torque", "V"),
+        ("i_A", "torque", "A"),
+        ("torque_A", "torque", None),
+        ("q_m", "position", None),
+        ("speed", "velocity", None),
+        ("q [0]", "position", None),
+        ("velocity (measured)", "velocity", None),
+        ("pos_deg", "velocity", None),
+        ("rpm", "velocity", None),
+    ],
+)
+def test_the_unit_in_a_name(column, channel, unit):
+    assert stated_unit(column, channel) == unit
+
+
+def log(tmp_path, header):
+    time = np.arange(200) * 5.0
+    rows = np.column_stack([time, np.cos(time / 100), 60 * np.sin(time / 100)])
+    path = tmp_path / "log.csv"
+    path.write_text("\n".join([header, *(",".join(f"{v:.6f}" for v in row) for row in rows)]), encoding="utf-8")
+    return path
+
+
+def test_it_is_read_and_an_option_overrules_it(tmp_path):
+    path = log(tmp_path, "t [ms],tau [mN m],Speed [rpm]")
+    names = ["time=t [ms]", "torque=tau [mN m]"]
+    found = read(path, columns=[*names, "velocity=Speed [rpm]"])
+    assert found.velocity.max() == pytest.approx(2 * np.pi, rel=1e-3)
+    assert found.torque[0] == pytest.approx(1e-3)
+    assert found.interval == pytest.approx(5e-3)
+    assert read(path, columns=[*names, "velocity=Speed [rpm]:rad/s"]).velocity.max() == pytest.approx(60, rel=1e-3)
+
+
+def test_a_voltage_is_no_torque(tmp_path):
+    path = log(tmp_path, "t_ms,u [V],speed_rpm")
+    with pytest.raises(InputError, match="a voltage is not a torque"):
+        read(path, columns=["time=t_ms", "torque=u [V]", "velocity=speed_rpm"])
