@@ -1,6 +1,6 @@
 """Spoils good recordings in many ways and counts how often the log check says so; writes docs/log_check.md.
 
-    python benchmarks/sabotage.py [--rigs 240] [--simulations 30] [--seed 1] [--write]
+    python benchmarks/sabotage.py [--rigs 160] [--simulations 30] [--seed 1] [--write]
 
 Named: a finding of a kind that belongs to what was done. Accused: a warning or a stop on a recording that was not
 touched, a delay aside where the rig hides one.
@@ -58,7 +58,7 @@ def untouched(good: Good) -> dict[str, Severity]:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--rigs", type=int, default=240)
+    parser.add_argument("--rigs", type=int, default=160)
     parser.add_argument("--simulations", type=int, default=30)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--write", action="store_true", help="write docs/log_check.md")

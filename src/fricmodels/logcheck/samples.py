@@ -27,7 +27,8 @@ def repeated(log: Log) -> Iterator[Finding]:
     Looked at is where a channel changes by four steps of its grid or more from sample to sample, on the average over
     eight samples on each side, and goes the same way on both. There an exact repetition is one value among many, and
     changes by a step, or a thirtieth of the usual change, either way are more frequent. The two counts are compared by
-    the binomial test of one half.
+    the binomial test of one half. A position that was not new catches up in the next step; one that stood still does
+    not, and is left out.
     """
     from scipy.special import bdtrc
 
@@ -38,6 +39,8 @@ def repeated(log: Log) -> Iterator[Finding]:
             continue
         change, usual, grid = _moving(log.short, values)
         total = int(np.count_nonzero(usual))
+        if channel == "position" and not _catches_up(change, usual):
+            continue
         if not total:
             continue
         same = int(np.count_nonzero(change[usual > 0.0] == 0.0))
@@ -77,6 +80,12 @@ def _moving(log: Log, values: Array) -> tuple[Array, Array, Array]:
         whole &= (half >= least) & (half > 0.25 * (path[last] - path[first]))
     usual[middle] = np.where(whole, (path[last] - path[first]) / (2 * _NEAR), 0.0)
     return change, usual, grid
+
+
+def _catches_up(change: Array, usual: Array) -> bool:
+    """Whether the first change after repeated values is more than the usual one, as a rule."""
+    after = np.flatnonzero((change[:-1] == 0.0) & (usual[:-1] > 0.0) & (change[1:] != 0.0))
+    return len(after) > 0 and float(np.median(np.abs(change[after + 1]) / usual[after])) > 1.5
 
 
 def _grid(values: Array) -> Array:
