@@ -48,6 +48,12 @@ class Link:
         """Whether the rate is the change of the quantity, in the same unit."""
         return self.correlation > _IS and abs(self.scale - 1.0) <= _SAME
 
+    @property
+    def may_hold(self) -> bool:
+        """Whether it may be, the noise of either changing the ratio by as much as the correlation allows."""
+        c = self.correlation
+        return c > _FOLLOWS and c * (1.0 - _SAME) <= self.scale <= (1.0 + _SAME) / c
+
 
 def link(log: Log, quantity: Array, rate: Array) -> Link | None:
     """Return how a rate goes with the change of a quantity, or ``None`` where too little changes to tell."""
@@ -78,14 +84,21 @@ def consistency(log: Log, balance: Balance | None) -> Iterator[Finding]:
     channels = {name: short.recording.channels[name] for name in log.measured}
     pairs = [pair for pair in _CHAINS if set(pair) <= set(channels)]
     links = {pair: link(short, channels[pair[0]], channels[pair[1]]) for pair in pairs}
-    wrong = [pair for pair, found in links.items() if found is not None and not found.holds]
+    wrong = [pair for pair, found in links.items() if found is not None and not found.may_hold]
     if wrong and (swapped := _swapped(short, channels, pairs, links)):
         yield _swap(log, *swapped, "each rate is the change of its quantity")
         return
     for pair in wrong:
         found = links[pair]
         assert found is not None
+        if abs(found.correlation) < _FOLLOWS and _lost_in_noise(channels[pair[1]]):
+            continue
         yield _of_pair(log, pair, found, balance)
+
+
+def _lost_in_noise(values: Array) -> bool:
+    """Whether a signal's RMS value is less than three times that of the white noise in its third differences."""
+    return float(np.mean(values**2)) < 9.0 * float(np.mean(np.diff(values, 3) ** 2)) / 20.0
 
 
 def _swapped(

@@ -12,7 +12,8 @@ from fricmodels.dimension import Motion
 from fricmodels.recording import Recording
 from fricmodels.signals.noise_level import quantum
 
-_TURNS = {"a turn": 2.0 * math.pi, "two turns": 4.0 * math.pi, "half a turn": math.pi, "360": 360.0, "180": 180.0}
+_USUAL = {"a turn": 2.0 * math.pi, "360": 360.0}
+_UNUSUAL = {"two turns": 4.0 * math.pi, "half a turn": math.pi, "180": 180.0}
 _NEAR = 0.02
 """A jump is a wrap if it is of the period but for a fiftieth: a position that jumps by chance does so in one case of
 twenty-five, and nearly all its jumps must: but one in fifty, for one beside lost samples."""
@@ -37,9 +38,9 @@ class Wrap:
 def find_wrap(values: Array, run: Index, *, rotary: bool = True) -> Wrap | None:
     """Return how a position is wrapped, or ``None``.
 
-    A jump is a step of more than half the range. Each, less the usual step beside it, must be of one period: a turn,
-    360, or a power of two of the steps of a counter. All other steps must be less than a quarter of it, so that what is
-    wrapped is known to go on.
+    A jump is a step of more than half the range. Each, less the usual step beside it, must be of one period: a turn or
+    360; or, where there are several jumps, two turns, half a turn or a power of two of the steps of a counter. All
+    other steps must be less than a quarter of it, so that what is wrapped is known to go on.
     """
     change = np.where(np.diff(run) == 0, np.diff(values), 0.0)
     size = np.abs(change)
@@ -52,14 +53,17 @@ def find_wrap(values: Array, run: Index, *, rotary: bool = True) -> Wrap | None:
     usual = np.where(np.abs(before) <= np.abs(after), before, after)
     jump = np.abs(change[at] - usual)
     others = size[np.delete(np.arange(len(size)), at)]
-    for name, period in _periods(values, rotary).items():
+    for name, period in _periods(values, rotary, len(at) > 1).items():
         if np.mean(np.abs(jump - period) < _NEAR * period) >= _MOST and float(others.max(initial=0.0)) < 0.25 * period:
             return Wrap(period, name, len(at))
     return None
 
 
-def _periods(values: Array, rotary: bool) -> dict[str, float]:
-    periods = dict(_TURNS) if rotary else {}
+def _periods(values: Array, rotary: bool, several: bool) -> dict[str, float]:
+    periods = dict(_USUAL) if rotary else {}
+    if not several:
+        return periods
+    periods |= _UNUSUAL if rotary else {}
     step = quantum(values[: 1 << 15])
     if step > 0.0:
         bits = math.log2(max(float(np.ptp(values)) / step, 1.0))
