@@ -46,8 +46,8 @@ def grid(log: Log) -> Iterator[Finding]:
 
     The step q of the position is known to :math:`q/n` over a range of n steps. It divides :math:`2\pi`, 360 or 1 into
     N parts; N is round where it is a power of two, or 1, 2, 3, 5 times powers of two and ten, times four. Degrees are
-    found where :math:`360/q` is such a number within its error and :math:`2\pi/q` is not. Steps that are digits of a
-    printed number (1, 2 or 5 of a decimal place) say nothing.
+    found where :math:`360/q` is such a number within its error and :math:`2\pi/q` is not. Steps of two significant
+    digits are those of a rounded number, and say nothing.
     """
     if not log.rotary or "position" not in log.measured:
         return
@@ -75,8 +75,9 @@ def grid(log: Log) -> Iterator[Finding]:
 
 
 def _decimal(step: float) -> bool:
-    lead = step / 10.0 ** math.floor(math.log10(step) + 1e-6)
-    return any(abs(lead - digit) < 1e-4 * digit for digit in (1.0, 2.0, 2.5, 5.0, 10.0))
+    """Whether a step has two significant digits, as a rounded number has: such a one says nothing of a turn."""
+    tens = 10.0 * step / 10.0 ** math.floor(math.log10(step) + 1e-6)
+    return abs(tens - round(tens)) < 1e-4 * tens
 
 
 def _refined(values: Array, step: float) -> tuple[float, float] | None:

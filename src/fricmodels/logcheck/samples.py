@@ -16,7 +16,7 @@ _NEAR = 8
 """Samples on each side from which the usual change is taken."""
 _STEPS = 4.0
 """Steps of the grid by which a channel changes from sample to sample where a repeated value is no rounding."""
-_BLOCK = 1024
+_BLOCK = 512
 _COARSE = 0.01
 """Rounding of a hundredth of a channel's RMS is as large as the torque error that is looked for."""
 
@@ -91,13 +91,27 @@ def _catches_up(change: Array, usual: Array) -> bool:
 def _grid(values: Array) -> Array:
     """Return the step of the grid around each sample: a number printed to so many digits is coarser where it is large.
 
-    It is at least the rounding of a number of double precision.
+    That of a block and of those beside it counts. It is at least the last digit that is printed, and the hundredth part
+    of all changes that is smallest, for counts that were printed to few digits and so stand on no grid.
     """
-    step = 8.0 * np.spacing(np.abs(values))
-    for start in range(0, len(values), _BLOCK):
-        part = slice(start, start + _BLOCK)
-        step[part] = np.maximum(step[part], quantum(values[part]))
-    return step
+    change = np.abs(np.diff(values))
+    least = float(np.quantile(change[change > 0.0], 0.01)) if change.any() else 0.0
+    step = np.maximum(_last_digit(values), least)
+    steps = np.array([quantum(values[start : start + _BLOCK]) for start in range(0, len(values), _BLOCK)])
+    beside = np.maximum(steps, np.maximum(np.r_[steps[1:], 0.0], np.r_[0.0, steps[:-1]]))
+    return np.asarray(np.maximum(step, np.repeat(beside, _BLOCK)[: len(values)]))
+
+
+def _last_digit(values: Array) -> Array:
+    """Return what one in the last digit is worth, for numbers of so many significant digits; else eight roundings."""
+    size = np.abs(values)
+    lead = 10.0 ** np.floor(np.log10(np.where(size > 0.0, size, 1.0)))
+    some = slice(None, None, max(len(values) // 4096, 1))
+    for digits in range(3, 10):
+        scaled = values[some] / lead[some] * 10.0 ** (digits - 1)
+        if np.all(np.abs(scaled - np.round(scaled)) < 1e-4):
+            return np.asarray(lead * 10.0 ** (1 - digits))
+    return np.asarray(8.0 * np.spacing(size))
 
 
 def quantisation(log: Log) -> Iterator[Finding]:

@@ -60,11 +60,12 @@ def inertia(log: Log, found: Balance, given: float | None) -> Iterator[Finding]:
     """Judge the units of motion and torque by the inertia that is given.
 
     Motion in degrees taken for radians makes the inertia of the balance 57.3 times too small, one in rpm 9.55 times;
-    a torque in mN m makes it a thousand times too large. A unit is found where the inertia is certain and, times the
-    factor of the unit, within three tenths of the given one: so much may friction or another joint change it.
+    a torque in mN m makes it a thousand times too large. A unit is found where the inertia is certain, makes more of
+    the torque's variance than the balance leaves (what is left out cannot be all of it), and, times the factor of the
+    unit, is within three tenths of the given one: so much may friction or another joint change it.
     """
     estimate = found.coefficients["J"]
-    if given is None or not certain(found.ratio({"J": 1.0}), CLUSTERS):
+    if given is None or not certain(found.ratio({"J": 1.0}), CLUSTERS) or found.share("J") ** 2 < found.unexplained:
         return
     factors = _FACTORS if log.rotary else {1e-3: _FACTORS[1e-3], 1e3: ("velocity", "mm/s")}
     for factor, (channel, unit) in factors.items():
