@@ -48,7 +48,7 @@ def repeated(log: Log) -> Iterator[Finding]:
         if same <= small or bdtrc(same - 1, same + small, 0.5) >= LEVEL:
             continue
         share = same / total
-        often = f", a new one every {1 / (1 - share):.2g} samples" if share > 0.3 else ""
+        often = f", a new one every {1 / max(1 - share, 1 / total):.2g} samples" if share > 0.3 else ""
         yield Finding(
             "repeated-samples",
             Severity.WARN,
