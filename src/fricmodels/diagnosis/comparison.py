@@ -204,4 +204,4 @@ def compare(
         InputError: for an unknown model, or a recording that lacks what it needs or does not move enough.
     """
     train, test = kept_back(ready(recording), how)
-    return compare_model(train, test, Drive(Model.of(model), inertia, recording.motion))
+    return compare_model(train, test, Drive(Model.of(model).on(train), inertia, recording.motion))

@@ -98,6 +98,7 @@ def described(comparison: Comparison) -> dict[str, Any]:
     columns = known.get("columns", {})
     return {
         "source": known.get("source"),
+        "files": known.get("files"),
         "sha256": known.get("sha256"),
         "reader": known.get("reader"),
         "columns": [columns[channel] for channel in sorted(columns)],

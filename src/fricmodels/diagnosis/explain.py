@@ -47,9 +47,8 @@ def sentence(finding: Finding) -> str:
     tested = finding.tested
     effect = tested.effect
     share = 100 * tested.evidence.explained
-    physics = (type(effect).__doc__ or "").strip().partition("\n")[0].rstrip(".")
     text = (
-        f"'{tested.name}' is missing: {physics[:1].lower()}{physics[1:]} ({effect.formula}). Its mark in "
+        f"'{tested.name}' is missing: {effect.physics} ({effect.formula}). Its mark in "
         f"the residual: {effect.signature}. It explains {share:.0f} % of the residual and lowers it by "
         f"{100 * tested.evidence.gain:.0f} % on blocks that were not used for fitting (p = {tested.adjusted:.1g} after "
         "correction for all effects tested)."

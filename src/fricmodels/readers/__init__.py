@@ -11,8 +11,9 @@ from fricmodels.readers.doubts import doubts
 from fricmodels.readers.matlab import MatlabReader
 from fricmodels.readers.parquet import ParquetReader
 from fricmodels.readers.reading import read
+from fricmodels.readers.together import read_together, together
 
-__all__ = ["Reader", "check", "doubts", "read"]
+__all__ = ["Reader", "check", "doubts", "read", "read_together", "together"]
 
 
 @hookimpl

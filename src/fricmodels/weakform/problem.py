@@ -20,7 +20,7 @@ from fricmodels.drive import Drive, rest_width
 from fricmodels.memory import Memory
 from fricmodels.model import Model
 from fricmodels.parameter import Parameter
-from fricmodels.recording import Recording
+from fricmodels.recording import RUN, Recording
 from fricmodels.signals import best_half_width, lanczos_derivative, noise, resting, standstill
 from fricmodels.signals.rest import once
 from fricmodels.term import Effect, Law, Parameters, Signals
@@ -367,7 +367,7 @@ class _Smoothed:
 
 @once
 def _smoothed(recording: Recording) -> _Smoothed:
-    part = spread(recording)
+    part = spread(recording.with_channels(run=recording.signal(RUN)))
     half_width = best_half_width(part.time, part.velocity, part.run)
     smooth, acceleration = lanczos_derivative(part.time, part.velocity, half_width, part.run)
     if "acceleration" not in part:
