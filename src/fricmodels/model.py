@@ -87,7 +87,7 @@ class Model:
 
     def on(self, recording: Recording) -> Model:
         """Return the model as it is for a recording: see :meth:`fricmodels.term.Effect.on`."""
-        effects = [effect.on(recording) for effect in self.effects]
+        effects = [effect.on(recording, [t for t in self.terms if t is not effect]) for effect in self.effects]
         return self if effects == list(self.effects) else Model(self.law, effects)
 
     def plus(self, effect: Effect) -> Model:

@@ -202,6 +202,9 @@ class Effect(Term):
     distinct_from: ClassVar[frozenset[str]] = frozenset()
     """Effects of which this one may contain the whole torque, though it is another physical cause."""
 
+    fitted_runs: frozenset[int] | None = None
+    """Numbers of the runs that its parameters are of, each of one run; ``None`` where they are of all alike."""
+
     @classmethod
     def named(cls, argument: str = "") -> Effect:
         """Return the effect that a model's name means; the argument is what stands in brackets, if anything does.
@@ -218,8 +221,13 @@ class Effect(Term):
         """Return what the effect may be in a recording: itself, or one for each channel that it may be of."""
         return [cls()]
 
-    def on(self, recording: Recording) -> Effect:
-        """Return the effect as it is for a recording, whose channels have units and whose runs have numbers."""
+    def on(self, recording: Recording, beside: Sequence[Term] = ()) -> Effect:
+        """Return the effect as it is for a recording, whose channels have units and whose runs have numbers.
+
+        Args:
+            recording: what a model is fitted to.
+            beside: the other terms of the model.
+        """
         return self
 
     @property

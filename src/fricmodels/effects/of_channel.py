@@ -9,7 +9,7 @@ from typing import ClassVar, Self
 
 from fricmodels.errors import InputError
 from fricmodels.recording import OTHER, Recording
-from fricmodels.term import Effect
+from fricmodels.term import Effect, Term
 
 _JOINT = re.compile(r"j(?:oint)?_?(\d+)_?(\w*)", re.IGNORECASE)
 
@@ -59,7 +59,7 @@ class OfChannel(Effect):
         found = [(name.removeprefix(OTHER), recording.units.get(name, "")) for name in recording.further]
         return [cls(name, unit) for name, unit in found if not cls.units or unit in cls.units]
 
-    def on(self, recording: Recording) -> Self:
+    def on(self, recording: Recording, beside: Sequence[Term] = ()) -> Self:
         """Return the effect with the unit that the channel has in a recording.
 
         Raises:
