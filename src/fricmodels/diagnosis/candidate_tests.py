@@ -57,6 +57,13 @@ class CandidateTest:
         return {symbol: float(values[symbol]) for symbol in symbols}
 
     @property
+    def standard_errors(self) -> dict[str, float]:
+        """Standard error of each linear parameter that counts, by symbol, in SI units."""
+        kept = [symbol for symbol, used in zip(self._linear_symbols, self.found.kept, strict=True) if used]
+        spread = np.sqrt(np.maximum(np.diag(self.evidence.covariance), 0.0))
+        return dict(zip(kept, spread.tolist(), strict=True))
+
+    @property
     def _linear_symbols(self) -> list[str]:
         from fricmodels.model import Model
         from fricmodels.weakform.problem import NoFriction

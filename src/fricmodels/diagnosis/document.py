@@ -121,10 +121,11 @@ def _effect(finding: Finding, motion: Motion) -> dict[str, Any]:
         "share_of_residual": tested.evidence.explained,
         "held_out_gain": tested.evidence.gain,
         "parameters": dict(tested.parameters),
+        "standard_errors": dict(tested.standard_errors),
         "units": units,
         "separated_by": finding.separated_by,
         "equation": tested.effect.formula,
-        "explanation": sentence(finding),
+        "explanation": sentence(finding, motion),
     }
 
 

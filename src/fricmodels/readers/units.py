@@ -101,8 +101,8 @@ def further(unit: str) -> tuple[Conversion, str]:
     quantity = _quantity(unit)
     target = next((known for known in _FURTHER if _measures(unit, known)), None)
     if target is None:
-        root = _registry().get_root_units(quantity.units)[1]
-        target = f"{root:~}".replace(" ** ", "^").replace(" * ", " ").replace(" / ", "/") or "1"
+        base = _registry().get_base_units(quantity.units)[1]
+        target = f"{base:~}".replace(" ** ", "^").replace(" * ", " ").replace(" / ", "/") or "1"
     return _between(unit, target), target
 
 
