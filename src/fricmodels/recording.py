@@ -56,6 +56,9 @@ SIGNAL_CHANNEL: Mapping[str, str] = {
 OTHER = "other."
 """What the names of further channels begin with: another joint's acceleration is ``other.j2_acceleration``."""
 
+RATE = "rate of "
+"""What the name of a signal begins with that is the rate of a further channel, as ``rate of other.j2_velocity``."""
+
 RUN = "run"
 """The number of the run that a sample was recorded in, as a signal of a term."""
 
@@ -152,8 +155,8 @@ class Recording(Displayed):
     def signal(self, name: str) -> Array:
         """Return the channel that measures a term's signal.
 
-        A load that was not given is zero; a torque rate that was not given is the central difference of the torque; the
-        run is that of the recording before it was cut.
+        A load that was not given is zero; a rate that was not given is the central difference; the run is that of the
+        recording before it was cut.
 
         Raises:
             InputError: when the recording does not have it.
@@ -164,6 +167,8 @@ class Recording(Displayed):
             return self._torque_rate
         if name == RUN and RUN not in self.channels:
             return (self.run if self.origin is None else self.origin.whole.run[self.origin.index]).astype(float)
+        if name.startswith(RATE) and name not in self.channels:
+            return self._rate(self[name.removeprefix(RATE)])
         return self[channel_of(name)]
 
     @property
@@ -173,11 +178,14 @@ class Recording(Displayed):
 
     @cached_property
     def _torque_rate(self) -> Array:
+        return self._rate(self.torque)
+
+    def _rate(self, values: Array) -> Array:
         rate = np.zeros(len(self))
         for number in np.unique(self.run):
             inside = np.flatnonzero(self.run == number)
             if len(inside) > 1:
-                rate[inside] = np.gradient(self.torque[inside], self.time[inside])
+                rate[inside] = np.gradient(values[inside], self.time[inside])
         return rate
 
     def retimed(self, delay: float) -> Recording:
@@ -234,7 +242,7 @@ class Recording(Displayed):
             InputError: naming the missing channel. A term that uses the load torque needs one that was given.
         """
         for signal in sorted(signals):
-            channel = channel_of(signal)
+            channel = channel_of(signal).removeprefix(RATE)
             if signal in ("motor_torque_rate", RUN):
                 continue
             if channel not in self.channels:

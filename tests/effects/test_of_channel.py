@@ -57,6 +57,17 @@ def test_another_joint_is_named_with_its_inertia_and_added(made: Made) -> None:
     assert "kg m^2" in said
 
 
+def test_velocities_alone_tell_of_an_inertia_too(made: Made) -> None:
+    own = coupled(made, 0, unrelated=1)
+    kept = {name: values for name, values in own.channels.items() if not name.endswith("_acceleration")}
+    units = {name: unit for name, unit in own.units.items() if name in kept}
+    recording = Recording("joint 1", own.motion, kept, own.run, units=units)
+    found = diagnose(recording, "coulomb-viscous", 2.0).findings[0]
+    assert found.names == ("other-inertia(j2_velocity)",)
+    assert found.tested.parameters["c"] == pytest.approx(COUPLING, rel=0.02)
+    assert found.tested.effect.parameters[0].unit_for(Motion.ROTARY) == "kg m^2"
+
+
 def test_friction_of_a_part_that_moves_with_another_joint(made: Made) -> None:
     found = diagnose(coupled(made, 1, coupling=0.0, friction=0.4), "coulomb-viscous", 2.0)
     assert [finding.names for finding in found.findings] == [("other-friction(j2_velocity)",)]

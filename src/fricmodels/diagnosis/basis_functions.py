@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from fricmodels.diagnosis.history import MotionHistory
 from fricmodels.diagnosis.policy import Policy
-from fricmodels.recording import OTHER
+from fricmodels.recording import OTHER, RATE
 from fricmodels.signals import noise
 from fricmodels.weakform.problem import WeakFormProblem
 from fricmodels.weakform.regression import Regression
@@ -134,6 +134,8 @@ def _of_further_channels(problem: WeakFormProblem) -> Sets:
         build = partial(_waves if points.units.get(channel) == "rad" else _powers, values)
         found[name] = build
         found[f"{name}, along the motion"] = partial(_along, side, build)
+        if points.units.get(channel) in ("rad/s", "m/s"):
+            found[f"rate of {name}"] = partial(_powers, points[RATE + channel])
     return found
 
 

@@ -16,6 +16,7 @@ from fricmodels.effects.nonlinear_viscous import NonlinearViscous
 from fricmodels.effects.other import Other
 from fricmodels.effects.other_friction import OtherFriction
 from fricmodels.effects.other_gravity import OtherGravity
+from fricmodels.effects.other_inertia import OtherInertia
 from fricmodels.effects.position_friction import PositionFriction
 from fricmodels.effects.presliding import Presliding
 from fricmodels.effects.rising_stiction import RisingStiction
@@ -61,5 +62,6 @@ def fricmodels_effects() -> list[type[Effect]]:
         Other,
         OtherFriction,
         OtherGravity,
+        OtherInertia,
         RunOffset,
     ]

@@ -36,11 +36,21 @@ class OfChannel(Effect):
         self.unit = unit
         self.name = f"{type(self).name}({channel})"
         self.formula = type(self).formula.replace("x", channel)
-        self.channels = (self.channel,)
+        self.channels = (self.signal_of(self.channel),)
         self.parameters = tuple(
-            replace(p, per=unit or f"[{channel}]", meaning=p.meaning.replace("x", channel)) if p.per else p
+            replace(p, per=self.parameter_unit(unit) or f"[{channel}]", meaning=p.meaning.replace("x", channel))
+            if p.per
+            else p
             for p in type(self).parameters
         )
+
+    def signal_of(self, channel: str) -> str:
+        """Return the signal that enters the torque: the channel, or its rate."""
+        return channel
+
+    def parameter_unit(self, unit: str) -> str:
+        """Return the unit of what the parameters are per unit of, from the channel's."""
+        return unit
 
     @classmethod
     def named(cls, argument: str = "") -> Self:
