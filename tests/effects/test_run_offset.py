@@ -13,6 +13,7 @@ from fricmodels.diagnosis.comparison import compare_model
 from fricmodels.drive import Drive
 from fricmodels.model import Model
 from fricmodels.recording import Recording
+from fricmodels.report.figures.samples import Samples
 from fricmodels.score.zeroed import zeroed
 
 Made = Callable[..., Recording]
@@ -67,3 +68,9 @@ def test_a_run_that_was_not_fitted_gives_its_zero_by_its_other_half(made: Made) 
     without = Drive(Model.parse("coulomb-viscous"), 2.0)
     assert zeroed(without, values, test) is test
     assert zeroed(fitted.drive, values, train) is train
+
+
+def test_figures_join_fitted_and_kept_back_with_the_offset_of_each_run(made: Made) -> None:
+    fitted = compare(days(made), "coulomb-viscous+run-offset", 2.0)
+    samples = Samples.of(fitted)
+    assert set(np.unique(samples.recording.signal("run"))) == set(range(5))
