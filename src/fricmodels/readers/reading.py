@@ -79,7 +79,6 @@ def read(
         run=run[order],
         provenance={
             "source": str(source),
-            "files": [str(source)],
             "sha256": _sha256(source),
             "reader": chosen.name,
             "columns": {channel: str(column) for channel, column in found.items()},
