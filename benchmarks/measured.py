@@ -21,7 +21,7 @@ from fricmodels.files import write_text
 ROOT = Path(__file__).parent.parent
 DATA = ROOT.parent / "shared" / "data"
 PREPARED = ROOT / "build" / "measured"
-STORIES = ("emps", "tx40", "xl330", "kuka")
+STORIES = ("emps", "tx40", "xl330", "kuka", "other_joints")
 
 
 def fill(template: str, parts: Mapping[str, str]) -> str:

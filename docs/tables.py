@@ -8,8 +8,9 @@ from pathlib import Path
 from fricmodels import plugins
 from fricmodels.diagnosis.look_alikes import declared
 from fricmodels.diagnosis.policy import Policy
+from fricmodels.dimension import Motion
 from fricmodels.model import Model
-from fricmodels.recording import SIGNAL_CHANNEL
+from fricmodels.recording import channel_of
 from fricmodels.term import Effect
 from fricmodels.weakform.problem import NoFriction
 
@@ -30,7 +31,7 @@ def cell(text: str) -> str:
 
 def channels(effect: Effect) -> str:
     """Return the channels that an effect needs besides time, torque and velocity."""
-    touched = {SIGNAL_CHANNEL[signal] for signal in Model(NoFriction(), [effect]).needs}
+    touched = {channel_of(signal) for signal in Model(NoFriction(), [effect]).needs}
     return ", ".join(sorted(touched - {"time", "torque", "torque_rate", "velocity", "acceleration"}))
 
 
@@ -46,7 +47,7 @@ def generated() -> str:
     lines += ["", "## Their parameters", "", "| effect | symbol | unit | meaning |", "|---|---|---|---|"]
     for effect in effects:
         for p in effect.parameters:
-            lines.append(f"| `{effect.name}` | `{p.symbol}` | {p.unit} | {p.meaning} |")
+            lines.append(f"| `{effect.name}` | `{p.symbol}` | {p.unit_for(Motion.ROTARY)} | {p.meaning} |")
     lines += ["", "## Look-alikes", "", "| these | are told apart by |", "|---|---|"]
     groups: dict[str, list[str]] = {}
     for one, other in combinations([effect.name for effect in effects], 2):

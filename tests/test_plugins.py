@@ -37,6 +37,11 @@ EFFECTS = [
     "drift",
     "step-change",
     "joint-compliance",
+    "other",
+    "other-friction",
+    "other-gravity",
+    "other-inertia",
+    "run-offset",
 ]
 
 

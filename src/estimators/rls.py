@@ -26,7 +26,7 @@ from fricmodels.filtering.preparation import (
 )
 from fricmodels.filtering.problem import HISTORY_ROWS
 from fricmodels.kernels import Scan
-from fricmodels.recording import SIGNAL_CHANNEL, Recording
+from fricmodels.recording import Recording, channel_of
 
 Array = NDArray[np.float64]
 
@@ -196,7 +196,7 @@ class _Online(OnlineFilter):
         self._problem = problem
         self._memory = problem.initial_memory()
         self._samples: deque[dict[str, float]] = deque(maxlen=problem.design.length)
-        needs = [SIGNAL_CHANNEL[name] for name in problem.drive.model.needs - {"acceleration"}]
+        needs = [channel_of(name) for name in problem.drive.model.needs - {"acceleration"}]
         self._channels = tuple(dict.fromkeys(["time", "torque", "velocity", "load_torque", *needs]))
 
     def update(self, sample: Mapping[str, float]) -> dict[str, float]:

@@ -17,7 +17,6 @@ from fricmodels.kernels import ArrayFunction
 from fricmodels.model import Model
 from fricmodels.parameter import Parameter
 from fricmodels.recording import Recording
-from fricmodels.term import SIGNALS
 
 if TYPE_CHECKING:
     from fricmodels.memory import Memory
@@ -177,7 +176,7 @@ class Drive:
         """
         from fricmodels.memory import Memory
 
-        signals = dict(zip(SIGNALS, self._signals(recording, None), strict=True))
+        signals = dict(zip(self.model.signals, self._signals(recording, None), strict=True))
         return Memory(self.model, signals, recording.time, recording.run, width)
 
     def sticking_interval(
@@ -230,9 +229,9 @@ class Drive:
 
     def _signals(self, recording: Recording, velocity: Array | float | None) -> list[Any]:
         recording.require(self.model.required, self.model.name)
-        values: list[Any] = [recording.signal(name) if name in self.model.needs else 0.0 for name in SIGNALS]
+        values: list[Any] = [recording.signal(name) if name in self.model.needs else 0.0 for name in self.model.signals]
         if velocity is not None:
-            values[list(SIGNALS).index("velocity")] = velocity
+            values[self.model.signals.index("velocity")] = velocity
         return values
 
     @cached_property
@@ -305,7 +304,9 @@ class Drive:
         parameters = casadi.vertcat(inertia, e.parameters) if self.inertia is None else e.parameters
         needed = self.model.needs | {"motor_torque", "load_torque"}
         inputs = tuple(
-            n for n in SIGNALS if n in needed and n not in ("velocity", "acceleration", *(["position"] * with_position))
+            n
+            for n in self.model.signals
+            if n in needed and n not in ("velocity", "acceleration", *(["position"] * with_position))
         )
         x = casadi.vertcat(*states, parameters)
         rate = casadi.vertcat(*rates, casadi.SX.zeros(parameters.numel(), 1))

@@ -15,7 +15,7 @@ from fricmodels.arrays import Array, Index
 from fricmodels.kernels import Scan
 from fricmodels.model import Model
 from fricmodels.past import Past
-from fricmodels.term import SIGNALS, Term
+from fricmodels.term import Term
 
 _GAMMA = 1 - 1 / math.sqrt(2)
 
@@ -89,7 +89,7 @@ def _from_recording(model: Model) -> Iterator[tuple[Term, int, int]]:
 
 
 def _needed(model: Model) -> list[str]:
-    return [name for name in SIGNALS if name in model.needs]
+    return [name for name in model.signals if name in model.needs]
 
 
 @lru_cache(maxsize=64)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from fricmodels import plugins
 from fricmodels.errors import InputError
@@ -13,13 +13,16 @@ from fricmodels.expressions import Expression, rest_treatment
 from fricmodels.parameter import Parameter, State
 from fricmodels.term import SIGNALS, Effect, Law, Parameters, Signals, Term
 
+if TYPE_CHECKING:
+    from fricmodels.recording import Recording
+
 
 @dataclass(frozen=True)
 class ModelExpression:
     """The friction torque of a model as CasADi ``SX`` expressions.
 
     Attributes:
-        signals: every signal of :data:`fricmodels.term.SIGNALS`, by name, used or not.
+        signals: every one of :attr:`Model.signals`, by name, used or not.
         parameters: column of all parameters, in the order of :attr:`Model.parameters`.
         states: column of all internal states, in the order of :attr:`Model.states`.
         width: the width of rest [velocity].
@@ -68,19 +71,24 @@ class Model:
 
     @classmethod
     def parse(cls, name: str) -> Model:
-        """Build the model that ``LAW+EFFECT+EFFECT`` names.
+        """Build the model that ``LAW+EFFECT+EFFECT`` names; an effect of a channel is ``EFFECT(CHANNEL)``.
 
         Raises:
             InputError: for an unknown law or effect, naming the nearest known one.
         """
         registered = plugins.load()
         law, *effects = (part.strip() for part in name.split("+"))
-        return cls(registered.laws[law](), [registered.effects[effect]() for effect in effects])
+        return cls(registered.laws[law](), [_named(registered.effects, effect) for effect in effects])
 
     @classmethod
     def of(cls, model: Model | str) -> Model:
         """Return a model as it is, or the one that a name says; see :meth:`parse`."""
         return cls.parse(model) if isinstance(model, str) else model
+
+    def on(self, recording: Recording) -> Model:
+        """Return the model as it is for a recording: see :meth:`fricmodels.term.Effect.on`."""
+        effects = [effect.on(recording, [t for t in self.terms if t is not effect]) for effect in self.effects]
+        return self if effects == list(self.effects) else Model(self.law, effects)
 
     def plus(self, effect: Effect) -> Model:
         """Return this model with one effect more."""
@@ -99,6 +107,11 @@ class Model:
     def terms(self) -> tuple[Term, ...]:
         """The law, then the effects."""
         return (self.law, *self.effects)
+
+    @cached_property
+    def signals(self) -> tuple[str, ...]:
+        """The signals of :data:`fricmodels.term.SIGNALS`, then the further channels of the terms."""
+        return _signals(self.terms)
 
     @cached_property
     def parameters(self) -> tuple[ModelParameter, ...]:
@@ -173,6 +186,17 @@ class Model:
         return f"<Model '{self.name}'>"
 
 
+def _named(effects: plugins.Registry[Effect], written: str) -> Effect:
+    name, bracket, rest = written.partition("(")
+    if bracket and not rest.endswith(")"):
+        raise InputError(f"'{written}' lacks its closing bracket")
+    return effects[name.strip()].named(rest[:-1].strip())
+
+
+def _signals(terms: tuple[Term, ...]) -> tuple[str, ...]:
+    return tuple(dict.fromkeys([*SIGNALS, *(channel for term in terms for channel in term.channels)]))
+
+
 def _prefixed(terms: tuple[Term, ...]) -> list[tuple[Term, str]]:
     law, *effects = terms
     return [(law, ""), *((effect, f"{effect.name}.") for effect in effects)]
@@ -183,8 +207,8 @@ def _build(terms: tuple[Term, ...], smooth: bool) -> ModelExpression:
     """Build the torque of a model; equal models share it, and with it all that is compiled from it."""
     import casadi
 
-    signals = {name: casadi.SX.sym(name) for name in SIGNALS}
-    later = {name: casadi.SX.sym(f"later_{name}") for name in SIGNALS}
+    signals = {name: casadi.SX.sym(name) for name in _signals(terms)}
+    later = {name: casadi.SX.sym(f"later_{name}") for name in signals}
     width, step = casadi.SX.sym("width"), casadi.SX.sym("step")
     discrete_step: dict[int, Any] = {}
     parameters: list[Any] = []

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import math
+import re
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Literal
 
 from fricmodels.dimension import Dimension, Motion, parse_unit
+from fricmodels.errors import InputError
 
 
 @dataclass(frozen=True)
@@ -33,6 +35,9 @@ class Parameter:
         instant: whether it is a point in time, not a duration.
         delay: whether it is the time by which motion and torque were recorded apart, a factor of the signal
             ``motor_torque_rate``; see :meth:`fricmodels.drive.Drive.timed`.
+        per: unit of the further channel of which it is the torque per unit; empty for all other parameters. Such a
+            channel is no quantity of this drive: its unit stays when those of the drive are scaled, so that ``unit``,
+            and the dimension, leave it out.
     """
 
     symbol: str
@@ -49,6 +54,7 @@ class Parameter:
     periodic: bool = False
     instant: bool = False
     delay: bool = False
+    per: str = ""
 
     def __post_init__(self) -> None:
         if not self.lower <= self.initial <= self.upper:
@@ -61,7 +67,16 @@ class Parameter:
 
     def unit_for(self, motion: Motion) -> str:
         """Return the SI unit on a rotary drive or on a linear axis."""
-        return self.dimension.unit(motion)
+        own = self.dimension.unit(motion)
+        if not self.per:
+            return own
+        try:
+            other = parse_unit(self.per)
+        except InputError:
+            other = None
+        if other is not None and other.unit(motion) == self.per:
+            return (self.dimension * other**-1).unit(motion)
+        return f"{own}/({self.per})" if re.search(r"[ /]", self.per) else f"{own}/{self.per}"
 
 
 @dataclass(frozen=True)

@@ -53,6 +53,21 @@ SIGNAL_CHANNEL: Mapping[str, str] = {
 """Signal of a term → channel that measures it."""
 
 
+OTHER = "other."
+"""What the names of further channels begin with: another joint's acceleration is ``other.j2_acceleration``."""
+
+RATE = "rate of "
+"""What the name of a signal begins with that is the rate of a further channel, as ``rate of other.j2_velocity``."""
+
+RUN = "run"
+"""The number of the run that a sample was recorded in, as a signal of a term."""
+
+
+def channel_of(signal: str) -> str:
+    """Return the channel that measures a signal; a further channel measures itself."""
+    return SIGNAL_CHANNEL.get(signal, signal)
+
+
 @dataclass(frozen=True)
 class Origin:
     """The recording that another one was cut from: what remembers does so through what was cut out.
@@ -74,11 +89,12 @@ class Recording(Displayed):
         name: what it is called in leaderboards.
         motion: rotary or linear.
         channels: arrays of equal length N in SI units (rad or m, N m or N, s, °C as measured); ``time`` and ``torque``
-            are always there.
+            are always there. Further ones, such as other joints', are called ``other.NAME``; see :attr:`units`.
         run: run number of each sample, shape (N,); time increases within a run, and nothing connects two runs.
         derived: names of channels that were computed, not measured.
         provenance: source file, column mapping, checksum of the file, true parameters of a simulation, …
         origin: what it was cut from, if that is to be remembered; see :meth:`remembering`.
+        units: SI unit of each further channel, by its name with ``other.``; empty where none was given.
         derived_over: half width [samples] of the differentiator that gave the velocity from the position; 0 where none
             did.
     """
@@ -91,6 +107,7 @@ class Recording(Displayed):
     provenance: Mapping[str, Any] = field(default_factory=dict)
     origin: Origin | None = field(default=None, compare=False)
     derived_over: int = 0
+    units: Mapping[str, str] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         for required in ("time", "torque"):
@@ -138,7 +155,8 @@ class Recording(Displayed):
     def signal(self, name: str) -> Array:
         """Return the channel that measures a term's signal.
 
-        A load that was not given is zero; a torque rate that was not given is the central difference of the torque.
+        A load that was not given is zero; a rate that was not given is the central difference; the run is that of the
+        recording before it was cut.
 
         Raises:
             InputError: when the recording does not have it.
@@ -147,15 +165,27 @@ class Recording(Displayed):
             return self.load_torque
         if name == "motor_torque_rate" and "torque_rate" not in self.channels:
             return self._torque_rate
-        return self[SIGNAL_CHANNEL[name]]
+        if name == RUN and RUN not in self.channels:
+            return (self.run if self.origin is None else self.origin.whole.run[self.origin.index]).astype(float)
+        if name.startswith(RATE) and name not in self.channels:
+            return self._rate(self[name.removeprefix(RATE)])
+        return self[channel_of(name)]
+
+    @property
+    def further(self) -> tuple[str, ...]:
+        """The further channels, in order of their names."""
+        return tuple(sorted(name for name in self.channels if name.startswith(OTHER)))
 
     @cached_property
     def _torque_rate(self) -> Array:
+        return self._rate(self.torque)
+
+    def _rate(self, values: Array) -> Array:
         rate = np.zeros(len(self))
         for number in np.unique(self.run):
             inside = np.flatnonzero(self.run == number)
             if len(inside) > 1:
-                rate[inside] = np.gradient(self.torque[inside], self.time[inside])
+                rate[inside] = np.gradient(values[inside], self.time[inside])
         return rate
 
     def retimed(self, delay: float) -> Recording:
@@ -212,8 +242,8 @@ class Recording(Displayed):
             InputError: naming the missing channel. A term that uses the load torque needs one that was given.
         """
         for signal in sorted(signals):
-            channel = SIGNAL_CHANNEL[signal]
-            if signal == "motor_torque_rate":
+            channel = channel_of(signal).removeprefix(RATE)
+            if signal in ("motor_torque_rate", RUN):
                 continue
             if channel not in self.channels:
                 raise InputError(

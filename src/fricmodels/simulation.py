@@ -27,7 +27,6 @@ from fricmodels.drive import Drive
 from fricmodels.errors import InputError
 from fricmodels.kernels import Scan
 from fricmodels.recording import Recording
-from fricmodels.term import SIGNALS
 
 Between: TypeAlias = Literal["linear", "held"]
 
@@ -231,7 +230,7 @@ def _ends(signal: Array, substeps: int, *, held: bool) -> tuple[Array, Array]:
 def _inputs(drive: Drive) -> tuple[str, ...]:
     """Return the signals that drive the motion, in order."""
     needed = {"motor_torque", "load_torque", *drive.model.needs} - set(_MOTION)
-    return tuple(name for name in SIGNALS if name in needed)
+    return tuple(name for name in drive.model.signals if name in needed)
 
 
 class _Motion:

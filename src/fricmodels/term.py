@@ -7,7 +7,7 @@ A *law* is the friction law that a model starts from; an *effect* is a physical 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 from fricmodels.dimension import (
@@ -19,6 +19,7 @@ from fricmodels.dimension import (
     VELOCITY,
     Dimension,
 )
+from fricmodels.errors import InputError
 from fricmodels.expressions import Expression
 from fricmodels.parameter import Parameter, State
 
@@ -27,6 +28,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from fricmodels.past import Past
+    from fricmodels.recording import Recording
 
 SIGNALS: Mapping[str, Dimension] = {
     "velocity": VELOCITY,
@@ -44,7 +46,8 @@ SIGNALS: Mapping[str, Dimension] = {
 class Signals:
     """The measured signals, and the term's own states, as a term sees them: ``s.velocity``, ``s.position``, …
 
-    What is touched is remembered; it is what the term needs from a recording.
+    A further channel that the term declares is ``s["other.j2_acceleration"]``. What is touched is remembered; it is
+    what the term needs from a recording.
     """
 
     def __init__(self, values: Mapping[str, Expression], states: Mapping[str, Expression]) -> None:
@@ -71,6 +74,9 @@ class Signals:
         known = ", ".join([*self._values, *self._states])
         raise AttributeError(f"there is no signal or state '{name}'; known: {known}")
 
+    def __getitem__(self, channel: str) -> Expression:
+        return getattr(self, channel)
+
 
 class Parameters:
     """A term's parameters as expressions, by symbol: ``p.K_v``."""
@@ -93,6 +99,8 @@ class Term(ABC):
         name: lower case with hyphens, as printed and as used in model names.
         formula: the equation in plain text, for lists and reports.
         parameters, states: collected from the class body, in order of declaration.
+        channels: further channels of a recording that it uses beside the signals, such as ``other.j2_acceleration``,
+            or ``run``, the number of the run; see :attr:`fricmodels.recording.Recording.channels`.
         dissipative: claims that τ·ω ≥ 0 for all parameters within their bounds: the term never pushes.
         symmetry: claims what the torque does when the velocity is reversed and all other signals stay: ``odd``, it
             is reversed too; ``even``, it stays; ``None``, neither.
@@ -104,14 +112,15 @@ class Term(ABC):
     hold the same values: a class defined again under its name, as in a notebook, is another one.
     """
 
-    name: ClassVar[str]
-    formula: ClassVar[str] = ""
+    name: str
+    formula: str = ""
     dissipative: ClassVar[bool] = False
     symmetry: ClassVar[Literal["odd", "even"] | None] = None
     depends_on_time: ClassVar[bool] = False
     angular: ClassVar[bool] = False
     optional: ClassVar[frozenset[str]] = frozenset()
-    parameters: ClassVar[tuple[Parameter, ...]] = ()
+    parameters: tuple[Parameter, ...] = ()
+    channels: tuple[str, ...] = ()
     states: ClassVar[tuple[State, ...]] = ()
 
     def __init_subclass__(cls) -> None:
@@ -178,17 +187,54 @@ class Law(Term):
 class Effect(Term):
     """A physical effect that a base law leaves out."""
 
-    signature: ClassVar[str] = ""
+    signature: str = ""
     """What the missing effect leaves in the residual torque, in words."""
 
     needs_motion: ClassVar[str] = ""
     """What a recording must contain to show it: slow motion, reversals, a wide speed range, …"""
+
+    absent: ClassVar[str] = "the recording has nothing that it could be of"
+    """Why a recording may have no candidate for it; see :meth:`candidates`."""
 
     separated_from: ClassVar[Mapping[str, str]] = {}
     """Effects that may look alike, by name, and the experiment that would tell them from this one, in words."""
 
     distinct_from: ClassVar[frozenset[str]] = frozenset()
     """Effects of which this one may contain the whole torque, though it is another physical cause."""
+
+    fitted_runs: frozenset[int] | None = None
+    """Numbers of the runs that its parameters are of, each of one run; ``None`` where they are of all alike."""
+
+    @classmethod
+    def named(cls, argument: str = "") -> Effect:
+        """Return the effect that a model's name means; the argument is what stands in brackets, if anything does.
+
+        Raises:
+            InputError: for an argument that the effect does not take.
+        """
+        if argument:
+            raise InputError(f"'{cls.name}' takes nothing in brackets, found '{argument}'")
+        return cls()
+
+    @classmethod
+    def candidates(cls, recording: Recording) -> Sequence[Effect]:
+        """Return what the effect may be in a recording: itself, or one for each channel that it may be of."""
+        return [cls()]
+
+    def on(self, recording: Recording, beside: Sequence[Term] = ()) -> Effect:
+        """Return the effect as it is for a recording, whose channels have units and whose runs have numbers.
+
+        Args:
+            recording: what a model is fitted to.
+            beside: the other terms of the model.
+        """
+        return self
+
+    @property
+    def physics(self) -> str:
+        """The physics in a few words, as they go on in a sentence."""
+        first = (type(self).__doc__ or "").strip().partition("\n")[0].rstrip(".")
+        return first[:1].lower() + first[1:]
 
     def own_friction(self, speed: float, parameters: Mapping[str, float]) -> float:
         """Return the friction [N m or N] at a speed of that part of the drive which the effect is about; 0 if of none.

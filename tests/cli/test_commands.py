@@ -7,13 +7,16 @@ import os
 import subprocess
 import sys
 import time
+from collections.abc import Callable
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import fricmodels
 from fricmodels import cli, plugins
 from fricmodels.cli import COMMANDS, main
+from fricmodels.recording import Recording
 from fricmodels.tournament.leaderboard import Leaderboard
 
 HEAVY = ("casadi", "pandas", "scipy", "numba", "numpy", "pint", "pyarrow", "filterpy")
@@ -148,3 +151,29 @@ def test_a_command_is_one_line_and_one_module() -> None:
     folder = Path(cli.__file__).parent
     modules = {file.stem for file in folder.glob("*.py")}
     assert set(COMMANDS) <= modules
+
+
+def test_several_files_are_one_recording_and_further_channels_are_mapped(
+    tmp_path: Path, made: Callable[..., Recording], capsys: pytest.CaptureFixture[str]
+) -> None:
+    recording = made(samples=4000)
+    pull = np.sin(3.1 * recording.time)
+    columns = ["time_s", "torque_Nm", "velocity_rad_s", "position_rad", "ddq2"]
+    values = [recording.time, recording.torque + pull, recording.velocity, recording["position"], np.degrees(pull)]
+    table = np.column_stack(values)
+    for name, rows in (("a", slice(0, 2000)), ("b", slice(2000, 4000))):
+        np.savetxt(tmp_path / f"{name}.csv", table[rows], delimiter=",", header=",".join(columns), comments="")
+    files = [str(tmp_path / "a.csv"), str(tmp_path / "b.csv")]
+    given = [*files, "--model", "coulomb-viscous", "--inertia", "2", "--column", "other.j2_acceleration=ddq2:deg/s^2"]
+    code, out, _ = call(capsys, "diagnose", *given, "--out", str(tmp_path / "found"))
+    assert code == 0
+    assert "acceleration of joint 2" in " ".join(out.split())
+    found = json.loads((tmp_path / "found" / "diagnosis.json").read_text())
+    assert found["effects"][0]["name"] == "other(j2_acceleration)"
+    assert found["effects"][0]["units"] == {"c": "kg m^2"}
+    assert found["effects"][0]["parameters"]["c"] == pytest.approx(1, abs=0.01)
+    assert found["recording"]["files"] == files
+    code, out, _ = call(capsys, "report", str(tmp_path / "found"))
+    assert code == 0
+    page = (tmp_path / "found" / "report.html").read_text()
+    assert "b.csv --model coulomb-viscous" in page

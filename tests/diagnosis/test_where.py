@@ -82,3 +82,19 @@ def test_load_and_temperature_have_regimes_where_they_are_measured(prepared: Rec
     }
     even = prepared.with_channels(temperature=np.full(count, 20.0))
     assert set(regimes(even)) == set(regimes(prepared))
+
+
+def test_further_channels_and_runs_are_places_too(made: Made) -> None:
+    own = made(samples=4000)
+    other = np.sin(3.1 * own.time)
+    run = np.arange(4000) // 1000
+    channels = {**own.channels, "other.j2_acceleration": other}
+    prepared = ready(Recording("two", Motion.ROTARY, channels, run, provenance={"runs": {3: "friday.csv"}}))
+    found = regimes(prepared)
+    masks = [found[f"j2_acceleration: {name}"] for name in ("low", "middle", "high")]
+    assert np.array_equal(np.sum(masks, axis=0), np.ones(4000))
+    assert np.array_equal(found["run: friday.csv"], run == 3)
+    part = prepared.remembering().select(run != 1)
+    assert np.count_nonzero(regimes(part)["run: friday.csv"]) == 1000
+    error = np.where(other > 0.9, 1.0, 0.0)
+    assert where(error, prepared)[0].regime == "j2_acceleration: high"

@@ -18,7 +18,7 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from fricmodels import plugins
-from fricmodels.dimension import TIME, VELOCITY, Dimension, Scales
+from fricmodels.dimension import DIMENSIONLESS, TIME, VELOCITY, Dimension, Scales
 from fricmodels.kernels import ArrayFunction, Scan
 from fricmodels.model import Model
 from fricmodels.parameter import Parameter
@@ -44,7 +44,10 @@ def evaluated(name: str, *, smooth: bool = False) -> Evaluated:
     e = model.expression(smooth=smooth)
     column = casadi.vertcat(*e.signals.values(), e.parameters, e.states, e.width)
     slopes = casadi.jacobian(e.torque, casadi.vertcat(e.signals["velocity"], e.parameters)).T
-    dimensions = [*SIGNALS.values(), *(p.declared.dimension for p in model.parameters)]
+    dimensions = [
+        *(SIGNALS.get(name, DIMENSIONLESS) for name in model.signals),
+        *(p.declared.dimension for p in model.parameters),
+    ]
     dimensions += [*(state.dimension for state in model.states), VELOCITY]
     return Evaluated(
         model,
@@ -61,9 +64,15 @@ def modelled(name: str) -> Model:
     return Model(NoFriction(), [registered.effects[name]()])
 
 
+def first_signals(term: Term) -> list[str]:
+    """The signals that come before the parameters in a column of a term."""
+    return [*SIGNALS, *term.channels]
+
+
 def column(term: Term, rng: np.random.Generator, *, velocity: float | None = None, width: float = 1e-6) -> Array:
     """Return random signals, parameters and states, then the width of rest."""
-    signals = dict(zip(SIGNALS, rng.uniform(-2, 2, len(SIGNALS)), strict=True))
+    names = first_signals(term)
+    signals = dict(zip(names, rng.uniform(-2, 2, len(names)), strict=True))
     signals["time"] = float(rng.uniform(0, 2))
     if velocity is not None:
         signals["velocity"] = velocity
@@ -127,7 +136,7 @@ def test_torque_and_derivatives_at_rest_are_finite(term: Term, smooth: bool) -> 
 def test_derivatives_agree_with_finite_differences(term: Term) -> None:
     rng = np.random.default_rng(3)
     e = evaluated(term.name)
-    places = [list(SIGNALS).index("velocity"), *range(len(SIGNALS), len(SIGNALS) + len(term.parameters))]
+    places = [list(SIGNALS).index("velocity"), *(len(first_signals(term)) + np.arange(len(term.parameters)))]
     for _ in range(10):
         x = column(term, rng)
         exact = np.array(e.by_velocity_and_parameters(x)).ravel()
@@ -158,7 +167,7 @@ def test_parameters_called_linear_obey_superposition(term: Term) -> None:
     rng = np.random.default_rng(5)
     e = evaluated(term.name)
     linear = np.array(e.model.linear)
-    first = len(SIGNALS)
+    first = len(first_signals(term))
     places = first + np.flatnonzero(linear)
     for _ in range(10):
         x = column(term, rng)
@@ -181,7 +190,7 @@ def test_no_parameter_is_called_nonlinear_without_need(term: Term) -> None:
     e = evaluated(term.name)
     linear = np.flatnonzero(e.model.linear)
     for i in np.flatnonzero(~np.array(e.model.linear)):
-        places = len(SIGNALS) + np.array([*linear, i])
+        places = len(first_signals(term)) + np.array([*linear, i])
         breaks = False
         for _ in range(50):
             x = column(term, rng)
@@ -215,7 +224,7 @@ def test_arrays_casadi_and_compiled_loop_agree_for_every_term() -> None:
     outputs: list[Any] = []
     for name in names:
         model = modelled(name)
-        own = casadi.SX.sym(name, len(model.parameters) + len(model.states))
+        own = casadi.SX.sym(name, len(model.terms[-1].channels) + len(model.parameters) + len(model.states))
         both = casadi.vertcat(signals[:-1], own, signals[-1])
         e = evaluated(name)
         outputs += [e.torque_and_rates(both), e.by_velocity_and_parameters(both)]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -24,6 +25,7 @@ def recorded(samples: int = 500, **channels: Array) -> Recording:
     made = {name: rng.uniform(-3, 3, samples) for name in ("torque", "velocity", "position", "acceleration")}
     made |= {"load_torque": rng.uniform(-3, 3, samples), "temperature": rng.uniform(20, 60, samples)}
     made |= {"torque_rate": rng.uniform(-3, 3, samples), "time": np.arange(samples) * 1e-3}
+    made |= {"other.x": np.append(rng.uniform(-3, 3, samples - 1), 0.0)}
     return Recording("made", Motion.ROTARY, {**made, **channels}, np.zeros(samples, dtype=np.int64))
 
 
@@ -86,6 +88,11 @@ FORMULAS: dict[str, tuple[dict[str, float], Callable[[Any, Array], Array]]] = {
         {"a": 0.2, "b": 0.3, "T": 0.5},
         lambda r, s: (0.2 * r["velocity"] + 0.3 * s) * 0.5 * (1 - np.exp(-r["time"] / 0.5)),
     ),
+    "other": ({"c": 2.0}, lambda r, s: 2 * r["other.x"]),
+    "other-friction": ({"c": 2.0, "d": 3.0}, lambda r, s: 2 * r["other.x"] + 3 * np.sign(r["other.x"])),
+    "other-gravity": ({"a": 2.0, "b": 3.0}, lambda r, s: 2 * np.cos(r["other.x"]) + 3 * np.sin(r["other.x"])),
+    "other-inertia": ({"c": 2.0}, lambda r, s: 2 * np.gradient(r["other.x"], r.time)),
+    "run-offset": ({"tau_0": 2.0}, lambda r, s: np.where(r.run == 0, 2.0, 0.0)),
     "step-change": ({"c": 2.0, "d": 3.0, "t_0": 0.2}, lambda r, s: np.where(r["time"] >= 0.2, 2 * s + 3, 0)),
 }
 
@@ -93,7 +100,7 @@ FORMULAS: dict[str, tuple[dict[str, float], Callable[[Any, Array], Array]]] = {
 @pytest.mark.parametrize("effect", FORMULAS)
 def test_torque_is_the_formula_written_by_hand(effect: str) -> None:
     parameters, formula = FORMULAS[effect]
-    recording = recorded()
+    recording = replace(recorded(), run=np.arange(500) // 250) if effect == "run-offset" else recorded()
     expected = formula(recording, np.where(recording.velocity >= 0, 1.0, -1.0))
     np.testing.assert_allclose(torque(effect, parameters, recording), expected, rtol=1e-12, atol=1e-12)
 
@@ -104,7 +111,7 @@ def test_every_effect_stands_in_one_of_these_tests() -> None:
     assert own == set(FORMULAS) | with_memory
 
 
-@pytest.mark.parametrize("effect", ["torque-offset", "gravity", "stiffness", "cogging", "inertia-error"])
+@pytest.mark.parametrize("effect", ["torque-offset", "gravity", "cogging", "inertia-error", "other", "run-offset"])
 def test_what_is_no_friction_does_not_know_the_direction(effect: str) -> None:
     recording = recorded()
     back = recording.with_channels(velocity=-recording.velocity)

@@ -25,7 +25,6 @@ from fricmodels.drive import Drive
 from fricmodels.model import Model
 from fricmodels.recording import Recording
 from fricmodels.signals import resting
-from fricmodels.term import SIGNALS
 from fricmodels.weakform.inference import covariance
 from fricmodels.weakform.least_squares import NormalEquations
 from fricmodels.weakform.model_velocity import model_velocity
@@ -89,7 +88,7 @@ def _step(model: Model, estimates_inertia: bool) -> Any:
     torque, rates = casadi.substitute([e.torque, e.rates], old, new)
     push = e.signals["motor_torque"] - e.signals["load_torque"]
     defect = casadi.vertcat(inertia * acceleration + torque - push, (following[1:, 0] - now[1:, 0]) / step - rates)
-    signals = casadi.vertcat(*(e.signals[name] for name in SIGNALS))
+    signals = casadi.vertcat(*(e.signals[name] for name in model.signals))
     parameters = casadi.vertcat(inertia, e.parameters) if estimates_inertia else e.parameters
     fixed = casadi.SX(0, 1) if estimates_inertia else inertia
     return casadi.Function("step", [now, following, parameters, fixed, e.width, step, lean, signals], [defect])
@@ -164,7 +163,7 @@ class Transcription:
         rates = self._scale[1:] / recording.interval
         needed = drive.model.needs | {"motor_torque", "load_torque"}
         signals = np.array(
-            [mesh.at_nodes(recording.signal(name)) if name in needed else np.zeros(n) for name in SIGNALS]
+            [mesh.at_nodes(recording.signal(name)) if name in needed else np.zeros(n) for name in drive.model.signals]
         )
         middle = signals[:, first] + mesh.lean * (signals[:, first + 1] - signals[:, first])
         unknown = casadi.MX.sym("states", count, n)

@@ -31,10 +31,10 @@ def command(
     from fricmodels.dimension import Motion
     from fricmodels.files import write_text
     from fricmodels.logcheck import summary
-    from fricmodels.readers import read
+    from fricmodels.readers import read_together
 
     motion = Motion.LINEAR if linear else None
-    recording = read(data, columns=column or (), motion=motion, reader=reader, torque_constant=torque_constant)
+    recording = read_together(data, columns=column or (), motion=motion, reader=reader, torque_constant=torque_constant)
     found = summary(recording, inertia)
     text = json.dumps(found.to_json(), indent=2, ensure_ascii=False, allow_nan=False)
     if as_json:

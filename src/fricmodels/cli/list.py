@@ -78,5 +78,11 @@ def _datasets(config: Path | None) -> list[list[str]]:
     for name in names:
         own = [source for source in listed if source.dataset == name]
         values = own[0].values
-        rows.append([name, str(len(own)), values.get("file") or f"simulated {values['model']}"])
+        rows.append(
+            [
+                name,
+                str(len(own)),
+                ", ".join(values.get("files", [])) or values.get("file") or f"simulated {values['model']}",
+            ]
+        )
     return rows

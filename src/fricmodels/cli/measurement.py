@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -13,14 +13,24 @@ if TYPE_CHECKING:
     from fricmodels.model import Model
     from fricmodels.recording import Recording
 
-Data = Annotated[Path, typer.Argument(metavar="DATA", help="Recording: .csv, .parquet, .mat, .bag.")]
+Data = Annotated[
+    list[Path],
+    typer.Argument(
+        metavar="DATA…", help="Recording: .csv, .parquet, .mat, .bag. Several files are one, each a run of it."
+    ),
+]
 ModelName = Annotated[str, typer.Option("--model", metavar="LAW+EFFECT+…", help="Model to compare with the recording.")]
 Inertia = Annotated[
     float | None,
     typer.Option("--inertia", help="Inertia [kg m²], or mass [kg] of a linear axis; estimated if left out."),
 ]
 Column = Annotated[
-    list[str] | None, typer.Option("--column", metavar="CHANNEL=COLUMN[:UNIT]", help="Map a column; repeatable.")
+    list[str] | None,
+    typer.Option(
+        "--column",
+        metavar="CHANNEL=COLUMN[:UNIT]",
+        help="Map a column, to other.NAME where it is another joint's; repeatable.",
+    ),
 ]
 TorqueConstant = Annotated[
     float | None, typer.Option("--torque-constant", help="Torque per current [N m/A], for logs of current.")
@@ -40,7 +50,7 @@ LeaveOut = Annotated[
 
 
 def load(
-    data: Path,
+    data: Sequence[Path],
     model: str,
     columns: list[str] | None,
     torque_constant: float | None,
@@ -61,13 +71,15 @@ def load(
     from fricmodels.dimension import Motion
     from fricmodels.logcheck import checked
     from fricmodels.model import Model
-    from fricmodels.readers import read
+    from fricmodels.readers import read_together
 
     chosen = Model.parse(model)
     for effect in leave_out or ():
         plugins.load().effects.entry(effect)
     motion = Motion.LINEAR if linear else None
-    recording = read(data, columns=columns or (), motion=motion, reader=reader, torque_constant=torque_constant)
+    recording = read_together(
+        data, columns=columns or (), motion=motion, reader=reader, torque_constant=torque_constant
+    )
     return checked(recording, inertia, trust=trust, warn=warn), chosen
 
 

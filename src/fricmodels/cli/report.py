@@ -12,7 +12,12 @@ from fricmodels.cli.measurement import Column, Format, Inertia, LeaveOut, Linear
 
 def command(
     target: Annotated[
-        Path, typer.Argument(metavar="RUN|DATA", help="Directory of results, or a recording.", show_default=False)
+        list[Path],
+        typer.Argument(
+            metavar="RUN|DATA…",
+            help="Directory of results, or a recording; several files are one, each a run of it.",
+            show_default=False,
+        ),
     ],
     model: Annotated[
         str, typer.Option("--model", metavar="LAW+EFFECT+…", help="Model to improve on a recording.")
@@ -36,11 +41,12 @@ def command(
     """
     from fricmodels.report import check, of_run, story, write
 
-    if target.is_dir() or target.suffix == ".json":
-        folder = target if target.is_dir() else target.parent
-        print(f"wrote {write(of_run(target), out or folder / 'report.html')}")
+    first = target[0]
+    if len(target) == 1 and (first.is_dir() or first.suffix == ".json"):
+        folder = first if first.is_dir() else first.parent
+        print(f"wrote {write(of_run(first), out or folder / 'report.html')}")
         return
-    page = out or Path(f"{target.stem}.html")
+    page = out or Path(f"{first.stem}.html")
     check(page)
     recording, chosen = load(target, model, column, torque_constant, reader, linear, leave_out, inertia, trust)
     from rich.console import Console

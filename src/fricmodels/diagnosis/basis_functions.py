@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from fricmodels.diagnosis.history import MotionHistory
 from fricmodels.diagnosis.policy import Policy
+from fricmodels.recording import OTHER, RATE
 from fricmodels.signals import noise
 from fricmodels.weakform.problem import WeakFormProblem
 from fricmodels.weakform.regression import Regression
@@ -38,6 +39,7 @@ def basis_functions(problem: WeakFormProblem, regression: Regression, policy: Po
         **_of_motion(problem),
         **_of_position(problem),
         **_of_load(problem),
+        **_of_further_channels(problem),
         **_of_history(problem, regression, policy),
     }
     found: dict[str, Callable[[], Array]] = {
@@ -119,6 +121,26 @@ def _of_load(problem: WeakFormProblem) -> Sets:
         "load torque, along the motion": lambda: side * np.abs(_powers(load)),
         "load torque and direction": lambda: np.vstack([load, np.abs(load), side * load, side * np.abs(load)]),
     }
+
+
+def _of_further_channels(problem: WeakFormProblem) -> Sets:
+    """Return powers of each further channel, or waves over it where it is an angle, also along the motion."""
+    points = problem.quadrature.recording
+    side = np.sign(points.velocity)
+    found: dict[str, Callable[[], Array]] = {}
+    for channel in points.further:
+        name = channel.removeprefix(OTHER).replace("_", " ")
+        values = points[channel] - np.mean(points[channel])
+        build = partial(_waves if points.units.get(channel) == "rad" else _powers, values)
+        found[name] = build
+        found[f"{name}, along the motion"] = partial(_along, side, build)
+        if points.units.get(channel) in ("rad/s", "m/s"):
+            found[f"rate of {name}"] = partial(_powers, points[RATE + channel])
+    return found
+
+
+def _along(side: Array, build: Callable[[], Array]) -> Array:
+    return np.asarray(side * build())
 
 
 def _of_history(problem: WeakFormProblem, regression: Regression, policy: Policy) -> Sets:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from fricmodels import plugins
 from fricmodels.diagnosis.policy import POLICY, Policy
 from fricmodels.dimension import Motion
-from fricmodels.recording import SIGNAL_CHANNEL
+from fricmodels.recording import RUN, channel_of
 from fricmodels.term import Effect
 from fricmodels.weakform.candidate import NonlinearOptimum
 from fricmodels.weakform.problem import WeakFormProblem
@@ -55,6 +55,13 @@ class CandidateTest:
         values = {**linear, **dict(zip(nonlinear, self.found.nonlinear, strict=True))}
         values |= {p.symbol: self.found.delay for p in self.effect.parameters if p.delay and self.found.delay}
         return {symbol: float(values[symbol]) for symbol in symbols}
+
+    @property
+    def standard_errors(self) -> dict[str, float]:
+        """Standard error of each linear parameter that counts, by symbol, in SI units."""
+        kept = [symbol for symbol, used in zip(self._linear_symbols, self.found.kept, strict=True) if used]
+        spread = np.sqrt(np.maximum(np.diag(self.evidence.covariance), 0.0))
+        return dict(zip(kept, spread.tolist(), strict=True))
 
     @property
     def _linear_symbols(self) -> list[str]:
@@ -118,15 +125,21 @@ def candidate_tests(
     for name in sorted(registered, key=lambda name: bool(registered[name].states)):
         if name in skipped or (only is not None and name not in only):
             continue
-        try:
-            outcome = _candidate(problem, regression, registered[name](), rival, policy)
-        except Exception as error:  # an effect of a plugin may do anything; the others go on
-            outcome = f"it could not be tested: {type(error).__name__}: {error}"
-        if isinstance(outcome, str):
-            untested[name] = outcome
-        else:
-            tested.append(outcome)
-            rival = max(rival, outcome.evidence.explained * total)
+        candidates = registered[name].candidates(problem.recording)
+        if not candidates:
+            untested[name] = registered[name].absent
+        for effect in candidates:
+            if effect.name in skipped:
+                continue
+            try:
+                outcome = _candidate(problem, regression, effect, rival, policy)
+            except Exception as error:  # an effect of a plugin may do anything; the others go on
+                outcome = f"it could not be tested: {type(error).__name__}: {error}"
+            if isinstance(outcome, str):
+                untested[effect.name] = outcome
+            else:
+                tested.append(outcome)
+                rival = max(rival, outcome.evidence.explained * total)
     adjusted = false_discovery_control([t.p_value for t in tested], method="by")  # under any dependence
     ranked = [replace(t, adjusted=max(float(p), LEAST_P)) for t, p in zip(tested, adjusted, strict=True)]
     ranked.sort(key=lambda t: float(np.sum(t.evidence.loss)))
@@ -144,7 +157,7 @@ def _candidate(
         return "the inertia is estimated, and takes up whatever goes with the acceleration; give it to see more"
     missing = [signal for signal in sorted(alone.model.required) if not _has(problem, signal)]
     if missing:
-        return f"the recording has no {SIGNAL_CHANNEL[missing[0]].replace('_', ' ')}"
+        return f"the recording has no {channel_of(missing[0]).replace('_', ' ')}"
     found = search(problem, regression, effect, alone, rival)
     if found is None:
         return "what it would add to the residual cannot be told from what the model already has"
@@ -156,9 +169,7 @@ def _candidate(
 
 
 def _has(problem: WeakFormProblem, signal: str) -> bool:
-    if signal == "motor_torque_rate":
-        return True
-    return SIGNAL_CHANNEL[signal] in problem.recording
+    return signal in ("motor_torque_rate", RUN) or channel_of(signal) in problem.recording
 
 
 def noise_share(

@@ -16,6 +16,7 @@ from fricmodels.model import Model
 from fricmodels.recording import Recording
 from fricmodels.score.bands import Errors, torque_errors
 from fricmodels.score.torque import filtered_torque_error, sliding_half_width
+from fricmodels.score.zeroed import zeroed
 from fricmodels.signals import noise
 from fricmodels.signals.lanczos import even_weights, lanczos_derivative
 from fricmodels.split import Split, split
@@ -94,6 +95,7 @@ def compare_model(
         drive: the model, and its inertia or ``None``.
         start: nonlinear parameters to begin from.
     """
+    drive = Drive(drive.model.on(train), drive.inertia, drive.motion)
     problem, found = estimate(drive, train, start)
     return _compared(problem, found, train, test)
 
@@ -146,6 +148,7 @@ def compare_fit(
     Raises:
         InputError: when a parameter of the model has no value.
     """
+    drive = Drive(drive.model.on(train), drive.inertia, drive.motion)
     for p in drive.parameters:
         if p.key not in parameters:
             raise InputError(f"there is no value for '{p.key}' of '{drive.model.name}'; fit it again with this version")
@@ -155,9 +158,11 @@ def compare_fit(
 
 def _compared(problem: WeakFormProblem, found: Estimate, train: Recording, test: Recording) -> Comparison:
     drive = problem.drive
-    errors, error = torque_errors(drive, found.parameters, train, test)
+    scored = zeroed(drive, found.parameters, test)
+    errors, error = torque_errors(drive, found.parameters, train, scored)
     rows = tuple(where(error, train))
-    return Comparison(drive, found, train, test, errors, _sliding(drive, found.parameters, train, test), rows, problem)
+    sliding = _sliding(drive, found.parameters, train, scored)
+    return Comparison(drive, found, train, test, errors, sliding, rows, problem)
 
 
 def _sliding(drive: Drive, values: Mapping[str, float], train: Recording, test: Recording) -> SlidingErrors:

@@ -98,6 +98,7 @@ def described(comparison: Comparison) -> dict[str, Any]:
     columns = known.get("columns", {})
     return {
         "source": known.get("source"),
+        "files": known.get("files"),
         "sha256": known.get("sha256"),
         "reader": known.get("reader"),
         "columns": [columns[channel] for channel in sorted(columns)],
@@ -121,10 +122,11 @@ def _effect(finding: Finding, motion: Motion) -> dict[str, Any]:
         "share_of_residual": tested.evidence.explained,
         "held_out_gain": tested.evidence.gain,
         "parameters": dict(tested.parameters),
+        "standard_errors": dict(tested.standard_errors),
         "units": units,
         "separated_by": finding.separated_by,
         "equation": tested.effect.formula,
-        "explanation": sentence(finding),
+        "explanation": sentence(finding, motion),
     }
 
 

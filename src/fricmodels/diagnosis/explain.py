@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
+from fricmodels.diagnosis.candidate_tests import CandidateTest
 from fricmodels.diagnosis.diagnose import Diagnosis, Finding
 from fricmodels.diagnosis.ladder import Ladder
 from fricmodels.diagnosis.predictability import AUTOREGRESSIVE
+from fricmodels.dimension import Motion
+
+_FEW = 2
+"""Coefficients that are read in a sentence."""
 
 IN_NO_CHANNEL = (
     "The error is far above the noise, but no recorded channel predicts it. Something acts on the drive that was not "
@@ -31,7 +36,7 @@ def explain(diagnosis: Diagnosis, ladder: Ladder | None = None) -> str:
     elif diagnosis.verdict == "unknown-effect":
         parts.append(unknown(diagnosis))
     else:
-        parts.append(sentence(diagnosis.findings[0]))
+        parts.append(sentence(diagnosis.findings[0], comparison.drive.motion))
     if ladder is not None and len(ladder.rungs) > 1:
         last = ladder.rungs[-1]
         parts.append(f"With '{last.model}' the test error falls to {last.comparison.errors.held_out_percent:.3g} %.")
@@ -42,22 +47,33 @@ def explain(diagnosis: Diagnosis, ladder: Ladder | None = None) -> str:
     return " ".join(parts)
 
 
-def sentence(finding: Finding) -> str:
+def sentence(finding: Finding, motion: Motion = Motion.ROTARY) -> str:
     """Return one finding in words: the physics, the equation, the evidence, and what would tell look-alikes apart."""
     tested = finding.tested
     effect = tested.effect
     share = 100 * tested.evidence.explained
-    physics = (type(effect).__doc__ or "").strip().partition("\n")[0].rstrip(".")
     text = (
-        f"'{tested.name}' is missing: {physics[:1].lower()}{physics[1:]} ({effect.formula}). Its mark in "
+        f"'{tested.name}' is missing: {effect.physics} ({effect.formula}). Its mark in "
         f"the residual: {effect.signature}. It explains {share:.0f} % of the residual and lowers it by "
         f"{100 * tested.evidence.gain:.0f} % on blocks that were not used for fitting (p = {tested.adjusted:.1g} after "
-        "correction for all effects tested)."
+        f"correction for all effects tested).{_size(tested, motion)}"
     )
     if len(finding.names) > 1:
         others = ", ".join(f"'{name}'" for name in finding.names[1:])
         text += f" This recording cannot tell it from {others}; what would: {finding.separated_by}."
     return text
+
+
+def _size(tested: CandidateTest, motion: Motion) -> str:
+    """Return the coefficients with their standard errors, where these are few and all linear; others need a table."""
+    declared, spread = tested.effect.parameters, tested.standard_errors
+    if len(declared) > _FEW or any(p.symbol not in spread for p in declared):
+        return ""
+    sizes = (
+        f"{p.symbol} = {tested.parameters[p.symbol]:.3g} ± {spread[p.symbol]:.2g} {p.unit_for(motion)}"
+        for p in declared
+    )
+    return f" {', '.join(sizes)}."
 
 
 def unknown(diagnosis: Diagnosis) -> str:

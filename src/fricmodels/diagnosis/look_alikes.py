@@ -16,7 +16,7 @@ def experiment(first: str, second: str) -> str:
 def declared(first: str, second: str) -> str:
     """Return the experiment that either of two effects declares; empty where neither does."""
     effects = plugins.load().effects
-    one, other = sorted((first, second))
+    one, other = sorted(name.partition("(")[0] for name in (first, second))
     return effects[one].separated_from.get(other) or effects[other].separated_from.get(one, "")
 
 

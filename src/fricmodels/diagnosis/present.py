@@ -179,12 +179,19 @@ def _show_evidence(console: Console, findings: list[Finding]) -> None:
 
 def _show_found(console: Console, findings: list[Finding], motion: Motion) -> None:
     rows = [
-        (f"{f.tested.name}.{p.symbol}", f"{f.tested.parameters[p.symbol]:.5g}", p.unit_for(motion), p.meaning)
+        (
+            f"{f.tested.name}.{p.symbol}",
+            f"{f.tested.parameters[p.symbol]:.5g}",
+            _spread(f.tested.standard_errors[p.symbol]) if p.symbol in f.tested.standard_errors else "",
+            p.unit_for(motion),
+            p.meaning,
+        )
         for f in findings
         for p in f.tested.effect.parameters
     ]
-    names, values, units, meanings = zip(*rows, strict=True) if rows else ((), (), (), ())
-    columns = [Column("parameter", names), Column("value", values, True), Column("unit", units)]
+    names, values, spreads, units, meanings = zip(*rows, strict=True) if rows else ((), (), (), (), ())
+    columns = [Column("parameter", names), Column("value", values, True), Column("±", spreads, True)]
+    columns.append(Column("unit", units))
     if any(meanings):
         columns.append(Column("meaning", meanings))
     show_table(console, columns, "Its size on the residual")

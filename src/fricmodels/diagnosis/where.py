@@ -7,11 +7,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from fricmodels.recording import Recording
+from fricmodels.recording import OTHER, RUN, Recording
 from fricmodels.signals import resting
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
+
+_MOST_RUNS = 8
+"""More rows of runs than this would hide the others in a table."""
 
 
 @dataclass(frozen=True)
@@ -71,6 +74,9 @@ def regimes(prepared: Recording) -> dict[str, Mask]:
     if "temperature" in prepared:
         masks.update(_thirds("temperature", prepared["temperature"], "cold", "warm", "hot"))
     masks.update(_thirds("time", np.arange(len(prepared), dtype=float), "early", "middle", "late"))
+    for channel in prepared.further:
+        masks.update(_thirds(channel.removeprefix(OTHER), prepared[channel], "low", "middle", "high"))
+    masks.update(_runs(prepared))
     return masks
 
 
@@ -80,6 +86,14 @@ def _thirds(channel: str, values: Array, *names: str) -> dict[str, Mask]:
     edges = np.quantile(values, [1 / 3, 2 / 3])
     place = np.digitize(values, edges)
     return {f"{channel}: {name}": place == i for i, name in enumerate(names)}
+
+
+def _runs(prepared: Recording) -> dict[str, Mask]:
+    """Mark each run that was recorded, where there are several and no more than can be read."""
+    run = prepared.signal(RUN).astype(int)
+    names = prepared.provenance.get("runs", {})
+    numbers = np.unique(run).tolist()
+    return {f"run: {names.get(n, n)}": run == n for n in numbers} if 1 < len(numbers) <= _MOST_RUNS else {}
 
 
 def _near_reversals(prepared: Recording, rest: Mask) -> Mask:

@@ -13,9 +13,14 @@ from fricmodels.effects.inertia_error import InertiaError
 from fricmodels.effects.joint_compliance import JointCompliance
 from fricmodels.effects.load_friction import LoadFriction
 from fricmodels.effects.nonlinear_viscous import NonlinearViscous
+from fricmodels.effects.other import Other
+from fricmodels.effects.other_friction import OtherFriction
+from fricmodels.effects.other_gravity import OtherGravity
+from fricmodels.effects.other_inertia import OtherInertia
 from fricmodels.effects.position_friction import PositionFriction
 from fricmodels.effects.presliding import Presliding
 from fricmodels.effects.rising_stiction import RisingStiction
+from fricmodels.effects.run_offset import RunOffset
 from fricmodels.effects.sensor_delay import SensorDelay
 from fricmodels.effects.step_change import StepChange
 from fricmodels.effects.stiffness import Stiffness
@@ -54,4 +59,9 @@ def fricmodels_effects() -> list[type[Effect]]:
         Drift,
         StepChange,
         JointCompliance,
+        Other,
+        OtherFriction,
+        OtherGravity,
+        OtherInertia,
+        RunOffset,
     ]

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from fricmodels.arrays import Array
-from fricmodels.dimension import VELOCITY, Scales
+from fricmodels.dimension import DIMENSIONLESS, VELOCITY, Scales
 from fricmodels.drive import Drive
 from fricmodels.term import SIGNALS
 
@@ -46,7 +46,7 @@ class NormalisedSpace:
     def values(self, drive: Drive, scales: Scales, width: float) -> Array:
         """Return the numbers of :attr:`known` for one drive: its width of rest [velocity] and scales."""
         states = [scales.of(state.dimension) for state in drive.model.states]
-        inputs = [scales.of(SIGNALS[name]) for name in self.inputs]
+        inputs = [scales.of(SIGNALS.get(name, DIMENSIONLESS)) for name in self.inputs]
         inertia = drive.inertia if drive.inertia is not None else 1.0
         sizes = [scales.of(VELOCITY), *states, *drive.parameter_scales(scales), *inputs]
         return np.array([width, inertia, scales.time, *sizes])

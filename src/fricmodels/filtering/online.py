@@ -11,7 +11,7 @@ from fricmodels.errors import InputError
 from fricmodels.estimator import OnlineFilter
 from fricmodels.filtering.covariance import unpack
 from fricmodels.filtering.problem import FilterProblem
-from fricmodels.recording import CHANNELS, SIGNAL_CHANNEL, Recording
+from fricmodels.recording import CHANNELS, Recording, channel_of
 
 
 class ProblemOnline(OnlineFilter):
@@ -25,7 +25,7 @@ class ProblemOnline(OnlineFilter):
         self._problem = problem
         self._memory = problem.initial_memory()
         self._previous: dict[str, float] | None = None
-        space_inputs = [SIGNAL_CHANNEL[name] for name in problem.space.inputs]
+        space_inputs = [channel_of(name) for name in problem.space.inputs]
         self._channels = tuple(dict.fromkeys(["time", "torque", "velocity", *space_inputs]))
 
     def update(self, sample: Mapping[str, float]) -> dict[str, float]:

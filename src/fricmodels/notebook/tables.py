@@ -37,7 +37,9 @@ def tables(result: object) -> Tables:
 def _(recording: Recording) -> Tables:
     rows = {
         name: {
-            "unit": _OTHER_UNITS.get(name) or CHANNELS.get(name, DIMENSIONLESS).unit(recording.motion),
+            "unit": _OTHER_UNITS.get(name)
+            or recording.units.get(name)
+            or CHANNELS.get(name, DIMENSIONLESS).unit(recording.motion),
             "least": float(np.min(values)),
             "greatest": float(np.max(values)),
             "RMS": float(np.sqrt(np.mean(values**2))),

@@ -72,12 +72,13 @@ class Registry(Generic[T]):
         return tuple(name for name in dict.fromkeys(names) if name not in self._entries)
 
     def entry(self, name: str) -> Registered[T]:
-        """Return the class and its origin.
+        """Return the class and its origin. What stands in brackets after the name, as in ``other(x)``, is not of it.
 
         Raises:
             LeftOut: where a plugin is left out that may be the one which has the name.
             InputError: naming the nearest known name.
         """
+        name = name.partition("(")[0]
         try:
             return self._entries[name]
         except KeyError:

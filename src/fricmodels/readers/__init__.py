@@ -10,8 +10,9 @@ from fricmodels.readers.csv import CsvReader
 from fricmodels.readers.matlab import MatlabReader
 from fricmodels.readers.parquet import ParquetReader
 from fricmodels.readers.reading import read
+from fricmodels.readers.together import read_together, together
 
-__all__ = ["Reader", "check", "read"]
+__all__ = ["Reader", "check", "read", "read_together", "together"]
 
 
 @hookimpl

@@ -2,13 +2,17 @@
 
 The column may contain spaces, equal signs and colons. A column of the whole name after the first ``=`` is taken
 first; only if there is none, what follows the last colon is the unit, and without one the unit that the column's name
-states (``Speed [rpm]``, ``pos_deg``). So ``velocity=a:b`` is the column ``a:b``
-where the table has one, and the column ``a`` in the unit ``b`` otherwise.
+states (``Speed [rpm]``, ``pos_deg``). So ``velocity=a:b`` is the column ``a:b`` where the table has one, and the column
+``a`` in the unit ``b`` otherwise. ``a [b]`` says the same.
+
+What else was recorded, such as another joint's motion, is a further channel: ``other.NAME=COLUMN[:UNIT]``, any number
+of them. A column that is itself called ``other.NAME`` needs no mapping.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import re
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from difflib import get_close_matches
 
@@ -16,6 +20,7 @@ from fricmodels.dimension import Motion
 from fricmodels.errors import InputError, suggestion
 from fricmodels.readers import units
 from fricmodels.readers.header_units import stated_unit
+from fricmodels.recording import OTHER
 
 STANDARD: Mapping[Motion, Mapping[str, str]] = {
     Motion.ROTARY: {
@@ -47,6 +52,12 @@ _ALIASES = {"force": "torque", "load_force": "load_torque"}
 NAMES = (*STANDARD[Motion.ROTARY], *_ALIASES)
 """Channel names that a mapping may use; ``force`` and ``load_force`` are those of a linear axis."""
 
+Mapped = Sequence[str] | Mapping[str, str | Mapping[str, str]]
+"""Mappings as ``CHANNEL=COLUMN[:UNIT]``, or by channel; those of further channels under ``other``."""
+
+_FURTHER = re.compile(re.escape(OTHER) + r"[A-Za-z_]\w*", re.ASCII)
+_BRACKETS = re.compile(r"(.*\S)\s*[\[(](.*)[\])]")
+
 
 @dataclass(frozen=True)
 class Column:
@@ -74,11 +85,18 @@ def parse(specification: str, present: Sequence[str]) -> Column:
     name, equals, rest = (part.strip() for part in specification.partition("="))
     if not equals or not rest:
         raise InputError(f"'{specification}' is no column mapping; write CHANNEL=COLUMN or CHANNEL=COLUMN:UNIT")
-    if name not in NAMES:
-        raise InputError(f"unknown channel '{name}' in '{specification}'{suggestion(name, NAMES)}")
+    if name.startswith(OTHER):
+        if not _FURTHER.fullmatch(name):
+            raise InputError(f"'{name}' is no name of a further channel; write {OTHER} and letters, digits or _")
+    elif name not in NAMES:
+        raise InputError(f"unknown channel '{name}' in '{specification}'{suggestion(name, [*NAMES, OTHER + 'NAME'])}")
+    bracketed = _BRACKETS.fullmatch(rest)
     if rest in present:
-        return Column(name, rest)
+        stated = bracketed[2] if bracketed and name.startswith(OTHER) and units.known(bracketed[2]) else None
+        return Column(name, rest, stated)
     column, colon, unit = (part.strip() for part in rest.rpartition(":"))
+    if bracketed and bracketed[1] in present:
+        column, colon, unit = bracketed[1], ":", bracketed[2]
     if colon and column in present:
         if not unit:
             return Column(name, column)
@@ -91,17 +109,34 @@ def parse(specification: str, present: Sequence[str]) -> Column:
     raise InputError(f"there is no column '{wanted}' for the {name}{_near(wanted, present)}; columns: {_list(present)}")
 
 
-def mapping(columns: Sequence[str] | Mapping[str, str], present: Sequence[str]) -> dict[str, Column]:
+def _written(columns: Mapped) -> Iterator[str]:
+    """Yield each mapping as ``CHANNEL=COLUMN[:UNIT]``.
+
+    Raises:
+        InputError: for mappings below any other name than ``other``.
+    """
+    if isinstance(columns, str):
+        yield columns
+    elif not isinstance(columns, Mapping):
+        yield from columns
+    else:
+        for name, column in columns.items():
+            if isinstance(column, str):
+                yield f"{name}={column}"
+            elif f"{name}." == OTHER:
+                yield from (f"{OTHER}{further}={of}" for further, of in column.items())
+            else:
+                raise InputError(f"the channel '{name}' takes one column; only 'other' has channels of its own")
+
+
+def mapping(columns: Mapped, present: Sequence[str]) -> dict[str, Column]:
     """Read several mappings, of a list or ``{channel: "COLUMN[:UNIT]"}``; return them by channel.
 
     Raises:
         InputError: as :func:`parse`, and for a channel that is mapped twice.
     """
-    listed = [f"{name}={column}" for name, column in columns.items()] if isinstance(columns, Mapping) else columns
-    if isinstance(listed, str):
-        listed = [listed]
     found: dict[str, Column] = {}
-    for specification in listed:
+    for specification in _written(columns):
         column = parse(specification, present)
         if column.channel in found:
             raise InputError(f"the channel '{column.name}' is mapped twice: '{found[column.channel]}' and '{column}'")
@@ -117,7 +152,7 @@ def detect_motion(mapped: Mapping[str, Column], present: Sequence[str]) -> Motio
     """
     said = {column.name: True for column in mapped.values() if column.name in _ALIASES}
     for column in mapped.values():
-        if column.unit and column.channel != "run":
+        if column.unit and column.channel != "run" and not column.channel.startswith(OTHER):
             kinds = units.fits(column.unit, column.channel)
             if len(kinds) == 1:
                 said[column.name] = kinds == {Motion.LINEAR}
@@ -140,7 +175,8 @@ def detect_motion(mapped: Mapping[str, Column], present: Sequence[str]) -> Motio
     }
     if fits[Motion.LINEAR] != fits[Motion.ROTARY]:
         return max(fits, key=lambda motion: fits[motion])
-    sources = [column.column.lower() for channel, column in mapped.items() if channel not in ("time", "run")]
+    own = [channel for channel in mapped if channel not in ("time", "run") and not channel.startswith(OTHER)]
+    sources = [mapped[channel].column.lower() for channel in own]
     linear_names = sum(source.startswith("force") or source.endswith(("_n", "_m", "_m_s", "_mm")) for source in sources)
     rotary_names = sum("torque" in source or "rad" in source or source.endswith("nm") for source in sources)
     return Motion.LINEAR if linear_names > rotary_names else Motion.ROTARY
@@ -150,9 +186,7 @@ def _other(motion: Motion) -> Motion:
     return Motion.LINEAR if motion is Motion.ROTARY else Motion.ROTARY
 
 
-def assign(
-    columns: Sequence[str] | Mapping[str, str], present: Sequence[str], motion: Motion | None
-) -> tuple[dict[str, Column], Motion]:
+def assign(columns: Mapped, present: Sequence[str], motion: Motion | None) -> tuple[dict[str, Column], Motion]:
     """Return the column of each channel, and the motion: what is mapped, and standard names for the rest.
 
     Raises:
@@ -167,6 +201,11 @@ def assign(
     for channel, name in STANDARD[kind].items():
         if channel not in found and name in present:
             found[channel] = Column(channel, name)
+    for name in dict.fromkeys(present):
+        named = _BRACKETS.fullmatch(name)
+        channel = named[1] if named else name
+        if channel not in found and _FURTHER.fullmatch(channel):
+            found[channel] = parse(f"{channel}={name}", present)
     for column in found.values():
         if list(present).count(column.column) > 1:
             count = list(present).count(column.column)

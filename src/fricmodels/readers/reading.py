@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -15,18 +15,21 @@ from fricmodels.errors import InputError, suggestion
 from fricmodels.readers import units
 from fricmodels.readers.base import Reader
 from fricmodels.readers.checks import check
-from fricmodels.readers.columns import Column, assign
-from fricmodels.recording import Recording
+from fricmodels.readers.columns import Column, Mapped, assign
+from fricmodels.recording import OTHER, Recording
 from fricmodels.signals.wrapping import unwrap
 
 if TYPE_CHECKING:
     import pandas as pd
 
 
+_AS_IT_IS = units.Conversion(1.0, 0.0)
+
+
 def read(
     path: str | Path,
     *,
-    columns: Sequence[str] | Mapping[str, str] = (),
+    columns: Mapped = (),
     motion: Motion | None = None,
     name: str | None = None,
     reader: str | None = None,
@@ -36,8 +39,9 @@ def read(
 
     Args:
         path: the file; its suffix decides the reader.
-        columns: mappings ``CHANNEL=COLUMN[:UNIT]`` for what does not have the standard names, see
-            :mod:`fricmodels.readers.columns`; without a unit the column is in SI, or in the unit that the file states.
+        columns: mappings ``CHANNEL=COLUMN[:UNIT]`` for what does not have the standard names, and for further channels,
+            see :mod:`fricmodels.readers.columns`; without a unit the column is in SI, or in the unit that the file
+            states.
         motion: rotary or linear; found from names and units if not given.
         name: of the recording; the file's stem if not given.
         reader: name of the reader, if not by suffix.
@@ -58,12 +62,14 @@ def read(
         found, kind = assign(columns, [str(column) for column in table.columns], motion)
         found = _with_stated_units(found, table.attrs.get("units", {}))
         conversions = _conversions(found, kind, torque_constant)
+        further = {channel: units.further(column.unit) for channel, column in _further(found).items() if column.unit}
     except InputError as error:
         raise InputError(f"{source}: {error}") from None
     if not len(table):
         raise InputError(f"{source}: there are no samples")
     run, run_names = _runs(source, chosen, found, table)
     order = np.argsort(run, kind="stable")
+    conversions |= {channel: (channel, further.get(channel, (_AS_IT_IS, ""))[0]) for channel in _further(found)}
     channels = {
         channel: conversion(_numbers(source, chosen, table, found[column]))[order]
         for channel, (column, conversion) in conversions.items()
@@ -81,6 +87,7 @@ def read(
             **({"runs": run_names} if run_names else {}),
             **({"torque_constant": torque_constant} if torque_constant is not None else {}),
         },
+        units={channel: further.get(channel, (_AS_IT_IS, ""))[1] for channel in _further(found)},
     )
     check(recording, lambda row: chosen.place(source, int(order[row])))
     return unwrap(recording)
@@ -129,7 +136,6 @@ def _conversions(
     found: Mapping[str, Column], motion: Motion, torque_constant: float | None
 ) -> dict[str, tuple[str, units.Conversion]]:
     """Return for each channel which mapped column fills it, and how it is converted."""
-    si = units.Conversion(1.0, 0.0)
     result: dict[str, tuple[str, units.Conversion]] = {}
     driven = found.get("torque", found.get("current"))
     by_current = driven is not None and (
@@ -143,16 +149,20 @@ def _conversions(
     if torque_constant is not None and not (np.isfinite(torque_constant) and torque_constant != 0.0):
         raise InputError(f"the torque constant must be finite and not zero, got {torque_constant}")
     for channel, column in found.items():
-        if channel == "run":
+        if channel == "run" or channel.startswith(OTHER):
             continue
         target = "current" if by_current and channel == "torque" else channel
-        conversion = units.conversion(column.unit, target, motion) if column.unit else si
+        conversion = units.conversion(column.unit, target, motion) if column.unit else _AS_IT_IS
         result[target] = (channel, conversion)
     if by_current and torque_constant is not None:
         filled, conversion = result["current"]
         factor, offset = (torque_constant * part for part in (conversion.factor, conversion.offset))
         result["torque"] = (filled, units.Conversion(factor, offset))
     return result
+
+
+def _further(found: Mapping[str, Column]) -> dict[str, Column]:
+    return {channel: column for channel, column in found.items() if channel.startswith(OTHER)}
 
 
 def _numbers(source: Path, reader: Reader, table: pd.DataFrame, column: Column) -> Array:

@@ -93,6 +93,34 @@ def fits(unit: str, channel: str) -> set[Motion]:
     return {motion for motion in Motion if _measures(unit, _si_unit(channel, motion))}
 
 
+_FURTHER = ("rad", "rad/s", "rad/s^2", "m", "m/s", "m/s^2", "N m", "N", "degC", "A", "V", "Pa", "W", "s")
+"""Units in which further channels are kept, if they measure the same; the quantities of drives, and usual ones."""
+
+
+def further(unit: str) -> tuple[Conversion, str]:
+    """Return how to convert a further channel to SI, and the SI unit: ``rad/s^2`` of ``deg/s^2``.
+
+    Raises:
+        InputError: for an unknown unit.
+    """
+    quantity = _quantity(unit)
+    target = next((known for known in _FURTHER if _measures(unit, known)), None)
+    if target is None:
+        base = _registry().get_base_units(quantity.units)[1]
+        target = f"{base:~}".replace(" ** ", "^").replace(" * ", " ").replace(" / ", "/") or "1"
+    return _between(unit, target), target
+
+
+def _between(unit: str, target: str) -> Conversion:
+    quantity, create = _quantity(unit), _registry().Quantity
+    wanted = "" if target == "1" else target
+    low, high = (create(value * quantity.magnitude, quantity.units).to(wanted).magnitude for value in (0.0, 1.0))
+    factor = float(high - low)
+    if not (np.isfinite(factor) and factor != 0.0):
+        raise InputError(f"the unit '{unit}' has the size {factor}")
+    return Conversion(factor, float(low))
+
+
 def conversion(unit: str, channel: str, motion: Motion) -> Conversion:
     """Return how to convert a channel from ``unit`` to SI.
 
@@ -100,7 +128,6 @@ def conversion(unit: str, channel: str, motion: Motion) -> Conversion:
         InputError: for an unknown unit, or one of another dimension than the channel's.
     """
     target = _si_unit(channel, motion)
-    quantity = _quantity(unit)
     if not _measures(unit, target):
         hint = "; state the counts a turn, such as count/2000" if _COUNT.search(unit) else ""
         if is_voltage(unit):
@@ -110,9 +137,4 @@ def conversion(unit: str, channel: str, motion: Motion) -> Conversion:
             f"the unit '{unit}' does not measure the {channel.replace('_', ' ')} of a {motion} drive, "
             f"which is in {target}{hint}"
         )
-    create = _registry().Quantity
-    low, high = (create(value * quantity.magnitude, quantity.units).to(target).magnitude for value in (0.0, 1.0))
-    factor = float(high - low)
-    if not (np.isfinite(factor) and factor != 0.0):
-        raise InputError(f"the unit '{unit}' has the size {factor}")
-    return Conversion(factor, float(low))
+    return _between(unit, target)

@@ -92,16 +92,15 @@ def _rungs(data: Mapping[str, Any], folder: Path) -> list[Rung]:
     from fricmodels.diagnosis import compare_fit, kept_back, ready
     from fricmodels.diagnosis.ladder import Rung
     from fricmodels.drive import Drive
-    from fricmodels.readers import read
+    from fricmodels.readers import read_together
 
     known = data["recording"]
     if not known["source"]:
         raise FricmodelsError("the recording was not read from a file")
-    path = Path(known["source"])
-    path = path if path.exists() else folder / path
+    paths = [Path(file) for file in known.get("files") or [known["source"]]]
     motion = Motion(data["motion"])
-    recording = read(
-        path,
+    recording = read_together(
+        [path if path.exists() else folder / path for path in paths],
         columns=known["columns"],
         motion=motion,
         name=data["dataset"],
@@ -109,7 +108,7 @@ def _rungs(data: Mapping[str, Any], folder: Path) -> list[Rung]:
         torque_constant=known["torque_constant"],
     )
     if recording.provenance["sha256"] != known["sha256"]:
-        raise FricmodelsError(f"{path} has changed since the diagnosis")
+        raise FricmodelsError(f"{known['source']} has changed since the diagnosis")
     train, test = kept_back(ready(recording))
     inertia = None if data["inertia"]["estimated"] else data["inertia"]["value"]
     rungs = []

@@ -109,7 +109,7 @@ def evidence(comparison: Comparison, effect: Effect) -> Picture:
         effect: what is missing.
     """
     from fricmodels.model import Model
-    from fricmodels.recording import SIGNAL_CHANNEL
+    from fricmodels.recording import channel_of
     from fricmodels.report import figures
     from fricmodels.weakform.problem import NoFriction
 
@@ -128,7 +128,7 @@ def evidence(comparison: Comparison, effect: Effect) -> Picture:
             loops = figures.hysteresis(comparison)
             return Picture(f"Its mark: friction around reversals beside {name}", _LOOPS, loops, points_of(loops))
     mapped = figures.residual_maps(comparison)
-    channel = next((SIGNAL_CHANNEL[s] for s in sorted(model.needs - {"velocity"}) if SIGNAL_CHANNEL[s] in mapped), None)
+    channel = next((channel_of(s) for s in sorted(model.needs - {"velocity"}) if channel_of(s) in mapped), None)
     if channel is None:
         return curve(comparison, f"Its mark: friction against velocity beside {name}")
     found = mark(comparison, channel)

@@ -59,7 +59,8 @@ def versions(known: Mapping[str, str]) -> str:
 def commands(data: Data, command: str, options: Sequence[str] = ()) -> str:
     """Return the commands that reproduce a result and its report."""
     known = data["recording"]
-    parts = ["fricmodels", command, str(known["source"]), "--model", data["model"]]
+    files = list(known.get("files") or [known["source"]])
+    parts = ["fricmodels", command, *files, "--model", data["model"]]
     if not data["inertia"]["estimated"]:
         parts += ["--inertia", repr(data["inertia"]["value"])]
     for column in known["columns"]:
@@ -68,6 +69,4 @@ def commands(data: Data, command: str, options: Sequence[str] = ()) -> str:
         parts += ["--torque-constant", repr(known["torque_constant"])]
     if data["motion"] == "linear":
         parts.append("--linear")
-    return "\n".join(
-        [f"sha256sum {shlex.quote(str(known['source']))}", shlex.join([*parts, *options, "--report", "report.html"])]
-    )
+    return "\n".join([shlex.join(["sha256sum", *files]), shlex.join([*parts, *options, "--report", "report.html"])])

@@ -18,6 +18,7 @@ from fricmodels.score.bands import Band, torque_errors
 from fricmodels.score.criteria import information_criteria
 from fricmodels.score.cycles import last_cycles, torque_amplitude
 from fricmodels.score.torque import filtered_torque_error, torque_error
+from fricmodels.score.zeroed import zeroed
 
 Array: TypeAlias = NDArray[np.float64]
 Measure: TypeAlias = Literal["torque", "paper"]
@@ -90,6 +91,8 @@ def score(
     if prepared_test is not None and not len(prepared_test):
         prepared_test = None
     values = fit.parameters
+    if prepared_test is not None:
+        prepared_test = zeroed(drive, values, prepared_test)
     bands: tuple[Band, ...] = ()
     if measure == "torque" and decimate == 1:
         errors, error = torque_errors(drive, values, prepared_train, prepared_test)

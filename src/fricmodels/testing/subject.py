@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from fricmodels.arrays import Array, Mask
-from fricmodels.dimension import VELOCITY, Dimension
+from fricmodels.dimension import DIMENSIONLESS, VELOCITY, Dimension
 from fricmodels.errors import FricmodelsError
 from fricmodels.expressions import rest_treatment
 from fricmodels.model import Model
@@ -23,7 +23,6 @@ from fricmodels.testing.faults import Fault
 from fricmodels.weakform.problem import NoFriction
 
 VELOCITY_PLACE = list(SIGNALS).index("velocity")
-FIRST_PARAMETER = len(SIGNALS)
 _LARGEST = 1e6
 """Stands for a bound that is missing."""
 
@@ -64,7 +63,7 @@ class Subject:
 
     def place(self, parameter: int) -> int:
         """Return where a parameter stands in the column."""
-        return FIRST_PARAMETER + parameter
+        return len(self.model.signals) + parameter
 
     @property
     def linear_places(self) -> list[int]:
@@ -80,7 +79,7 @@ class Subject:
         width: float = 1e-6,
     ) -> Array:
         """Return random signals, parameters within their bounds, states, and the width of rest."""
-        signals = rng.uniform(-2, 2, len(SIGNALS))
+        signals = rng.uniform(-2, 2, len(self.model.signals))
         signals[list(SIGNALS).index("time")] = rng.uniform(0, 2)
         if velocity is not None:
             signals[VELOCITY_PLACE] = velocity
@@ -107,7 +106,7 @@ def subject(cls: type[Term]) -> Subject:
     import casadi
 
     term = _made(cls)
-    signals = {name: casadi.SX.sym(name) for name in SIGNALS}
+    signals = {name: casadi.SX.sym(name) for name in (*SIGNALS, *term.channels)}
     _check_equations(term, signals)
     model = Model(term) if isinstance(term, Law) else Model(NoFriction(), [_effect(term)])
     try:
@@ -116,7 +115,10 @@ def subject(cls: type[Term]) -> Subject:
         raise Fault(f"{error}; return a rate for every declared state from rates()") from None
     column, smooth_column = (casadi.vertcat(*x.signals.values(), x.parameters, x.states, x.width) for x in (e, smooth))
     slopes = casadi.densify(casadi.jacobian(e.torque, casadi.vertcat(e.signals["velocity"], e.parameters)))
-    dimensions = [*SIGNALS.values(), *(p.dimension for p in term.parameters)]
+    dimensions = [
+        *(SIGNALS.get(name, DIMENSIONLESS) for name in model.signals),
+        *(p.dimension for p in term.parameters),
+    ]
     dimensions += [*(state.dimension for state in term.states), VELOCITY]
     return Subject(
         term,
@@ -133,7 +135,7 @@ def written_anew(term: Term) -> Any:
     """Call ``torque`` and ``rates`` once more; return a function of the column, as :attr:`Subject.torque_and_rates`."""
     import casadi
 
-    signals = {name: casadi.SX.sym(name) for name in SIGNALS}
+    signals = {name: casadi.SX.sym(name) for name in (*SIGNALS, *term.channels)}
     own = {p.symbol: casadi.SX.sym(p.symbol) for p in term.parameters}
     memory = {z.symbol: casadi.SX.sym(z.symbol) for z in term.states}
     width = casadi.SX.sym("width")

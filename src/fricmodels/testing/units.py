@@ -11,7 +11,7 @@ import numpy as np
 from fricmodels.arrays import Array
 from fricmodels.dimension import TIME, Dimension, Scales
 from fricmodels.testing.faults import Fault
-from fricmodels.testing.subject import FIRST_PARAMETER, Subject
+from fricmodels.testing.subject import Subject
 
 _COLUMNS = 6
 _BASES = {"force": "N m", "displacement": "rad", "time": "s", "temperature": "K"}
@@ -55,7 +55,7 @@ def check_units(subject: Subject) -> None:
         return
     both = _Trial(subject, moving, Scales(3.0, 5.0 if angle > 1 else 1.0, 7.0, 11.0))
     for i, p in enumerate(subject.term.parameters):
-        right = _right_dimension(both, declared, FIRST_PARAMETER + i)
+        right = _right_dimension(both, declared, subject.place(i))
         if right is not None:
             raise Fault(
                 f"{p.symbol} has the wrong unit '{p.unit}': the torque equation needs '{right.unit()}'; declare that"

@@ -90,12 +90,15 @@ class Dataset(Closed):
     name: str | None = None
     files: Texts | None = Field(default=None, description="paths or globs, relative to this file")
     test_files: Texts | None = Field(default=None, description="score on these files what was fitted on `files`")
+    together: bool = Field(default=False, description="take all files as one recording, each a run of it")
     optional: bool = Field(default=False, description="leave the dataset out, with a message, when no file is there")
     simulate: Simulate | None = None
     rig: str | None = Field(default=None, description="rig file, relative to this file")
     seeds: Seeds = Field(default=[0], description="seeds of the rig")
     reader: str | None = None
-    columns: dict[str, str] = Field(default={}, description="CHANNEL: COLUMN[:UNIT]")
+    columns: dict[str, str | dict[str, str]] = Field(
+        default={}, description="CHANNEL: COLUMN[:UNIT]; further channels by their names under other"
+    )
     motion: Motion | None = None
     inertia: float | None = Field(
         default=None, gt=0, allow_inf_nan=False, description="J [kg m²] or M [kg]; left out, it is estimated"
@@ -116,6 +119,8 @@ class Dataset(Closed):
             raise ValueError(f"give one of 'files', 'simulate' and 'rig', found {found}")
         if self.test_files is not None and self.files is None:
             raise ValueError("'test_files' goes with 'files'")
+        if self.together and self.files is None:
+            raise ValueError("'together' goes with 'files'")
         return self
 
 

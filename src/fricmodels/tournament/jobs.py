@@ -172,6 +172,9 @@ def _fit_and_score(job: Job) -> Row:
     _check_plugins(job.model)
     loaded = load(job.source)
     drive = _drive(job.model, job.source.inertia, loaded.train.motion)
+    model = drive.model.on(loaded.train)
+    if model is not drive.model:
+        drive = Drive(model, drive.inertia, drive.motion)
     estimator: Estimator = plugins.load().estimators[job.estimator](json.loads(job.settings))
     begin = time.perf_counter()
     fit = estimator.fit(drive, loaded.train, seed=job.seed)

@@ -109,6 +109,7 @@ def _found(description: str, started: Path) -> str:
 
     if "file" in values:
         values["file"] = place(values["file"])
-    if "test_files" in values:
-        values["test_files"] = [place(file) for file in values["test_files"]]
+    for files in ("files", "test_files"):
+        if files in values:
+            values[files] = [place(file) for file in values[files]]
     return json.dumps(values, sort_keys=True)

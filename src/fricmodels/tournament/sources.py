@@ -157,8 +157,12 @@ def _rigs(dataset: Dataset, rig: str, directory: Path, common: Mapping[str, Any]
 def _files(dataset: Dataset, directory: Path, common: Mapping[str, Any]) -> Iterator[Source]:
     found = _matching(dataset.files or [], directory)
     tests = _matching(dataset.test_files, directory) if dataset.test_files is not None else []
-    if tests and len(found) > 1:
-        raise InputError("'test_files' goes with one training file; list the others as datasets of their own")
+    groups = [found] if dataset.together else [[path] for path in found]
+    if tests and len(groups) > 1:
+        raise InputError(
+            "'test_files' goes with one training file, or with several that say 'together: true'; "
+            "list the others as datasets of their own"
+        )
     reading = {
         "reader": dataset.reader,
         "columns": dataset.columns,
@@ -166,10 +170,11 @@ def _files(dataset: Dataset, directory: Path, common: Mapping[str, Any]) -> Iter
         "torque_constant": dataset.torque_constant,
         "runs": dataset.runs,
     }
-    for path in found:
-        name = path.stem if dataset.name is None else dataset.name if len(found) == 1 else f"{dataset.name}/{path.stem}"
-        described = _describe("files", common, file=str(path), test_files=[str(t) for t in tests], **reading)
-        yield Source(name, {}, dataset.inertia, described)
+    for paths in groups:
+        own = paths[0].stem + (f" and {len(paths) - 1} more" if len(paths) > 1 else "")
+        name = own if dataset.name is None else dataset.name if len(groups) == 1 else f"{dataset.name}/{own}"
+        files = {"files": [str(path) for path in paths], "test_files": [str(t) for t in tests]}
+        yield Source(name, {}, dataset.inertia, _describe("files", common, **files, **reading))
 
 
 def _matching(patterns: list[str], directory: Path) -> list[Path]:
@@ -191,12 +196,14 @@ def load(source: Source) -> Loaded:
     Raises:
         InputError: for anything in the file that cannot be used.
     """
+    from fricmodels.readers import together
+
     values = source.values
     recording, tests = _recordings(source, values)
     preparation = Preparation.model_validate(values["preparation"])
     test: Recording | None
     if tests:
-        train, test = recording, _joined(tests)
+        train, test = recording, together(tests)
     elif values["split"] is None:
         train, test = recording, None
     else:
@@ -233,15 +240,15 @@ def _recordings(source: Source, values: Mapping[str, Any]) -> tuple[Recording, l
         return _simulate(source.dataset, values), []
     if values["kind"] == "rig":
         return _record_rig(values, source.dataset), []
-    tests = [_read(Path(file), values, f"{source.dataset}/{Path(file).stem}") for file in values["test_files"]]
-    return _read(Path(values["file"]), values, source.dataset), tests
+    tests = [_read([file], values, f"{source.dataset}/{Path(file).stem}") for file in values["test_files"]]
+    return _read(values["files"], values, source.dataset), tests
 
 
-def _read(path: Path, values: Mapping[str, Any], name: str) -> Recording:
+def _read(files: list[str], values: Mapping[str, Any], name: str) -> Recording:
     from fricmodels import readers
 
-    recording = readers.read(
-        path,
+    recording = readers.read_together(
+        files,
         columns=values["columns"],
         motion=Motion(values["motion"]) if values["motion"] else None,
         name=name,
@@ -255,7 +262,9 @@ def _read(path: Path, values: Mapping[str, Any], name: str) -> Recording:
     names.update({str(name): int(number) for number, name in recording.provenance.get("runs", {}).items()})
     for name_of_run in wanted:
         if name_of_run not in names:
-            raise InputError(f"{path}: there is no run '{name_of_run}'; it has {', '.join(list(names)[:20])}")
+            raise InputError(
+                f"{', '.join(files)}: there is no run '{name_of_run}'; it has {', '.join(list(names)[:20])}"
+            )
     return recording.select(np.isin(recording.run, [names[name_of_run] for name_of_run in wanted]))
 
 
@@ -289,20 +298,3 @@ def _simulate(name: str, values: Mapping[str, Any]) -> Recording:
         seed=values["seed"],
         name=name,
     )
-
-
-def _joined(recordings: list[Recording]) -> Recording:
-    """Put several recordings behind each other as runs of one."""
-    if len(recordings) == 1:
-        return recordings[0]
-    shared = set.intersection(*(set(recording.channels) for recording in recordings))
-    channels = {key: np.concatenate([recording[key] for recording in recordings]) for key in sorted(shared)}
-    numbers: list[Any] = []
-    first = 0
-    for recording in recordings:
-        _, order = np.unique(recording.run, return_inverse=True)
-        numbers.append(order + first)
-        first += int(order.max()) + 1
-    derived = frozenset.union(*(recording.derived for recording in recordings)) & shared
-    run = np.concatenate(numbers).astype(np.int64)
-    return Recording(recordings[0].name, recordings[0].motion, channels, run, derived)

@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache, cached_property, lru_cache
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,7 +21,7 @@ from fricmodels.drive import Drive, rest_width
 from fricmodels.memory import Memory
 from fricmodels.model import Model
 from fricmodels.parameter import Parameter
-from fricmodels.recording import Recording
+from fricmodels.recording import RATE, RUN, Recording
 from fricmodels.signals import best_half_width, lanczos_derivative, noise, resting, standstill
 from fricmodels.signals.rest import once
 from fricmodels.term import Effect, Law, Parameters, Signals
@@ -367,13 +368,14 @@ class _Smoothed:
 
 @once
 def _smoothed(recording: Recording) -> _Smoothed:
-    part = spread(recording)
+    part = spread(recording.with_channels(run=recording.signal(RUN)))
     half_width = best_half_width(part.time, part.velocity, part.run)
     smooth, acceleration = lanczos_derivative(part.time, part.velocity, half_width, part.run)
     if "acceleration" not in part:
         part = part.with_channels(acceleration=acceleration)
     smooth = np.where(np.abs(smooth) <= standstill(smooth), 0.0, smooth)
-    part = part.with_channels(torque_rate=part.signal("motor_torque_rate"))
+    rates: dict[str, Any] = {RATE + name: part.signal(RATE + name) for name in part.further}
+    part = part.with_channels(torque_rate=part.signal("motor_torque_rate"), **rates)
     return _Smoothed(part, smooth, half_width, noise(part.time, part.velocity, part.run), resting(part))
 
 

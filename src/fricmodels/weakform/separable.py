@@ -14,7 +14,6 @@ from fricmodels.drive import rest_width
 from fricmodels.kernels import ArrayFunction
 from fricmodels.model import Model
 from fricmodels.recording import Recording
-from fricmodels.term import SIGNALS
 
 Array = NDArray[np.float64]
 Memory: TypeAlias = Callable[[Array], Sequence[Array]]
@@ -80,7 +79,9 @@ class Separable:
     def _evaluate(
         self, function: ArrayFunction, rows: int, recording: Recording, alpha: tuple[float, ...], states: Sequence[Any]
     ) -> Array:
-        signals: list[Any] = [recording.signal(name) if name in self.model.needs else 0.0 for name in SIGNALS]
+        signals: list[Any] = [
+            recording.signal(name) if name in self.model.needs else 0.0 for name in self.model.signals
+        ]
         (values,) = function(*signals, *alpha, *states, rest_width(recording))
         return np.broadcast_to(values, (rows, len(recording)))
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from fricmodels.arrays import Array, Index, Mask
 from fricmodels.dimension import FORCE, Motion
-from fricmodels.recording import Recording
+from fricmodels.recording import RUN, Recording
 from fricmodels.report.figures.style import label, unit_of, words
 
 if TYPE_CHECKING:
@@ -168,9 +168,9 @@ def _joined(train: Recording, test: Recording) -> tuple[Recording, Mask, Index, 
     order = np.concatenate([np.arange(offsets[i], offsets[i + 1]) for i in chosen])
     sizes = np.diff(offsets)[chosen]
     channels = {name: np.concatenate([train[name], test[name]])[order] for name in train.channels if name in test}
-    recording = Recording(
-        train.name, train.motion, channels, np.repeat(np.arange(len(parts)), sizes), derived=train.derived
-    )
+    channels[RUN] = np.concatenate([train.signal(RUN), test.signal(RUN)])[order]
+    run = np.repeat(np.arange(len(parts)), sizes)
+    recording = Recording(train.name, train.motion, channels, run, derived=train.derived, units=train.units)
     kept_back = np.arange(len(order)) >= len(train)
     place = recording.time
     if consecutive:

@@ -1,0 +1,41 @@
+"""Runs of which a model does not know the offset, scored as a user would use them: with a zero taken from the run."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from fricmodels.drive import Drive
+from fricmodels.recording import RUN, Recording
+from fricmodels.score.torque import torque_error
+
+
+def zeroed(drive: Drive, values: Mapping[str, float], prepared: Recording) -> Recording:
+    r"""Return a recording with the offset taken off the torque of every run that the model was not fitted to.
+
+    A model with an offset for each run (:attr:`fricmodels.term.Effect.fitted_runs`) says nothing of another run's,
+    which has to be measured there. Each half of such a run is given the offset that the other half shows, the mean of
+    its torque error, so that no sample takes part in its own score (two-fold cross-validation). A model without such
+    offsets is scored as it is.
+
+    Args:
+        drive: the model.
+        values: parameters by key.
+        prepared: what the model was not fitted to, with velocity and acceleration.
+    """
+    fitted = [effect.fitted_runs for effect in drive.model.effects if effect.fitted_runs is not None]
+    if not fitted:
+        return prepared
+    run = prepared.signal(RUN).astype(np.int64)
+    unknown = np.setdiff1d(run, list(frozenset.intersection(*fitted)))
+    if not len(unknown):
+        return prepared
+    error = torque_error(drive, values, prepared)
+    torque = prepared.torque.copy()
+    for number in unknown:
+        halves = np.array_split(np.flatnonzero(run == number), 2)
+        for half, other in zip(halves, reversed(halves), strict=True):
+            if len(other):
+                torque[half] -= np.mean(error[other])
+    return prepared.with_channels(derived="torque" in prepared.derived, torque=torque)

@@ -1,0 +1,76 @@
+"""A sensor that is zeroed anew for every run: found, told from one offset, and scored fairly on runs not fitted to."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from fricmodels.diagnosis import compare, diagnose, improve, kept_back, ready
+from fricmodels.diagnosis.comparison import compare_model
+from fricmodels.drive import Drive
+from fricmodels.model import Model
+from fricmodels.recording import Recording
+from fricmodels.report.figures.samples import Samples
+from fricmodels.score.zeroed import zeroed
+
+Made = Callable[..., Recording]
+OFFSETS = np.array([0.5, -0.3, 0.1, 0.8, -0.6])
+
+
+def days(made: Made, offsets: np.ndarray = OFFSETS, samples: int = 8000) -> Recording:
+    own = made(samples=samples, noise=0.2)
+    run = np.arange(samples) * len(offsets) // samples
+    noise = 0.02 * np.random.default_rng(1).standard_normal(samples)
+    return replace(own.with_channels(derived=False, torque=own.torque + offsets[run] + noise), run=run)
+
+
+def test_offsets_of_runs_are_found_and_lower_the_test_error(made: Made) -> None:
+    ladder = improve(days(made), "coulomb-viscous", 2.0)
+    assert [finding.names for finding in ladder.first.findings] == [("run-offset",)]
+    last = ladder.rungs[-1]
+    assert (last.model, ladder.last.verdict) == ("coulomb-viscous+run-offset", "adequate")
+    for key, value in last.comparison.estimate.parameters.items():
+        if key.startswith("run-offset"):
+            assert value == pytest.approx(OFFSETS[int(key.rpartition("_")[2])], abs=0.02)
+
+
+def test_one_offset_is_no_offset_of_runs(made: Made) -> None:
+    found = diagnose(days(made, np.full(5, 0.5)), "coulomb-viscous", 2.0)
+    assert found.findings[0].names[0] == "torque-offset"
+    assert "run-offset" not in found.findings[0].names
+
+
+def test_no_offset_is_none(made: Made) -> None:
+    assert diagnose(days(made, np.zeros(5)), "coulomb-viscous", 2.0).findings == ()
+
+
+def test_beside_a_constant_they_count_from_the_last_run(made: Made) -> None:
+    three = days(made, OFFSETS[:3])
+    for name in ("asymmetric-coulomb-viscous", "coulomb-viscous+torque-offset"):
+        found = compare(three, f"{name}+run-offset", 2.0).estimate
+        assert not [key for key in found.not_identified if key.startswith("run-offset")]
+        assert found.parameters["run-offset.tau_0"] == pytest.approx(OFFSETS[0] - OFFSETS[2], abs=0.02)
+        assert found.parameters["run-offset.tau_1"] == pytest.approx(OFFSETS[1] - OFFSETS[2], abs=0.02)
+
+
+def test_a_run_that_was_not_fitted_gives_its_zero_by_its_other_half(made: Made) -> None:
+    train, test = kept_back(ready(days(made)))
+    fitted = compare_model(train, test, Drive(Model.parse("coulomb-viscous+run-offset"), 2.0))
+    values = fitted.estimate.parameters
+    taken = test.torque - zeroed(fitted.drive, values, test).torque
+    for run in np.unique(test.signal("run")).astype(int):
+        here = taken[test.signal("run") == run]
+        assert len(set(here.round(9))) == 2  # each half has its own, from the other
+        np.testing.assert_allclose(here, OFFSETS[run], atol=0.05)
+    without = Drive(Model.parse("coulomb-viscous"), 2.0)
+    assert zeroed(without, values, test) is test
+    assert zeroed(fitted.drive, values, train) is train
+
+
+def test_figures_join_fitted_and_kept_back_with_the_offset_of_each_run(made: Made) -> None:
+    fitted = compare(days(made), "coulomb-viscous+run-offset", 2.0)
+    samples = Samples.of(fitted)
+    assert set(np.unique(samples.recording.signal("run"))) == set(range(5))
