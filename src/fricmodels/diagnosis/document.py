@@ -37,6 +37,7 @@ def document(diagnosis: Diagnosis, ladder: Ladder | None = None) -> dict[str, An
         "unknown": None
         if view is None
         else {"channels": view.channels, "p_value": view.p_value, "held_out_gain": view.evidence.gain},
+        "remaining": _remaining(diagnosis if ladder is None else ladder.last),
         "could_have_been_seen": {
             name: {
                 "smallest_percent": row.smallest_percent,
@@ -108,6 +109,11 @@ def described(comparison: Comparison) -> dict[str, Any]:
         "interval": train.interval,
         "true_model": known.get("true_model"),
     }
+
+
+def _remaining(diagnosis: Diagnosis) -> dict[str, Any] | None:
+    rest = diagnosis.remaining
+    return None if rest is None else asdict(rest)
 
 
 def _effect(finding: Finding, motion: Motion) -> dict[str, Any]:

@@ -1,0 +1,252 @@
+r"""Which of the effects that resemble a residual are there, whatever else is missing beside them.
+
+Where the true cause is not among the candidates, some other effect still explains a part of it, significantly. Where
+several causes act at once, a true effect explains only a part as well. What tells the two apart is what the effect
+still does beside a description of the rest that assumes no physics:
+
+1. Effects are found one after the other, each given those before, until none passes; these are the *set* S.
+2. What S leaves is described by channel predictors R: flexible basis functions in the channels that predict it best.
+3. An effect e of S is *supported* if, given all the others and R, it explains most of what is left without it,
+
+   .. math:: \frac{L(S \setminus e, R) - L(S, R)}{L(S \setminus e, R) - L_0} \ge \sigma,
+
+   if R does not do most of what e does in its place, and if no channel does clearly more than e where S\\e and R leave
+   off. L is the sum of squared residuals on blocks that were not used for fitting, L_0 what noise and sampling leave.
+
+A mimic fails one of these: what it explained is taken by R, or a channel predicts more. A true effect beside an unknown
+cause passes: R takes the unknown part, and little remains but the effect's own.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fricmodels.diagnosis.basis_functions import hats_over
+from fricmodels.diagnosis.candidate_tests import CandidateTest, CandidateTests, candidate_tests
+from fricmodels.diagnosis.floor import floor
+from fricmodels.diagnosis.places import largest_place
+from fricmodels.diagnosis.predictability import AUTOREGRESSIVE, ChannelPredictor, channel_predictors, each_predictor
+from fricmodels.diagnosis.verdict import LookAlikes, predicts, select_effect
+from fricmodels.term import Effect
+from fricmodels.weakform.regression import Regression, compare
+from fricmodels.weakform.shifted import regression_of
+
+Array = NDArray[np.float64]
+
+_DESCRIPTIONS = 2
+"""Predictors that describe what a set of effects leaves."""
+_WORTH = 0.05
+"""A predictor joins the description if it lowers the sum of squares by this share."""
+
+
+@dataclass(frozen=True)
+class Member:
+    """An effect of the set.
+
+    Attributes:
+        found: the effect with its look-alikes.
+        columns: its columns and the tangents of its nonlinear parameters, shape (k, rows).
+    """
+
+    found: LookAlikes
+    columns: Array
+
+    @property
+    def effect(self) -> Effect:
+        """The effect itself."""
+        return self.found.first.effect
+
+
+def supported(result: CandidateTests, leave_out: Iterable[str], first: LookAlikes) -> list[LookAlikes]:
+    """Return the effects that are there, the one that was found first before the others.
+
+    Args:
+        result: the tests of all candidates.
+        leave_out: effects that are not considered.
+        first: the effect that explains the residual best, with its look-alikes.
+    """
+    members = _forward(result, set(leave_out), first)
+    rest = _Rest.of(result, members)
+    return [m.found for i, m in enumerate(members) if _is_supported(result, m, members[:i] + members[i + 1 :], rest)]
+
+
+def passing_predictors(result: CandidateTests) -> list[ChannelPredictor]:
+    """Return the channel predictors of the residual that pass all gates, best first."""
+    return [p for p in channel_predictors(result) if predicts(result, p.evidence, p.p_value)]
+
+
+def _forward(result: CandidateTests, leave_out: set[str], first: LookAlikes) -> list[Member]:
+    """Return effects found one after the other, each beside those before it, until nothing is left to be explained."""
+    members = [Member(first, columns_and_tangents(result, first.first))]
+    while len(members) < result.policy.most_together:
+        columns = _stacked(result, members)
+        left = _regression(result, columns, members)
+        if float(np.sum(left.loss)) <= floor(result.problem, result.policy):
+            break
+        out = leave_out | {m.effect.name for m in members}
+        found = candidate_tests(result.problem, result.parameters, leave_out=out, also=columns, policy=result.policy)
+        best = select_effect(found)
+        if best is None:
+            break
+        members.append(Member(best, columns_and_tangents(found, best.first)))
+    return members
+
+
+@dataclass(frozen=True)
+class _Rest:
+    """A description without physics of what a set of effects leaves.
+
+    Attributes:
+        columns: of the channels, shape (k, rows).
+        lasting: of the past of the residual or of the torque, shape (k, rows). It shows all that lasts, whatever the
+            cause: it sharpens the view of an effect, but does not take its place.
+    """
+
+    columns: Array
+    lasting: Array
+
+    @classmethod
+    def of(cls, result: CandidateTests, members: list[Member]) -> _Rest:
+        """Choose the predictors, the best one first, then the best beside it."""
+        columns = lasting = np.zeros((0, result.problem.rows))
+        used: set[str] = set()
+        for _ in range(_DESCRIPTIONS):
+            regression = _regression(result, np.vstack([_stacked(result, members), columns, lasting]), members)
+            before = float(np.sum(regression.loss))
+            if before <= floor(result.problem, result.policy):
+                break
+            sets = [p for p in _passing(result, regression) if p.channels not in used]
+            best = min(sets, key=lambda p: float(np.sum(p.evidence.loss)), default=None)
+            if best is None or float(np.sum(best.evidence.loss)) > (1 - _WORTH) * before:
+                break
+            used.add(best.channels)
+            if best.channels in AUTOREGRESSIVE:
+                lasting = np.vstack([lasting, best.columns])
+            else:
+                columns = np.vstack([columns, best.columns])
+        return cls(columns, lasting)
+
+
+def _is_supported(result: CandidateTests, member: Member, others: list[Member], rest: _Rest) -> bool:
+    """Whether an effect does something of its own beside the other effects and a description of the rest."""
+    policy, first = result.policy, member.found.first
+    if first.found.at_search_bound:
+        return False
+    beside = _stacked(result, others)
+    alone = _gain(result, beside, member)
+    described = _gain(result, np.vstack([beside, rest.columns]), member) if len(rest.columns) else alone
+    if described.fall < policy.not_replaceable * alone.fall:
+        return False
+    full = described
+    if len(rest.lasting):
+        full = _gain(result, np.vstack([beside, rest.columns, rest.lasting]), member)
+    least = floor(result.problem, policy)
+    if full.p_value > policy.significance or full.fall < policy.own_share * max(full.before - least, 0.0):
+        return False
+    return not _outpredicted(result, described, first)
+
+
+@dataclass(frozen=True)
+class _Gain:
+    """What an effect does beside given columns.
+
+    Attributes:
+        without, regression: the regression without the effect, and with it.
+        before, fall: sum of squared held-out residuals without it, and by how much it falls.
+        p_value: of the Wald test of its columns.
+    """
+
+    without: Regression
+    regression: Regression
+    columns: Array
+    before: float
+    fall: float
+    p_value: float
+
+
+def _gain(result: CandidateTests, beside: Array, member: Member) -> _Gain:
+    without = regression_of(result.problem, result.parameters, beside)
+    delayed = regression_of(result.problem, result.parameters, beside, member.effect)
+    visible = delayed.visible(member.columns)
+    before = float(np.sum(without.loss))
+    if not np.any(visible):
+        return _Gain(without, without, member.columns[:0], before, 0.0, 1.0)
+    evidence = delayed.test(member.columns[visible], without)
+    after = regression_of(result.problem, result.parameters, np.vstack([beside, member.columns]), member.effect)
+    return _Gain(without, after, member.columns[visible], before, before - float(np.sum(after.loss)), evidence.p_value)
+
+
+def _outpredicted(result: CandidateTests, gain: _Gain, first: CandidateTest) -> bool:
+    """Whether a channel predicts clearly more than an effect of what is there without it.
+
+    The past of the residual or of the torque counts only against an effect with memory: it shows all that lasts. A
+    channel beside which the effect still does most of what it does is another cause.
+    """
+    policy, own = result.policy, gain.fall
+    terms = gain.without.terms
+    for predictor in _passing(result, gain.without):
+        if predictor.channels in AUTOREGRESSIVE and not first.effect.states:
+            continue
+        theirs = gain.before - float(np.sum(predictor.evidence.loss))
+        if own >= policy.of_channel * theirs:
+            continue
+        if compare(gain.regression.loss, predictor.evidence.loss, terms)[1] > policy.outpredicted_significance:
+            continue
+        both = gain.without.test(_visible(gain.without, np.vstack([predictor.columns, gain.columns])))
+        beside = float(np.sum(predictor.evidence.loss)) - float(np.sum(both.loss))
+        if beside < policy.not_replaceable * own:
+            return True
+    return False
+
+
+def _passing(result: CandidateTests, regression: Regression) -> list[ChannelPredictor]:
+    """Return the channel predictors of what a regression leaves that pass all gates; with a place, hats about it."""
+    here = replace(result, regression=regression, tested=(), untested={})
+    found = [p for p in each_predictor(here) if predicts(here, p.evidence, p.p_value)]
+    place = largest_place(here)
+    if place is not None:
+        hats = hats_over(result.problem, place.channel, place.direction)
+        seen = _visible(regression, hats)
+        if len(seen):
+            found.append(ChannelPredictor(f"{place.channel}, in places", regression.test(seen), place.p_value, seen))
+    return found
+
+
+def _visible(regression: Regression, columns: Array) -> Array:
+    return np.asarray(columns[regression.visible(columns)])
+
+
+def _regression(result: CandidateTests, columns: Array, members: list[Member]) -> Regression:
+    delayed = next((m.effect for m in members if any(p.delay for p in m.effect.parameters)), None)
+    return regression_of(result.problem, result.parameters, columns, delayed)
+
+
+def _stacked(result: CandidateTests, members: list[Member]) -> Array:
+    return np.vstack([np.zeros((0, result.problem.rows)), *(m.columns for m in members)])
+
+
+def as_predictor(result: CandidateTests, tested: CandidateTest) -> ChannelPredictor:
+    """Return an effect that is not what is missing as a predictor from the channels on which it depends."""
+    needs = " and ".join(sorted(result.problem.alone(tested.effect).model.needs)).replace("_", " ")
+    channels = "the course of the motion before" if tested.effect.states else needs or "a constant torque"
+    columns = columns_and_tangents(result, tested)
+    return ChannelPredictor(f"{channels}, as in '{tested.name}'", tested.evidence, tested.adjusted, columns)
+
+
+def columns_and_tangents(result: CandidateTests, tested: CandidateTest) -> Array:
+    """Return an effect's columns and the tangents of its nonlinear parameters, shape (k, rows)."""
+    problem, found = result.problem, tested.found
+    alone = problem.alone(tested.effect)
+    stacked = [found.columns]
+    for i, value in enumerate(found.nonlinear):
+        step = 1e-4 * abs(value) or 1e-6
+        ends = []
+        for moved in (value - step, value + step):
+            columns, _ = problem.columns(alone, (*found.nonlinear[:i], moved, *found.nonlinear[i + 1 :]))
+            ends.append(tested.evidence.coefficients @ columns[found.kept])
+        stacked.append(((ends[1] - ends[0]) / (2 * step))[None])
+    return np.vstack(stacked)
