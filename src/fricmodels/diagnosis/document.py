@@ -13,7 +13,7 @@ from typing import Any
 from fricmodels import plugins
 from fricmodels.diagnosis.comparison import Comparison
 from fricmodels.diagnosis.diagnose import Diagnosis, Finding
-from fricmodels.diagnosis.explain import explain, sentence
+from fricmodels.diagnosis.explain import explain, sentence, unknown
 from fricmodels.diagnosis.ladder import Ladder, added
 from fricmodels.dimension import Motion
 
@@ -113,7 +113,7 @@ def described(comparison: Comparison) -> dict[str, Any]:
 
 def _remaining(diagnosis: Diagnosis) -> dict[str, Any] | None:
     rest = diagnosis.remaining
-    return None if rest is None else asdict(rest)
+    return None if rest is None else {**asdict(rest), "text": unknown(diagnosis)}
 
 
 def _effect(finding: Finding, motion: Motion) -> dict[str, Any]:

@@ -81,6 +81,36 @@ def largest_place(result: CandidateTests) -> Place | None:
     return found[0] if large else None
 
 
+@dataclass(frozen=True)
+class Profile:
+    """The mean residual in bins of a channel.
+
+    Attributes:
+        channel, direction: as of a :class:`Place`.
+        at, torque, error: middle of each bin, its mean residual [N m or N] and the standard error of that, shape (k,).
+    """
+
+    channel: str
+    direction: str
+    at: Array
+    torque: Array
+    error: Array
+
+
+def profile(result: CandidateTests, channel: str, direction: str = "both") -> Profile | None:
+    """Return the mean residual over a channel; ``None`` where the recording has no such channel, or hardly moves in it.
+
+    Args:
+        result: the tests of a model's residual.
+        channel: position, speed or load_torque.
+        direction: both, forward or backward.
+    """
+    for view in _views(result.problem, result.regression.residual):
+        if (view.channel, view.direction) == (channel, direction) and view.bins > 1:
+            return view.profile()
+    return None
+
+
 def _views(problem: WeakFormProblem, residual: Array) -> Iterator[_View]:
     recording, ones = problem.recording, np.ones((1, len(problem.recording)))
     weight = problem.bumps.integrals(ones)[0]
@@ -118,7 +148,7 @@ class _View:
     def __init__(
         self, channel: str, direction: str, at: Array, torque: Array, mask: NDArray[np.bool_], problem: WeakFormProblem
     ) -> None:
-        self._channel, self._direction = channel, direction
+        self.channel, self.direction = channel, direction
         self._total = float(torque @ torque) or 1.0
         chosen = np.flatnonzero(mask)
         self._edges = np.unique(np.quantile(at[chosen], np.linspace(0, 1, _BINS + 1))) if len(chosen) else np.zeros(1)
@@ -144,6 +174,11 @@ class _View:
         self._error = np.sqrt(n / (n - 1) * spread) / np.maximum(members, 1.0)
         self._members = members
 
+    def profile(self) -> Profile:
+        """Return the mean of every bin."""
+        middle = 0.5 * (self._edges[:-1] + self._edges[1:])
+        return Profile(self.channel, self.direction, middle, self._mean, self._error)
+
     def significant(self, level: float, trials: int) -> Iterator[Place]:
         """Yield the stretches of neighbouring bins whose means are significant and of one sign."""
         from scipy.stats import t as student
@@ -162,8 +197,8 @@ class _View:
             part = slice(start, stop)
             members = self._members[part]
             yield Place(
-                self._channel,
-                self._direction,
+                self.channel,
+                self.direction,
                 float(self._edges[start]),
                 float(self._edges[stop]),
                 float(self._mean[part] @ members / members.sum()),

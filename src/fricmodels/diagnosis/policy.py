@@ -146,11 +146,11 @@ class Policy:
     own_share: float = _rule(
         0.7,
         "share of the squared residual above the floor",
-        "An effect must explain this of what is left without it, beside the other effects and a description of the rest.",
+        "An effect must explain this of what is left without it, beside other effects and a description of the rest.",
         "The one threshold of naming against silence; see docs/decisions/unknown.md for its curve.",
         off=-_INF,
     )
-    not_replaceable: float = _rule(
+    kept: float = _rule(
         0.5,
         "share",
         "An effect must keep this share of what it explains beside channel predictors of the rest.",

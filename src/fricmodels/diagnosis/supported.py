@@ -29,6 +29,7 @@ from fricmodels.diagnosis.basis_functions import hats_over
 from fricmodels.diagnosis.candidate_tests import CandidateTest, CandidateTests, candidate_tests
 from fricmodels.diagnosis.floor import floor
 from fricmodels.diagnosis.places import largest_place
+from fricmodels.diagnosis.policy import Policy
 from fricmodels.diagnosis.predictability import AUTOREGRESSIVE, ChannelPredictor, channel_predictors, each_predictor
 from fricmodels.diagnosis.verdict import LookAlikes, predicts, select_effect
 from fricmodels.term import Effect
@@ -71,7 +72,8 @@ def supported(result: CandidateTests, leave_out: Iterable[str], first: LookAlike
     """
     members = _forward(result, set(leave_out), first)
     rest = _Rest.of(result, members)
-    return [m.found for i, m in enumerate(members) if _is_supported(result, m, members[:i] + members[i + 1 :], rest)]
+    judged = [(m, _support(result, m, members[:i] + members[i + 1 :], rest)) for i, m in enumerate(members)]
+    return [m.found for m, support in judged if support.suffices(result.policy)]
 
 
 def passing_predictors(result: CandidateTests) -> list[ChannelPredictor]:
@@ -131,23 +133,50 @@ class _Rest:
         return cls(columns, lasting)
 
 
-def _is_supported(result: CandidateTests, member: Member, others: list[Member], rest: _Rest) -> bool:
-    """Whether an effect does something of its own beside the other effects and a description of the rest."""
-    policy, first = result.policy, member.found.first
-    if first.found.at_search_bound:
-        return False
+@dataclass(frozen=True)
+class Support:
+    """What speaks for an effect of a set, given the other effects and a description of the rest.
+
+    Attributes:
+        own_share: share of the squared residual above the floor that the effect explains.
+        kept: share of what it explains beside the other effects alone that it still explains beside the description.
+        of_channel: least ratio of what it explains to what a channel explains that predicts clearly more in its place.
+        p_value: of the Wald test of its columns.
+        at_search_bound: whether it explains most at the end of what this recording can tell.
+    """
+
+    own_share: float
+    kept: float
+    of_channel: float
+    p_value: float
+    at_search_bound: bool
+
+    def suffices(self, policy: Policy) -> bool:
+        """Whether the effect may be named."""
+        return (
+            not self.at_search_bound
+            and self.p_value < policy.significance
+            and self.own_share >= policy.own_share
+            and self.kept >= policy.kept
+            and self.of_channel >= policy.of_channel
+        )
+
+
+def _support(result: CandidateTests, member: Member, others: list[Member], rest: _Rest) -> Support:
     beside = _stacked(result, others)
     alone = _gain(result, beside, member)
     described = _gain(result, np.vstack([beside, rest.columns]), member) if len(rest.columns) else alone
-    if described.fall < policy.not_replaceable * alone.fall:
-        return False
     full = described
     if len(rest.lasting):
         full = _gain(result, np.vstack([beside, rest.columns, rest.lasting]), member)
-    least = floor(result.problem, policy)
-    if full.p_value > policy.significance or full.fall < policy.own_share * max(full.before - least, 0.0):
-        return False
-    return not _outpredicted(result, described, first)
+    above = full.before - floor(result.problem, result.policy)
+    return Support(
+        full.fall / above if above > full.fall else 1.0,
+        described.fall / alone.fall if alone.fall > 0 else 0.0,
+        _against_channels(result, described, member.found.first),
+        full.p_value,
+        member.found.first.found.at_search_bound,
+    )
 
 
 @dataclass(frozen=True)
@@ -180,27 +209,29 @@ def _gain(result: CandidateTests, beside: Array, member: Member) -> _Gain:
     return _Gain(without, after, member.columns[visible], before, before - float(np.sum(after.loss)), evidence.p_value)
 
 
-def _outpredicted(result: CandidateTests, gain: _Gain, first: CandidateTest) -> bool:
-    """Whether a channel predicts clearly more than an effect of what is there without it.
+def _against_channels(result: CandidateTests, gain: _Gain, first: CandidateTest) -> float:
+    """Return the least ratio of what an effect explains to what a channel explains that predicts clearly more.
 
     The past of the residual or of the torque counts only against an effect with memory: it shows all that lasts. A
     channel beside which the effect still does most of what it does is another cause.
     """
-    policy, own = result.policy, gain.fall
-    terms = gain.without.terms
+    policy, own, least = result.policy, gain.fall, np.inf
     for predictor in _passing(result, gain.without):
         if predictor.channels in AUTOREGRESSIVE and not first.effect.states:
             continue
         theirs = gain.before - float(np.sum(predictor.evidence.loss))
-        if own >= policy.of_channel * theirs:
+        if own >= theirs:
             continue
-        if compare(gain.regression.loss, predictor.evidence.loss, terms)[1] > policy.outpredicted_significance:
+        if (
+            compare(gain.regression.loss, predictor.evidence.loss, gain.without.terms)[1]
+            > policy.outpredicted_significance
+        ):
             continue
         both = gain.without.test(_visible(gain.without, np.vstack([predictor.columns, gain.columns])))
         beside = float(np.sum(predictor.evidence.loss)) - float(np.sum(both.loss))
-        if beside < policy.not_replaceable * own:
-            return True
-    return False
+        if beside < policy.kept * own:
+            least = min(least, own / theirs)
+    return least
 
 
 def _passing(result: CandidateTests, regression: Regression) -> list[ChannelPredictor]:
