@@ -147,7 +147,7 @@ class Policy:
         0.7,
         "share of the squared residual above the floor",
         "An effect must explain this of what is left without it, beside other effects and a description of the rest.",
-        "The one threshold of naming against silence; see docs/decisions/unknown.md for its curve.",
+        "Judgement: the one threshold of naming against silence; docs/decisions/unknown.md draws its curve.",
         off=-_INF,
     )
     kept: float = _rule(

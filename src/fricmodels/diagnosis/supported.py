@@ -61,6 +61,11 @@ class Member:
         """The effect itself."""
         return self.found.first.effect
 
+    @property
+    def at_bound(self) -> bool:
+        """Whether it explains most at the end of what this recording can tell."""
+        return self.found.first.found.at_search_bound
+
 
 def supported(result: CandidateTests, leave_out: Iterable[str], first: LookAlikes) -> list[LookAlikes]:
     """Return the effects that are there, the one that was found first before the others.
@@ -72,6 +77,9 @@ def supported(result: CandidateTests, leave_out: Iterable[str], first: LookAlike
     """
     members = _forward(result, set(leave_out), first)
     rest = _Rest.of(result, members)
+    # An effect at its search bound only resembles what is missing: it describes, and is not named.
+    members, at_bound = [m for m in members if not m.at_bound], [m for m in members if m.at_bound]
+    rest = replace(rest, columns=np.vstack([rest.columns, *(m.columns for m in at_bound)]))
     judged = [(m, _support(result, m, members[:i] + members[i + 1 :], rest)) for i, m in enumerate(members)]
     return [m.found for m, support in judged if support.suffices(result.policy)]
 
@@ -141,21 +149,21 @@ class Support:
         own_share: share of the squared residual above the floor that the effect explains.
         kept: share of what it explains beside the other effects alone that it still explains beside the description.
         of_channel: least ratio of what it explains to what a channel explains that predicts clearly more in its place.
+        torque: RMS torque that only it explains, over the RMS torque.
         p_value: of the Wald test of its columns.
-        at_search_bound: whether it explains most at the end of what this recording can tell.
     """
 
     own_share: float
     kept: float
     of_channel: float
+    torque: float
     p_value: float
-    at_search_bound: bool
 
     def suffices(self, policy: Policy) -> bool:
         """Whether the effect may be named."""
         return (
-            not self.at_search_bound
-            and self.p_value < policy.significance
+            self.p_value < policy.significance
+            and self.torque > policy.least_torque
             and self.own_share >= policy.own_share
             and self.kept >= policy.kept
             and self.of_channel >= policy.of_channel
@@ -174,8 +182,8 @@ def _support(result: CandidateTests, member: Member, others: list[Member], rest:
         full.fall / above if above > full.fall else 1.0,
         described.fall / alone.fall if alone.fall > 0 else 0.0,
         _against_channels(result, described, member.found.first),
+        float(np.sqrt(max(full.fall, 0.0) / np.sum(result.problem.driving**2))),
         full.p_value,
-        member.found.first.found.at_search_bound,
     )
 
 
