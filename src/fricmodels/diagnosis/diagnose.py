@@ -108,7 +108,7 @@ def examine(comparison: Comparison, *, leave_out: Iterable[str] = (), policy: Po
     out, parameters, refits = set(leave_out), comparison.estimate.parameters, Refits(comparison)
     result = candidate_tests(replace(comparison.problem), parameters, leave_out=out, policy=policy)
     best, predictors = select_effect(result), passing_predictors(result)
-    together = [] if best is None else supported(result, out, best)
+    together = supported(result, out, best) if best is not None or predictors else []
     found = refit_check(refits, result, out, together[0] if together else None)
     named = _confirmed(refits, found, passing_all_gates(result), policy)
     view = next((p for p in predictors if p.channels not in AUTOREGRESSIVE), predictors[0] if predictors else None)

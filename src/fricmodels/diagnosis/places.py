@@ -8,8 +8,10 @@ of the residual over pass p, and :math:`N_p` rows in it,
 .. math:: m = \frac{\sum_p S_p}{\sum_p N_p}, \qquad
           s^2 = \frac{n}{n-1} \frac{\sum_p (S_p - N_p m)^2}{(\sum_p N_p)^2},
 
-and m/s follows Student's t with n − 1 degrees of freedom (Liang and Zeger 1986, means of clusters). Rows of one pass
-may depend on each other in any way; passes are taken for independent. p-values are corrected for all bins (Bonferroni).
+(Liang and Zeger 1986, means of clusters). Rows of one pass may depend on each other in any way; passes are taken for
+independent. A bin is passed a few times only, so that its own spread is uncertain: the larger of it and of that of all
+bins together is taken, and m/s follows Student's t with the passes of all bins, less the bins, as degrees of freedom.
+p-values are corrected for all bins (Bonferroni).
 """
 
 from __future__ import annotations
@@ -170,8 +172,10 @@ class _View:
         total, members = (np.bincount(bin_of, values, minlength=self.bins) for values in (sums, rows))
         self._mean = total / np.maximum(members, 1.0)
         spread = np.bincount(bin_of, (sums - rows * self._mean[bin_of]) ** 2, minlength=self.bins)
-        n = np.maximum(self._count, 2)
-        self._error = np.sqrt(n / (n - 1) * spread) / np.maximum(members, 1.0)
+        n, rows_in = np.maximum(self._count, 2), np.maximum(members, 1.0)
+        self._freedom = max(int(np.sum(self._count)) - self.bins, 1)
+        pooled = float(np.sum(spread)) / float(np.sum(rows**2)) * np.bincount(bin_of, rows**2, minlength=self.bins)
+        self._error = np.sqrt(np.maximum(n / (n - 1) * spread, pooled)) / rows_in
         self._members = members
 
     def profile(self) -> Profile:
@@ -187,7 +191,7 @@ class _View:
             return
         enough = (self._count >= _LEAST_PASSES) & (self._error > 0)
         ratio = np.divide(self._mean, self._error, out=np.zeros(self.bins), where=enough)
-        p_values = np.where(enough, 2.0 * student.sf(np.abs(ratio), np.maximum(self._count - 1, 1)), 1.0)
+        p_values = np.where(enough, 2.0 * student.sf(np.abs(ratio), self._freedom), 1.0)
         sign = np.where(p_values < level, np.sign(self._mean), 0.0)
         starts = np.flatnonzero((sign != 0) & (sign != np.concatenate([[0.0], sign[:-1]])))
         for start in starts:

@@ -99,6 +99,13 @@ class Policy:
         "Judgement: standstill is known roughly only, so that nothing less than a doubling counts.",
         off=_INF,
     )
+    sampling_leaves: float = _rule(
+        0.0003,
+        "share of the RMS torque",
+        "So much counts as left by every effect: less does not decide which of them comes first.",
+        "Found on our rig: the least that sampling and differentiation leave with nothing hidden.",
+        off=0.0,
+    )
     alike_of_effect: float = _rule(
         0.05,
         "share of the residual",
@@ -158,7 +165,7 @@ class Policy:
         off=-_INF,
     )
     of_channel: float = _rule(
-        0.9,
+        0.98,
         "share",
         "An effect must explain this share of what the channel explains that predicts best in its place.",
         "Judgement.",

@@ -6,6 +6,7 @@ still does beside a description of the rest that assumes no physics:
 
 1. Effects are found one after the other, each given those before, until none passes; these are the *set* S.
 2. What S leaves is described by channel predictors R: flexible basis functions in the channels that predict it best.
+   Effects that R uncovers join S; those that are too small beside the others leave it.
 3. An effect e of S is *supported* if, given all the others and R, it explains most of what is left without it,
 
    .. math:: \frac{L(S \setminus e, R) - L(S, R)}{L(S \setminus e, R) - L_0} \ge \sigma,
@@ -40,6 +41,8 @@ Array = NDArray[np.float64]
 
 _DESCRIPTIONS = 2
 """Predictors that describe what a set of effects leaves."""
+_RIVALS = 3
+"""The best predictors of the whole residual that are asked whether they take the place of several effects."""
 _WORTH = 0.05
 """A predictor joins the description if it lowers the sum of squares by this share."""
 
@@ -67,21 +70,27 @@ class Member:
         return self.found.first.found.at_search_bound
 
 
-def supported(result: CandidateTests, leave_out: Iterable[str], first: LookAlikes) -> list[LookAlikes]:
+def supported(result: CandidateTests, leave_out: Iterable[str], first: LookAlikes | None) -> list[LookAlikes]:
     """Return the effects that are there, the one that was found first before the others.
 
     Args:
         result: the tests of all candidates.
         leave_out: effects that are not considered.
-        first: the effect that explains the residual best, with its look-alikes.
+        first: the effect that explains the residual best, with its look-alikes; ``None`` where none passes by itself.
     """
-    members = _forward(result, set(leave_out), first)
+    out = set(leave_out)
+    members = _found_in_turn(result, out, [] if first is None else [_member(result, first)], _nothing(result))
     rest = _Rest.of(result, members)
+    if len(rest.best):  # what the rest hides shows beside a description of it
+        hidden = _found_in_turn(result, out, members, rest.best)
+        members, rest = hidden, _Rest.of(result, hidden)
+    members = _pruned(result, members)
     # An effect at its search bound only resembles what is missing: it describes, and is not named.
     members, at_bound = [m for m in members if not m.at_bound], [m for m in members if m.at_bound]
     rest = replace(rest, columns=np.vstack([rest.columns, *(m.columns for m in at_bound)]))
     judged = [(m, _support(result, m, members[:i] + members[i + 1 :], rest)) for i, m in enumerate(members)]
-    return [m.found for m, support in judged if support.suffices(result.policy)]
+    named = [m for m, support in judged if support.suffices(result.policy)]
+    return [m.found for m in named if not _one_cause(result, m, [other for other in members if other is not m])]
 
 
 def passing_predictors(result: CandidateTests) -> list[ChannelPredictor]:
@@ -89,20 +98,47 @@ def passing_predictors(result: CandidateTests) -> list[ChannelPredictor]:
     return [p for p in channel_predictors(result) if predicts(result, p.evidence, p.p_value)]
 
 
-def _forward(result: CandidateTests, leave_out: set[str], first: LookAlikes) -> list[Member]:
-    """Return effects found one after the other, each beside those before it, until nothing is left to be explained."""
-    members = [Member(first, columns_and_tangents(result, first.first))]
+def _found_in_turn(
+    result: CandidateTests, leave_out: set[str], members: list[Member], description: Array
+) -> list[Member]:
+    """Return effects found one after the other, each beside those before it, until nothing is left to be explained.
+
+    Args:
+        result: the tests of all candidates.
+        leave_out: effects that are not considered.
+        members: what was found before.
+        description: columns that describe the rest, shape (k, rows).
+    """
+    members = [*members]
     while len(members) < result.policy.most_together:
-        columns = _stacked(result, members)
-        left = _regression(result, columns, members)
-        if float(np.sum(left.loss)) <= floor(result.problem, result.policy):
+        columns = np.vstack([_stacked(result, members), description])
+        if float(np.sum(_regression(result, columns, members).loss)) <= floor(result.problem, result.policy):
             break
+        if not len(columns):
+            break  # all candidates were tested as they are, and none passes
         out = leave_out | {m.effect.name for m in members}
         found = candidate_tests(result.problem, result.parameters, leave_out=out, also=columns, policy=result.policy)
         best = select_effect(found)
         if best is None:
             break
-        members.append(Member(best, columns_and_tangents(found, best.first)))
+        members.append(_member(found, best))
+    return members
+
+
+def _member(result: CandidateTests, found: LookAlikes) -> Member:
+    return Member(found, columns_and_tangents(result, found.first))
+
+
+def _pruned(result: CandidateTests, members: list[Member]) -> list[Member]:
+    """Return the effects without those that are too small beside the others, the smallest first."""
+    members = [*members]
+    least = result.policy.least_torque**2 * float(np.sum(result.problem.driving**2))
+    while len(members) > 1:
+        falls = [_gain(result, _stacked(result, members[:i] + members[i + 1 :]), m).fall for i, m in enumerate(members)]
+        weakest = int(np.argmin(falls))
+        if falls[weakest] > least:
+            break
+        del members[weakest]
     return members
 
 
@@ -114,31 +150,32 @@ class _Rest:
         columns: of the channels, shape (k, rows).
         lasting: of the past of the residual or of the torque, shape (k, rows). It shows all that lasts, whatever the
             cause: it sharpens the view of an effect, but does not take its place.
+        best: the columns of the channel that predicts best, shape (k, rows).
     """
 
     columns: Array
     lasting: Array
+    best: Array
 
     @classmethod
     def of(cls, result: CandidateTests, members: list[Member]) -> _Rest:
-        """Choose the predictors, the best one first, then the best beside it."""
-        columns = lasting = np.zeros((0, result.problem.rows))
-        used: set[str] = set()
+        """Choose the channels, the best one first, then the best beside it; the past where no channel predicts."""
+        columns = lasting = best = _nothing(result)
         for _ in range(_DESCRIPTIONS):
-            regression = _regression(result, np.vstack([_stacked(result, members), columns, lasting]), members)
+            regression = _regression(result, np.vstack([_stacked(result, members), columns]), members)
             before = float(np.sum(regression.loss))
             if before <= floor(result.problem, result.policy):
                 break
-            sets = [p for p in _passing(result, regression) if p.channels not in used]
-            best = min(sets, key=lambda p: float(np.sum(p.evidence.loss)), default=None)
-            if best is None or float(np.sum(best.evidence.loss)) > (1 - _WORTH) * before:
+            sets = [p for p in _passing(result, regression) if np.sum(p.evidence.loss) < (1 - _WORTH) * before]
+            chosen = min(sets, key=lambda p: (p.channels in AUTOREGRESSIVE, np.sum(p.evidence.loss)), default=None)
+            if chosen is None:
                 break
-            used.add(best.channels)
-            if best.channels in AUTOREGRESSIVE:
-                lasting = np.vstack([lasting, best.columns])
-            else:
-                columns = np.vstack([columns, best.columns])
-        return cls(columns, lasting)
+            if chosen.channels in AUTOREGRESSIVE:
+                lasting = chosen.columns
+                break
+            columns = np.vstack([columns, chosen.columns])
+            best = best if len(best) else chosen.columns
+        return cls(columns, lasting, best)
 
 
 @dataclass(frozen=True)
@@ -185,6 +222,41 @@ def _support(result: CandidateTests, member: Member, others: list[Member], rest:
         float(np.sqrt(max(full.fall, 0.0) / np.sum(result.problem.driving**2))),
         full.p_value,
     )
+
+
+def _one_cause(result: CandidateTests, member: Member, others: list[Member]) -> bool:
+    """Whether one channel does by itself what several effects do together: then these imitate one unknown cause.
+
+    Against the channel stand the effect and those others whose place the channel takes. They are several causes all the
+    same if they explain as much with fewer than half of the channel's terms.
+    """
+    policy = result.policy
+    lasting = AUTOREGRESSIVE if not member.effect.states else frozenset()
+    for predictor in [p for p in passing_predictors(result) if p.channels not in lasting][:_RIVALS]:
+        taken = [other for other in others if _takes_place(result, predictor, other, [*others, member])]
+        if not taken:
+            continue
+        beside = _stacked(result, [other for other in others if other not in taken])
+        before = _loss(result, beside)
+        theirs = before - _loss(result, np.vstack([beside, predictor.columns]))
+        group = np.vstack([member.columns, *(other.columns for other in taken)])
+        together = before - _loss(result, np.vstack([beside, group]))
+        if 2 * len(group) < len(predictor.columns) and together >= policy.of_channel * theirs:
+            continue
+        if before - _loss(result, np.vstack([beside, member.columns])) < policy.of_channel * theirs:
+            return True
+    return False
+
+
+def _takes_place(result: CandidateTests, predictor: ChannelPredictor, member: Member, every: list[Member]) -> bool:
+    """Whether a channel does most of what an effect does beside all the others."""
+    beside = _stacked(result, [other for other in every if other is not member])
+    own = _gain(result, beside, member).fall
+    return _gain(result, np.vstack([beside, predictor.columns]), member).fall < result.policy.kept * own
+
+
+def _loss(result: CandidateTests, columns: Array) -> float:
+    return float(np.sum(regression_of(result.problem, result.parameters, columns).loss))
 
 
 @dataclass(frozen=True)
@@ -265,7 +337,11 @@ def _regression(result: CandidateTests, columns: Array, members: list[Member]) -
 
 
 def _stacked(result: CandidateTests, members: list[Member]) -> Array:
-    return np.vstack([np.zeros((0, result.problem.rows)), *(m.columns for m in members)])
+    return np.vstack([_nothing(result), *(m.columns for m in members)])
+
+
+def _nothing(result: CandidateTests) -> Array:
+    return np.zeros((0, result.problem.rows))
 
 
 def as_predictor(result: CandidateTests, tested: CandidateTest) -> ChannelPredictor:

@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fricmodels.diagnosis.candidate_tests import CandidateTest, CandidateTests
-from fricmodels.diagnosis.floor import floor
 from fricmodels.weakform.all_motion import residual_rms
 from fricmodels.weakform.regression import Evidence, Regression, compare
 
@@ -127,9 +126,10 @@ def _left_over_all_motion(result: CandidateTests, tested: CandidateTest) -> floa
 
 
 def _rms(result: CandidateTests, tested: CandidateTest) -> float:
-    """Return the RMS residual with an effect; what noise and sampling may leave counts as left by each."""
-    loss = tested.evidence.loss
-    return float(np.sqrt((np.sum(loss) + floor(result.problem, result.policy)) / len(loss)))
+    """Return the RMS residual with an effect; what sampling leaves at the least counts as left by each."""
+    loss, driving = tested.evidence.loss, result.problem.driving
+    least = result.policy.sampling_leaves**2 * float(driving @ driving)
+    return float(np.sqrt((np.sum(loss) + least) / len(loss)))
 
 
 def _cost(result: CandidateTests, tested: CandidateTest) -> float:
