@@ -25,6 +25,7 @@ TORQUE_RATE = "rate of the motor torque"
 FINELY, FINELY_ALONG = "position, finely", "position, finely, along the motion"
 FINELY_TORQUE = "position, finely, and motor torque"
 _HATS = 8
+_PLACES = 32
 _INSTANTS = 31
 _WAVES = 6
 _FINE_WAVES = 3
@@ -49,6 +50,23 @@ def basis_functions(problem: WeakFormProblem, regression: Regression, policy: Po
     for name, build in _periodic(problem, regression).items():
         found[name] = partial(_integrals, problem, build)
     return found
+
+
+def hats_over(problem: WeakFormProblem, channel: str, direction: str) -> Array:
+    """Return narrow hats over a channel as integrals: what happens in one place, the same in both directions or not.
+
+    Args:
+        problem: the rows.
+        channel: position, speed or load_torque.
+        direction: both, or the one in which the place was seen; hats that change their sign with the motion join then.
+    """
+    points = problem.quadrature.recording
+    side = np.sign(points.velocity)
+    values = np.abs(points.velocity) if channel == "speed" else points[channel]
+    hats = _hats(values, _PLACES)
+    if channel == "speed":
+        return problem.integrals(side * hats if direction == "both" else np.vstack([side * hats, hats]))
+    return problem.integrals(hats if direction == "both" else np.vstack([hats, side * hats]))
 
 
 def _integrals(problem: WeakFormProblem, build: Callable[[], Array]) -> Array:

@@ -4,17 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Literal
 
-from fricmodels.diagnosis.candidate_tests import CandidateTest, candidate_tests
+from fricmodels.diagnosis.candidate_tests import CandidateTest, CandidateTests, candidate_tests
 from fricmodels.diagnosis.comparison import Comparison, compare
 from fricmodels.diagnosis.floor import is_far_above_noise
 from fricmodels.diagnosis.look_alikes import separated_by
+from fricmodels.diagnosis.places import Place, largest_place
 from fricmodels.diagnosis.policy import POLICY, Policy
 from fricmodels.diagnosis.power import Visibility, visibility
 from fricmodels.diagnosis.predictability import AUTOREGRESSIVE, ChannelPredictor
 from fricmodels.diagnosis.refit_check import refit_check
-from fricmodels.diagnosis.sufficiency import as_predictor, is_sufficient, passing_predictors
+from fricmodels.diagnosis.refits import Refits
+from fricmodels.diagnosis.remaining import Remaining, remaining
+from fricmodels.diagnosis.supported import as_predictor, passing_predictors, supported
 from fricmodels.diagnosis.verdict import LookAlikes, passing_all_gates, select_effect
 from fricmodels.display import Displayed
 from fricmodels.model import Model
@@ -47,6 +51,10 @@ class Diagnosis(Displayed):
         visibility: for every effect that was not found, the smallest that would have been, or what is missing.
         passing: every effect that passes the gates by itself, best first; most only resemble the first.
         policy: the constants that decided.
+        place: where along a channel the residual has a mean of its own, if nothing was named.
+        refits: fits of the model with one effect more, as far as they were asked for.
+        refused: an effect that would have been named, but with which the test error does not fall.
+        result: every candidate that was tested.
     """
 
     comparison: Comparison
@@ -56,6 +64,18 @@ class Diagnosis(Displayed):
     visibility: Mapping[str, Visibility]
     passing: tuple[CandidateTest, ...] = ()
     policy: Policy = POLICY
+    place: Place | None = None
+    refits: Refits | None = None
+    refused: CandidateTest | None = None
+    result: CandidateTests | None = None
+
+    @cached_property
+    def remaining(self) -> Remaining | None:
+        """What remains that no effect was named for; ``None`` unless the verdict is ``unknown-effect``."""
+        if self.verdict != "unknown-effect" or self.refits is None or self.result is None:
+            return None
+        channel = "" if self.view is None else self.view.channels
+        return remaining(self.comparison, channel, self.place, self.refits, self.result.tested)
 
 
 def diagnose(
@@ -85,23 +105,60 @@ def diagnose(
 
 def examine(comparison: Comparison, *, leave_out: Iterable[str] = (), policy: Policy = POLICY) -> Diagnosis:
     """Test every effect on what a fitted model leaves over."""
-    out, parameters = set(leave_out), comparison.estimate.parameters
+    out, parameters, refits = set(leave_out), comparison.estimate.parameters, Refits(comparison)
     result = candidate_tests(replace(comparison.problem), parameters, leave_out=out, policy=policy)
     best, predictors = select_effect(result), passing_predictors(result)
-    named = best if best is not None and is_sufficient(result, out, best.first, predictors) else None
-    named = refit_check(comparison, result, out, named)
+    together = supported(result, out, best) if best is not None or predictors else []
+    found = refit_check(refits, result, out, together[0] if together else None)
+    named = _confirmed(refits, found, passing_all_gates(result), policy)
     view = next((p for p in predictors if p.channels not in AUTOREGRESSIVE), predictors[0] if predictors else None)
     if best is not None and named is None:
         view = view or as_predictor(result, best.first)
-    findings = () if named is None else (_finding(named),)
+    findings = () if named is None else tuple(_finding(one) for one in _all_together(refits, named, together))
+    place = largest_place(result) if named is None else None
     verdict: Verdict = "adequate"
     if named is not None:
         verdict = "missing-effect" if len(named.names) == 1 else "undecided"
-    elif view is not None or is_far_above_noise(comparison, policy):
+    elif view is not None or place is not None or is_far_above_noise(comparison, policy):
         verdict = "unknown-effect"
-    passing = tuple(passing_all_gates(result)) if findings else ()
+    passing = tuple(passing_all_gates(result)) if found is not None else ()
     seen = visibility(result, () if named is None else named.names)
-    return Diagnosis(comparison, verdict, findings, view, seen, passing, policy)
+    refused = found.first if found is not None and named is None else None
+    return Diagnosis(comparison, verdict, findings, view, seen, passing, policy, place, refits, refused, result)
+
+
+def _confirmed(
+    refits: Refits, found: LookAlikes | None, passing: list[CandidateTest], policy: Policy
+) -> LookAlikes | None:
+    """Return what was found if the test error falls with it, or else the passing effect with which it falls furthest.
+
+    Nothing is said to be missing that does not lower the error on data that took no part in finding it.
+    """
+    if found is None or refits.lowers_test_error(found.first):
+        return found
+    others = [t for t in passing if t.name != found.first.name][: policy.step_trials - 1]
+    helpful = [(refits.with_effect(t), t) for t in others if refits.lowers_test_error(t)]
+    errors = [(other.sliding.held_out_percent, i) for i, (other, _) in enumerate(helpful) if other is not None]
+    if not errors:
+        return None
+    best = helpful[min(errors)[1]][1]
+    return LookAlikes(best, (best,))
+
+
+def _all_together(refits: Refits, first: LookAlikes, together: list[LookAlikes]) -> list[LookAlikes]:
+    """Return the first effect, and the others that are there beside it if the test error falls further with them."""
+    others = [one for one in together if one.first.name not in first.names]
+    model = refits.with_effect(first.first)
+    if not others or model is None or together[0] is not first:
+        return [first]
+    found = [first]
+    for other in others:
+        further = Refits(model)
+        after = further.with_effect(other.first)
+        if after is not None and further.lowers_test_error(other.first):
+            model = after
+            found.append(other)
+    return found
 
 
 def _finding(best: LookAlikes) -> Finding:

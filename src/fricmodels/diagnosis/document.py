@@ -13,7 +13,7 @@ from typing import Any
 from fricmodels import plugins
 from fricmodels.diagnosis.comparison import Comparison
 from fricmodels.diagnosis.diagnose import Diagnosis, Finding
-from fricmodels.diagnosis.explain import explain, sentence
+from fricmodels.diagnosis.explain import explain, sentence, unknown
 from fricmodels.diagnosis.ladder import Ladder, added
 from fricmodels.dimension import Motion
 
@@ -37,6 +37,7 @@ def document(diagnosis: Diagnosis, ladder: Ladder | None = None) -> dict[str, An
         "unknown": None
         if view is None
         else {"channels": view.channels, "p_value": view.p_value, "held_out_gain": view.evidence.gain},
+        "remaining": _remaining(diagnosis if ladder is None else ladder.last),
         "could_have_been_seen": {
             name: {
                 "smallest_percent": row.smallest_percent,
@@ -110,6 +111,11 @@ def described(comparison: Comparison) -> dict[str, Any]:
         "true_model": known.get("true_model"),
         "findings": list(known.get("findings", ())),
     }
+
+
+def _remaining(diagnosis: Diagnosis) -> dict[str, Any] | None:
+    rest = diagnosis.remaining
+    return None if rest is None else {**asdict(rest), "text": unknown(diagnosis)}
 
 
 def _effect(finding: Finding, motion: Motion) -> dict[str, Any]:

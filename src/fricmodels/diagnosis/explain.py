@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from fricmodels.diagnosis.candidate_tests import CandidateTest
 from fricmodels.diagnosis.diagnose import Diagnosis, Finding
-from fricmodels.diagnosis.ladder import Ladder
+from fricmodels.diagnosis.ladder import Ladder, added
 from fricmodels.diagnosis.predictability import AUTOREGRESSIVE
 from fricmodels.dimension import Motion
 
@@ -36,7 +36,9 @@ def explain(diagnosis: Diagnosis, ladder: Ladder | None = None) -> str:
     elif diagnosis.verdict == "unknown-effect":
         parts.append(unknown(diagnosis))
     else:
-        parts.append(sentence(diagnosis.findings[0], comparison.drive.motion))
+        findings = list(diagnosis.findings) if ladder is None else added(ladder)
+        parts.extend(sentence(finding, comparison.drive.motion) for finding in findings[:1])
+        parts.extend(_further(findings[1:]))
     if ladder is not None and len(ladder.rungs) > 1:
         last = ladder.rungs[-1]
         parts.append(f"With '{last.model}' the test error falls to {last.comparison.errors.held_out_percent:.3g} %.")
@@ -45,6 +47,13 @@ def explain(diagnosis: Diagnosis, ladder: Ladder | None = None) -> str:
     if ladder is not None and ladder.note:
         parts.append(ladder.note + ".")
     return " ".join(parts)
+
+
+def _further(findings: list[Finding]) -> list[str]:
+    if not findings:
+        return []
+    named = ", ".join(f"'{finding.tested.name}' ({finding.tested.effect.formula})" for finding in findings)
+    return [f"Beside it {named} {'is' if len(findings) == 1 else 'are'} missing."]
 
 
 def sentence(finding: Finding, motion: Motion = Motion.ROTARY) -> str:
@@ -77,24 +86,42 @@ def _size(tested: CandidateTest, motion: Motion) -> str:
 
 
 def unknown(diagnosis: Diagnosis) -> str:
-    """Return in words that something predictable remains which no known effect explains."""
-    view, comparison = diagnosis.view, diagnosis.comparison
-    if diagnosis.verdict != "unknown-effect":
+    """Return in words what remains that no effect was named for: how much, what predicts it, where, what comes near."""
+    rest = diagnosis.remaining
+    if rest is None:
         return ""
+    unit = "N m" if diagnosis.comparison.drive.motion is Motion.ROTARY else "N"
+    parts = [
+        f"Something is missing that no known effect explains: {rest.SI:.2g} {unit} RMS, {rest.percent:.2g} % of the "
+        f"motor torque. {_predicted(diagnosis)}"
+    ]
+    if diagnosis.refused is not None:
+        parts.append(f"'{diagnosis.refused.name}' explains part of it, but the test error does not fall with it.")
+    if rest.place is not None:
+        parts.append(f"It is there {rest.where}.")
+    if rest.nearest:
+        here = diagnosis.comparison.errors.held_out_percent
+        near = ", ".join(f"'{one.name}' ({here:.3g} → {one.held_out_percent:.3g} %)" for one in rest.nearest)
+        parts.append(
+            f"The known effects that come nearest, with the test error that each would give: {near}. To take one "
+            f"anyway: --model {rest.nearest[0].model}."
+        )
+    return " ".join(parts)
+
+
+def _predicted(diagnosis: Diagnosis) -> str:
+    view, comparison = diagnosis.view, diagnosis.comparison
     if view is None:
+        if diagnosis.place is not None:
+            return "It hangs on the place, not on a smooth course of any channel."
         worst = comparison.where[0]
         return (
-            f"{IN_NO_CHANNEL} The fit error is {comparison.errors.percent:.3g} %; "
-            f"{100 * worst.share_of_squared_error:.0f} % of the squared error lie in '{worst.regime}'."
+            f"{IN_NO_CHANNEL} {100 * worst.share_of_squared_error:.0f} % of the squared error lie in '{worst.regime}'."
         )
     falls = f"(it falls by {100 * view.evidence.gain:.0f} % on blocks that were not used for fitting)"
     if view.channels in AUTOREGRESSIVE:
         return (
-            "Something else is missing that no known effect explains. What is left lasts or rings: it can be predicted "
-            f"from {view.channels} {falls}, but from no recorded channel. Look for what was not recorded: another "
-            "joint, a temperature, a load."
+            f"It lasts or rings: it can be predicted from {view.channels} {falls}, but from no recorded channel. Look "
+            "for what was not recorded: another joint, a temperature, a load."
         )
-    return (
-        f"Something else is missing that no known effect explains: the residual can be predicted from "
-        f"{view.channels} {falls}. Plot it against these, and write an effect of your own."
-    )
+    return f"It can be predicted from {view.channels} {falls}."

@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
-from contextlib import suppress
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 
 from fricmodels.diagnosis.candidate_tests import CandidateTest
-from fricmodels.diagnosis.comparison import Comparison, compare, from_scratch, refitted, with_effect
+from fricmodels.diagnosis.comparison import Comparison, compare, from_scratch, refitted
 from fricmodels.diagnosis.diagnose import Diagnosis, Finding, examine
 from fricmodels.diagnosis.necessity import necessity
 from fricmodels.diagnosis.policy import POLICY, Policy
 from fricmodels.display import Displayed
-from fricmodels.errors import FricmodelsError
 from fricmodels.model import Model
 from fricmodels.recording import Recording
 from fricmodels.split import Split
@@ -87,6 +85,8 @@ def improve(
         search.diagnose()
     if exchanged:
         search.extend()
+    if search.steps and not first.findings:  # two effects together
+        first = replace(search.steps[0], verdict="missing-effect")
     return Ladder(first, tuple(search.rungs), search.diagnosis, tuple(search.steps), search.note)
 
 
@@ -131,11 +131,12 @@ class _Search:
 
     def extend(self) -> None:
         """Add what is missing until nothing is, or nothing lowers the test error."""
-        while self.diagnosis.findings and len(self.steps) < self._policy.most_steps:
+        while len(self.steps) < self._policy.most_steps:
             step = self._step()
             if not step:
-                found = self.diagnosis.findings[0].tested.name
-                self.note = f"'{found}' was found, but the test error does not fall with it"
+                refused = self.diagnosis.refused
+                if refused is not None:
+                    self.note = f"'{refused.name}' was found, but the test error does not fall with it"
                 return
             for diagnosis, rung in step:
                 self.steps.append(diagnosis)
@@ -143,41 +144,37 @@ class _Search:
             self.diagnose()
 
     def _step(self) -> list[tuple[Diagnosis, Rung]]:
-        """Add the effect that was found; where the test error does not fall with it, the best other one, or two.
+        """Add the effect that was found; where no test error falls with one effect, two.
 
         Returns:
             The diagnoses that led to the new rungs, and these; empty where nothing helps.
         """
-        diagnosis, here = self.diagnosis, self._here
-        found = diagnosis.findings[0].tested
-        tried = [self._with(here, found)]
-        if _test_error(tried[0].comparison) >= _test_error(here):
-            others = [t for t in diagnosis.passing if t.name != found.name]
-            tried += [self._with(here, t) for t in others[: self._policy.step_trials - 1]]
-        best = min(tried, key=lambda rung: _test_error(rung.comparison))
-        return [(diagnosis, best)] if _test_error(best.comparison) < _test_error(here) else self._pair(tried)
+        diagnosis = self.diagnosis
+        if diagnosis.findings:
+            rung = self._with(diagnosis, diagnosis.findings[0].tested)
+            return [] if rung is None else [(diagnosis, rung)]
+        return self._pair() if diagnosis.refused is not None else []
 
-    def _pair(self, tried: Sequence[Rung]) -> list[tuple[Diagnosis, Rung]]:
-        """Add two effects of which neither helps alone: what the first one brings may be lost in what is still missing.
-
-        Args:
-            tried: the model with one more effect, one for each that was tried.
-        """
+    def _pair(self) -> list[tuple[Diagnosis, Rung]]:
+        """Add two effects of which neither helps alone: what one brings may be lost in what is still missing."""
         pairs = []
-        for rung in tried:
+        for tested in self.diagnosis.passing[: self._policy.step_trials]:
+            rung = self._with(self.diagnosis, tested)
+            if rung is None:
+                continue
             following = self._examine(rung.comparison)
-            if following.findings:
-                second = self._with(rung.comparison, following.findings[0].tested)
-                pairs.append([(self.diagnosis, rung), (following, second)])
+            second = self._with(following, following.findings[0].tested) if following.findings else None
+            if second is not None:
+                first = replace(self.diagnosis, findings=(Finding(tested, (tested.name,), ""),))
+                pairs.append([(first, rung), (following, second)])
         best = min(pairs, key=lambda pair: _test_error(pair[1][1].comparison), default=[])
         return best if best and _test_error(best[1][1].comparison) < _test_error(self._here) else []
 
-    def _with(self, comparison: Comparison, tested: CandidateTest) -> Rung:
-        """Return the model with one more effect, refitted; as it is where that fails."""
+    def _with(self, diagnosis: Diagnosis, tested: CandidateTest) -> Rung | None:
+        """Return the diagnosed model with one more effect, refitted; ``None`` where that fails."""
         self._say(f"adding {tested.name}")
-        with suppress(FricmodelsError):
-            comparison = with_effect(comparison, tested.effect, tested.parameters)
-        return Rung(comparison, added=tested.name)
+        comparison = None if diagnosis.refits is None else diagnosis.refits.with_effect(tested)
+        return None if comparison is None else Rung(comparison, added=tested.name)
 
     def _without(self, comparison: Comparison, name: str) -> Comparison:
         return refitted(comparison, comparison.drive.model.minus(name), comparison.estimate.parameters)
@@ -215,7 +212,7 @@ class _Search:
             if not diagnosis.findings:
                 continue
             found = diagnosis.findings[0]
-            other = None if found.tested.name == name else self._with(smaller, found.tested)
+            other = None if found.tested.name == name else self._with(diagnosis, found.tested)
             if other is not None and self._may_replace(other.comparison):
                 self._replace(name, smaller, other, diagnosis)
                 changed = True

@@ -99,6 +99,13 @@ class Policy:
         "Judgement: standstill is known roughly only, so that nothing less than a doubling counts.",
         off=_INF,
     )
+    sampling_leaves: float = _rule(
+        0.0003,
+        "share of the RMS torque",
+        "So much counts as left by every effect: less does not decide which of them comes first.",
+        "Found on our rig: the least that sampling and differentiation leave with nothing hidden.",
+        off=0.0,
+    )
     alike_of_effect: float = _rule(
         0.05,
         "share of the residual",
@@ -143,58 +150,32 @@ class Policy:
         "Statistic, twice alike_significance: a wrong name is worse than none.",
         off=-1.0,
     )
-    outpredicted_by: float = _rule(
-        0.02,
-        "share of the squared residual",
-        "An effect is refused if a channel predictor explains this much more of the residual.",
-        "Found on our rig: of 88 drives whose effect was off the list 6 to 9 got a wrong name with it, 25 with fewer "
-        "predictors.",
-        off=_INF,
-    )
-    half_of_autoregression: float = _rule(
-        0.5,
-        "share",
-        "Of what the past of the residual or of the torque predicts, an effect without memory must explain this share.",
-        "Found on EMPS: asked for all of it, the asymmetry that its authors found was refused.",
-        off=0.0,
-    )
-    outside_own_kind: float = _rule(
-        0.2,
-        "squared share",
-        "A periodic effect is not refused by waves over position if less than this share of it lies outside of them.",
-        "Judgement: poles, slots and teeth have each a wave number of their own.",
-        off=0.0,
-    )
-    explains_alone: float = _rule(
-        1 / 3,
+    own_share: float = _rule(
+        0.7,
         "share of the squared residual above the floor",
-        "An effect without memory must explain this by itself.",
-        "Found on our rig: with two effects hidden the first explains 0.45 or more in 110 drives; a wrong sensor-delay "
-        "explained up to 0.25 of what a gap left.",
+        "An effect must explain this of what is left without it, beside other effects and a description of the rest.",
+        "Judgement: the one threshold of naming against silence; docs/decisions/unknown.md draws its curve.",
         off=-_INF,
     )
-    explains_by_count: tuple[float, ...] = _rule(
-        (0.7, 0.85, 0.95),
-        "shares of the squared residual above the floor",
-        "One effect with memory must explain the first of these, two or three effects together the next ones.",
-        "Found on our rig: effects with memory were half of all wrong names, with 0.25 to 0.5 explained; true ones "
-        "explain 0.78 to 1.",
-        off=(-_INF, -_INF, -_INF),
-    )
-    left_to_channels: float = _rule(
-        0.05,
-        "share of the squared residual",
-        "Beside one effect with memory, or several effects, no channel may predict this much of the residual.",
-        "Found on our rig: true effects with memory leave up to 0.05, as the rig's own form of them is another one.",
-        off=_INF,
-    )
-    combination_against_channel: float = _rule(
+    kept: float = _rule(
         0.5,
         "share",
-        "Effects together must leave less than this share of the squared residual that the best channel leaves, or as "
-        "little with less than this share of its terms.",
-        "Found on our rig: a fixed share of the residual in place of it named both of two effects in 48 of 61, not 52.",
-        off=_INF,
+        "An effect must keep this share of what it explains beside channel predictors of the rest.",
+        "Judgement: else these say the same without it.",
+        off=-_INF,
+    )
+    of_channel: float = _rule(
+        0.98,
+        "share",
+        "An effect must explain this share of what the channel explains that predicts best in its place.",
+        "Judgement.",
+        off=0.0,
+    )
+    most_together: int = _rule(
+        4,
+        "effects",
+        "So many effects are found one after the other in one diagnosis.",
+        "Judgement: each costs a search.",
     )
     clean_torque: float = _rule(
         0.1,

@@ -14,7 +14,9 @@ from fricmodels.diagnosis.comparison import Comparison
 from fricmodels.diagnosis.diagnose import Diagnosis, Finding
 from fricmodels.diagnosis.explain import explain
 from fricmodels.diagnosis.ladder import Ladder, Rung, added
+from fricmodels.diagnosis.places import profile
 from fricmodels.diagnosis.power import Visibility
+from fricmodels.diagnosis.remaining import Remaining
 from fricmodels.dimension import Motion
 from fricmodels.recording import Recording
 from fricmodels.score import Errors, headline_window, torque_error_over
@@ -153,15 +155,39 @@ def show_diagnosis(console: Console, diagnosis: Diagnosis, ladder: Ladder | None
         _show_found(console, findings, motion)
         console.print()
     final = diagnosis if ladder is None else ladder.last
-    if final.view is not None:
-        _say(
-            console,
-            f"Whatever the physics, the residual is predicted best from {final.view.channels}: it falls by "
-            f"{100 * final.view.evidence.gain:.3g} % on blocks that were not used for fitting "
-            f"(p = {final.view.p_value:.3g}).",
-        )
-        console.print()
+    show_remaining(console, final)
     _show_visibility(console, final.visibility, motion)
+
+
+def show_remaining(console: Console, diagnosis: Diagnosis) -> None:
+    """Plot what remains over the channel that shows it, and list the known effects that come nearest."""
+    rest = diagnosis.remaining
+    if rest is None or diagnosis.result is None:
+        return
+    unit = "N m" if diagnosis.comparison.drive.motion is Motion.ROTARY else "N"
+    channel = _channel(rest)
+    seen = profile(diagnosis.result, channel, "both" if rest.place is None else rest.place.direction)
+    if seen is not None:
+        _title(console, f"What remains: mean over {channel.replace('_', ' ')}, motion {seen.direction}")
+        show_plot(console, [Marks("mean residual", "o", seen.at, seen.torque)], channel.replace("_", " "), f"[{unit}]")
+        console.print()
+    if rest.nearest:
+        here = diagnosis.comparison.errors.held_out_percent
+        columns = [
+            Column("effect", tuple(one.name for one in rest.nearest)),
+            Column("test error", (*(f"{here:.4g} → {one.held_out_percent:.4g} %" for one in rest.nearest),), True),
+            Column("to take it anyway", tuple(f"--model {one.model}" for one in rest.nearest)),
+        ]
+        show_table(console, columns, "The known effects that come nearest to what remains")
+        console.print()
+
+
+def _channel(rest: Remaining) -> str:
+    """Return the channel over which to plot what remains: that of its place, or the one that predicts it."""
+    if rest.place is not None:
+        return rest.place.channel
+    first = rest.channel.partition(",")[0]
+    return {"position": "position", "load torque": "load_torque"}.get(first, "speed")
 
 
 def _show_evidence(console: Console, findings: list[Finding]) -> None:

@@ -16,17 +16,17 @@ import numpy as np
 
 from fricmodels import plugins
 from fricmodels.diagnosis.candidate_tests import CandidateTest, CandidateTests, candidate_tests
-from fricmodels.diagnosis.comparison import Comparison, with_effect
+from fricmodels.diagnosis.comparison import Comparison
 from fricmodels.diagnosis.floor import is_far_above_noise
 from fricmodels.diagnosis.policy import Policy
-from fricmodels.diagnosis.sufficiency import is_sufficient, passing_predictors
+from fricmodels.diagnosis.refits import Refits
+from fricmodels.diagnosis.supported import supported
 from fricmodels.diagnosis.verdict import LookAlikes, passing_all_gates, passing_significance, torque_share
-from fricmodels.errors import FricmodelsError
 from fricmodels.weakform.problem import WeakFormProblem
 
 
 def refit_check(
-    comparison: Comparison, result: CandidateTests, leave_out: Iterable[str], named: LookAlikes | None
+    refits: Refits, result: CandidateTests, leave_out: Iterable[str], named: LookAlikes | None
 ) -> LookAlikes | None:
     """Return what the weak form names, or the effect with memory that explains all motion far better, or ``None``.
 
@@ -34,24 +34,25 @@ def refit_check(
     the fitted model falls with it, the test error too.
 
     Args:
-        comparison: the fitted model.
+        refits: fits of the model with one effect more.
         result: the tests on its residual.
         leave_out: effects that are not considered.
         named: what the weak form names; ``None`` if nothing.
     """
-    policy, before, out = result.policy, _error(comparison), set(leave_out)
+    comparison, policy, out = refits.comparison, result.policy, set(leave_out)
+    before = _error(comparison)
     if named is None:
         small = [] if passing_all_gates(result) else passing_significance(result)
-        return _best(comparison, result, small, out, before) or _on_all_motion(comparison, out, before, policy)
+        return _best(refits, result, small, out, before) or _on_all_motion(refits, out, before, policy)
     in_rows = 100 * torque_share(result, named.first.evidence)
     if not named.first.effect.states or in_rows > policy.residual_shows_error * before:
         return named
-    fitted = _with(comparison, named.first)
+    fitted = refits.with_effect(named.first)
     helps = fitted is not None and _helps(comparison, fitted, policy)
     after = min(before, _error(fitted))
     if helps and after < policy.replacement * before:
         return named
-    return _on_all_motion(comparison, out, policy.replacement * after, policy) or (named if helps else None)
+    return _on_all_motion(refits, out, policy.replacement * after, policy) or (named if helps else None)
 
 
 def _helps(comparison: Comparison, fitted: Comparison, policy: Policy) -> bool:
@@ -61,8 +62,9 @@ def _helps(comparison: Comparison, fitted: Comparison, policy: Policy) -> bool:
     return falls and _error(fitted) < part * _error(comparison)
 
 
-def _on_all_motion(comparison: Comparison, leave_out: set[str], bound: float, policy: Policy) -> LookAlikes | None:
+def _on_all_motion(refits: Refits, leave_out: set[str], bound: float, policy: Policy) -> LookAlikes | None:
     """Return the effect with memory that explains all motion and leaves less than a bound [% of the RMS torque]."""
+    comparison = refits.comparison
     if _error(comparison) < policy.refit_fall:
         return None
     effects, parameters = plugins.load().effects, comparison.estimate.parameters
@@ -72,28 +74,28 @@ def _on_all_motion(comparison: Comparison, leave_out: set[str], bound: float, po
         problem.including_uncertain_motion, parameters, leave_out=leave_out, only=with_memory, policy=policy
     )
     passing = [t for t in passing_significance(result) if _share_in_rows(problem, t) < policy.judged_by_weak_form]
-    return _best(comparison, result, passing, leave_out, bound)
+    return _best(refits, result, passing, leave_out, bound)
 
 
 def _best(
-    comparison: Comparison, result: CandidateTests, passing: Iterable[CandidateTest], leave_out: set[str], bound: float
+    refits: Refits, result: CandidateTests, passing: Iterable[CandidateTest], leave_out: set[str], bound: float
 ) -> LookAlikes | None:
     """Return which of some effects, fitted, leaves least of the recording, if that is far less, and it is sufficient.
 
     Args:
-        comparison: the model without them.
+        refits: fits of the model with each of them.
         result: the tests that they come from.
         passing: the effects, best first.
         leave_out: effects that are not considered.
         bound: the error must be at most this [% of the RMS torque].
     """
-    policy, before = result.policy, _error(comparison)
+    policy, before = result.policy, _error(refits.comparison)
     chosen = [t for t in passing if t.effect.states and not t.found.at_search_bound][: policy.refit_trials]
-    trials = sorted((_error(_with(comparison, t)), i, t) for i, t in enumerate(chosen))
+    trials = sorted((_error(refits.with_effect(t)), i, t) for i, t in enumerate(chosen))
     if not trials or trials[0][0] > bound or not _falls_far(before, trials[0][0], policy):
         return None
     error, _, first = trials[0]
-    if not is_sufficient(result, leave_out, first, passing_predictors(result)):
+    if not any(found.first is first for found in supported(result, leave_out, LookAlikes(first, (first,)))):
         return None
     return LookAlikes(first, tuple(t for other, _, t in trials if other <= policy.alike_after_refit * error))
 
@@ -118,11 +120,3 @@ def _error(comparison: Comparison | None) -> float:
         return float("inf")
     errors = comparison.sliding
     return float(np.sqrt(0.5 * (errors.percent**2 + errors.held_out_percent**2)))
-
-
-def _with(comparison: Comparison, tested: CandidateTest) -> Comparison | None:
-    """Return the model with one more effect, fitted anew; ``None`` where that fails."""
-    try:
-        return with_effect(comparison, tested.effect, tested.parameters)
-    except FricmodelsError:
-        return None

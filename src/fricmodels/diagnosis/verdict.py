@@ -33,12 +33,14 @@ def passing_all_gates(result: CandidateTests) -> list[CandidateTest]:
     Size over all motion counts only for an effect whose residual comes near the best one in the weak form.
     """
     passing = passing_significance(result)
-    nearest = result.policy.far_worse * min((_rms(t) for t in passing if not t.found.at_search_bound), default=np.inf)
+    nearest = result.policy.far_worse * min(
+        (_rms(result, t) for t in passing if not t.found.at_search_bound), default=np.inf
+    )
     return [
         t
         for t in passing
         if torque_share(result, t.evidence) > result.policy.least_torque
-        or (_rms(t) < nearest and _is_large_over_all_motion(result, t))
+        or (_rms(result, t) < nearest and _is_large_over_all_motion(result, t))
     ]
 
 
@@ -91,12 +93,12 @@ def select_effect(result: CandidateTests) -> LookAlikes | None:
     if first is None:
         return None
     members = [first]
-    best = _rms(first)
+    best = _rms(result, first)
     near = max(policy.alike_of_effect * best, policy.alike_of_model * float(np.sqrt(np.mean(result.regression.loss))))
     for other in passing[passing.index(first) + 1 :]:
         _, p_worse = compare(other.evidence.loss, first.evidence.loss, result.regression.terms)
-        not_worse = p_worse > policy.alike_significance and _rms(other) < policy.far_worse * best
-        if not (_rms(other) - best < near or not_worse):
+        not_worse = p_worse > policy.alike_significance and _rms(result, other) < policy.far_worse * best
+        if not (_rms(result, other) - best < near or not_worse):
             continue
         if _contains(result, other, first) and first.name not in other.effect.distinct_from:
             continue
@@ -123,12 +125,15 @@ def _left_over_all_motion(result: CandidateTests, tested: CandidateTest) -> floa
     return residual_rms(result.problem, alone, tested.found.nonlinear, tested.found.kept)
 
 
-def _rms(tested: CandidateTest) -> float:
-    return float(np.sqrt(np.mean(tested.evidence.loss)))
+def _rms(result: CandidateTests, tested: CandidateTest) -> float:
+    """Return the RMS residual with an effect; what sampling leaves at the least counts as left by each."""
+    loss, driving = tested.evidence.loss, result.problem.driving
+    least = result.policy.sampling_leaves**2 * float(driving @ driving)
+    return float(np.sqrt((np.sum(loss) + least) / len(loss)))
 
 
 def _cost(result: CandidateTests, tested: CandidateTest) -> float:
-    return float(np.log(_rms(tested))) + result.policy.parameter_price * len(tested.effect.parameters)
+    return float(np.log(_rms(result, tested))) + result.policy.parameter_price * len(tested.effect.parameters)
 
 
 def _contains(result: CandidateTests, larger: CandidateTest, smaller: CandidateTest) -> bool:

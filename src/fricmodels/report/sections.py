@@ -61,23 +61,9 @@ def found(data: Data, rungs: Sequence[Rung]) -> Section:
         blocks.append(Words(data["explanation"]))
     for effect in data["effects"]:
         blocks += _effect(effect, data, before.get(effect["name"], rungs[0].comparison if rungs else None))
-    if data["unknown"] is not None and (len(data["effects"]) or data["verdict"] == "unknown-effect"):
-        blocks += [Heading("Something else"), Words(unknown_words(data))]
+    if data.get("remaining") and data["effects"]:
+        blocks += [Heading("What remains"), Words(data["remaining"]["text"])]
     return Section("missing", "What is missing" if data["effects"] else "The verdict", blocks)
-
-
-def unknown_words(data: Data) -> str:
-    """Say what predicts the residual that no known effect explains, or that nothing does."""
-    from fricmodels.diagnosis.explain import IN_NO_CHANNEL
-
-    view = data["unknown"]
-    if view is None:
-        return IN_NO_CHANNEL
-    return (
-        f"Something remains that no known effect explains: the residual can be predicted from {view['channels']}; with "
-        f"that it falls by {100 * view['held_out_gain']:.0f} % on blocks that were not used for fitting. Look at the "
-        "maps of the residual over these, and write an effect of your own (fricmodels new effect NAME)."
-    )
 
 
 def _effect(effect: Data, data: Data, before: Comparison | None) -> list[Block]:

@@ -121,8 +121,8 @@ def verdict(data: Data) -> Verdict:
     model, rungs = data["model"], data["ladder"]
     left = _left(data)
     details = [sections.ladder_words(data)] if len(rungs) > 1 else [left]
-    if data["unknown"] is not None and data["effects"]:
-        details.append(sections.unknown_words(data))
+    if data.get("remaining") and data["effects"]:
+        details.append(data["remaining"]["text"])
     if data["verdict"] == "adequate":
         details.append("This does not exclude effects that the recording could not have shown; they are listed below.")
         return Verdict(f"The model {model} is adequate: nothing that could be predicted is left.", "good", details)
@@ -130,7 +130,7 @@ def verdict(data: Data) -> Verdict:
         return Verdict(
             f"Something is missing from the model {model} that no known effect explains.",
             "bad",
-            [left, sections.unknown_words(data)],
+            [left, data["remaining"]["text"]] if data.get("remaining") else [left],
         )
     names = [_named(effect) for effect in data["effects"]]
     sentence = f"The model {model} lacks {counted(len(names), 'effect')}: {listed(names)}."

@@ -1,0 +1,212 @@
+r"""Where along a channel a residual has a mean that noise alone would not have.
+
+A predictor of few basis functions over a whole channel cannot show what happens in one place: a bump at one position is
+passed for a moment in each cycle, so that a test over blocks of time sees a few large values and no order in them. Here
+the rows are sorted into bins of a channel, and each *pass* through a bin is one observation. With the sums :math:`S_p`
+of the residual over pass p, and :math:`N_p` rows in it,
+
+.. math:: m = \frac{\sum_p S_p}{\sum_p N_p}, \qquad
+          s^2 = \frac{n}{n-1} \frac{\sum_p (S_p - N_p m)^2}{(\sum_p N_p)^2},
+
+(Liang and Zeger 1986, means of clusters). Rows of one pass may depend on each other in any way; passes are taken for
+independent. A bin is passed a few times only, so that its own spread is uncertain: the larger of it and of that of all
+bins together is taken, and m/s follows Student's t with the passes of all bins, less the bins, as degrees of freedom.
+p-values are corrected for all bins (Bonferroni).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fricmodels.diagnosis.candidate_tests import CandidateTests
+from fricmodels.diagnosis.policy import Policy
+from fricmodels.weakform.problem import WeakFormProblem
+from fricmodels.weakform.regression import LEAST_P, Regression
+
+Array = NDArray[np.float64]
+
+_BINS = 32
+"""Bins of equally many rows over a channel."""
+_LEAST_PASSES = 4
+"""A bin that was passed less often has no spread to speak of."""
+
+
+@dataclass(frozen=True)
+class Place:
+    """A stretch of a channel in which the residual has a mean of one sign.
+
+    Attributes:
+        channel: position, speed or load torque.
+        direction: forward, backward, or both.
+        low, high: ends of the stretch, in the unit of the channel.
+        torque: mean residual there [N m or N]; along the motion for speed.
+        passes: the least number of passes through one of its bins.
+        p_value: least of its bins, corrected for all bins of all channels.
+        share: share of the squared residual that the means of its bins explain.
+    """
+
+    channel: str
+    direction: str
+    low: float
+    high: float
+    torque: float
+    passes: int
+    p_value: float
+    share: float
+
+
+def places(problem: WeakFormProblem, regression: Regression, policy: Policy) -> list[Place]:
+    """Return the places whose means are significant, the one that explains most of the residual first.
+
+    Args:
+        problem: the fitted model and its rows.
+        regression: whose residual is looked at.
+        policy: the level of significance.
+    """
+    views = list(_views(problem, regression.residual))
+    trials = sum(view.bins for view in views)
+    found = [place for view in views for place in view.significant(policy.significance / trials, trials)]
+    return sorted(found, key=lambda place: -place.share)
+
+
+def largest_place(result: CandidateTests) -> Place | None:
+    """Return the place that explains most, if what it explains is large enough to count; see ``least_torque``."""
+    found = places(result.problem, result.regression, result.policy)
+    if not found:
+        return None
+    squares = found[0].share * float(result.regression.residual @ result.regression.residual)
+    large = squares > result.policy.least_torque**2 * float(result.problem.driving @ result.problem.driving)
+    return found[0] if large else None
+
+
+@dataclass(frozen=True)
+class Profile:
+    """The mean residual in bins of a channel.
+
+    Attributes:
+        channel, direction: as of a :class:`Place`.
+        at, torque, error: middle of each bin, its mean residual [N m or N] and the standard error of that, shape (k,).
+    """
+
+    channel: str
+    direction: str
+    at: Array
+    torque: Array
+    error: Array
+
+
+def profile(result: CandidateTests, channel: str, direction: str = "both") -> Profile | None:
+    """Return the mean residual over a channel; ``None`` where the recording has no such channel, or hardly moves in it.
+
+    Args:
+        result: the tests of a model's residual.
+        channel: position, speed or load_torque.
+        direction: both, forward or backward.
+    """
+    for view in _views(result.problem, result.regression.residual):
+        if (view.channel, view.direction) == (channel, direction) and view.bins > 1:
+            return view.profile()
+    return None
+
+
+def _views(problem: WeakFormProblem, residual: Array) -> Iterator[_View]:
+    recording, ones = problem.recording, np.ones((1, len(problem.recording)))
+    weight = problem.bumps.integrals(ones)[0]
+
+    def at_rows(values: Array) -> Array:
+        return np.asarray(problem.bumps.integrals(values[None])[0] / weight)
+
+    torque = residual / (weight * recording.interval)
+    velocity = at_rows(problem.smooth)
+    moving_on = np.abs(velocity) >= 0.999 * at_rows(np.abs(problem.smooth))  # rows without a reversal
+    forward, backward = moving_on & (velocity > 0), moving_on & (velocity < 0)
+    channels = {"position": torque, "load_torque": torque}
+    for name, values in channels.items():
+        if name in recording and np.ptp(recording[name]) > 0:
+            at = at_rows(recording[name])
+            for direction, mask in (("both", forward | backward), ("forward", forward), ("backward", backward)):
+                yield _View(name, direction, at, values, mask, problem)
+    speed = np.abs(velocity)
+    yield _View("speed", "both", speed, torque * np.sign(velocity), forward | backward, problem)
+    yield _View("speed", "forward", speed, torque, forward, problem)
+    yield _View("speed", "backward", speed, torque, backward, problem)
+
+
+class _View:
+    """Rows sorted into bins of a channel.
+
+    Args:
+        channel, direction: see :class:`Place`.
+        at: value of the channel at each row, shape (M,).
+        torque: mean residual of each row [N m or N], shape (M,).
+        mask: the rows that count, shape (M,).
+        problem: gives the rows' places in time.
+    """
+
+    def __init__(
+        self, channel: str, direction: str, at: Array, torque: Array, mask: NDArray[np.bool_], problem: WeakFormProblem
+    ) -> None:
+        self.channel, self.direction = channel, direction
+        self._total = float(torque @ torque) or 1.0
+        chosen = np.flatnonzero(mask)
+        self._edges = np.unique(np.quantile(at[chosen], np.linspace(0, 1, _BINS + 1))) if len(chosen) else np.zeros(1)
+        self.bins = max(len(self._edges) - 1, 0)
+        if not self.bins:
+            return
+        label = np.clip(np.searchsorted(self._edges, at[chosen], side="right") - 1, 0, self.bins - 1)
+        self._passes(label, torque[chosen], problem.centre[chosen], problem.bumps.width)
+
+    def _passes(self, label: NDArray[np.int64], torque: Array, centre: NDArray[np.int64], width: int) -> None:
+        """Sum the residual over each pass; rows of a bin within a test function's width are of one pass."""
+        order = np.lexsort((centre, label))
+        label, torque, centre = label[order], torque[order], centre[order]
+        new = np.concatenate([[True], (np.diff(label) != 0) | (np.diff(centre) > width)])
+        number = np.cumsum(new) - 1
+        sums, rows = np.bincount(number, torque), np.bincount(number).astype(float)
+        bin_of = label[new]
+        self._count = np.bincount(bin_of, minlength=self.bins)
+        total, members = (np.bincount(bin_of, values, minlength=self.bins) for values in (sums, rows))
+        self._mean = total / np.maximum(members, 1.0)
+        spread = np.bincount(bin_of, (sums - rows * self._mean[bin_of]) ** 2, minlength=self.bins)
+        n, rows_in = np.maximum(self._count, 2), np.maximum(members, 1.0)
+        self._freedom = max(int(np.sum(self._count)) - self.bins, 1)
+        pooled = float(np.sum(spread)) / float(np.sum(rows**2)) * np.bincount(bin_of, rows**2, minlength=self.bins)
+        self._error = np.sqrt(np.maximum(n / (n - 1) * spread, pooled)) / rows_in
+        self._members = members
+
+    def profile(self) -> Profile:
+        """Return the mean of every bin."""
+        middle = 0.5 * (self._edges[:-1] + self._edges[1:])
+        return Profile(self.channel, self.direction, middle, self._mean, self._error)
+
+    def significant(self, level: float, trials: int) -> Iterator[Place]:
+        """Yield the stretches of neighbouring bins whose means are significant and of one sign."""
+        from scipy.stats import t as student
+
+        if not self.bins:
+            return
+        enough = (self._count >= _LEAST_PASSES) & (self._error > 0)
+        ratio = np.divide(self._mean, self._error, out=np.zeros(self.bins), where=enough)
+        p_values = np.where(enough, 2.0 * student.sf(np.abs(ratio), self._freedom), 1.0)
+        sign = np.where(p_values < level, np.sign(self._mean), 0.0)
+        starts = np.flatnonzero((sign != 0) & (sign != np.concatenate([[0.0], sign[:-1]])))
+        for start in starts:
+            stop = start
+            while stop < self.bins and sign[stop] == sign[start]:
+                stop += 1
+            part = slice(start, stop)
+            members = self._members[part]
+            yield Place(
+                self.channel,
+                self.direction,
+                float(self._edges[start]),
+                float(self._edges[stop]),
+                float(self._mean[part] @ members / members.sum()),
+                int(self._count[part].min()),
+                float(np.clip(p_values[part].min() * trials, LEAST_P, 1.0)),
+                float(self._mean[part] ** 2 @ members / self._total),
+            )

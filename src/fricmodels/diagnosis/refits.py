@@ -1,0 +1,38 @@
+"""A model fitted again with one effect more, once for each effect: what says whether the test error falls with it."""
+
+from __future__ import annotations
+
+from fricmodels.diagnosis.candidate_tests import CandidateTest
+from fricmodels.diagnosis.comparison import Comparison, with_effect
+from fricmodels.errors import FricmodelsError
+
+
+class Refits:
+    """Fits of a model with one effect more.
+
+    Args:
+        comparison: the model without it.
+    """
+
+    def __init__(self, comparison: Comparison) -> None:
+        self.comparison = comparison
+        self._found: dict[tuple[str, tuple[float, ...]], Comparison | None] = {}
+
+    def with_effect(self, tested: CandidateTest) -> Comparison | None:
+        """Return the model with an effect, fitted from the estimate of it; ``None`` where that fails."""
+        key = (tested.name, (*tested.found.nonlinear, tested.found.delay))
+        if key not in self._found:
+            try:
+                self._found[key] = with_effect(self.comparison, tested.effect, tested.parameters)
+            except FricmodelsError:
+                self._found[key] = None
+        return self._found[key]
+
+    def lowers_test_error(self, tested: CandidateTest) -> bool:
+        """Whether the test error falls with an effect: the one that is printed, and that of the decisions."""
+        other, here = self.with_effect(tested), self.comparison
+        return (
+            other is not None
+            and other.sliding.held_out_percent < here.sliding.held_out_percent
+            and other.errors.held_out_percent < here.errors.held_out_percent
+        )

@@ -1,0 +1,92 @@
+"""What a model leaves that no effect was named for: how much, in which channel, where, and what comes nearest to it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from fricmodels.diagnosis.candidate_tests import CandidateTest
+from fricmodels.diagnosis.comparison import Comparison
+from fricmodels.diagnosis.places import Place
+from fricmodels.diagnosis.refits import Refits
+from fricmodels.dimension import Motion
+
+_NEAREST = 3
+
+
+@dataclass(frozen=True)
+class Nearest:
+    """A listed effect that was not named, and the model fitted with it.
+
+    Attributes:
+        name: of the effect.
+        model: the model with it.
+        held_out_percent: its test error, in % of the RMS motor torque.
+    """
+
+    name: str
+    model: str
+    held_out_percent: float
+
+
+@dataclass(frozen=True)
+class Remaining:
+    """What remains unexplained.
+
+    Attributes:
+        percent, SI: RMS test error beyond what sensor noise leaves, in % of the RMS motor torque and in N m or N.
+        channel: the channel that predicts it best, in words; empty where none does.
+        where: the place in that channel, its width and the mean torque there, or else the regime of motion in which
+            most of it lies.
+        place: the same place as numbers; ``None`` where it lies in none.
+        nearest: the listed effects that come nearest to it, the one with the least test error first.
+    """
+
+    percent: float
+    SI: float
+    channel: str
+    where: str
+    place: Place | None
+    nearest: tuple[Nearest, ...]
+
+
+def remaining(
+    comparison: Comparison, channel: str, place: Place | None, refits: Refits, tested: Sequence[CandidateTest]
+) -> Remaining:
+    """Return what a fitted model leaves.
+
+    Args:
+        comparison: the model.
+        channel: the channel that predicts its residual, or an empty text.
+        place: where the residual has a mean of its own.
+        refits: fits of this model with one effect more.
+        tested: the effects that were not named, the nearest first.
+    """
+    errors = comparison.errors
+    percent = float(np.sqrt(max(errors.held_out_percent**2 - comparison.noise_floor_percent**2, 0.0)))
+    size = percent / 100 * float(np.sqrt(np.mean(comparison.test.torque**2)))
+    near = []
+    for candidate in [t for t in tested if np.any(t.found.kept)][:_NEAREST]:
+        other = refits.with_effect(candidate)
+        if other is not None:
+            near.append(Nearest(candidate.name, other.drive.model.name, other.errors.held_out_percent))
+    near.sort(key=lambda one: one.held_out_percent)
+    if place is None:
+        worst = comparison.where[0]
+        where = f"{100 * worst.share_of_squared_error:.0f} % of the squared error lie in the regime '{worst.regime}'"
+    else:
+        where = at_place(place, comparison.drive.motion)
+        channel = channel or place.channel.replace("_", " ")
+    return Remaining(percent, size, channel, where, place, tuple(near))
+
+
+def at_place(place: Place, motion: Motion) -> str:
+    """Return a place in words, with its width and the mean torque there."""
+    length, torque = ("rad", "N m") if motion is Motion.ROTARY else ("m", "N")
+    unit = {"position": length, "speed": f"{length}/s", "load_torque": torque}.get(place.channel, "")
+    middle, width = 0.5 * (place.low + place.high), place.high - place.low
+    direction = "" if place.direction == "both" else f", {place.direction}"
+    name = place.channel.replace("_", " ")
+    return f"at {name} {middle:.3g} {unit}, {width:.2g} {unit} wide{direction}: {place.torque:+.2g} {torque} on average"

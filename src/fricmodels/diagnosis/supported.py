@@ -1,0 +1,367 @@
+r"""Which of the effects that resemble a residual are there, whatever else is missing beside them.
+
+Where the true cause is not among the candidates, some other effect still explains a part of it, significantly. Where
+several causes act at once, a true effect explains only a part as well. What tells the two apart is what the effect
+still does beside a description of the rest that assumes no physics:
+
+1. Effects are found one after the other, each given those before, until none passes; these are the *set* S.
+2. What S leaves is described by channel predictors R: flexible basis functions in the channels that predict it best.
+   Effects that R uncovers join S; those that are too small beside the others leave it.
+3. An effect e of S is *supported* if, given all the others and R, it explains most of what is left without it,
+
+   .. math:: \frac{L(S \setminus e, R) - L(S, R)}{L(S \setminus e, R) - L_0} \ge \sigma,
+
+   if R does not do most of what e does in its place, and if no channel does clearly more than e where S\\e and R leave
+   off. L is the sum of squared residuals on blocks that were not used for fitting, L_0 what noise and sampling leave.
+
+A mimic fails one of these: what it explained is taken by R, or a channel predicts more. A true effect beside an unknown
+cause passes: R takes the unknown part, and little remains but the effect's own.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fricmodels.diagnosis.basis_functions import hats_over
+from fricmodels.diagnosis.candidate_tests import CandidateTest, CandidateTests, candidate_tests
+from fricmodels.diagnosis.floor import floor
+from fricmodels.diagnosis.places import largest_place
+from fricmodels.diagnosis.policy import Policy
+from fricmodels.diagnosis.predictability import AUTOREGRESSIVE, ChannelPredictor, channel_predictors, each_predictor
+from fricmodels.diagnosis.verdict import LookAlikes, predicts, select_effect
+from fricmodels.term import Effect
+from fricmodels.weakform.regression import Regression, compare
+from fricmodels.weakform.shifted import regression_of
+
+Array = NDArray[np.float64]
+
+_DESCRIPTIONS = 2
+"""Predictors that describe what a set of effects leaves."""
+_RIVALS = 3
+"""The best predictors of the whole residual that are asked whether they take the place of several effects."""
+_WORTH = 0.05
+"""A predictor joins the description if it lowers the sum of squares by this share."""
+
+
+@dataclass(frozen=True)
+class Member:
+    """An effect of the set.
+
+    Attributes:
+        found: the effect with its look-alikes.
+        columns: its columns and the tangents of its nonlinear parameters, shape (k, rows).
+    """
+
+    found: LookAlikes
+    columns: Array
+
+    @property
+    def effect(self) -> Effect:
+        """The effect itself."""
+        return self.found.first.effect
+
+    @property
+    def at_bound(self) -> bool:
+        """Whether it explains most at the end of what this recording can tell."""
+        return self.found.first.found.at_search_bound
+
+
+def supported(result: CandidateTests, leave_out: Iterable[str], first: LookAlikes | None) -> list[LookAlikes]:
+    """Return the effects that are there, the one that was found first before the others.
+
+    Args:
+        result: the tests of all candidates.
+        leave_out: effects that are not considered.
+        first: the effect that explains the residual best, with its look-alikes; ``None`` where none passes by itself.
+    """
+    out = set(leave_out)
+    members = _found_in_turn(result, out, [] if first is None else [_member(result, first)], _nothing(result))
+    rest = _Rest.of(result, members)
+    if len(rest.best):  # what the rest hides shows beside a description of it
+        hidden = _found_in_turn(result, out, members, rest.best)
+        members, rest = hidden, _Rest.of(result, hidden)
+    members = _pruned(result, members)
+    # An effect at its search bound only resembles what is missing: it describes, and is not named.
+    members, at_bound = [m for m in members if not m.at_bound], [m for m in members if m.at_bound]
+    rest = replace(rest, columns=np.vstack([rest.columns, *(m.columns for m in at_bound)]))
+    judged = [(m, _support(result, m, members[:i] + members[i + 1 :], rest)) for i, m in enumerate(members)]
+    named = [m for m, support in judged if support.suffices(result.policy)]
+    return [m.found for m in named if not _one_cause(result, m, [other for other in members if other is not m])]
+
+
+def passing_predictors(result: CandidateTests) -> list[ChannelPredictor]:
+    """Return the channel predictors of the residual that pass all gates, best first."""
+    return [p for p in channel_predictors(result) if predicts(result, p.evidence, p.p_value)]
+
+
+def _found_in_turn(
+    result: CandidateTests, leave_out: set[str], members: list[Member], description: Array
+) -> list[Member]:
+    """Return effects found one after the other, each beside those before it, until nothing is left to be explained.
+
+    Args:
+        result: the tests of all candidates.
+        leave_out: effects that are not considered.
+        members: what was found before.
+        description: columns that describe the rest, shape (k, rows).
+    """
+    members = [*members]
+    while len(members) < result.policy.most_together:
+        columns = np.vstack([_stacked(result, members), description])
+        if float(np.sum(_regression(result, columns, members).loss)) <= floor(result.problem, result.policy):
+            break
+        if not len(columns):
+            break  # all candidates were tested as they are, and none passes
+        out = leave_out | {m.effect.name for m in members}
+        found = candidate_tests(result.problem, result.parameters, leave_out=out, also=columns, policy=result.policy)
+        best = select_effect(found)
+        if best is None:
+            break
+        members.append(_member(found, best))
+    return members
+
+
+def _member(result: CandidateTests, found: LookAlikes) -> Member:
+    return Member(found, columns_and_tangents(result, found.first))
+
+
+def _pruned(result: CandidateTests, members: list[Member]) -> list[Member]:
+    """Return the effects without those that are too small beside the others, the smallest first."""
+    members = [*members]
+    least = result.policy.least_torque**2 * float(np.sum(result.problem.driving**2))
+    while len(members) > 1:
+        falls = [_gain(result, _stacked(result, members[:i] + members[i + 1 :]), m).fall for i, m in enumerate(members)]
+        weakest = int(np.argmin(falls))
+        if falls[weakest] > least:
+            break
+        del members[weakest]
+    return members
+
+
+@dataclass(frozen=True)
+class _Rest:
+    """A description without physics of what a set of effects leaves.
+
+    Attributes:
+        columns: of the channels, shape (k, rows).
+        lasting: of the past of the residual or of the torque, shape (k, rows). It shows all that lasts, whatever the
+            cause: it sharpens the view of an effect, but does not take its place.
+        best: the columns of the channel that predicts best, shape (k, rows).
+    """
+
+    columns: Array
+    lasting: Array
+    best: Array
+
+    @classmethod
+    def of(cls, result: CandidateTests, members: list[Member]) -> _Rest:
+        """Choose the channels, the best one first, then the best beside it; the past where no channel predicts."""
+        columns = lasting = best = _nothing(result)
+        for _ in range(_DESCRIPTIONS):
+            regression = _regression(result, np.vstack([_stacked(result, members), columns]), members)
+            before = float(np.sum(regression.loss))
+            if before <= floor(result.problem, result.policy):
+                break
+            sets = [p for p in _passing(result, regression) if np.sum(p.evidence.loss) < (1 - _WORTH) * before]
+            chosen = min(sets, key=lambda p: (p.channels in AUTOREGRESSIVE, np.sum(p.evidence.loss)), default=None)
+            if chosen is None:
+                break
+            if chosen.channels in AUTOREGRESSIVE:
+                lasting = chosen.columns
+                break
+            columns = np.vstack([columns, chosen.columns])
+            best = best if len(best) else chosen.columns
+        return cls(columns, lasting, best)
+
+
+@dataclass(frozen=True)
+class Support:
+    """What speaks for an effect of a set, given the other effects and a description of the rest.
+
+    Attributes:
+        own_share: share of the squared residual above the floor that the effect explains.
+        kept: share of what it explains beside the other effects alone that it still explains beside the description.
+        of_channel: least ratio of what it explains to what a channel explains that predicts clearly more in its place.
+        torque: RMS torque that only it explains, over the RMS torque.
+        p_value: of the Wald test of its columns.
+    """
+
+    own_share: float
+    kept: float
+    of_channel: float
+    torque: float
+    p_value: float
+
+    def suffices(self, policy: Policy) -> bool:
+        """Whether the effect may be named."""
+        return (
+            self.p_value < policy.significance
+            and self.torque > policy.least_torque
+            and self.own_share >= policy.own_share
+            and self.kept >= policy.kept
+            and self.of_channel >= policy.of_channel
+        )
+
+
+def _support(result: CandidateTests, member: Member, others: list[Member], rest: _Rest) -> Support:
+    beside = _stacked(result, others)
+    alone = _gain(result, beside, member)
+    described = _gain(result, np.vstack([beside, rest.columns]), member) if len(rest.columns) else alone
+    full = described
+    if len(rest.lasting):
+        full = _gain(result, np.vstack([beside, rest.columns, rest.lasting]), member)
+    above = full.before - floor(result.problem, result.policy)
+    return Support(
+        full.fall / above if above > full.fall else 1.0,
+        described.fall / alone.fall if alone.fall > 0 else 0.0,
+        _against_channels(result, described, member.found.first),
+        float(np.sqrt(max(full.fall, 0.0) / np.sum(result.problem.driving**2))),
+        full.p_value,
+    )
+
+
+def _one_cause(result: CandidateTests, member: Member, others: list[Member]) -> bool:
+    """Whether one channel does by itself what several effects do together: then these imitate one unknown cause.
+
+    Against the channel stand the effect and those others whose place the channel takes. They are several causes all the
+    same if they explain as much with fewer than half of the channel's terms.
+    """
+    policy = result.policy
+    lasting = AUTOREGRESSIVE if not member.effect.states else frozenset()
+    for predictor in [p for p in passing_predictors(result) if p.channels not in lasting][:_RIVALS]:
+        taken = [other for other in others if _takes_place(result, predictor, other, [*others, member])]
+        if not taken:
+            continue
+        beside = _stacked(result, [other for other in others if other not in taken])
+        before = _loss(result, beside)
+        theirs = before - _loss(result, np.vstack([beside, predictor.columns]))
+        group = np.vstack([member.columns, *(other.columns for other in taken)])
+        together = before - _loss(result, np.vstack([beside, group]))
+        if 2 * len(group) < len(predictor.columns) and together >= policy.of_channel * theirs:
+            continue
+        if before - _loss(result, np.vstack([beside, member.columns])) < policy.of_channel * theirs:
+            return True
+    return False
+
+
+def _takes_place(result: CandidateTests, predictor: ChannelPredictor, member: Member, every: list[Member]) -> bool:
+    """Whether a channel does most of what an effect does beside all the others."""
+    beside = _stacked(result, [other for other in every if other is not member])
+    own = _gain(result, beside, member).fall
+    return _gain(result, np.vstack([beside, predictor.columns]), member).fall < result.policy.kept * own
+
+
+def _loss(result: CandidateTests, columns: Array) -> float:
+    return float(np.sum(regression_of(result.problem, result.parameters, columns).loss))
+
+
+@dataclass(frozen=True)
+class _Gain:
+    """What an effect does beside given columns.
+
+    Attributes:
+        without, regression: the regression without the effect, and with it.
+        before, fall: sum of squared held-out residuals without it, and by how much it falls.
+        p_value: of the Wald test of its columns.
+    """
+
+    without: Regression
+    regression: Regression
+    columns: Array
+    before: float
+    fall: float
+    p_value: float
+
+
+def _gain(result: CandidateTests, beside: Array, member: Member) -> _Gain:
+    without = regression_of(result.problem, result.parameters, beside)
+    delayed = regression_of(result.problem, result.parameters, beside, member.effect)
+    visible = delayed.visible(member.columns)
+    before = float(np.sum(without.loss))
+    if not np.any(visible):
+        return _Gain(without, without, member.columns[:0], before, 0.0, 1.0)
+    evidence = delayed.test(member.columns[visible], without)
+    after = regression_of(result.problem, result.parameters, np.vstack([beside, member.columns]), member.effect)
+    return _Gain(without, after, member.columns[visible], before, before - float(np.sum(after.loss)), evidence.p_value)
+
+
+def _against_channels(result: CandidateTests, gain: _Gain, first: CandidateTest) -> float:
+    """Return the least ratio of what an effect explains to what a channel explains that predicts clearly more.
+
+    The past of the residual or of the torque counts only against an effect with memory: it shows all that lasts. A
+    channel beside which the effect still does most of what it does is another cause.
+    """
+    policy, own, least = result.policy, gain.fall, np.inf
+    for predictor in _passing(result, gain.without):
+        if predictor.channels in AUTOREGRESSIVE and not first.effect.states:
+            continue
+        theirs = gain.before - float(np.sum(predictor.evidence.loss))
+        if own >= theirs:
+            continue
+        if (
+            compare(gain.regression.loss, predictor.evidence.loss, gain.without.terms)[1]
+            > policy.outpredicted_significance
+        ):
+            continue
+        both = gain.without.test(_visible(gain.without, np.vstack([predictor.columns, gain.columns])))
+        beside = float(np.sum(predictor.evidence.loss)) - float(np.sum(both.loss))
+        if beside < policy.kept * own:
+            least = min(least, own / theirs)
+    return least
+
+
+def _passing(result: CandidateTests, regression: Regression) -> list[ChannelPredictor]:
+    """Return the channel predictors of what a regression leaves that pass all gates; with a place, hats about it."""
+    here = replace(result, regression=regression, tested=(), untested={})
+    found = [p for p in each_predictor(here) if predicts(here, p.evidence, p.p_value)]
+    place = largest_place(here)
+    if place is not None:
+        hats = hats_over(result.problem, place.channel, place.direction)
+        seen = _visible(regression, hats)
+        if len(seen):
+            found.append(ChannelPredictor(f"{place.channel}, in places", regression.test(seen), place.p_value, seen))
+    return found
+
+
+def _visible(regression: Regression, columns: Array) -> Array:
+    return np.asarray(columns[regression.visible(columns)])
+
+
+def _regression(result: CandidateTests, columns: Array, members: list[Member]) -> Regression:
+    delayed = next((m.effect for m in members if any(p.delay for p in m.effect.parameters)), None)
+    return regression_of(result.problem, result.parameters, columns, delayed)
+
+
+def _stacked(result: CandidateTests, members: list[Member]) -> Array:
+    return np.vstack([_nothing(result), *(m.columns for m in members)])
+
+
+def _nothing(result: CandidateTests) -> Array:
+    return np.zeros((0, result.problem.rows))
+
+
+def as_predictor(result: CandidateTests, tested: CandidateTest) -> ChannelPredictor:
+    """Return an effect that is not what is missing as a predictor from the channels on which it depends."""
+    needs = " and ".join(sorted(result.problem.alone(tested.effect).model.needs)).replace("_", " ")
+    channels = "the course of the motion before" if tested.effect.states else needs or "a constant torque"
+    columns = columns_and_tangents(result, tested)
+    return ChannelPredictor(f"{channels}, as in '{tested.name}'", tested.evidence, tested.adjusted, columns)
+
+
+def columns_and_tangents(result: CandidateTests, tested: CandidateTest) -> Array:
+    """Return an effect's columns and the tangents of its nonlinear parameters, shape (k, rows)."""
+    problem, found = result.problem, tested.found
+    alone = problem.alone(tested.effect)
+    stacked = [found.columns]
+    for i, value in enumerate(found.nonlinear):
+        step = 1e-4 * abs(value) or 1e-6
+        ends = []
+        for moved in (value - step, value + step):
+            columns, _ = problem.columns(alone, (*found.nonlinear[:i], moved, *found.nonlinear[i + 1 :]))
+            ends.append(tested.evidence.coefficients @ columns[found.kept])
+        stacked.append(((ends[1] - ends[0]) / (2 * step))[None])
+    return np.vstack(stacked)
