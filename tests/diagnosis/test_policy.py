@@ -16,6 +16,7 @@ from fricmodels.diagnosis.policy import POLICY, Policy
 from fricmodels.recording import Recording
 
 Made = Callable[..., Recording]
+NUMBERS = ("refit_trials", "step_trials", "most_steps", "most_together")
 RULES = [entry.name for entry in fields(Policy)]
 LAW = "coulomb-viscous"
 
@@ -69,7 +70,7 @@ def test_without_the_rules_of_support_a_wrong_name_is_given(made: Made) -> None:
     assert wrong.findings[0].names == ("torque-offset",)
 
 
-@pytest.mark.parametrize("rule", [name for name in RULES if name not in ("refit_trials", "step_trials", "most_steps", "most_together")])
+@pytest.mark.parametrize("rule", [name for name in RULES if name not in NUMBERS])
 def test_a_diagnosis_ends_whichever_rule_is_off(rested: Callable[[], diagnosis.Comparison], rule: str) -> None:
     """On a strong effect alone no single rule decides: the name stands without any of them."""
     found = examine(rested(), policy=POLICY.without(rule))
