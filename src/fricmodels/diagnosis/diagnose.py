@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
 
-from fricmodels.diagnosis.candidate_tests import CandidateTest, candidate_tests
+from fricmodels.diagnosis.candidate_tests import CandidateTest, CandidateTests, candidate_tests
+from fricmodels.diagnosis.coloured_residual import ColouredNoise, coloured_residual
 from fricmodels.diagnosis.comparison import Comparison, compare
 from fricmodels.diagnosis.floor import is_far_above_noise
 from fricmodels.diagnosis.look_alikes import separated_by
@@ -47,6 +48,7 @@ class Diagnosis(Displayed):
         visibility: for every effect that was not found, the smallest that would have been, or what is missing.
         passing: every effect that passes the gates by itself, best first; most only resemble the first.
         policy: the constants that decided.
+        noise: what is left, where it is noise with a colour that lies in no channel.
     """
 
     comparison: Comparison
@@ -56,6 +58,7 @@ class Diagnosis(Displayed):
     visibility: Mapping[str, Visibility]
     passing: tuple[CandidateTest, ...] = ()
     policy: Policy = POLICY
+    noise: ColouredNoise | None = None
 
 
 def diagnose(
@@ -90,8 +93,11 @@ def examine(comparison: Comparison, *, leave_out: Iterable[str] = (), policy: Po
     best, predictors = select_effect(result), passing_predictors(result)
     named = best if best is not None and is_sufficient(result, out, best.first, predictors) else None
     named = refit_check(comparison, result, out, named)
+    noise = _noise(comparison, result, named, predictors)
     view = next((p for p in predictors if p.channels not in AUTOREGRESSIVE), predictors[0] if predictors else None)
-    if best is not None and named is None:
+    if noise is not None:
+        view = None
+    elif best is not None and named is None:
         view = view or as_predictor(result, best.first)
     findings = () if named is None else (_finding(named),)
     verdict: Verdict = "adequate"
@@ -101,7 +107,17 @@ def examine(comparison: Comparison, *, leave_out: Iterable[str] = (), policy: Po
         verdict = "unknown-effect"
     passing = tuple(passing_all_gates(result)) if findings else ()
     seen = visibility(result, () if named is None else named.names)
-    return Diagnosis(comparison, verdict, findings, view, seen, passing, policy)
+    return Diagnosis(comparison, verdict, findings, view, seen, passing, policy, noise)
+
+
+def _noise(
+    comparison: Comparison, result: CandidateTests, named: LookAlikes | None, predictors: Sequence[ChannelPredictor]
+) -> ColouredNoise | None:
+    """Return what is left as noise, where its own past and no channel predicts it, and it is not large."""
+    in_channels = named is not None or any(p.channels not in AUTOREGRESSIVE for p in predictors)
+    if not predictors or in_channels or is_far_above_noise(comparison, result.policy):
+        return None
+    return coloured_residual(result)
 
 
 def _finding(best: LookAlikes) -> Finding:
