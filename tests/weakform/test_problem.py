@@ -12,7 +12,8 @@ from fricmodels.drive import Drive
 from fricmodels.model import Model
 from fricmodels.recording import Recording
 from fricmodels.weakform.estimate import estimate
-from fricmodels.weakform.problem import MAX_SAMPLES, WeakFormProblem, spread
+from fricmodels.weakform.problem import WeakFormProblem
+from fricmodels.weakform.smoothed import MAX_SAMPLES, spread
 
 Made = Callable[..., Recording]
 TRUTH = {"J": 2.0, "K_v": 0.5, "K_c": 3.0}

@@ -186,7 +186,11 @@ def _of_history(problem: WeakFormProblem, regression: Regression, policy: Policy
         # Far enough before to share no noise with the rows.
         "acceleration shortly before": lambda: _earlier(problem, recording["acceleration"], apart + 2 * lags),
     }
-    if _torque_noise(problem) < policy.clean_torque * float(np.sqrt(np.mean(regression.residual**2))):
+    # With an estimated inertia, clean torques give back what the momentum would be without noise, and so the noise.
+    tells_noise = problem.drive.inertia is None and problem.inertia_is_noisy
+    if not tells_noise and _torque_noise(problem) < policy.clean_torque * float(
+        np.sqrt(np.mean(regression.residual**2))
+    ):
         found[TORQUE_PAST] = lambda: _earlier(problem, recording.torque, lags)
     return found
 

@@ -163,7 +163,7 @@ def _candidate(
         return "what it would add to the residual cannot be told from what the model already has"
     if np.any(found.kept):
         share = noise_share(problem, problem.perturbed, regression, effect, found)
-        if _is_noise(share, regression, found, policy):
+        if is_noise(share, found.explained / float(regression.residual @ regression.residual), policy):
             return "noise of the velocity hides what it would add beyond what the model already has"
     return _test(regression, effect, found)
 
@@ -185,13 +185,13 @@ def noise_share(
     explains part of the residual, at most its share, without any effect.
     """
     columns, _ = perturbed.columns(problem.alone(effect), found.nonlinear, found.delay)
-    noise = regression.project_out(columns[found.kept] - found.columns)
+    noise = problem.noise_within(regression, found.columns, columns[found.kept])
     signal = regression.project_out(found.columns)
     return float(np.max(np.sum(noise**2, axis=1) / np.sum(signal**2, axis=1)))
 
 
-def _is_noise(share: float, regression: Regression, found: NonlinearOptimum, policy: Policy) -> bool:
-    explained = found.explained / float(regression.residual @ regression.residual)
+def is_noise(share: float, explained: float, policy: Policy) -> bool:
+    """Whether noise makes up too much of columns for the share of the squared residual that they explain."""
     return share > max(policy.noise_share, policy.noise_share_of_explained * explained)
 
 

@@ -17,7 +17,7 @@ from fricmodels.recording import Recording
 from fricmodels.score.bands import Errors, torque_errors
 from fricmodels.score.torque import filtered_torque_error, sliding_half_width
 from fricmodels.score.zeroed import zeroed
-from fricmodels.signals import noise
+from fricmodels.signals import noise_of
 from fricmodels.signals.lanczos import even_weights, lanczos_derivative
 from fricmodels.split import Split, split
 from fricmodels.term import Effect
@@ -184,14 +184,10 @@ def noise_torques(recording: Recording, inertia: float, half_width: int) -> tupl
         inertia: J [kg m²] or M [kg].
         half_width: of the filter, in samples.
     """
-    smooth, slope = (float(np.linalg.norm(weights)) for weights in even_weights(half_width))
-    own = noise(recording.time, recording.velocity, recording.run)
-    if recording.derived_over:  # noise of a derivative is not white
-        like = noise_like(recording, own, np.random.default_rng(0))
-        rate = float(np.std(lanczos_derivative(recording.time, like, half_width, recording.run)[1]))
-    else:
-        rate = own * slope / recording.interval
-    return inertia * rate, noise(recording.time, recording.torque, recording.run) * smooth
+    like = noise_like(recording, np.random.default_rng(0))
+    rate = float(np.std(lanczos_derivative(recording.time, like, half_width, recording.run)[1]))
+    own = noise_of(recording.time, recording.torque, recording.run, least=True)
+    return inertia * rate, own.after(even_weights(half_width)[0])
 
 
 def compare(

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Literal
 
 from fricmodels.diagnosis.candidate_tests import CandidateTest, CandidateTests, candidate_tests
+from fricmodels.diagnosis.coloured_residual import ColouredNoise, coloured_residual
 from fricmodels.diagnosis.comparison import Comparison, compare
 from fricmodels.diagnosis.floor import is_far_above_noise
 from fricmodels.diagnosis.look_alikes import separated_by
@@ -55,6 +56,7 @@ class Diagnosis(Displayed):
         refits: fits of the model with one effect more, as far as they were asked for.
         refused: an effect that would have been named, but with which the test error does not fall.
         result: every candidate that was tested.
+        noise: what is left, where it is noise with a colour that lies in no channel.
     """
 
     comparison: Comparison
@@ -76,6 +78,8 @@ class Diagnosis(Displayed):
             return None
         channel = "" if self.view is None else self.view.channels
         return remaining(self.comparison, channel, self.place, self.refits, self.result.tested)
+
+    noise: ColouredNoise | None = None
 
 
 def diagnose(
@@ -111,11 +115,14 @@ def examine(comparison: Comparison, *, leave_out: Iterable[str] = (), policy: Po
     together = supported(result, out, best) if best is not None or predictors else []
     found = refit_check(refits, result, out, together[0] if together else None)
     named = _confirmed(refits, found, passing_all_gates(result), policy)
+    place = largest_place(result) if named is None else None
+    noise = None if place is not None else _noise(comparison, result, named, predictors)
     view = next((p for p in predictors if p.channels not in AUTOREGRESSIVE), predictors[0] if predictors else None)
-    if best is not None and named is None:
+    if noise is not None:
+        view = None
+    elif best is not None and named is None:
         view = view or as_predictor(result, best.first)
     findings = () if named is None else tuple(_finding(one) for one in _all_together(refits, named, together))
-    place = largest_place(result) if named is None else None
     verdict: Verdict = "adequate"
     if named is not None:
         verdict = "missing-effect" if len(named.names) == 1 else "undecided"
@@ -124,7 +131,7 @@ def examine(comparison: Comparison, *, leave_out: Iterable[str] = (), policy: Po
     passing = tuple(passing_all_gates(result)) if found is not None else ()
     seen = visibility(result, () if named is None else named.names)
     refused = found.first if found is not None and named is None else None
-    return Diagnosis(comparison, verdict, findings, view, seen, passing, policy, place, refits, refused, result)
+    return Diagnosis(comparison, verdict, findings, view, seen, passing, policy, place, refits, refused, result, noise)
 
 
 def _confirmed(
@@ -159,6 +166,16 @@ def _all_together(refits: Refits, first: LookAlikes, together: list[LookAlikes])
             model = after
             found.append(other)
     return found
+
+
+def _noise(
+    comparison: Comparison, result: CandidateTests, named: LookAlikes | None, predictors: Sequence[ChannelPredictor]
+) -> ColouredNoise | None:
+    """Return what is left as noise, where its own past and no channel predicts it, and it is not large."""
+    in_channels = named is not None or any(p.channels not in AUTOREGRESSIVE for p in predictors)
+    if not predictors or in_channels or is_far_above_noise(comparison, result.policy):
+        return None
+    return coloured_residual(result)
 
 
 def _finding(best: LookAlikes) -> Finding:

@@ -38,6 +38,7 @@ def document(diagnosis: Diagnosis, ladder: Ladder | None = None) -> dict[str, An
         if view is None
         else {"channels": view.channels, "p_value": view.p_value, "held_out_gain": view.evidence.gain},
         "remaining": _remaining(diagnosis if ladder is None else ladder.last),
+        "coloured_noise": _coloured_noise(diagnosis if ladder is None else ladder.last),
         "could_have_been_seen": {
             name: {
                 "smallest_percent": row.smallest_percent,
@@ -134,6 +135,14 @@ def _effect(finding: Finding, motion: Motion) -> dict[str, Any]:
         "equation": tested.effect.formula,
         "explanation": sentence(finding, motion),
     }
+
+
+def _coloured_noise(diagnosis: Diagnosis) -> dict[str, float] | None:
+    """Return what is left as noise of the torque that lasts, in SI units; ``None`` where it is not that."""
+    noise = diagnosis.noise
+    if noise is None:
+        return None
+    return {"SI": noise.deviation, "percent": noise.percent, "correlation_time_s": noise.lasts}
 
 
 def _ladder(diagnosis: Diagnosis, ladder: Ladder | None) -> list[dict[str, Any]]:

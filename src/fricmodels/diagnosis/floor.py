@@ -6,14 +6,12 @@ from fricmodels.diagnosis.comparison import Comparison
 from fricmodels.diagnosis.policy import POLICY, Policy
 from fricmodels.weakform.problem import WeakFormProblem
 from fricmodels.weakform.regression import Regression
-from fricmodels.weakform.row_noise import momentum_noise
 
 
 def floor(problem: WeakFormProblem, policy: Policy = POLICY) -> float:
     """Return the sum of squares [(N m)² or N²] that noise and sampling may leave in the rows of a fitted model."""
     inertia, _ = problem.drive.split(problem.estimated or {})
-    noise = inertia * momentum_noise(problem.bumps, problem.recording, problem.velocity_noise)
-    return float(noise @ noise + policy.least_torque**2 * (problem.driving @ problem.driving))
+    return float(inertia**2 * problem.momentum_noise + policy.least_torque**2 * (problem.driving @ problem.driving))
 
 
 def share_explained(problem: WeakFormProblem, before: Regression, left: float, policy: Policy = POLICY) -> float:
@@ -33,4 +31,5 @@ def share_explained(problem: WeakFormProblem, before: Regression, left: float, p
 def is_far_above_noise(comparison: Comparison, policy: Policy = POLICY) -> bool:
     """Whether the error is more than noise and sampling leave, even where no channel predicts it."""
     worst = max(comparison.sliding.percent, comparison.sliding.held_out_percent)
-    return worst**2 - comparison.sliding.noise_percent**2 > policy.far_above_noise**2
+    noise = policy.noise_known_to * comparison.sliding.noise_percent
+    return worst**2 - noise**2 > policy.far_above_noise**2

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fricmodels.diagnosis.basis_functions import TORQUE_PAST, basis_functions
-from fricmodels.diagnosis.candidate_tests import CandidateTests
+from fricmodels.diagnosis.candidate_tests import CandidateTests, is_noise
 from fricmodels.weakform.problem import WeakFormProblem
 from fricmodels.weakform.regression import LEAST_P, Evidence
 
@@ -53,6 +53,7 @@ def each_predictor(result: CandidateTests, first: Sequence[str] = ()) -> Iterato
     """Yield every channel predictor of the residual, those of the ``first`` channels first."""
     problem, regression = result.problem, result.regression
     every = dict(basis_functions(problem, regression, result.policy))
+    lasting = frozenset(every) - {TORQUE_PAST}
     every[OWN_PAST] = partial(own_past, problem, regression.residual)
     most = max(1, regression.terms // 2)
     for channels in dict.fromkeys([*(name for name in first if name in every), *every]):
@@ -60,9 +61,27 @@ def each_predictor(result: CandidateTests, first: Sequence[str] = ()) -> Iterato
         chosen = np.flatnonzero(regression.visible(columns))[:most]
         if len(chosen):
             evidence = regression.test(columns[chosen])
+            if channels in lasting and _is_only_noise(result, channels, columns[chosen], chosen, evidence):
+                continue
             yield ChannelPredictor(
                 channels, evidence, float(np.clip(evidence.p_value * len(every), LEAST_P, 1.0)), columns[chosen]
             )
+
+
+def _is_only_noise(
+    result: CandidateTests, channels: str, columns: Array, chosen: NDArray[np.int64], evidence: Evidence
+) -> bool:
+    """Whether what a channel explains may be noise of the velocity, which is in the channel and in the rows alike."""
+    problem, regression, policy = result.problem, result.regression, result.policy
+    if evidence.gain <= policy.least_gain:
+        return False  # it passes no gate
+    perturbed = basis_functions(problem.perturbed, regression, policy).get(channels)
+    if perturbed is None:
+        return False
+    weights = evidence.coefficients[None]
+    noise = problem.noise_within(regression, weights @ columns, weights @ perturbed()[chosen])
+    signal = regression.project_out(weights @ columns)
+    return is_noise(float(np.sum(noise**2) / np.sum(signal**2)), evidence.explained, policy)
 
 
 def own_past(problem: WeakFormProblem, residual: Array) -> Array:

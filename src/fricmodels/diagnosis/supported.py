@@ -11,8 +11,9 @@ still does beside a description of the rest that assumes no physics:
 
    .. math:: \frac{L(S \setminus e, R) - L(S, R)}{L(S \setminus e, R) - L_0} \ge \sigma,
 
-   if R does not do most of what e does in its place, and if no channel does clearly more than e where S\\e and R leave
-   off. L is the sum of squared residuals on blocks that were not used for fitting, L_0 what noise and sampling leave.
+   and if neither R nor any channel explains clearly more in the place of e. What does is in its place if e loses most
+   of what it explains beside it; R then describes no other cause, and is left out of the formula.
+   L is the sum of squared residuals on blocks that were not used for fitting, L_0 what noise and sampling leave.
 
 A mimic fails one of these: what it explained is taken by R, or a channel predicts more. A true effect beside an unknown
 cause passes: R takes the unknown part, and little remains but the effect's own.
@@ -184,14 +185,13 @@ class Support:
 
     Attributes:
         own_share: share of the squared residual above the floor that the effect explains.
-        kept: share of what it explains beside the other effects alone that it still explains beside the description.
-        of_channel: least ratio of what it explains to what a channel explains that predicts clearly more in its place.
+        of_channel: least ratio of what it explains to what the description, or a channel that predicts clearly more,
+            explains in its place.
         torque: RMS torque that only it explains, over the RMS torque.
         p_value: of the Wald test of its columns.
     """
 
     own_share: float
-    kept: float
     of_channel: float
     torque: float
     p_value: float
@@ -202,7 +202,6 @@ class Support:
             self.p_value < policy.significance
             and self.torque > policy.least_torque
             and self.own_share >= policy.own_share
-            and self.kept >= policy.kept
             and self.of_channel >= policy.of_channel
         )
 
@@ -210,15 +209,20 @@ class Support:
 def _support(result: CandidateTests, member: Member, others: list[Member], rest: _Rest) -> Support:
     beside = _stacked(result, others)
     alone = _gain(result, beside, member)
-    described = _gain(result, np.vstack([beside, rest.columns]), member) if len(rest.columns) else alone
+    described, replaced_by = alone, np.inf
+    if len(rest.columns):
+        described = _gain(result, np.vstack([beside, rest.columns]), member)
+        if described.fall < result.policy.kept * alone.fall:  # the description takes its place
+            theirs = alone.before - described.before
+            described, replaced_by = alone, alone.fall / theirs if theirs > 0 else np.inf
     full = described
     if len(rest.lasting):
-        full = _gain(result, np.vstack([beside, rest.columns, rest.lasting]), member)
+        columns = rest.columns if described is not alone else rest.columns[:0]
+        full = _gain(result, np.vstack([beside, columns, rest.lasting]), member)
     above = full.before - floor(result.problem, result.policy)
     return Support(
         full.fall / above if above > full.fall else 1.0,
-        described.fall / alone.fall if alone.fall > 0 else 0.0,
-        _against_channels(result, described, member.found.first),
+        min(replaced_by, _against_channels(result, described, member.found.first)),
         float(np.sqrt(max(full.fall, 0.0) / np.sum(result.problem.driving**2))),
         full.p_value,
     )
@@ -232,9 +236,10 @@ def _one_cause(result: CandidateTests, member: Member, others: list[Member]) -> 
     """
     policy = result.policy
     lasting = AUTOREGRESSIVE if not member.effect.states else frozenset()
+    every = [*others, member]
     for predictor in [p for p in passing_predictors(result) if p.channels not in lasting][:_RIVALS]:
-        taken = [other for other in others if _takes_place(result, predictor, other, [*others, member])]
-        if not taken:
+        taken = [other for other in others if _takes_place(result, predictor, other, every)]
+        if not taken or not _takes_place(result, predictor, member, every):
             continue
         beside = _stacked(result, [other for other in others if other not in taken])
         before = _loss(result, beside)

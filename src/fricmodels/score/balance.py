@@ -38,7 +38,7 @@ from numpy.typing import NDArray
 
 from fricmodels.drive import Drive
 from fricmodels.recording import Recording
-from fricmodels.score.torque import friction_moments, moments, torque_error, velocity_noise
+from fricmodels.score.torque import friction_moments, moments, torque_error
 
 Array: TypeAlias = NDArray[np.float64]
 Source: TypeAlias = Literal["acceleration", "velocity", "position"]
@@ -115,7 +115,7 @@ def balances(drive: Drive, values: Mapping[str, float], prepared: Recording) -> 
     Raises:
         InputError: when the recording lacks a channel that the model needs.
     """
-    from fricmodels.signals import resting, smoothed_velocity, standstill
+    from fricmodels.signals import resting, smoothed_velocity, standstill, velocity_noise
 
     of = source(prepared)
     if of == "acceleration":
@@ -124,7 +124,7 @@ def balances(drive: Drive, values: Mapping[str, float], prepared: Recording) -> 
     smooth, spread = smoothed_velocity(prepared)
     rest = resting(prepared)
     # At a reversal the slope of the velocity jumps; there smoothing may change it by more than noise does.
-    bent = np.abs(prepared.velocity - smooth) > 3 * velocity_noise(prepared)
+    bent = np.abs(prepared.velocity - smooth) > 3 * velocity_noise(prepared).deviation
     velocity = np.where(bent, prepared.velocity, smooth)
     velocity[rest | (np.abs(velocity) <= standstill(velocity))] = 0.0
     doubtful = np.abs(velocity) <= 3 * spread
@@ -148,17 +148,16 @@ def balances(drive: Drive, values: Mapping[str, float], prepared: Recording) -> 
 def noise_balances(prepared: Recording) -> tuple[list[Balance], list[Balance]]:
     """Return the balances of noise alone: of the torque, and of the motion of a drive of inertia 1.
 
-    White noise as large as :func:`fricmodels.signals.noise` estimates it, always the same. That of an acceleration
-    which a filter of the user's choice has derived is not known: not a number.
+    Noise with its colour, always the same; see :mod:`fricmodels.signals.noise_colour`. That of an acceleration which a
+    filter of the user's choice has derived is not known: not a number.
     """
-    from fricmodels.signals import noise
+    from fricmodels.signals import motion_noise, noise_of
 
     of = source(prepared)
     rng = np.random.default_rng(0)
-    torque, motion = (
-        noise(prepared.time, prepared[channel], prepared.run) * rng.standard_normal(len(prepared))
-        for channel in ("torque", of)
-    )
+    torque = noise_of(prepared.time, prepared.torque, prepared.run, least=True).like(len(prepared), rng)
+    moving = noise_of(prepared.time, prepared[of], prepared.run) if of == "acceleration" else motion_noise(prepared)
+    motion = moving.like(len(prepared), rng)
     if of == "acceleration" and of in prepared.derived:
         motion = np.full(len(prepared), np.nan)
     nothing = np.zeros(len(prepared))

@@ -9,13 +9,16 @@ the error is how far the torque that would be needed lies outside these limits, 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TypeAlias
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fricmodels.drive import Drive
 from fricmodels.recording import Recording
+
+if TYPE_CHECKING:
+    from fricmodels.signals import Noise
 
 Array: TypeAlias = NDArray[np.float64]
 Mask: TypeAlias = NDArray[np.bool_]
@@ -86,7 +89,7 @@ def filtered_torque_error(
         recording: with ``velocity``.
         half_width: h; :func:`sliding_half_width` if not given.
     """
-    from fricmodels.signals import lanczos_derivative, resting, standstill, stretches
+    from fricmodels.signals import lanczos_derivative, resting, standstill, stretches, velocity_noise
     from fricmodels.signals.lanczos import even_weights
 
     recording, values = drive.timed(recording, values)
@@ -94,7 +97,7 @@ def filtered_torque_error(
     smooth, _ = lanczos_derivative(recording.time, recording.velocity, width, recording.run)
     rest = resting(recording)
     smooth[rest | (np.abs(smooth) <= standstill(smooth))] = 0.0
-    doubtful = np.abs(smooth) <= 3 * velocity_noise(recording) * np.linalg.norm(even_weights(width)[0])
+    doubtful = np.abs(smooth) <= 3 * velocity_noise(recording).after(even_weights(width)[0])
     moving = recording.with_channels(velocity=smooth)
     error = np.zeros(len(recording))
     inertia, parameters = drive.split(values)
@@ -212,19 +215,22 @@ def _window_mean(error: Array, time: Array, half_width: int) -> Array:
 def sliding_half_width(recording: Recording, largest: int = 256) -> int:
     r"""Return the half width of Lanczos's differentiator that estimates the acceleration best while sliding.
 
-    Per sample, white noise of standard deviation σ and a third derivative of the velocity give a mean squared error of
+    Per sample, noise of autocovariance R behind the weights d, and a third derivative of the velocity, give a mean
+    squared error of
 
-    .. math:: \frac{3\sigma^2}{h(h+1)(2h+1)} + \Bigl(\frac{3h^2+3h-1}{30}\Bigr)^2 \overline{(\Delta^3\omega)^2},
+    .. math:: d_h^T R\,d_h + \Bigl(\frac{3h^2+3h-1}{30}\Bigr)^2 \overline{(\Delta^3\omega)^2},
 
-    and h is where it is least. σ is taken from the median of the third differences,
-    :math:`|\Delta^3\omega| / (0.6745\sqrt{20})`; the mean square of the third derivative from cubics through the widest
-    window that is tried, less their noise, over the samples around which the drive slides in one direction for this
-    window; it is such that a quarter of all sliding samples are. Reversals are left out because the acceleration jumps
-    there, which :func:`filtered_torque_error` allows for: they would keep the window short and the rest noisy.
+    and h is where it is least; of white noise the first term is :math:`3\sigma^2/[h(h+1)(2h+1)]`. The mean square of
+    the third derivative is taken from cubics through the widest window that is tried, less their noise, over the
+    samples around which the drive slides in one direction for this window; it is such that a quarter of all sliding
+    samples are. Reversals are left out because the acceleration jumps there, which :func:`filtered_torque_error` allows
+    for: they would keep the window short and the rest noisy.
 
     Source: the plug-in rule of D. Ruppert, S. J. Sheather, M. P. Wand, J. Amer. Statist. Assoc. 90 (1995), for the
     derivative.
     """
+    from fricmodels.signals import velocity_noise
+
     noise = velocity_noise(recording)
     free = _free_of_reversals(recording)
     if not np.any(free > 1):
@@ -233,16 +239,22 @@ def sliding_half_width(recording: Recording, largest: int = 256) -> int:
     offset = np.arange(-widest, widest + 1) / widest
     cubic = 6 * np.linalg.pinv(np.vander(offset, 4, increasing=True))[3] / widest**3
     third = np.convolve(recording.velocity, cubic[::-1], mode="same")[free >= widest]
-    bend = max(float(np.mean(third**2)) - noise**2 * float(cubic @ cubic), 0.0)
+    bend = max(float(np.mean(third**2)) - noise.product(cubic, cubic), 0.0)
     h = np.arange(1, widest + 1, dtype=float)
-    error = 3 * noise**2 / (h * (h + 1) * (2 * h + 1)) + ((3 * h**2 + 3 * h - 1) / 30) ** 2 * bend
+    error = _slope_variance(noise, h) + ((3 * h**2 + 3 * h - 1) / 30) ** 2 * bend
     return int(h[np.argmin(error)])
 
 
-def velocity_noise(recording: Recording) -> float:
-    """Return the standard deviation of white noise on the velocity, from the median of its third differences."""
-    third = np.diff(recording.velocity, 3)[recording.run[3:] == recording.run[:-3]]
-    return float(np.median(np.abs(third))) / (0.6745 * np.sqrt(20.0)) if len(third) else 0.0
+def _slope_variance(noise: Noise, half_widths: Array) -> Array:
+    """Return the variance of the slope of noise by half width, per sample; of coloured noise between a few of them."""
+    from fricmodels.signals.lanczos import even_weights
+
+    h = half_widths
+    if noise.is_white:
+        return np.asarray(3 * noise.white**2 / (h * (h + 1) * (2 * h + 1)))
+    some = np.unique(np.round(np.geomspace(1.0, h[-1], 24)).astype(int))
+    variance = [max(noise.product(weights, weights), 1e-300) for weights in (even_weights(int(k))[1] for k in some)]
+    return np.asarray(np.exp(np.interp(np.log(h), np.log(some), np.log(variance))))
 
 
 def _free_of_reversals(recording: Recording) -> NDArray[np.int64]:

@@ -2,15 +2,23 @@
 
 from __future__ import annotations
 
+import math
+import weakref
+from copy import copy
+from dataclasses import replace
+
 import numpy as np
 
 from fricmodels.arrays import Array
-from fricmodels.signals.lanczos import DEGREE, even_weights, fit_stretch
+from fricmodels.signals.lanczos import DEGREE, even_weights, fit_stretch, lanczos_derivative
+from fricmodels.signals.noise_colour import Noise, coloured_noise
 from fricmodels.signals.segments import Runs, is_even, stretches
 
 _EXCERPT = 2048
 _ENOUGH = 16 * _EXCERPT
 """Samples from which a width is chosen: more would hardly change it."""
+_SHORTEST = 8
+"""Samples of a stretch that says anything of noise."""
 
 _FINEST = 1e-8
 """Values that differ by less than this share of the largest are the same one: no sensor has finer steps."""
@@ -33,59 +41,123 @@ def quantum(values: Array) -> float:
     return step if on_grid > 0.95 else 0.0
 
 
-def noise(time: Array, values: Array, runs: Runs | None = None) -> float:
-    """Estimate the standard deviation of white noise on a smooth signal.
+def noise_of(time: Array, values: Array, runs: Runs | None = None, *, least: bool = False) -> Noise:
+    """Estimate the noise of a signal with its colour; see :mod:`.noise_colour`.
 
-    From what a cubic through seven neighbours leaves over: a signal sampled finely enough leaves nothing there.
-    Quantisation shows as noise too.
+    Args:
+        time: sample times [s], shape (N,).
+        values: the signal, shape (N,).
+        runs: run of each sample.
+        least: whether a lasting noise is as small as it may be, or as large.
     """
-    half_width, degree = 3, 3
-    share = 1.0 - even_weights(half_width, degree)[0][half_width]
-    residual, expected = 0.0, 0.0
-    for part in _excerpts(stretches(time, runs)):
-        if part.stop - part.start < 2 * half_width + 1:
-            continue
-        inner = slice(half_width, part.stop - part.start - half_width)
-        rest = (values[part] - fit_stretch(time[part], values[part], half_width, degree)[0])[inner]
-        residual += float(rest @ rest)
-        if is_even(time[part]):
-            expected += len(rest) * share
-        else:
-            white = _white(part)
-            rest = (white - fit_stretch(time[part], white, half_width, degree)[0])[inner]
-            expected += float(rest @ rest)
-    return float(np.sqrt(residual / expected)) if expected else 0.0
+    borders = tuple(part.start for part in stretches(time, runs))
+    key = (id(values), float(values.sum()), hash((time - time[:1]).tobytes()), borders, least)
+    known = _known.get(key)
+    if known is None or known[0]() is not values:
+        held = weakref.ref(values, lambda _: _known.pop(key, None))
+        known = _known[key] = (held, _estimated(time, values, runs, least))
+    return known[1]
 
 
-def _white(part: slice) -> Array:
-    """Return white noise for a stretch, always the same: it weighs a filter on samples of any spacing."""
-    white: Array = np.random.default_rng(part.start).standard_normal(part.stop - part.start)
-    return white
+_known: dict[tuple[int, float, int, tuple[int, ...], bool], tuple[weakref.ref[Array], Noise]] = {}
+"""Noise of signals that are still in use."""
+
+
+def _estimated(time: Array, values: Array, runs: Runs | None, least: bool) -> Noise:
+    every = stretches(time, runs)
+    parts = [part for part in _excerpts(every) if part.stop - part.start >= _SHORTEST]
+    found = coloured_noise([(time[part], values[part]) for part in parts], least=least)
+    step = quantum(np.concatenate([values[part] for part in parts])) if parts else 0.0
+    finest = math.sqrt(found.white**2 + found.difference**2 + found.lasting**2)
+    if not step or finest >= step / math.sqrt(12.0):
+        return found
+    plain = Noise(step / math.sqrt(12.0))
+    between = _between_steps(values, step)
+    course, _ = lanczos_derivative(time, between, best_half_width(time, values, runs, noise=plain), runs)
+    return replace(plain, step=step, course=course, error=values - course)
+
+
+def _between_steps(values: Array, step: float) -> Array:
+    """Return a quantised signal as straight lines between the instants at which it passed from one step to another."""
+    passed = np.flatnonzero(np.abs(np.diff(values)) > 0.5 * step)
+    if not len(passed):
+        return values
+    return np.interp(np.arange(len(values)), passed + 0.5, 0.5 * (values[passed] + values[passed + 1]))
+
+
+def noise(time: Array, values: Array, runs: Runs | None = None) -> float:
+    """Return the standard deviation of the noise on a signal; see :func:`noise_of`."""
+    return noise_of(time, values, runs).deviation
 
 
 def best_half_width(
-    time: Array, values: Array, runs: Runs | None = None, *, degree: int = DEGREE, largest: int = 256
+    time: Array,
+    values: Array,
+    runs: Runs | None = None,
+    *,
+    degree: int = DEGREE,
+    largest: int = 256,
+    noise: Noise | None = None,
 ) -> int:
     r"""Return the half width whose derivative has the least mean squared error, as estimated from the data.
 
     Against a short differentiator :math:`D_0`, which has hardly any bias, the error of :math:`D_h` is, but for a
     constant,
 
-    .. math:: \overline{(D_h y)^2 - 2\,(D_h y)(D_0 y)} + 2\sigma^2\,\overline{d_h\cdot d_0}
+    .. math:: \overline{(D_h y)^2 - 2\,(D_h y)(D_0 y)} + 2\,d_h^T R\,d_0
 
-    with the weights d and the noise σ (Stein's unbiased estimate of risk). First the shortest one serves as
-    :math:`D_0`, then a third of the width that it led to, which is far less noisy. On uneven samples the weights are
-    met by differentiating white noise. Widths are tried in steps of a quarter, on some thirty thousand samples spread
-    over the record.
+    with the weights d and the autocovariance R of the noise (Stein's unbiased estimate of risk). First the shortest one
+    serves as :math:`D_0`, then a third of the width that it led to, which is far less noisy. On uneven samples the
+    weights are met by differentiating such noise. Widths are tried in steps of a quarter, on some thirty thousand
+    samples spread over the record.
+
+    Args:
+        time: sample times [s], shape (N,).
+        values: the signal, shape (N,).
+        runs: run of each sample.
+        degree: of the local polynomial.
+        largest: half width.
+        noise: of the signal; estimated if not given.
     """
     shortest = max(1, (degree + 1) // 2)
-    parts = _excerpts([part for part in stretches(time, runs) if part.stop - part.start >= 8])
+    parts = _excerpts([part for part in stretches(time, runs) if part.stop - part.start >= _SHORTEST])
     if not parts:
         return shortest
-    risk = _Risk(time, values, parts, noise(time, values, runs), degree)
+    noise = noise or noise_of(time, values, runs)
+    risk = _Risk(time, values, parts, noise, degree)
     limit = min(largest, max(part.stop - part.start for part in parts) // 8)
+    best = _of_least_risk(risk, shortest, limit)
+    if noise.course is None:
+        return best
+    # Where steps come as fast as samples they are white, and a course that was smoothed from them follows them.
+    return max(best, _of_least_risk(risk.beside(Noise(noise.deviation)), shortest, limit))
+
+
+def _of_least_risk(risk: _Risk, shortest: int, limit: int) -> int:
     first = _least(risk, shortest, shortest, limit)
     return _least(risk, first // 3, shortest, limit) if first // 3 > shortest else first
+
+
+def best_smoothing(time: Array, values: Array, noise: Noise, runs: Runs | None = None, *, largest: int = 256) -> int:
+    r"""Return the half width whose smoothed value has the least mean squared error.
+
+    By :math:`\overline{(S_h y - y)^2} + 2\,s_h^T r` but for a constant, with the weights s and the autocovariance r of
+    the noise. A lasting noise is as large after a wide filter as after a narrow one; there a width that is the best for
+    the slope rounds off reversals and gains nothing.
+    """
+    parts = _excerpts([part for part in stretches(time, runs) if part.stop - part.start >= _SHORTEST])
+    limit = min(largest, max((part.stop - part.start for part in parts), default=0) // 8)
+    best, least, half_width = 1, np.inf, 1
+    while half_width <= limit:
+        left = [values[p] - fit_stretch(time[p], values[p], half_width, DEGREE)[0] for p in parts]
+        square = sum(float(each @ each) for each in left) / sum(len(each) for each in left)
+        risk = square + 2.0 * noise.product(even_weights(half_width)[0], np.ones(1))
+        if risk < least:
+            best, least = half_width, risk
+        elif half_width > 3 * best:
+            break
+        half_width = max(half_width + 1, half_width * 5 // 4)
+    return best
 
 
 def _least(risk: _Risk, reference: int, shortest: int, limit: int) -> int:
@@ -103,33 +175,42 @@ def _least(risk: _Risk, reference: int, shortest: int, limit: int) -> int:
 class _Risk:
     """The estimated squared error of the derivative, but for a constant, summed over samples."""
 
-    def __init__(self, time: Array, values: Array, parts: list[slice], sigma: float, degree: int) -> None:
+    def __init__(self, time: Array, values: Array, parts: list[slice], noise: Noise, degree: int) -> None:
         self._parts = [(time[part], values[part]) for part in parts]
         self._even = [is_even(part_time) for part_time, _ in self._parts]
-        self._white = [np.empty(0) if even else _white(part) for even, part in zip(self._even, parts, strict=True)]
-        self._sigma, self._degree = sigma, degree
+        # Always the same noise: it weighs a filter on samples of any spacing.
+        like = np.empty(0) if all(self._even) else noise.like(len(values), np.random.default_rng(0))
+        self._like = [np.empty(0) if even else like[part] for even, part in zip(self._even, parts, strict=True)]
+        self._noise, self._degree = noise, degree
         self._slopes: dict[tuple[int, int], tuple[Array, Array | None]] = {}
+
+    def beside(self, noise: Noise) -> _Risk:
+        """Return the risk of the same signal with other noise."""
+        other = copy(self)
+        other._noise = noise
+        return other
 
     def __call__(self, half_width: int, reference: int) -> float:
         total = 0.0
+        weights, short_weights = (even_weights(h, self._degree)[1] for h in (half_width, reference))
+        shared = self._noise.product(weights, short_weights)
         for i, (time, _) in enumerate(self._parts):
-            slope, white = self._slope(i, half_width)
-            short, short_white = self._slope(i, reference)
-            if white is None or short_white is None:
+            slope, noise = self._slope(i, half_width)
+            short, short_noise = self._slope(i, reference)
+            if noise is None or short_noise is None:
                 step = (time[-1] - time[0]) / (len(time) - 1)
-                wide = even_weights(half_width, self._degree)[1][half_width - reference : half_width + reference + 1]
-                overlap = float(wide @ even_weights(reference, self._degree)[1]) * len(time) / step**2
+                overlap = shared * len(time) / step**2
             else:
-                overlap = float(white @ short_white)
-            total += float(slope @ (slope - 2.0 * short)) + 2.0 * self._sigma**2 * overlap
+                overlap = float(noise @ short_noise)
+            total += float(slope @ (slope - 2.0 * short)) + 2.0 * overlap
         return total
 
     def _slope(self, i: int, half_width: int) -> tuple[Array, Array | None]:
         if (i, half_width) not in self._slopes:
             time, values = self._parts[i]
             slope = fit_stretch(time, values, half_width, self._degree)[1]
-            white = None if self._even[i] else fit_stretch(time, self._white[i], half_width, self._degree)[1]
-            self._slopes[i, half_width] = (slope, white)
+            noise = None if self._even[i] else fit_stretch(time, self._like[i], half_width, self._degree)[1]
+            self._slopes[i, half_width] = (slope, noise)
         return self._slopes[i, half_width]
 
 
@@ -143,6 +224,6 @@ def _excerpts(parts: list[slice]) -> list[slice]:
         for part in parts
         for start in range(part.start, part.stop, _EXCERPT)
     ]
-    pieces = [piece for piece in pieces if piece.stop - piece.start >= 8]
+    pieces = [piece for piece in pieces if piece.stop - piece.start >= _SHORTEST]
     count = max(1, int(_ENOUGH / total * len(pieces)))
     return [pieces[i] for i in np.unique(np.linspace(0, len(pieces) - 1, count).astype(int))]

@@ -10,19 +10,27 @@ from __future__ import annotations
 
 import weakref
 from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
 from functools import wraps
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 
 from fricmodels.arrays import Array, Mask
 from fricmodels.recording import Recording
 from fricmodels.signals.lanczos import even_weights, lanczos_derivative
-from fricmodels.signals.noise_level import best_half_width, noise, quantum
+from fricmodels.signals.noise_colour import Noise, coloured_noise
+from fricmodels.signals.noise_level import best_half_width, best_smoothing, noise_of, quantum
 from fricmodels.signals.segments import stretches
 
 _BAND = 3.0
 """Standard errors from zero within which a velocity is no evidence of motion."""
+
+_LOOKS, _SAME = 4, 0.9
+"""Rests are looked for so many times again, the noise being smaller by a tenth at least: in a band that is too wide
+they begin before the drive has come to rest, and seem to show a larger noise."""
+_LONG = 20.0
+"""A rest, or all of them together, so many correlation times long tells how large the noise is."""
 
 Found = TypeVar("Found")
 
@@ -47,7 +55,117 @@ def once(find: Callable[[Recording], Found]) -> Callable[[Recording], Found]:
     return found
 
 
-@once
+@dataclass(frozen=True)
+class _Motion:
+    """What a recording shows of its motion.
+
+    Attributes:
+        noise: of the channel that it is taken from, the velocity or the position.
+        velocity: smoothed, shape (N,). half_width: of the filter that smooths it. error: its standard error.
+        resting: shape (N,).
+    """
+
+    noise: Noise
+    half_width: int
+    velocity: Array
+    error: float
+    resting: Mask
+
+
+_MOTION_CHANNELS = ("time", "velocity", "position")
+_known: dict[tuple[object, ...], tuple[list[weakref.ref[Any]], _Motion]] = {}
+
+
+def _motion(recording: Recording) -> _Motion:
+    """Return what a recording shows of its motion: found once for the same arrays, whatever else is recorded."""
+    arrays: list[Any] = [recording[name] for name in _MOTION_CHANNELS if name in recording] + [recording.run]
+    shown = tuple(name in recording and (name, name in recording.derived) for name in _MOTION_CHANNELS)
+    key = (*map(id, arrays), *shown)
+    known = _known.get(key)
+    if known is None or any(ref() is not array for ref, array in zip(known[0], arrays, strict=True)):
+
+        def forget(_: object) -> None:
+            _known.pop(key, None)
+
+        known = _known[key] = ([weakref.ref(array, forget) for array in arrays], _found(recording))
+    return known[1]
+
+
+def _of_whole(recording: Recording) -> _Motion | None:
+    """Return what the recording that another one was cut from shows, where it was cut; ``None`` if that is another."""
+    if recording.origin is None:
+        return None
+    whole, index = recording.origin.whole, recording.origin.index
+    for name in _MOTION_CHANNELS[1:]:
+        if (name in whole, name in whole.derived) != (name in recording, name in recording.derived):
+            return None
+        if name in recording and not np.array_equal(whole[name][index], recording[name]):
+            return None
+    found = _motion(whole)
+    return replace(found, noise=found.noise.at(index), velocity=found.velocity[index], resting=found.resting[index])
+
+
+def _found(recording: Recording) -> _Motion:
+    """Smooth the motion and find rests, again where the rests tell how large a lasting noise is.
+
+    Beside motion it is only known how fast a lasting noise changes. What velocity and position differ by, and what is
+    left at rest, has no motion in it. What was cut from a recording shows what that does.
+    """
+    cut = _of_whole(recording)
+    if cut is not None:
+        return cut
+    by_position = _from_position(recording)
+    values = recording["position"] if by_position else recording.velocity
+    noise = noise_of(recording.time, values, recording.run)
+    if by_position or not noise.lasting:
+        return _seen(recording, noise)
+    if "position" in recording and "position" not in recording.derived:
+        noise = noise.lasting_as(_square_beside_position(recording))
+    found = _seen(recording, noise)
+    for _ in range(_LOOKS):
+        if not found.resting.any():
+            break
+        better = noise.lasting_as(float(np.mean(values[found.resting] ** 2)))
+        if np.count_nonzero(found.resting) < _LONG * better.samples:
+            break
+        settled = better.deviation > _SAME * found.noise.deviation
+        found = found if settled else _seen(recording, better)
+        if settled:
+            break
+    return found
+
+
+def _square_beside_position(recording: Recording) -> float:
+    """Return the mean square of the velocity's noise by what mean velocities and changes of position differ by."""
+    parts = []
+    for part in stretches(recording.time, recording.run):
+        if part.stop - part.start < 3:
+            continue
+        time, velocity = recording.time[part], recording.velocity[part]
+        means = 0.5 * (velocity[1:] + velocity[:-1]) - np.diff(recording["position"][part]) / np.diff(time)
+        parts.append((0.5 * (time[1:] + time[:-1]), means))
+    found = coloured_noise(parts, moving=False)
+    return found.white**2 + found.lasting**2
+
+
+def _seen(recording: Recording, noise: Noise) -> _Motion:
+    time, run = recording.time, recording.run
+    order = int(_from_position(recording))
+    values = recording["position"] if order else recording.velocity
+    if noise.lasting and not order:
+        width = best_smoothing(time, values, noise, run)
+    else:
+        width = best_half_width(time, values, run, noise=noise)
+    smooth = lanczos_derivative(time, values, width, run)[order]
+    error = noise.after(even_weights(width)[order]) / (recording.interval if order else 1.0)
+    rounding = 8.0 * np.spacing(np.abs(values).max()) / (recording.interval if order else 1.0)
+    error = max(error, float(rounding))
+    mask = _resting(recording, smooth, error)
+    smooth.setflags(write=False)
+    mask.setflags(write=False)
+    return _Motion(noise, width, smooth, error, mask)
+
+
 def resting(recording: Recording) -> Mask:
     """Return where the drive stands still, shape (N,).
 
@@ -56,7 +174,38 @@ def resting(recording: Recording) -> Mask:
     Raises:
         InputError: when the recording has neither.
     """
-    velocity, error = smoothed_velocity(recording)
+    return _motion(recording).resting
+
+
+def motion_noise(recording: Recording) -> Noise:
+    """Return the noise of the channel that tells the motion: of the velocity, or of the position it is derived from."""
+    return _motion(recording).noise
+
+
+def velocity_noise(recording: Recording) -> Noise:
+    """Return the noise of the velocity that stands in a recording, measured or derived."""
+    if recording.derived_over:
+        weights = even_weights(recording.derived_over)[1][::-1] / recording.interval
+        return replace(motion_noise(recording), filtered=weights)
+    if _from_position(recording):
+        return noise_of(recording.time, recording.velocity, recording.run)
+    return motion_noise(recording)
+
+
+def smoothing_half_width(recording: Recording) -> int:
+    """Return the half width of the filter that smooths the velocity that stands in a recording."""
+    if _from_position(recording):
+        return best_half_width(recording.time, recording.velocity, recording.run)
+    return _motion(recording).half_width
+
+
+def smoothed_velocity(recording: Recording) -> tuple[Array, float]:
+    """Return the velocity, smoothed, and its standard error from noise and quantisation."""
+    found = _motion(recording)
+    return found.velocity, found.error
+
+
+def _resting(recording: Recording, velocity: Array, error: float) -> Mask:
     band = _BAND * error
     if not _from_position(recording):
         band = max(band, 1.01 * quantum(recording.velocity))
@@ -67,7 +216,6 @@ def resting(recording: Recording) -> Mask:
     mask = np.zeros(len(recording), dtype=bool)
     for start, stop in _borders(recording, still):
         mask[start:stop] = recording.time[stop - 1] - recording.time[start] > passage
-    mask.setflags(write=False)
     return mask
 
 
@@ -81,7 +229,7 @@ def _in_place(recording: Recording, still: Mask, band: float, passage: float) ->
     Over as long as a drive that creeps at the limit of the band needs to show it; over the whole of shorter stretches.
     """
     position = recording["position"]
-    spread = _BAND * np.sqrt(2.0) * noise(recording.time, position, recording.run)
+    spread = _BAND * np.sqrt(2.0) * noise_of(recording.time, position, recording.run).deviation
     allowed = max(spread, 1.01 * quantum(position))
     count = max(1, round(max(passage, 2.0 * allowed / band) / recording.interval))
     result = np.zeros(len(position), dtype=bool)
@@ -98,21 +246,6 @@ def _borders(recording: Recording, mask: Mask) -> Iterator[tuple[int, int]]:
     for part in stretches(recording.time, recording.run):
         edges = np.flatnonzero(np.diff(np.r_[0, mask[part].astype(np.int8), 0])) + part.start
         yield from zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True)
-
-
-@once
-def smoothed_velocity(recording: Recording) -> tuple[Array, float]:
-    """Return the velocity, smoothed, and its standard error from noise and quantisation."""
-    time, run = recording.time, recording.run
-    order = int(_from_position(recording))
-    values = recording["position"] if order else recording.velocity
-    width = best_half_width(time, values, run)
-    smooth = lanczos_derivative(time, values, width, run)[order]
-    gain = float(np.linalg.norm(even_weights(width)[order]))
-    error = noise(time, values, run) * gain / (recording.interval if order else 1.0)
-    rounding = 8.0 * np.spacing(np.abs(values).max()) / (recording.interval if order else 1.0)
-    smooth.setflags(write=False)
-    return smooth, max(error, float(rounding))
 
 
 def standstill(velocity: Array) -> float:

@@ -37,6 +37,7 @@ def equations(problem: WeakFormProblem, *, timing: bool) -> Equations:
         moving,
         nuisances,
         limits,
+        problem.momentum_noise if problem.drive.inertia is None else 0.0,
     )
 
 

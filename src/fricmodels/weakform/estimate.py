@@ -25,6 +25,7 @@ from fricmodels.weakform.identification import identified
 from fricmodels.weakform.model_velocity import at_model_velocity
 from fricmodels.weakform.nonlinear import Plan
 from fricmodels.weakform.problem import WeakFormProblem
+from fricmodels.weakform.reversals import clear_of_reversals
 from fricmodels.weakform.search import search
 from fricmodels.weakform.shifted import regression_of
 from fricmodels.weakform.solve import Solved, solve
@@ -101,6 +102,7 @@ def estimate(
         found = min(found, other, key=lambda e: _left(drive, recording, e.parameters))
     elif model_velocity:
         found = at_model_velocity(found)
+        found = clear_of_reversals(found)
     final = identified(found)
     rows = replace(
         problem, friction_limits=problem.limits_of_friction(final.parameters), estimated=dict(final.parameters)

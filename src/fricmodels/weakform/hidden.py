@@ -8,14 +8,18 @@ import numpy as np
 
 from fricmodels.drive import Drive
 from fricmodels.recording import Recording
-from fricmodels.signals import noise, smoothed_velocity
+from fricmodels.signals import smoothed_velocity, velocity_noise
 
 
 def sign_is_hidden(recording: Recording) -> bool:
-    """Return whether noise exceeds a tenth of what the velocity changes in a sampling interval (root mean square)."""
+    r"""Return whether noise exceeds a tenth of what the velocity changes in a sampling interval (root mean square).
+
+    As much of the noise counts as changes in that time, :math:`\sqrt{r_0 - r_1}`; of white noise all.
+    """
     changes = np.diff(recording.velocity)[np.diff(recording.run) == 0]
     usual = float(np.sqrt(np.mean(changes**2))) if len(changes) else 0.0
-    return noise(recording.time, recording.velocity, recording.run) > 0.1 * usual
+    now, later = velocity_noise(recording).covariance(2)
+    return bool(now - later > (0.1 * usual) ** 2)
 
 
 def drowned(drive: Drive, recording: Recording, values: Mapping[str, float]) -> dict[str, float]:
@@ -25,7 +29,7 @@ def drowned(drive: Drive, recording: Recording, values: Mapping[str, float]) -> 
     the drive surely moves. Standard errors take regressors as known and do not see this.
     """
     smooth, error = smoothed_velocity(recording)
-    deviation = noise(recording.time, recording.velocity, recording.run)
+    deviation = velocity_noise(recording).deviation
     moving = np.abs(smooth) > 3.0 * error
     if not moving.any():
         return {}

@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 from fricmodels.drive import Drive
 from fricmodels.errors import InputError
 from fricmodels.recording import Recording
-from fricmodels.signals.lanczos import even_weights, fit_stretch
-from fricmodels.signals.segments import stretches
+from fricmodels.signals import Noise, velocity_noise
+from fricmodels.signals.lanczos import even_weights
 from fricmodels.weakform.hidden import drowned, sign_is_hidden
 from fricmodels.weakform.solve import STRONG, Solved, solve
 
@@ -31,6 +31,8 @@ MAX_ROUNDS = 8
 """Rounds of predicting the velocity by the fit and fitting again."""
 MOST_FEEDBACK = 0.8
 """Rounds that converge more slowly than by this factor are not told from such that do not."""
+_REACH = 4096
+"""Lags up to which a covariance is summed."""
 WORSE = 1.1
 """A round whose squared error of prediction is larger than the best by this factor has gone astray."""
 
@@ -43,39 +45,37 @@ class ModelVelocity:
         velocity: shape (N,).
         resting: where the drive rests by it, shape (N,).
         prediction_error: mean square error of predicting the measured velocity one sample ahead.
-        own_weight: mean weight of each measured sample in its own value.
+        own_noise: mean covariance of the noise of each measured sample with that of its own value.
     """
 
     velocity: Array
     resting: NDArray[np.bool_]
     prediction_error: float
-    own_weight: float
+    own_noise: float
 
 
 def at_model_velocity(found: Solved) -> Solved:
     r"""Return the fit with friction evaluated at the velocity that the model predicts, if that is more certain.
 
     In rounds, while the velocity is not predicted worse. Which velocity is more certain is told by Stein's unbiased
-    estimate of its squared error, :math:`\overline{(v - y)^2} + 2\sigma^2 w_0` but for a constant, with the measured y,
-    its noise σ and the weight :math:`w_0` of each sample in its own value.
+    estimate of its squared error, :math:`\overline{(v - y)^2} + 2\sum_k w_k r_k` but for a constant, with the measured
+    y, the autocovariance r of its noise, and the weights w of the samples about each in its own value.
 
     Args:
-        found: the fit at the smoothed velocity. A velocity that was derived from positions, whose noise is not white,
-            stays as it is.
+        found: the fit at the smoothed velocity. A velocity that was derived from positions, or that moves in steps,
+            stays as it is: its error goes with the motion, and the risk does not see it.
     """
     problem = found.problem
     recording = problem.recording
-    if recording.derived_over:
+    if recording.derived_over or velocity_noise(recording).course is not None:
         return found
-    own_weight = float(even_weights(problem.half_width)[0][problem.half_width])
-    sigma = _white_noise(recording)
-    smooth = _risk(recording.velocity, problem.smooth, sigma, own_weight)
+    smooth = _risk(recording.velocity, problem.smooth, _smoothed_noise(recording, problem.half_width))
     begin, everywhere = _begin(found)
 
     def risk(velocity: ModelVelocity | None) -> float:
         if velocity is None:
             return np.inf
-        return _risk(recording.velocity, velocity.velocity, sigma, velocity.own_weight)
+        return _risk(recording.velocity, velocity.velocity, velocity.own_noise)
 
     best, predicted, settled = _rounds(begin, begin.parameters)
     lost = not settled or len(best.solution.normal.null.T) > 0 or risk(predicted) > smooth
@@ -149,24 +149,23 @@ def _nonlinear(found: Solved) -> dict[str, float]:
     return {key: value for key, value in found.parameters.items() if key in nonlinear}
 
 
-def _white_noise(recording: Recording) -> float:
-    """Return the standard deviation of white noise on the velocity, from the median of what a cubic over 7 leaves.
-
-    The few jumps of the acceleration at reversals do not count in a median.
-    """
-    left = [
-        recording.velocity[part] - fit_stretch(recording.time[part], recording.velocity[part], 3, 3)[0]
-        for part in stretches(recording.time, recording.run)
-        if part.stop - part.start > 7
-    ]
-    if not left:
-        return 0.0
-    share = 1.0 - float(even_weights(3, 3)[0][3])
-    return float(np.median(np.abs(np.concatenate(left))) / (0.6745 * np.sqrt(share)))
+def _smoothed_noise(recording: Recording, half_width: int) -> float:
+    """Return the covariance of the noise of a sample with that of its smoothed value."""
+    return velocity_noise(recording).product(even_weights(half_width)[0], np.ones(1))
 
 
-def _risk(measured: Array, velocity: Array, noise: float, own_weight: float) -> float:
-    return float(np.mean((velocity - measured) ** 2)) + 2 * noise**2 * own_weight
+def _averaged_noise(noise: Noise, gain: float) -> float:
+    """Return the covariance of the noise of a sample with that of its average forth and back."""
+    weight = gain / (2.0 - gain)
+    if noise.is_white or gain == 1.0:
+        return noise.deviation**2 * weight
+    covariance = noise.covariance(min(_REACH, 1 + int(5.0 / gain)))
+    faded = covariance * (1.0 - gain) ** np.arange(len(covariance))
+    return weight * float(2.0 * faded.sum() - faded[0])
+
+
+def _risk(measured: Array, velocity: Array, own_noise: float) -> float:
+    return float(np.mean((velocity - measured) ** 2)) + 2 * own_noise
 
 
 def model_velocity(drive: Drive, values: Mapping[str, float], recording: Recording) -> ModelVelocity | None:
@@ -181,17 +180,18 @@ def model_velocity(drive: Drive, values: Mapping[str, float], recording: Recordi
         return None
     velocity = np.empty(len(recording))
     noise = np.empty(len(recording))
-    squares = weight = 0.0
+    squares = shared = 0.0
+    own = velocity_noise(recording)
     for number in np.unique(recording.run):
         inside = recording.run == number
-        level, hidden_by, error, gain = wandering_level(recording.velocity[inside] - simulated[inside])
+        level, hidden_by, error, gain = wandering_level(recording.velocity[inside] - simulated[inside], own)
         velocity[inside] = simulated[inside] + level
         noise[inside] = hidden_by
         squares += error * float(inside.sum())
-        weight += gain / (2.0 - gain) * float(inside.sum())
+        shared += _averaged_noise(own, gain) * float(inside.sum())
     hidden = (np.abs(velocity) <= 3.0 * noise) & (np.abs(simulated) <= 3.0 * noise)
     velocity = np.where(hidden, simulated, velocity)
-    return ModelVelocity(velocity, velocity == 0.0, squares / len(recording), weight / len(recording))
+    return ModelVelocity(velocity, velocity == 0.0, squares / len(recording), shared / len(recording))
 
 
 def prediction_error(drive: Drive, values: Array, recording: Recording) -> float:
@@ -229,19 +229,41 @@ def sought(drive: Drive, starts: Sequence[Array], recording: Recording, held: Ma
     return best
 
 
-def wandering_level(series: Array) -> tuple[Array, float, float, float]:
+def wandering_level(series: Array, noise: Noise) -> tuple[Array, float, float, float]:
     """Return the smoothed level of a series, the noise that hid it, the mean square error of prediction, and the gain.
 
-    The gain is the one that predicts best.
+    The gain is the one that predicts best where the noise is white. Lasting noise predicts itself; there it is the one
+    with the least risk, see :func:`at_model_velocity`.
+
+    Args:
+        series: shape (N,).
+        noise: of the series.
     """
+    if noise.lasting:
+        return _level_of_least_risk(series, noise)
     gain, least = 1.0, np.inf
     for candidate in _GAINS[_GAINS * len(series) >= 4.0]:
         square = float(np.mean((series[1:] - _average(series, candidate)[:-1]) ** 2))
         if square > least:
             break
         gain, least = float(candidate), square
-    level = _average(_average(series, gain)[::-1], gain)[::-1]
-    return level, float(np.sqrt(least * (1.0 - gain))), least, gain
+    return _both_ways(series, gain), float(np.sqrt(least * (1.0 - gain))), least, gain
+
+
+def _level_of_least_risk(series: Array, noise: Noise) -> tuple[Array, float, float, float]:
+    best, least = (series, 1.0), np.inf
+    for gain in _GAINS[_GAINS * len(series) >= 4.0].tolist():
+        level = _both_ways(series, gain)
+        risk = _risk(series, level, _averaged_noise(noise, gain))
+        if risk > least:
+            break
+        best, least = (level, gain), risk
+    level, gain = best
+    return level, noise.deviation, float(np.mean((series - level) ** 2)), gain
+
+
+def _both_ways(series: Array, gain: float) -> Array:
+    return _average(_average(series, gain)[::-1], gain)[::-1]
 
 
 def _average(series: Array, gain: float) -> Array:

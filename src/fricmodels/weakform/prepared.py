@@ -8,7 +8,7 @@ import numpy as np
 
 from fricmodels.errors import InputError
 from fricmodels.recording import Recording
-from fricmodels.signals import best_half_width, noise, prepare, with_derived_velocity
+from fricmodels.signals import best_half_width, noise_of, prepare, velocity_noise, with_derived_velocity
 from fricmodels.signals.lanczos import even_weights
 
 
@@ -50,11 +50,12 @@ def surest_velocity(recording: Recording) -> Recording:
     if "velocity" not in recording or "position" not in recording or "velocity" in recording.derived:
         return recording
     time, run, position, velocity = recording.time, recording.run, recording["position"], recording.velocity
-    width = best_half_width(time, position, run)
+    counted = noise_of(time, position, run)
+    width = best_half_width(time, position, run, noise=counted)
     result = with_derived_velocity(recording, width)
     derived = result.velocity
-    error = noise(time, position, run) * float(np.linalg.norm(even_weights(width)[1])) / recording.interval
-    own = noise(time, velocity, run)
+    error = counted.after(even_weights(width)[1]) / recording.interval
+    own = velocity_noise(recording).deviation
     power = float(derived @ derived)
     if error >= own or power == 0:
         return recording

@@ -10,7 +10,6 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache, cached_property, lru_cache
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,19 +20,16 @@ from fricmodels.drive import Drive, rest_width
 from fricmodels.memory import Memory
 from fricmodels.model import Model
 from fricmodels.parameter import Parameter
-from fricmodels.recording import RATE, RUN, Recording
-from fricmodels.signals import best_half_width, lanczos_derivative, noise, resting, standstill
-from fricmodels.signals.rest import once
+from fricmodels.recording import Recording
+from fricmodels.signals import lanczos_derivative
 from fricmodels.term import Effect, Law, Parameters, Signals
+from fricmodels.weakform.regression import Regression
 from fricmodels.weakform.remembered import Remembered
-from fricmodels.weakform.row_noise import bump_width, noise_like
+from fricmodels.weakform.row_noise import bump_width, momentum_noise, noise_in_columns, noise_like
+from fricmodels.weakform.smoothed import smoothed
 from fricmodels.weakform.test_functions import HOPS, Quadrature, TestFunctions, mean_velocity
 from fricmodels.weakform.unclear import creeping, direction_unclear
 
-MAX_SAMPLES = 163_840
-"""Longer recordings are diagnosed on this many samples, in blocks spread evenly over them."""
-
-_BLOCK = 8_192
 _ROOM = 2**28
 """Bytes of integrals that a problem remembers."""
 
@@ -59,7 +55,6 @@ class WeakFormProblem:
         smooth: velocity freed of noise, at which friction is evaluated.
         resting: samples at rest.
         quadrature, bumps: see :mod:`fricmodels.weakform.test_functions`.
-        velocity_noise: standard deviation of the noise of the velocity.
         half_width: of the filter that smooths it.
         friction_limits: see :meth:`limits_of_friction`.
         estimated: parameters of the drive's fit, once there is one; see :attr:`motor_torque`.
@@ -72,7 +67,6 @@ class WeakFormProblem:
     resting: Mask
     quadrature: Quadrature
     bumps: TestFunctions
-    velocity_noise: float
     half_width: int
     friction_limits: tuple[float, float]
     estimated: Mapping[str, float] | None = None
@@ -93,14 +87,12 @@ class WeakFormProblem:
         inertia, _ = drive.split(parameters)
         delay = parameters[drive.model.delay] if drive.model.delay else 0.0
         recording, parameters = drive.timed(recording, parameters)
-        motion = _smoothed(recording)
+        motion = smoothed(recording)
         part, smooth, at_rest = motion.recording, motion.velocity, motion.resting
-        width = width or bump_width(part, inertia, motion.noise)
+        width = width or bump_width(part, inertia)
         unclear = direction_unclear(drive, part, smooth, at_rest, width, parameters)
         quadrature, bumps = _rows(part, smooth, width, unclear)
-        problem = cls(
-            drive, part, smooth, at_rest, quadrature, bumps, motion.noise, motion.half_width, (0.0, 0.0), delay=delay
-        )
+        problem = cls(drive, part, smooth, at_rest, quadrature, bumps, motion.half_width, (0.0, 0.0), delay=delay)
         return replace(problem, friction_limits=problem.limits_of_friction(parameters))
 
     def limits_of_friction(self, parameters: Mapping[str, float]) -> tuple[float, float]:
@@ -138,7 +130,7 @@ class WeakFormProblem:
         """
         rng = np.random.default_rng(0)
         part = self.recording
-        noisy = part.velocity + noise_like(part, self.velocity_noise, rng)
+        noisy = part.velocity + noise_like(part, rng)
         smooth, acceleration = lanczos_derivative(part.time, noisy, self.half_width, part.run)
         changed = part.with_channels(acceleration=acceleration)
         # The same cells are cut at the same instants, so that only the signals differ.
@@ -191,6 +183,26 @@ class WeakFormProblem:
         derived = recording.derived_over > 0
         velocity = mean_velocity(recording, recording["position"]) if derived else recording.velocity
         return np.asarray(self.bumps.momentum(velocity))
+
+    @cached_property
+    def noise_of_momentum(self) -> Array:
+        """What noise may add to :attr:`momentum`, shape (rows,)."""
+        return momentum_noise(self.bumps, self.recording)
+
+    @property
+    def momentum_noise(self) -> float:
+        """Sum of squares that noise adds to :attr:`momentum`."""
+        return float(self.noise_of_momentum @ self.noise_of_momentum)
+
+    def noise_within(self, regression: Regression, columns: Array, perturbed: Array) -> Array:
+        """Return what noise makes of columns freed of the base directions, shape (k, rows).
+
+        Args:
+            regression: gives the base directions.
+            columns, perturbed: of this problem and of :attr:`perturbed`, shape (k, rows).
+        """
+        momentum = self.momentum if self.drive.inertia is None else None
+        return noise_in_columns(regression, columns, perturbed - columns, momentum, self.noise_of_momentum)
 
     @cached_property
     def driving(self) -> Array:
@@ -345,6 +357,15 @@ class WeakFormProblem:
             stacked.append(self.momentum[None])
         return np.vstack(stacked)
 
+    @cached_property
+    def inertia_is_noisy(self) -> bool:
+        """Whether noise of the momentum makes an inertia fitted to it too small by a tenth of its standard error.
+
+        By least squares it is too small by the share λ of noise in the squared momentum; its standard error is no less
+        than √(λ/n) of it, with n independent rows.
+        """
+        return self.momentum_noise * self.independent > 0.01 * float(self.momentum @ self.momentum)
+
     def alone(self, effect: Effect) -> Drive:
         """Return a drive with nothing but the effect."""
         return _alone(effect, self.drive.motion)
@@ -353,45 +374,6 @@ class WeakFormProblem:
 @lru_cache(maxsize=256)
 def _alone(effect: Effect, motion: Motion) -> Drive:
     return Drive(Model(NoFriction(), [effect]), 1.0, motion)
-
-
-@dataclass(frozen=True)
-class _Smoothed:
-    """A recording with acceleration and torque rate, freed of noise: what does not depend on the model."""
-
-    recording: Recording
-    velocity: Array
-    half_width: int
-    noise: float
-    resting: Mask
-
-
-@once
-def _smoothed(recording: Recording) -> _Smoothed:
-    part = spread(recording.with_channels(run=recording.signal(RUN)))
-    half_width = best_half_width(part.time, part.velocity, part.run)
-    smooth, acceleration = lanczos_derivative(part.time, part.velocity, half_width, part.run)
-    if "acceleration" not in part:
-        part = part.with_channels(acceleration=acceleration)
-    smooth = np.where(np.abs(smooth) <= standstill(smooth), 0.0, smooth)
-    rates: dict[str, Any] = {RATE + name: part.signal(RATE + name) for name in part.further}
-    part = part.with_channels(torque_rate=part.signal("motor_torque_rate"), **rates)
-    return _Smoothed(part, smooth, half_width, noise(part.time, part.velocity, part.run), resting(part))
-
-
-def spread(recording: Recording) -> Recording:
-    """Return at most :data:`MAX_SAMPLES` samples, as blocks spread evenly over a longer recording."""
-    count = len(recording)
-    if count <= MAX_SAMPLES:
-        return recording
-    blocks = MAX_SAMPLES // _BLOCK
-    starts = np.linspace(0, count - _BLOCK, blocks).astype(int)
-    index = (starts[:, None] + np.arange(_BLOCK)).ravel()
-    chosen = replace(recording, origin=None).select(index)
-    # Blocks are runs of their own; a block that spans two runs stays two.
-    fresh = np.repeat(np.arange(blocks), _BLOCK)
-    _, run = np.unique(np.column_stack([fresh, chosen.run]), axis=0, return_inverse=True)
-    return replace(chosen, run=run.astype(np.int64).ravel())
 
 
 def _rows(recording: Recording, smooth: Array, width: int, unclear: Mask) -> tuple[Quadrature, TestFunctions]:

@@ -6,7 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fricmodels.recording import Recording
-from fricmodels.signals import lanczos_derivative, noise
+from fricmodels.signals import lanczos_derivative, motion_noise, velocity_noise
+from fricmodels.weakform.regression import Regression
 from fricmodels.weakform.test_functions import HOPS, TestFunctions, mean_velocity
 
 Array = NDArray[np.float64]
@@ -18,31 +19,53 @@ _NOISE_SHARE = 0.01
 """The bump is widened until the noise of the velocity adds less than this share of the RMS torque to a row."""
 
 
-def noise_like(recording: Recording, deviation: float, rng: np.random.Generator) -> Array:
-    """Return noise as the velocity has it: white where it was measured, a derivative of white where it was derived."""
-    white = rng.standard_normal(len(recording))
+def noise_like(recording: Recording, rng: np.random.Generator) -> Array:
+    """Return noise as the velocity has it, shape (N,): where it was derived, the derivative of the position's."""
     if not recording.derived_over:
-        return deviation * white
-    time, position, run, width = recording.time, recording["position"], recording.run, recording.derived_over
-    return np.asarray(lanczos_derivative(time, noise(time, position, run) * white, width, run)[1])
+        return velocity_noise(recording).like(len(recording), rng)
+    noise = motion_noise(recording).like(len(recording), rng)
+    return np.asarray(lanczos_derivative(recording.time, noise, recording.derived_over, recording.run)[1])
 
 
-def momentum_noise(bumps: TestFunctions, recording: Recording, deviation: float) -> Array:
+def momentum_noise(bumps: TestFunctions, recording: Recording) -> Array:
     """Return the momentum per inertia that noise alone would show, shape (rows,).
 
     Args:
         bumps: of the recording.
         recording: whose position or velocity is noisy.
-        deviation: standard deviation of the noise of a measured velocity.
     """
-    white = np.random.default_rng(0).standard_normal(len(recording))
+    rng = np.random.default_rng(0)
     if not recording.derived_over:
-        return bumps.momentum(deviation * white)
-    own = noise(recording.time, recording["position"], recording.run)
-    return bumps.momentum(mean_velocity(recording, own * white))
+        return bumps.momentum(noise_like(recording, rng))
+    return bumps.momentum(mean_velocity(recording, motion_noise(recording).like(len(recording), rng)))
 
 
-def bump_width(recording: Recording, inertia: float, deviation: float) -> int:
+def noise_in_columns(
+    regression: Regression, columns: Array, change: Array, momentum: Array | None, noise: Array
+) -> Array:
+    """Return what noise of the velocity makes of columns that the base directions were projected out of, (k, rows).
+
+    Noise is in the columns, and in the momentum where that is a base direction: a column of which as much is projected
+    out as goes with the momentum gets its noise.
+
+    Args:
+        regression: gives the base directions.
+        columns: shape (k, rows).
+        change: of the columns by noise, shape (k, rows).
+        momentum: as it is among the base directions; ``None`` where the inertia is given.
+        noise: of the momentum, shape (rows,).
+    """
+    found = regression.project_out(change)
+    if momentum is None:
+        return found
+    rest = regression.base[np.abs(regression.base @ momentum) < (1.0 - 1e-9) * np.linalg.norm(momentum)]
+    basis = np.linalg.svd(rest, full_matrices=False)[2]
+    own = momentum - (momentum @ basis.T) @ basis
+    share = columns @ own / float(own @ own)
+    return np.asarray(found - share[:, None] * regression.project_out(noise[None]))
+
+
+def bump_width(recording: Recording, inertia: float) -> int:
     """Return the least width at which velocity noise adds less than the stated share of the RMS torque to a row."""
     torque = float(np.sqrt(np.mean(recording.torque**2)))
     wanted = _NOISE_SHARE * torque * recording.interval
@@ -52,7 +75,7 @@ def bump_width(recording: Recording, inertia: float, deviation: float) -> int:
     moving = np.zeros(len(recording), dtype=bool)
     for width in range(narrowest, widest, HOPS):
         bumps = TestFunctions(recording, width, moving, over_cells=recording.derived_over > 0)
-        rows = inertia * momentum_noise(bumps, recording, deviation)
+        rows = inertia * momentum_noise(bumps, recording)
         if not len(rows) or float(np.sqrt(np.mean(rows**2))) <= wanted:
             return width
     return widest

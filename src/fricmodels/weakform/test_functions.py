@@ -12,6 +12,7 @@ whatever its friction is, so samples at rest contribute to neither side.
 from __future__ import annotations
 
 import itertools
+from copy import copy
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -190,6 +191,18 @@ class TestFunctions:
         moving = self._apply((~resting).astype(float)[None], self._mean)[0] if self._pieces else np.zeros(0)
         self._kept = np.flatnonzero(moving >= least_moving - 1e-12)
         self.count = len(self._kept)
+
+    def clear_of(self, samples: NDArray[np.bool_]) -> TestFunctions:
+        """Return the test functions that none of some samples lies within."""
+        other = copy(self)
+        other._kept = self._kept[self.integrals(samples.astype(float)[None])[0] == 0.0]
+        other.count = len(other._kept)
+        return other
+
+    @property
+    def weights(self) -> Array:
+        """Weight of each sample in a mean over a test function, of sum 1."""
+        return self._mean
 
     def integrals(self, integrand: Array) -> Array:
         """Return ∫φ f dt for rows f, shape (k, number of bumps)."""

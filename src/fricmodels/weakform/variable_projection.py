@@ -36,6 +36,7 @@ class Equations:
         moving: α, whether with slopes → functionals of the moving rows (and slopes), shape (rows, M).
         nuisances: columns beside the model, such as a shift in time, shape (m, M).
         nuisance_limits: lower and upper bound of the coefficient of each nuisance, shape (m, 2).
+        acceleration_noise: sum of squares that noise adds to the functionals of dω/dt.
     """
 
     separable: Separable
@@ -46,6 +47,7 @@ class Equations:
     moving: Callable[[Array, bool], Array]
     nuisances: Array = field(default_factory=lambda: np.zeros((0, 0)))
     nuisance_limits: Array = field(default_factory=lambda: np.zeros((0, 2)))
+    acceleration_noise: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -209,8 +211,23 @@ class Projection:
         if self._held:
             target = target - self._theta @ columns
         theta = self._theta.copy()
-        theta[self._free] = NormalEquations.of(free @ free.T, free @ target).solve(self._constraints, self._limits)
+        normal = NormalEquations.of(self._without_noise(free @ free.T, 0 in self._free), free @ target)
+        theta[self._free] = normal.solve(self._constraints, self._limits)
         return theta
+
+    def _without_noise(self, gram: Array, has_inertia: bool = True) -> Array:
+        r"""Return the products of columns without what noise adds to those of dω/dt with themselves, in place.
+
+        Noise in a regressor makes its coefficient too small (errors in variables); the noise is known, so that
+        :math:`X^T X - N` is what X without it would give. At most half of what the other columns leave is taken away.
+
+        Source: W. A. Fuller, "Measurement error models", 1987, ch. 2.
+        """
+        noise = self._equations.acceleration_noise
+        if noise and has_inertia:
+            own = float(NormalEquations.of(gram, np.zeros(len(gram))).inverse[0, 0])
+            gram[0, 0] -= min(noise, 0.5 / own if own > 0.0 else 0.0)
+        return gram
 
     def _linear_problem(self, alpha: Array, *, slopes: bool) -> tuple[Array, Array, Array]:
         """Return the columns of the linear parameters, the target and the functionals of the slopes."""
@@ -236,7 +253,7 @@ class Projection:
             factor = 1.0 if row == len(split.linear) else theta[self._first + row]
             columns[n + j] += factor * values
         residual = target - theta @ linear
-        normal = NormalEquations.of(columns @ columns.T, columns @ residual)
+        normal = NormalEquations.of(self._without_noise(columns @ columns.T), columns @ residual)
         return Solution(theta, alpha, columns, residual, normal, 0, True)
 
 

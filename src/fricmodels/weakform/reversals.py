@@ -1,0 +1,69 @@
+"""Whether rows that reach over a reversal agree with those that do not.
+
+Friction is evaluated at a velocity that was smoothed. At a reversal the slope of the velocity jumps, and smoothing
+rounds that off: the instant of the reversal, and all that goes with a low speed, is wrong by more than noise makes it.
+That error is the same in every recording of its kind, and standard errors do not see it. Rows that no reversal and no
+sample about one lies in do not have it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from fricmodels.arrays import Array
+from fricmodels.weakform.solve import Solved, solve
+
+_LEAST = 0.5
+"""Share of the rows that must be clear of reversals."""
+_DISAGREES = 0.1
+"""Probability below which the two fits are said to disagree. A fit without bias is worth more than an efficient one."""
+
+
+def clear_of_reversals(found: Solved) -> Solved:
+    """Return the fit to the rows that are clear of reversals, where it is more certain than that to all, or differs.
+
+    The fit to all rows stays where too few are clear, and where nothing speaks against it.
+
+    Args:
+        found: the fit to all rows, at a smoothed velocity.
+    """
+    problem = found.problem
+    turning = np.zeros(len(problem.recording))
+    turning[problem.quadrature.cell] = 1.0
+    reach = problem.recording.derived_over + problem.half_width
+    near = np.convolve(turning, np.ones(2 * reach + 1), "same") > 0.5
+    bumps = problem.bumps.clear_of(near)
+    if bumps.count == problem.rows or bumps.count < _LEAST * problem.rows:
+        return found
+    other = solve(replace(problem, bumps=bumps), found.plan, timing=found.timing)
+    if len(other.solution.normal.null.T) > len(found.solution.normal.null.T) + 1:  # no reversal is left to be shifted
+        return found
+    return other if _is_smaller(other, found) or _disagree(found, other) else found
+
+
+def _is_smaller(one: Solved, other: Solved) -> bool:
+    """Whether the covariance of one fit is smaller than that of another, by its determinant."""
+    first, second = (np.linalg.slogdet(_scaled(fit, one)) for fit in (one, other))
+    return bool(first.sign > 0 and second.sign > 0 and first.logabsdet < second.logabsdet)
+
+
+def _scaled(fit: Solved, by: Solved) -> Array:
+    size = np.sqrt(np.clip(np.diag(by.covariance), 1e-300, None))
+    return np.asarray(fit.covariance / np.outer(size, size))
+
+
+def _disagree(found: Solved, other: Solved) -> bool:
+    """Whether two fits differ by more than the error of the one to fewer rows explains (Hausman 1978)."""
+    from scipy.special import chdtrc
+
+    apart, spread = found.values - other.values, other.covariance
+    size = np.sqrt(np.clip(np.diag(spread), 0.0, None))
+    free = size > 0.0
+    if not free.any():
+        return False
+    scaled = (spread / np.where(free, np.outer(size, size), 1.0))[np.ix_(free, free)]
+    unit = (apart / np.where(free, size, 1.0))[free]
+    statistic = float(unit @ np.linalg.pinv(scaled, rcond=1e-10, hermitian=True) @ unit)
+    return bool(chdtrc(int(free.sum()), statistic) < _DISAGREES)

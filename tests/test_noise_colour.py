@@ -1,0 +1,147 @@
+"""The noise of a channel: how large, how long it lasts, told from motion; and what uses it."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from scipy.signal import lfilter
+
+from fricmodels.dimension import Motion
+from fricmodels.recording import Recording
+from fricmodels.signals import (
+    Noise,
+    best_half_width,
+    lanczos_derivative,
+    motion_noise,
+    noise_of,
+    resting,
+    velocity_noise,
+)
+from fricmodels.signals.lanczos import even_weights
+
+Array = NDArray[np.float64]
+COUNT = 12_000
+TIME = 0.001 * np.arange(COUNT)
+
+
+def lasting(samples: float, seed: int = 0, count: int = COUNT) -> Array:
+    factor = np.exp(-1.0 / samples)
+    driving = np.random.default_rng(seed).standard_normal(count)
+    driving[1:] *= np.sqrt(1 - factor**2)
+    return np.asarray(lfilter([1.0], [1.0, -factor], driving))
+
+
+def white(seed: int = 0) -> Array:
+    return np.random.default_rng(seed).standard_normal(COUNT)
+
+
+def moves() -> tuple[Array, Array]:
+    """Velocity of moves with rests between, and where it rests."""
+    phase = (TIME % 1.5) / 1.5
+    side = np.where(TIME % 3.0 < 1.5, 1.0, -1.0)
+    velocity = side * np.clip(np.minimum(phase, 0.7 - phase) / 0.15, 0.0, 1.0)
+    return velocity, velocity == 0.0
+
+
+def recorded(**channels: Array) -> Recording:
+    return Recording(
+        "r", Motion.ROTARY, {"time": TIME, "torque": white(9), **channels}, np.zeros(COUNT, dtype=np.int64)
+    )
+
+
+SINE = np.sin(2 * np.pi * 0.8 * TIME)
+
+
+@pytest.mark.parametrize("signal", [SINE, np.abs(SINE), moves()[0]], ids=["sine", "kinks", "moves"])
+def test_white_noise_is_white_and_of_its_size(signal: Array) -> None:
+    found = noise_of(TIME, signal + 0.01 * white())
+    assert found.lasting == 0.0
+    assert found.deviation == pytest.approx(0.01, rel=0.05)
+
+
+def test_motion_alone_is_no_noise() -> None:
+    assert noise_of(TIME, SINE).deviation < 1e-6
+    assert noise_of(TIME, np.abs(SINE)).deviation < 1e-5
+
+
+@pytest.mark.parametrize("samples", [10.0, 50.0])
+def test_noise_that_lasts_is_bounded_beside_motion(samples: float) -> None:
+    """How fast it changes is known; how large it is in all, from above."""
+    found = noise_of(TIME, SINE + 0.01 * lasting(samples))
+    assert found.lasting**2 / found.samples == pytest.approx(0.01**2 / samples, rel=0.4)
+    assert 0.008 < found.deviation < 0.04
+
+
+@pytest.mark.parametrize("samples", [10.0, 50.0])
+def test_a_drive_at_rest_tells_how_large_it_is_and_is_found_at_rest(samples: float) -> None:
+    velocity, rest = moves()
+    recording = recorded(velocity=velocity + 0.02 * lasting(samples))
+    assert motion_noise(recording).deviation == pytest.approx(0.02, rel=0.25)
+    found = resting(recording)
+    assert np.mean(found & rest) > 0.95 * np.mean(rest)
+    assert np.mean(found & ~rest) < 0.05
+
+
+def test_the_position_tells_how_large_it_is() -> None:
+    position = np.cumsum(SINE) * 0.001
+    recording = recorded(velocity=SINE + 0.01 * lasting(50.0), position=2e-5 * np.round(position / 2e-5))
+    assert velocity_noise(recording).deviation == pytest.approx(0.01, rel=0.25)
+
+
+def test_a_slow_quantised_position_is_smoothed_as_widely_as_it_needs() -> None:
+    """Its steps come every tens of samples: white noise of this size would ask for a tenth of the width."""
+    position, step = -np.cos(2 * np.pi * 0.8 * TIME) / (2 * np.pi * 0.8), 0.02
+    counted = step * np.floor(position / step)
+    found = noise_of(TIME, counted)
+    assert found.deviation == pytest.approx(step / np.sqrt(12))
+
+    def error(half_width: int) -> float:
+        return float(np.std(lanczos_derivative(TIME, counted, half_width)[1] - SINE))
+
+    best = min(error(half_width) for half_width in (4, 8, 16, 32, 64, 96, 128))
+    assert error(best_half_width(TIME, counted)) < 1.5 * best
+    assert error(best_half_width(TIME, counted, noise=Noise(found.deviation))) > 4 * best
+
+
+@pytest.mark.parametrize(
+    "noise",
+    [
+        Noise(0.3),
+        Noise(0.1, 0.2),
+        Noise(0.1, 0.0, 0.4, 12.0),
+        Noise(0.1, 0.0, 0.4, 12.0, filtered=even_weights(4)[1]),
+        Noise(0.02 / np.sqrt(12), step=0.02, course=SINE, error=0.02 * np.floor(SINE / 0.02) + 0.01 - SINE),
+    ],
+    ids=["white", "difference", "lasting", "filtered", "staircase"],
+)
+def test_what_is_drawn_is_as_what_is_computed(noise: Noise) -> None:
+    drawn = np.stack([noise.like(COUNT, np.random.default_rng(seed)) for seed in range(6)])
+    assert np.std(drawn) == pytest.approx(noise.deviation, rel=0.05)
+    covariance, near = (
+        noise.covariance(40),
+        0.06 if noise.course is None else 0.4,
+    )  # a staircase is drawn with an offset
+    for lag in (0, 1, 5, 30):
+        measured = np.mean(drawn[:, lag:] * drawn[:, : COUNT - lag])
+        assert measured == pytest.approx(covariance[lag], abs=near * covariance[0])
+    for order in (0, 1):
+        weights = even_weights(6)[order]
+        behind = np.std([np.convolve(each, weights[::-1], "valid") for each in drawn])
+        assert behind == pytest.approx(noise.after(weights), rel=2 * near)
+
+
+def test_the_mirrored_signal_has_the_mirrored_noise() -> None:
+    noise = Noise(0.02 / np.sqrt(12), step=0.02, course=SINE + 0.3)
+    mirrored = Noise(0.02 / np.sqrt(12), step=0.02, course=-SINE - 0.3)
+    there, back = (each.like(COUNT, np.random.default_rng(0)) for each in (noise, mirrored))
+    np.testing.assert_array_equal(there, -back)
+
+
+def test_false_stamps_make_noise_where_the_drive_accelerates() -> None:
+    """Stamps off by a share of the interval change a velocity by as much of its change."""
+    stamps = TIME + 0.0002 * np.random.default_rng(1).uniform(-1, 1, COUNT)
+    acceleration = 2 * np.pi * 0.8 / np.sqrt(2)
+    found = noise_of(stamps, SINE)
+    assert found.deviation == pytest.approx(acceleration * 0.0002 / np.sqrt(3), rel=0.3)
+    assert not found.lasting
