@@ -5,12 +5,15 @@ from __future__ import annotations
 import datetime
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
+from fricmodels.diagnosis.policy import POLICY, Policy
+from fricmodels.diagnosis.supported import Support
 from hidden.figures import NOTES, share
-from rough.judge import first_right, is_right, matters, named, rest_is_unknown, rest_matters, there, wrong
+from rough.judge import alike, first_right, is_right, matters, named, rest_is_unknown, rest_matters, there, wrong
 
 Row = dict[str, Any]
 KINDS = ("null", "single", "several", "beside", "unlisted")
@@ -30,6 +33,7 @@ def summary(rows: Sequence[Row]) -> list[str]:
     lines = ["", "## Figures", *_overview(of), "", "## Single effects, by effect", *_effects(of["single"])]
     for title, key in VIEWS.items():
         lines += ["", f"## By {title}", *_by(title, key, of)]
+    lines += ["", "## Naming against silence", "", *TRADE.splitlines(), *_trade(of)]
     lines += ["", "## Wrong names", *_wrong(of), "", "## Time and trials without a result", "", *_rest(rows)]
     return lines
 
@@ -157,6 +161,41 @@ def _by(title: str, key: Callable[[Row], str], of: Mapping[str, list[Row]]) -> l
     return _table(head, cells)
 
 
+CURVES: Mapping[str, Sequence[float]] = {
+    "own_share": (0.0, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95),
+    "kept": (0.0, 0.3, 0.5, 0.7, 0.8, 0.9),
+    "of_channel": (0.0, 0.8, 0.85, 0.9, 0.95, 1.0),
+}
+"""Thresholds at which names are counted, by the name of the constant in the policy."""
+
+
+def _trade(of: Mapping[str, list[Row]]) -> list[str]:
+    """Return names given and effects named at other thresholds than those of the policy, the others kept."""
+    rows = [r for rows in of.values() for r in rows if r.get("judged")]
+    cells = []
+    for rule, levels in CURVES.items():
+        for level in levels:
+            policy = replace(POLICY, **{rule: level})
+            names = {r["key"]: _supported(r, policy) for r in rows}
+            wrong = [not is_right(r, one) for r in rows for one in names[r["key"]]]
+            found = [
+                any(not alike(r, true).isdisjoint(one) for one in names[r["key"]])
+                for r in rows
+                for true in r.get("matter", [])
+            ]
+            here = " (chosen)" if level == getattr(POLICY, rule) else ""
+            cells.append([f"`{rule}` ≥ {level:g}{here}", share(wrong), share(found)])
+    return _table(["threshold", "names that are wrong", "effects that matter that are named"], cells)
+
+
+def _supported(row: Row, policy: Policy) -> list[list[str]]:
+    """Return the classes that the first diagnosis supports under a policy."""
+    fields = ("own_share", "kept", "of_channel", "torque", "p_value")
+    judged = row["judged"][0]
+    members = [m for m in judged["members"] if m["names"] not in judged.get("one_cause", [])]
+    return [m["names"] for m in members if Support(**{key: m[key] for key in fields}).suffices(policy)]
+
+
 def _wrong(of: Mapping[str, list[Row]]) -> list[str]:
     counts: Counter[tuple[str, str, str]] = Counter()
     for kind, rows in of.items():
@@ -189,8 +228,12 @@ def page(lines: Sequence[str], command: str, target: Path) -> str:
         "",
         *INTRODUCTION.splitlines(),
     ]
-    return "\n".join([*head, *INTRODUCTION.splitlines(), *lines, "", NOTES]) + (notes or "\n")
+    return "\n".join([*head, *lines, "", NOTES]) + (notes or "\n")
 
+
+TRADE = """\
+Effects of the set that the first diagnosis finds on the base model, each judged at another threshold while the others
+stay. That the test error must fall with an effect before it is named is left out here."""
 
 INTRODUCTION = """\
 Recordings of a simulator that shares nothing with the [rig](rig.md): robot joints, spindles, servos and linear axes in

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from fricmodels import plugins
-from fricmodels.diagnosis import Comparison, compare_fit, improve, ready
+from fricmodels.diagnosis import Comparison, Diagnosis, compare_fit, improve, ready
 from fricmodels.diagnosis import compare as compared
 from fricmodels.diagnosis import comparison as comparisons
 from fricmodels.diagnosis.candidate_tests import candidate_tests
@@ -194,6 +194,24 @@ def said(ladder: Ladder) -> Row:
         "remaining": last.get("remaining"),
         "ladder": [rung["model"] for rung in last["ladder"]],
         "note": last["note"],
+        "judged": [judged(d) for d in (ladder.first, *ladder.steps[1:], ladder.last)],
+    }
+
+
+def judged(diagnosis: Diagnosis) -> Row:
+    """Return what spoke for each effect of the set that a diagnosis looked at."""
+    judgement = diagnosis.judgement
+    return {
+        "model": diagnosis.comparison.drive.model.name,
+        "found": [list(f.names) for f in diagnosis.findings],
+        "refused": diagnosis.refused.name if diagnosis.refused else "",
+        "described_by": [] if judgement is None else list(judgement.described_by),
+        "floor": None if judgement is None else judgement.floor,
+        "unpredicted": None if judgement is None else judgement.unpredicted,
+        "one_cause": [] if judgement is None else [found.names for found in judgement.one_cause],
+        "members": []
+        if judgement is None
+        else [{"names": found.names, **asdict(support)} for found, support in judgement.members],
     }
 
 

@@ -18,7 +18,7 @@ from fricmodels.diagnosis.predictability import AUTOREGRESSIVE, ChannelPredictor
 from fricmodels.diagnosis.refit_check import refit_check
 from fricmodels.diagnosis.refits import Refits
 from fricmodels.diagnosis.remaining import Remaining, remaining
-from fricmodels.diagnosis.supported import as_predictor, passing_predictors, supported
+from fricmodels.diagnosis.supported import Judgement, as_predictor, judge, passing_predictors
 from fricmodels.diagnosis.verdict import LookAlikes, passing_all_gates, select_effect
 from fricmodels.display import Displayed
 from fricmodels.model import Model
@@ -55,6 +55,7 @@ class Diagnosis(Displayed):
         refits: fits of the model with one effect more, as far as they were asked for.
         refused: an effect that would have been named, but with which the test error does not fall.
         result: every candidate that was tested.
+        judgement: what speaks for each effect of the set that the residual suggests; ``None`` where none passes.
     """
 
     comparison: Comparison
@@ -68,6 +69,7 @@ class Diagnosis(Displayed):
     refits: Refits | None = None
     refused: CandidateTest | None = None
     result: CandidateTests | None = None
+    judgement: Judgement | None = None
 
     @cached_property
     def remaining(self) -> Remaining | None:
@@ -108,7 +110,8 @@ def examine(comparison: Comparison, *, leave_out: Iterable[str] = (), policy: Po
     out, parameters, refits = set(leave_out), comparison.estimate.parameters, Refits(comparison)
     result = candidate_tests(replace(comparison.problem), parameters, leave_out=out, policy=policy)
     best, predictors = select_effect(result), passing_predictors(result)
-    together = supported(result, out, best) if best is not None or predictors else []
+    judgement = judge(result, out, best) if best is not None or predictors else None
+    together = [] if judgement is None else judgement.supported(policy)
     found = refit_check(refits, result, out, together[0] if together else None)
     named = _confirmed(refits, found, passing_all_gates(result), policy)
     view = next((p for p in predictors if p.channels not in AUTOREGRESSIVE), predictors[0] if predictors else None)
@@ -124,7 +127,9 @@ def examine(comparison: Comparison, *, leave_out: Iterable[str] = (), policy: Po
     passing = tuple(passing_all_gates(result)) if found is not None else ()
     seen = visibility(result, () if named is None else named.names)
     refused = found.first if found is not None and named is None else None
-    return Diagnosis(comparison, verdict, findings, view, seen, passing, policy, place, refits, refused, result)
+    return Diagnosis(
+        comparison, verdict, findings, view, seen, passing, policy, place, refits, refused, result, judgement
+    )
 
 
 def _confirmed(

@@ -151,7 +151,7 @@ class Policy:
         off=-1.0,
     )
     own_share: float = _rule(
-        0.7,
+        0.5,
         "share of the squared residual above the floor",
         "An effect must explain this of what is left without it, beside other effects and a description of the rest.",
         "Judgement: the one threshold of naming against silence; docs/decisions/unknown.md draws its curve.",
