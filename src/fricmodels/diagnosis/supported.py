@@ -301,7 +301,10 @@ def _one_cause(result: CandidateTests, member: Member, others: list[Member]) -> 
     policy = result.policy
     lasting = AUTOREGRESSIVE if not member.effect.states else frozenset()
     for predictor in [p for p in passing_predictors(result) if p.channels not in lasting][:_RIVALS]:
-        taken = [other for other in others if _takes_place(result, predictor, other, [*others, member])]
+        every = [*others, member]
+        if not _takes_place(result, predictor, member, every):
+            continue  # whatever else the channel does, it does not do what this effect does
+        taken = [other for other in others if _takes_place(result, predictor, other, every)]
         if not taken:
             continue
         beside = _stacked(result, [other for other in others if other not in taken])
