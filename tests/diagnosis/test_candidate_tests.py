@@ -7,7 +7,7 @@ import pytest
 from tests.conftest import INERTIA, LAW, Made
 
 from fricmodels.diagnosis import compare
-from fricmodels.diagnosis.candidate_tests import candidate_tests
+from fricmodels.diagnosis.candidate_tests import candidate_tests, is_taken_up
 from fricmodels.weakform.regression import LEAST_P
 
 
@@ -32,3 +32,24 @@ def test_without_a_candidate_there_is_nothing_to_correct(made: Made) -> None:
     comparison = compare(made(), "coulomb-viscous", INERTIA)
     assert candidate_tests(comparison.problem, comparison.estimate.parameters, only=set()).tested == ()
     assert comparison.estimate.parameters["K_c"] == pytest.approx(LAW["K_c"], rel=0.05)
+
+
+def test_with_an_estimated_inertia_and_no_load_no_torque_has_a_known_scale(made: Made) -> None:
+    """Torque and everything that moves may be scaled together: neither gain nor inertia error is seen, nor guessed."""
+    recording = made("coulomb-viscous")
+    two = {"torque-gain", "inertia-error", "torque-ripple"}
+    free, known = compare(recording, "coulomb-viscous"), compare(recording, "coulomb-viscous", INERTIA)
+    estimated = candidate_tests(free.problem, free.estimate.parameters, only=two)
+    given = candidate_tests(known.problem, known.estimate.parameters, only=two)
+    assert set(estimated.untested) == {"torque-gain", "inertia-error"}
+    assert not {"torque-gain", "inertia-error"} & set(given.untested)
+
+
+def test_a_square_of_the_acceleration_is_told_from_an_estimated_inertia(made: Made) -> None:
+    """What goes with the acceleration in another way than in proportion is not taken up by the inertia."""
+    comparison = compare(made("coulomb-viscous"), "coulomb-viscous")
+    problem = comparison.problem
+    regression = candidate_tests(problem, comparison.estimate.parameters, only=set()).regression
+    acceleration = problem.quadrature.recording["acceleration"]
+    assert is_taken_up(problem, regression, problem.integrals(acceleration[None]))
+    assert not is_taken_up(problem, regression, problem.integrals(np.abs(acceleration)[None]))

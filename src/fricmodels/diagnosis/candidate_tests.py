@@ -21,6 +21,9 @@ from fricmodels.weakform.shifted import regression_of
 
 Array = NDArray[np.float64]
 
+_ROUNDING = 1e-9
+"""Squared share of a column, of what the model leaves of it, below which it is rounding."""
+
 
 @dataclass(frozen=True)
 class CandidateTest:
@@ -153,8 +156,6 @@ def _candidate(
     if effect.angular and problem.drive.motion is Motion.LINEAR:
         return "a linear axis does not turn"
     alone = problem.alone(effect)
-    if problem.drive.inertia is None and alone.model.needs == {"acceleration"} and not effect.states:
-        return "the inertia is estimated, and takes up whatever goes with the acceleration; give it to see more"
     missing = [signal for signal in sorted(alone.model.required) if not _has(problem, signal)]
     if missing:
         return f"the recording has no {channel_of(missing[0]).replace('_', ' ')}"
@@ -162,6 +163,8 @@ def _candidate(
     if found is None:
         return "what it would add to the residual cannot be told from what the model already has"
     if np.any(found.kept):
+        if is_taken_up(problem, regression, found.columns):
+            return "the inertia is estimated, and the model with it can be all that this would add; give it to see more"
         share = noise_share(problem, problem.perturbed, regression, effect, found)
         if is_noise(share, found.explained / float(regression.residual @ regression.residual), policy):
             return "noise of the velocity hides what it would add beyond what the model already has"
@@ -188,6 +191,31 @@ def noise_share(
     noise = problem.noise_within(regression, found.columns, columns[found.kept])
     signal = regression.project_out(found.columns)
     return float(np.max(np.sum(noise**2, axis=1) / np.sum(signal**2, axis=1)))
+
+
+def is_taken_up(problem: WeakFormProblem, regression: Regression, columns: Array) -> bool:
+    """Whether columns, shape (k, rows), hold nothing but what the model can do with an inertia that is estimated.
+
+    So it is with any column of the acceleration and of what the model is linear in, such as its own motor torque:
+    without a known inertia or load no torque has a known scale.
+    """
+    left = regression.project_out(beside_inertia(problem, regression, columns))
+    return float(np.sum(left**2)) < _ROUNDING * float(np.sum(regression.project_out(columns) ** 2))
+
+
+def beside_inertia(problem: WeakFormProblem, regression: Regression, columns: Array) -> Array:
+    """Return columns, shape (k, rows), without their part that an estimated inertia can do.
+
+    The inertia torque of the model comes from the velocities at the ends of each row, that of a column from an
+    acceleration which was smoothed. What lies between the two is how derivatives are taken, in the column and in the
+    residual alike, and belongs to no cause.
+    """
+    if problem.drive.inertia is not None:
+        return columns
+    smoothed = problem.integrals(problem.quadrature.recording["acceleration"][None])
+    own = regression.project_out(smoothed)[0]
+    size = float(own @ own)
+    return columns - np.outer(columns @ own / size, smoothed[0]) if size > 0 else columns
 
 
 def is_noise(share: float, explained: float, policy: Policy) -> bool:

@@ -19,7 +19,7 @@ from fricmodels.diagnosis.predictability import AUTOREGRESSIVE, ChannelPredictor
 from fricmodels.diagnosis.refit_check import refit_check
 from fricmodels.diagnosis.refits import Refits
 from fricmodels.diagnosis.remaining import Remaining, remaining
-from fricmodels.diagnosis.supported import as_predictor, passing_predictors, supported
+from fricmodels.diagnosis.supported import Judgement, as_predictor, judge, passing_predictors
 from fricmodels.diagnosis.verdict import LookAlikes, passing_all_gates, select_effect
 from fricmodels.display import Displayed
 from fricmodels.model import Model
@@ -57,6 +57,7 @@ class Diagnosis(Displayed):
         refused: an effect that would have been named, but with which the test error does not fall.
         result: every candidate that was tested.
         noise: what is left, where it is noise with a colour that lies in no channel.
+        judgement: what speaks for each effect of the set that the residual suggests; ``None`` where none passes.
     """
 
     comparison: Comparison
@@ -70,6 +71,7 @@ class Diagnosis(Displayed):
     refits: Refits | None = None
     refused: CandidateTest | None = None
     result: CandidateTests | None = None
+    judgement: Judgement | None = None
 
     @cached_property
     def remaining(self) -> Remaining | None:
@@ -112,7 +114,8 @@ def examine(comparison: Comparison, *, leave_out: Iterable[str] = (), policy: Po
     out, parameters, refits = set(leave_out), comparison.estimate.parameters, Refits(comparison)
     result = candidate_tests(replace(comparison.problem), parameters, leave_out=out, policy=policy)
     best, predictors = select_effect(result), passing_predictors(result)
-    together = supported(result, out, best) if best is not None or predictors else []
+    judgement = judge(result, out, best) if best is not None or predictors else None
+    together = [] if judgement is None else judgement.supported(policy)
     found = refit_check(refits, result, out, together[0] if together else None)
     named = _confirmed(refits, found, passing_all_gates(result), policy)
     place = largest_place(result) if named is None else None
@@ -131,7 +134,21 @@ def examine(comparison: Comparison, *, leave_out: Iterable[str] = (), policy: Po
     passing = tuple(passing_all_gates(result)) if found is not None else ()
     seen = visibility(result, () if named is None else named.names)
     refused = found.first if found is not None and named is None else None
-    return Diagnosis(comparison, verdict, findings, view, seen, passing, policy, place, refits, refused, result, noise)
+    return Diagnosis(
+        comparison,
+        verdict,
+        findings,
+        view,
+        seen,
+        passing,
+        policy,
+        place,
+        refits,
+        refused,
+        result,
+        noise=noise,
+        judgement=judgement,
+    )
 
 
 def _confirmed(

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fricmodels.diagnosis.basis_functions import TORQUE_PAST, basis_functions
-from fricmodels.diagnosis.candidate_tests import CandidateTests, is_noise
+from fricmodels.diagnosis.candidate_tests import CandidateTests, beside_inertia, is_noise
 from fricmodels.weakform.problem import WeakFormProblem
 from fricmodels.weakform.regression import LEAST_P, Evidence
 
@@ -57,7 +57,7 @@ def each_predictor(result: CandidateTests, first: Sequence[str] = ()) -> Iterato
     every[OWN_PAST] = partial(own_past, problem, regression.residual)
     most = max(1, regression.terms // 2)
     for channels in dict.fromkeys([*(name for name in first if name in every), *every]):
-        columns = every[channels]()
+        columns = beside_inertia(problem, regression, every[channels]())
         chosen = np.flatnonzero(regression.visible(columns))[:most]
         if len(chosen):
             evidence = regression.test(columns[chosen])

@@ -71,27 +71,61 @@ class Member:
         return self.found.first.found.at_search_bound
 
 
-def supported(result: CandidateTests, leave_out: Iterable[str], first: LookAlikes | None) -> list[LookAlikes]:
-    """Return the effects that are there, the one that was found first before the others.
+@dataclass(frozen=True)
+class Judgement:
+    """The effects of a set, and what speaks for each.
+
+    Attributes:
+        members: each effect with its look-alikes, and what speaks for it; that which was found first comes first.
+        one_cause: those that only imitate one unknown cause together.
+        described_by: the channels that describe what the set leaves.
+        floor, unpredicted: RMS torques that noise and sampling leave, and that nothing predicts, over the RMS torque.
+    """
+
+    members: tuple[tuple[LookAlikes, Support], ...]
+    one_cause: tuple[LookAlikes, ...]
+    described_by: tuple[str, ...]
+    floor: float
+    unpredicted: float
+
+    def supported(self, policy: Policy) -> list[LookAlikes]:
+        """Return the effects that are there."""
+        return [found for found, support in self.members if support.suffices(policy) and found not in self.one_cause]
+
+
+def judge(result: CandidateTests, leave_out: Iterable[str], first: LookAlikes | None) -> Judgement:
+    """Find the set of effects, and judge each beside the others and a description of the rest.
 
     Args:
         result: the tests of all candidates.
         leave_out: effects that are not considered.
         first: the effect that explains the residual best, with its look-alikes; ``None`` where none passes by itself.
     """
-    out = set(leave_out)
+    out, policy = set(leave_out), result.policy
     members = _found_in_turn(result, out, [] if first is None else [_member(result, first)], _nothing(result))
     rest = _Rest.of(result, members)
     if len(rest.best):  # what the rest hides shows beside a description of it
         hidden = _found_in_turn(result, out, members, rest.best)
         members, rest = hidden, _Rest.of(result, hidden)
-    members = _pruned(result, members)
+    members = pruned(result, members)
     # An effect at its search bound only resembles what is missing: it describes, and is not named.
     members, at_bound = [m for m in members if not m.at_bound], [m for m in members if m.at_bound]
     rest = replace(rest, columns=np.vstack([rest.columns, *(m.columns for m in at_bound)]))
-    judged = [(m, _support(result, m, members[:i] + members[i + 1 :], rest)) for i, m in enumerate(members)]
-    named = [m for m, support in judged if support.suffices(result.policy)]
-    return [m.found for m in named if not _one_cause(result, m, [other for other in members if other is not m])]
+    judged = [(m, _support(result, m, _without(members, m), rest)) for m in members]
+    one_cause = [m for m, s in judged if s.suffices(policy) and _one_cause(result, m, _without(members, m))]
+    power = float(np.sum(result.problem.driving**2))
+    return Judgement(
+        tuple((m.found, support) for m, support in judged),
+        tuple(m.found for m in one_cause),
+        (*rest.channels, *(f"'{m.effect.name}' at its search bound" for m in at_bound)),
+        float(np.sqrt(floor(result.problem, policy) / power)),
+        float(np.sqrt(rest.unpredicted / power)),
+    )
+
+
+def supported(result: CandidateTests, leave_out: Iterable[str], first: LookAlikes | None) -> list[LookAlikes]:
+    """Return the effects that are there, the one that was found first before the others; see :func:`judge`."""
+    return judge(result, leave_out, first).supported(result.policy)
 
 
 def passing_predictors(result: CandidateTests) -> list[ChannelPredictor]:
@@ -130,17 +164,38 @@ def _member(result: CandidateTests, found: LookAlikes) -> Member:
     return Member(found, columns_and_tangents(result, found.first))
 
 
-def _pruned(result: CandidateTests, members: list[Member]) -> list[Member]:
-    """Return the effects without those that are too small beside the others, the smallest first."""
-    members = [*members]
-    least = result.policy.least_torque**2 * float(np.sum(result.problem.driving**2))
-    while len(members) > 1:
-        falls = [_gain(result, _stacked(result, members[:i] + members[i + 1 :]), m).fall for i, m in enumerate(members)]
-        weakest = int(np.argmin(falls))
-        if falls[weakest] > least:
+def pruned(result: CandidateTests, members: list[Member]) -> list[Member]:
+    """Remove what those found later have made superfluous: the first may have stood for several of them.
+
+    What was removed is a look-alike of one that stays where it explains as much in its place.
+    """
+    policy = result.policy
+    least = policy.least_torque**2 * float(np.sum(result.problem.driving**2))
+    kept, removed = list(members), []
+    while len(kept) > 1:
+        gains = [_gain(result, _stacked(result, _without(kept, m)), m) for m in kept]
+        weakest = min(range(len(kept)), key=lambda i: gains[i].fall)
+        if gains[weakest].p_value < policy.significance and gains[weakest].fall > least:
             break
-        del members[weakest]
-    return members
+        removed.append(kept.pop(weakest))
+    return [_with_look_alikes(result, m, _without(kept, m), removed) for m in kept] if removed else kept
+
+
+def _without(members: list[Member], member: Member) -> list[Member]:
+    return [m for m in members if m is not member]
+
+
+def _with_look_alikes(result: CandidateTests, member: Member, others: list[Member], removed: list[Member]) -> Member:
+    """Return a member of a set with those of the removed that explain as much as it does beside the others."""
+    beside, found = _stacked(result, others), member.found
+    own = _gain(result, beside, member)
+    alike = []
+    for one in removed:
+        theirs = _gain(result, beside, one)
+        _, p_worse = compare(theirs.regression.loss, own.regression.loss, own.without.terms)
+        if one.effect.name not in found.names and p_worse > result.policy.alike_significance:
+            alike.append(one.found.first)
+    return replace(member, found=LookAlikes(found.first, (*found.members, *alike))) if alike else member
 
 
 @dataclass(frozen=True)
@@ -152,31 +207,40 @@ class _Rest:
         lasting: of the past of the residual or of the torque, shape (k, rows). It shows all that lasts, whatever the
             cause: it sharpens the view of an effect, but does not take its place.
         best: the columns of the channel that predicts best, shape (k, rows).
+        channels: their names, the best first.
+        unpredicted: sum of squares that is left where no channel predicts any of it, nor its own past; else zero.
     """
 
     columns: Array
     lasting: Array
     best: Array
+    channels: tuple[str, ...] = ()
+    unpredicted: float = 0.0
 
     @classmethod
     def of(cls, result: CandidateTests, members: list[Member]) -> _Rest:
         """Choose the channels, the best one first, then the best beside it; the past where no channel predicts."""
         columns = lasting = best = _nothing(result)
+        names: tuple[str, ...] = ()
+        unpredicted = 0.0
         for _ in range(_DESCRIPTIONS):
             regression = _regression(result, np.vstack([_stacked(result, members), columns]), members)
             before = float(np.sum(regression.loss))
             if before <= floor(result.problem, result.policy):
                 break
-            sets = [p for p in _passing(result, regression) if np.sum(p.evidence.loss) < (1 - _WORTH) * before]
+            passing = _passing(result, regression)
+            unpredicted = 0.0 if passing else before
+            sets = [p for p in passing if np.sum(p.evidence.loss) < (1 - _WORTH) * before]
             chosen = min(sets, key=lambda p: (p.channels in AUTOREGRESSIVE, np.sum(p.evidence.loss)), default=None)
             if chosen is None:
                 break
+            names = (*names, chosen.channels)
             if chosen.channels in AUTOREGRESSIVE:
                 lasting = chosen.columns
                 break
             columns = np.vstack([columns, chosen.columns])
             best = best if len(best) else chosen.columns
-        return cls(columns, lasting, best)
+        return cls(columns, lasting, best, names, unpredicted)
 
 
 @dataclass(frozen=True)
@@ -189,12 +253,14 @@ class Support:
             explains in its place.
         torque: RMS torque that only it explains, over the RMS torque.
         p_value: of the Wald test of its columns.
+        rival: that channel; empty where none predicts clearly more.
     """
 
     own_share: float
     of_channel: float
     torque: float
     p_value: float
+    rival: str = ""
 
     def suffices(self, policy: Policy) -> bool:
         """Whether the effect may be named."""
@@ -209,22 +275,26 @@ class Support:
 def _support(result: CandidateTests, member: Member, others: list[Member], rest: _Rest) -> Support:
     beside = _stacked(result, others)
     alone = _gain(result, beside, member)
-    described, replaced_by = alone, np.inf
+    described, of_rest = alone, float("inf")
     if len(rest.columns):
         described = _gain(result, np.vstack([beside, rest.columns]), member)
         if described.fall < result.policy.kept * alone.fall:  # the description takes its place
             theirs = alone.before - described.before
-            described, replaced_by = alone, alone.fall / theirs if theirs > 0 else np.inf
+            described, of_rest = alone, alone.fall / theirs if theirs > 0 else of_rest
     full = described
     if len(rest.lasting):
         columns = rest.columns if described is not alone else rest.columns[:0]
         full = _gain(result, np.vstack([beside, columns, rest.lasting]), member)
     above = full.before - floor(result.problem, result.policy)
+    of_channel, rival = min(
+        (of_rest, "the description of the rest"), _against_channels(result, described, member.found.first)
+    )
     return Support(
         full.fall / above if above > full.fall else 1.0,
-        min(replaced_by, _against_channels(result, described, member.found.first)),
+        of_channel,
         float(np.sqrt(max(full.fall, 0.0) / np.sum(result.problem.driving**2))),
         full.p_value,
+        rival if np.isfinite(of_channel) else "",
     )
 
 
@@ -236,10 +306,12 @@ def _one_cause(result: CandidateTests, member: Member, others: list[Member]) -> 
     """
     policy = result.policy
     lasting = AUTOREGRESSIVE if not member.effect.states else frozenset()
-    every = [*others, member]
     for predictor in [p for p in passing_predictors(result) if p.channels not in lasting][:_RIVALS]:
+        every = [*others, member]
+        if not _takes_place(result, predictor, member, every):
+            continue  # whatever else the channel does, it does not do what this effect does
         taken = [other for other in others if _takes_place(result, predictor, other, every)]
-        if not taken or not _takes_place(result, predictor, member, every):
+        if not taken:
             continue
         beside = _stacked(result, [other for other in others if other not in taken])
         before = _loss(result, beside)
@@ -294,13 +366,13 @@ def _gain(result: CandidateTests, beside: Array, member: Member) -> _Gain:
     return _Gain(without, after, member.columns[visible], before, before - float(np.sum(after.loss)), evidence.p_value)
 
 
-def _against_channels(result: CandidateTests, gain: _Gain, first: CandidateTest) -> float:
-    """Return the least ratio of what an effect explains to what a channel explains that predicts clearly more.
+def _against_channels(result: CandidateTests, gain: _Gain, first: CandidateTest) -> tuple[float, str]:
+    """Return the least ratio of what an effect explains to what a channel explains that predicts clearly more, and it.
 
     The past of the residual or of the torque counts only against an effect with memory: it shows all that lasts. A
     channel beside which the effect still does most of what it does is another cause.
     """
-    policy, own, least = result.policy, gain.fall, np.inf
+    policy, own, least, rival = result.policy, gain.fall, np.inf, ""
     for predictor in _passing(result, gain.without):
         if predictor.channels in AUTOREGRESSIVE and not first.effect.states:
             continue
@@ -314,9 +386,9 @@ def _against_channels(result: CandidateTests, gain: _Gain, first: CandidateTest)
             continue
         both = gain.without.test(_visible(gain.without, np.vstack([predictor.columns, gain.columns])))
         beside = float(np.sum(predictor.evidence.loss)) - float(np.sum(both.loss))
-        if beside < policy.kept * own:
-            least = min(least, own / theirs)
-    return least
+        if beside < policy.kept * own and own / theirs < least:
+            least, rival = own / theirs, predictor.channels
+    return least, rival
 
 
 def _passing(result: CandidateTests, regression: Regression) -> list[ChannelPredictor]:

@@ -1,0 +1,41 @@
+"""A set of effects without those that the others have made superfluous."""
+
+from __future__ import annotations
+
+import pytest
+from tests.conftest import INERTIA, Made
+
+from fricmodels.diagnosis import compare
+from fricmodels.diagnosis.candidate_tests import CandidateTests, candidate_tests
+from fricmodels.diagnosis.supported import Member, columns_and_tangents, pruned
+from fricmodels.diagnosis.verdict import LookAlikes
+
+
+def found(made: Made, name: str, values: dict[str, float], only: set[str]) -> tuple[CandidateTests, list[Member]]:
+    """Return the tests of some effects on a drive, and a set of all of them, by their names."""
+    comparison = compare(made(name, values), "coulomb-viscous", INERTIA)
+    result = candidate_tests(comparison.problem, comparison.estimate.parameters, only=only)
+    tested = sorted(result.tested, key=lambda t: t.name)
+    return result, [Member(LookAlikes(t, (t,)), columns_and_tangents(result, t)) for t in tested]
+
+
+@pytest.mark.parametrize("backward", [False, True])
+def test_an_effect_that_adds_nothing_beside_another_leaves_the_set(made: Made, backward: bool) -> None:
+    """Whichever was found first: a part of gravity looks like a stiffness, and nothing of it is left beside gravity."""
+    result, members = found(
+        made, "coulomb-viscous+gravity", {"gravity.a": 0.3, "gravity.b": 0.1}, {"gravity", "stiffness"}
+    )
+    assert len(members) == 2
+    kept = pruned(result, members[::-1] if backward else members)
+    assert [m.found.names for m in kept] == [["gravity"]]
+
+
+def test_an_effect_that_does_the_same_becomes_a_look_alike(made: Made) -> None:
+    """Without rests an offset and a Coulomb asymmetry are one column: one stays, and knows of the other."""
+    result, members = found(
+        made, "coulomb-viscous+torque-offset", {"torque-offset.tau_0": 0.1}, {"asymmetry", "torque-offset"}
+    )
+    assert len(members) == 2
+    kept = pruned(result, members)
+    assert len(kept) == 1
+    assert set(kept[0].found.names) == {"asymmetry", "torque-offset"}
