@@ -20,7 +20,7 @@ from fricmodels.diagnosis.comparison import Comparison
 from fricmodels.diagnosis.floor import is_far_above_noise
 from fricmodels.diagnosis.policy import Policy
 from fricmodels.diagnosis.refits import Refits
-from fricmodels.diagnosis.supported import supported
+from fricmodels.diagnosis.supported import judge
 from fricmodels.diagnosis.verdict import LookAlikes, passing_all_gates, passing_significance, torque_share
 from fricmodels.weakform.problem import WeakFormProblem
 
@@ -95,7 +95,7 @@ def _best(
     if not trials or trials[0][0] > bound or not _falls_far(before, trials[0][0], policy):
         return None
     error, _, first = trials[0]
-    if not any(found.first is first for found in supported(result, leave_out, LookAlikes(first, (first,)))):
+    if not judge(result, leave_out, LookAlikes(first, (first,))).stands(first, policy):
         return None
     return LookAlikes(first, tuple(t for other, _, t in trials if other <= policy.alike_after_refit * error))
 

@@ -90,7 +90,14 @@ class Judgement:
 
     def supported(self, policy: Policy) -> list[LookAlikes]:
         """Return the effects that are there."""
-        return [found for found, support in self.members if support.suffices(policy) and found not in self.one_cause]
+        large = [found for found, support in self.members if support.torque > policy.least_torque]
+        return [found for found in large if self.stands(found.first, policy)]
+
+    def stands(self, tested: CandidateTest, policy: Policy) -> bool:
+        """Whether an effect of the set is there, however small in the rows."""
+        own = [support for found, support in self.members if found.first is tested]
+        imitates = any(found.first is tested for found in self.one_cause)
+        return bool(own) and own[0].suffices(policy) and not imitates
 
 
 def judge(result: CandidateTests, leave_out: Iterable[str], first: LookAlikes | None) -> Judgement:
@@ -263,10 +270,9 @@ class Support:
     rival: str = ""
 
     def suffices(self, policy: Policy) -> bool:
-        """Whether the effect may be named."""
+        """Whether the effect may be named, if it is large enough."""
         return (
             self.p_value < policy.significance
-            and self.torque > policy.least_torque
             and self.own_share >= policy.own_share
             and self.of_channel >= policy.of_channel
         )

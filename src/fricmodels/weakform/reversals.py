@@ -63,7 +63,7 @@ def _disagree(found: Solved, other: Solved) -> bool:
     free = size > 0.0
     if not free.any():
         return False
-    scaled = (spread / np.where(free, np.outer(size, size), 1.0))[np.ix_(free, free)]
-    unit = (apart / np.where(free, size, 1.0))[free]
+    scaled = spread[np.ix_(free, free)] / np.outer(size[free], size[free])
+    unit = apart[free] / size[free]
     statistic = float(unit @ np.linalg.pinv(scaled, rcond=1e-10, hermitian=True) @ unit)
     return bool(chdtrc(int(free.sum()), statistic) < _DISAGREES)
