@@ -92,9 +92,15 @@ def _best(
     policy, before = result.policy, _error(refits.comparison)
     chosen = [t for t in passing if t.effect.states and not t.found.at_search_bound][: policy.refit_trials]
     trials = sorted((_error(refits.with_effect(t)), i, t) for i, t in enumerate(chosen))
-    if not trials or trials[0][0] > bound or not _falls_far(before, trials[0][0], policy):
+    if not trials:
         return None
     error, _, first = trials[0]
+    # What rings faster than the window of the decisions shows in single samples.
+    samples, after = (_error_per_sample(one) for one in (refits.comparison, refits.with_effect(first)))
+    if not (error <= bound and _falls_far(before, error, policy)) and not (
+        error <= before and _falls_far(samples, after, policy)
+    ):
+        return None
     if not judge(result, leave_out, LookAlikes(first, (first,))).stands(first, policy):
         return None
     return LookAlikes(first, tuple(t for other, _, t in trials if other <= policy.alike_after_refit * error))
@@ -112,6 +118,14 @@ def _share_in_rows(problem: WeakFormProblem, tested: CandidateTest) -> float:
     within = tested.evidence.coefficients @ columns[found.kept]
     everywhere = tested.evidence.coefficients @ found.columns
     return float(within @ within) / float(everywhere @ everywhere)
+
+
+def _error_per_sample(comparison: Comparison | None) -> float:
+    """Return the error of a model in single samples, noise included [% of the RMS torque]."""
+    if comparison is None:
+        return float("inf")
+    band = comparison.errors.bands[0]
+    return float(np.sqrt(0.5 * (band.percent**2 + band.held_out_percent**2)))
 
 
 def _error(comparison: Comparison | None) -> float:
