@@ -103,7 +103,11 @@ def _best(
         return None
     if not judge(result, leave_out, LookAlikes(first, (first,))).stands(first, policy):
         return None
-    return LookAlikes(first, tuple(t for other, _, t in trials if other <= policy.alike_after_refit * error))
+    alike = policy.alike_after_refit
+    near = [t for other, _, t in trials if other <= alike * error]
+    return LookAlikes(
+        first, tuple(t for t in near if _error_per_sample(refits.with_effect(t)) <= alike * max(after, error))
+    )
 
 
 def _falls_far(before: float, after: float, policy: Policy) -> bool:
