@@ -164,9 +164,9 @@ def test_figures_do_not_depend_on_units_direction_or_time_of_start() -> None:
     ("rate", "seconds", "expected", "headline"),
     [
         (10.0, 60.0, (0.0,), 0.0),
-        (60.0, 60.0, (0.0, 0.02, 0.1), 0.02),
-        (20_000.0, 1.0, (0.0, 0.005, 0.02, 0.1), 0.02),
-        (1000.0, 0.15, (0.0, 0.005, 0.02), 0.02),
+        (60.0, 60.0, (0.0, 0.02, 0.1), 0.0),
+        (20_000.0, 1.0, (0.0, 0.005, 0.02, 0.1), 0.0),
+        (1000.0, 0.15, (0.0, 0.005, 0.02), 0.0),
         (1000.0, 0.03, (0.0, 0.005), 0.0),
     ],
 )
@@ -182,6 +182,41 @@ def test_windows_follow_the_rate_and_the_stretches(
     assert rms(error) == pytest.approx(COULOMB, rel=2e-2)
     assert rms(error) == errors.headline.SI
     assert np.isnan(errors.held_out_percent)
+
+
+def noisy(size: float) -> Recording:
+    recording = sliding("velocity")
+    noise = size * np.random.default_rng(4).standard_normal(len(recording))
+    return prepare(recording.with_channels(derived=False, velocity=recording.velocity + noise))
+
+
+@pytest.mark.parametrize(("size", "window"), [(1e-5, 0.0), (0.002, 0.005), (0.01, 0.02), (0.1, 0.1), (30.0, 0.1)])
+def test_the_headline_is_the_narrowest_window_that_noise_leaves_clear(size: float, window: float) -> None:
+    prepared = noisy(size)
+    assert headline_window(prepared) == window
+    drives = [
+        (name, inertia) for name in ("coulomb-viscous", "coulomb-viscous+torque-offset") for inertia in (J, 3 * J)
+    ]
+    figures = [
+        torque_errors(Drive(Model.of(name), inertia), {**TRUE, "J": inertia, "torque-offset.tau_0": 1.0}, prepared)[0]
+        for name, inertia in drives
+    ]
+    assert all(each.headline.window_ms == pytest.approx(1000 * (window or STEP)) for each in figures)
+
+
+@pytest.mark.parametrize("share", [0.021, 0.1, 0.25])
+def test_the_headline_shows_a_ripple_whole_and_its_noise_does_not_contain_it(share: float) -> None:
+    """A ripple of half of the torque, up to a quarter of the sampling rate, with which the noise stays as it was."""
+    recording, omega = sliding("velocity"), 2 * np.pi * share / STEP
+    rng = np.random.default_rng(5)
+    velocity = recording.velocity + 5e-5 * rng.standard_normal(len(recording))
+    quiet = prepare(recording.with_channels(derived=False, velocity=velocity))
+    moved = velocity - 5.0 * np.cos(omega * recording.time) / omega / J
+    shaken = prepare(recording.with_channels(derived=False, velocity=moved))
+    before, after = (torque_errors(DRIVE, TRUE, each)[0].headline for each in (quiet, shaken))
+    assert np.sqrt(2 * (after.SI**2 - before.SI**2)) >= 0.9 * 5.0
+    assert after.noise_floor_percent == pytest.approx(before.noise_floor_percent, rel=0.1)
+    assert after.window_ms == before.window_ms == pytest.approx(1.0)
 
 
 def test_no_window_reaches_over_a_gap_or_into_another_run() -> None:

@@ -18,6 +18,7 @@ from fricmodels.readers import read
 from fricmodels.report import of_run, story
 from fricmodels.report.page import Block, Code, Equations, Fold, Gallery, Page, Picture, Table
 from fricmodels.report.render import render
+from fricmodels.report.sections import error_words
 from fricmodels.rig import write as write_recording
 from fricmodels.rig.demonstration import hidden
 
@@ -128,7 +129,8 @@ def test_made_from_the_files_the_page_is_the_same(page: Page, folder: Path) -> N
     assert again.verdict == page.verdict
     assert again.tiles == page.tiles
     assert cells(again).keys() == cells(page).keys()
-    same = ("coulomb-viscous+cogging+stribeck", "RMS torque error averaged over 20 ms, in % of the RMS motor torque")
+    words = error_words(json.loads((folder / "diagnosis.json").read_text(encoding="utf-8")))
+    same = ("coulomb-viscous+cogging+stribeck", f"{words}, in % of the RMS motor torque")
     assert all(cells(again)[caption] == cells(page)[caption] for caption in same)
     assert [section.name for section in again.sections] == [section.name for section in page.sections]
 

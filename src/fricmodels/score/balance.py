@@ -38,6 +38,7 @@ from numpy.typing import NDArray
 
 from fricmodels.drive import Drive
 from fricmodels.recording import Recording
+from fricmodels.score.noise import noise_like
 from fricmodels.score.torque import friction_moments, moments, torque_error
 
 Array: TypeAlias = NDArray[np.float64]
@@ -148,16 +149,12 @@ def balances(drive: Drive, values: Mapping[str, float], prepared: Recording) -> 
 def noise_balances(prepared: Recording) -> tuple[list[Balance], list[Balance]]:
     """Return the balances of noise alone: of the torque, and of the motion of a drive of inertia 1.
 
-    Noise with its colour, always the same; see :mod:`fricmodels.signals.noise_colour`. That of an acceleration which a
-    filter of the user's choice has derived is not known: not a number.
+    Noise with its colour, always the same; see :func:`fricmodels.score.noise.noise_like`. That of an acceleration which
+    a filter of the user's choice has derived is not known: not a number.
     """
-    from fricmodels.signals import motion_noise, noise_of
-
     of = source(prepared)
     rng = np.random.default_rng(0)
-    torque = noise_of(prepared.time, prepared.torque, prepared.run, least=True).like(len(prepared), rng)
-    moving = noise_of(prepared.time, prepared[of], prepared.run) if of == "acceleration" else motion_noise(prepared)
-    motion = moving.like(len(prepared), rng)
+    torque, motion = (noise_like(prepared, channel, rng) for channel in ("torque", of))
     if of == "acceleration" and of in prepared.derived:
         motion = np.full(len(prepared), np.nan)
     nothing = np.zeros(len(prepared))

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from fricmodels.drive import Drive
 from fricmodels.recording import Recording
 from fricmodels.score.balance import Balance, balances, noise_balances
+from fricmodels.score.noise import apparent_inertia
 from fricmodels.signals.rest import once
 from fricmodels.signals.segments import stretches
 
@@ -19,8 +20,8 @@ Array: TypeAlias = NDArray[np.float64]
 
 WINDOWS = (0.005, 0.020, 0.100)
 """Windows over which torque errors are averaged [s], beside the error per sample."""
-HEADLINE = 0.020
-"""The window [s] whose error ranks a leaderboard and is named first; see docs/decisions/torque-error.md."""
+CLEAR = 0.05
+"""Most noise of the error that is named first, as a share of the RMS torque; see docs/decisions/torque-error.md."""
 
 
 @dataclass(frozen=True)
@@ -114,9 +115,21 @@ def windows(recording: Recording) -> tuple[float, ...]:
     return (0.0, *(window for window in WINDOWS if recording.interval < window <= most))
 
 
-def headline_window(recording: Recording) -> float:
-    """Return the window [s] that ranks: :data:`HEADLINE`; 0, the error per sample, where that is left out."""
-    return HEADLINE if HEADLINE in windows(recording) else 0.0
+@once
+def headline_window(prepared: Recording) -> float:
+    """Return the window [s] that ranks: the narrowest in which noise leaves less than a twentieth of the RMS torque.
+
+    It depends on the recording alone, with the inertia that this shows by itself: it is the same for all models.
+    Where noise leaves more in every window it is the widest. What noise leaves of an acceleration that a filter of the
+    user's choice has derived is not known; then it is the error per sample.
+    """
+    every, inertia = windows(prepared), apparent_inertia(prepared)
+    most = CLEAR * _rms(prepared.torque)
+    for window in every:
+        torque, motion = noise_floors(prepared)[window]
+        if not float(np.hypot(torque, inertia * motion if motion else 0.0)) > most:
+            return window
+    return every[-1]
 
 
 def torque_error_over(drive: Drive, values: Mapping[str, float], prepared: Recording, window: float) -> Array:

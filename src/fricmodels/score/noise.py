@@ -1,0 +1,111 @@
+"""How much of a torque error is noise of the sensors, told from what is faster than any torque that is looked for."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+import numpy as np
+
+from fricmodels.arrays import Array
+from fricmodels.recording import Recording
+from fricmodels.signals import motion_noise, noise, noise_of, quantum, stretches
+from fricmodels.signals.lanczos import even_weights
+from fricmodels.signals.rest import once
+from fricmodels.signals.segments import is_even
+
+_TAPS, _CUT = 63, 0.33
+"""Of the high-pass filter: it lets pass what is faster than a third of the sampling rate, and less than a hundredth of
+what is slower than 0.28 of it."""
+_MEAN = 0.02
+"""Time over which motion is averaged [s]."""
+_MEDIAN = 0.4549
+"""Median of the square of a standard normal number."""
+
+
+def white_noise(recording: Recording, channel: str) -> float:
+    """Return the standard deviation of white noise in a channel, from what is faster than a third of the sampling rate.
+
+    A torque ripple up to a quarter of the sampling rate is no noise. The median leaves out the kinks at reversals; what
+    is quantised has at least the noise of rounding. On uneven samples it is :func:`fricmodels.signals.noise`.
+    """
+    values, fast = recording[channel], _fast(recording, channel)
+    if fast is None:
+        return noise(recording.time, values, recording.run)
+    return max(fast / float(np.linalg.norm(_high_pass())), quantum(values) / float(np.sqrt(12.0)))
+
+
+def _fast(recording: Recording, channel: str) -> float | None:
+    """Return the standard deviation of what passes the high-pass filter; ``None`` on uneven or few samples."""
+    values, filtered = recording[channel], []
+    for part in stretches(recording.time, recording.run):
+        if part.stop - part.start >= 2 * _TAPS:
+            if not is_even(recording.time[part]):
+                return None
+            filtered.append(np.convolve(values[part] - values[part.start], _high_pass(), "valid"))
+    return float(np.sqrt(np.median(np.concatenate(filtered) ** 2) / _MEDIAN)) if filtered else None
+
+
+def noise_like(recording: Recording, channel: str, rng: np.random.Generator) -> Array:
+    """Return noise as a channel has it, with its colour, shape (N,).
+
+    It is as large as what is faster than a third of the sampling rate says, where that is less: a ripple of the torque
+    that is as fast as noise is no noise.
+
+    Args:
+        recording: prepared.
+        channel: its torque, or what tells its motion.
+        rng: source of what is drawn.
+    """
+    if channel == "torque":
+        found = noise_of(recording.time, recording.torque, recording.run, least=True)
+    elif channel == "acceleration":
+        found = noise_of(recording.time, recording[channel], recording.run)
+    else:
+        found = motion_noise(recording)
+    drawn, fast = found.like(len(recording), rng), _fast(recording, channel)
+    whole = found.after(_high_pass()) if found.course is None else 0.0
+    return drawn * min(1.0, fast / whole) if fast is not None and whole > 0.0 else drawn
+
+
+@lru_cache(maxsize=1)
+def _high_pass() -> Array:
+    """Return its weights; what a cubic through seven samples follows is taken away first, however large it is."""
+    from scipy.signal import firwin
+
+    rest = -even_weights(3, 3)[0]
+    rest[3] += 1.0
+    return np.convolve(firwin(_TAPS, 2 * _CUT, pass_zero=False), rest)
+
+
+@once
+def apparent_inertia(prepared: Recording) -> float:
+    """Return the inertia that a recording shows by itself: by least squares beside Coulomb and viscous friction.
+
+    It weighs the noise of the motion, the same for every model. From means of 20 ms: velocities are differentiated from
+    one to the next, torques and friction are the mean of both. What noise adds to the square of the acceleration is
+    taken off; where nothing remains the inertia is infinite, as far as can be told.
+    """
+    size = max(2, round(_MEAN / prepared.interval))
+    rows = []
+    for part in stretches(prepared.time, prepared.run):
+        count = (part.stop - part.start) // size
+        if count < 2:
+            continue
+        inside = slice(part.start, part.start + count * size)
+        velocity, side, torque = (
+            values[inside].reshape(count, size).mean(axis=1)
+            for values in (prepared.velocity, np.sign(prepared.velocity), prepared.torque - prepared.load_torque)
+        )
+        both = [0.5 * (values[1:] + values[:-1]) for values in (torque, side, velocity)]
+        rows.append(np.stack([np.diff(velocity) / (size * prepared.interval), *both, np.ones(count - 1)]))
+    if not rows:
+        return 0.0
+    rate, torque, *friction = np.concatenate(rows, axis=1)
+    columns = np.column_stack([rate, *friction])
+    gram = columns.T @ columns
+    width, derived = size * prepared.interval, prepared.derived_over > 0
+    spread = white_noise(prepared, "position" if derived else "velocity")
+    gram[0, 0] -= len(rate) * (6.0 * spread**2 / width**4 if derived else 2.0 * spread**2 / (size * width**2))
+    if not gram[0, 0] > 0:
+        return float("inf")
+    return abs(float(np.linalg.lstsq(gram, columns.T @ torque, rcond=None)[0][0]))
