@@ -227,6 +227,7 @@ class _Search:
             here, step = self._here, self.steps[self._place(name)]
             own = next(e for e in here.drive.model.effects if e.name == name)
             simpler = [t for t in step.passing if len(t.effect.parameters) < len(own.parameters)]
+            simpler.sort(key=lambda t: len(t.effect.parameters))
             for tested in [t for t in simpler if t.name not in self._added][: self._policy.step_trials]:
                 smaller = self._without(here, name)
                 other = refitted(smaller, smaller.drive.model.plus(tested.effect), here.estimate.parameters)
