@@ -7,7 +7,7 @@ from tests.conftest import INERTIA, Made
 
 from fricmodels.diagnosis import compare
 from fricmodels.diagnosis.candidate_tests import CandidateTests, candidate_tests
-from fricmodels.diagnosis.supported import Member, columns_and_tangents, pruned
+from fricmodels.diagnosis.effect_set import Member, columns_and_tangents, pruned
 from fricmodels.diagnosis.verdict import LookAlikes
 
 

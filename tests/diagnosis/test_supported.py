@@ -12,8 +12,9 @@ from fricmodels.diagnosis import candidate_tests as surveys
 from fricmodels.diagnosis import compare, diagnose, examine, improve
 from fricmodels.diagnosis.candidate_tests import CandidateTests, candidate_tests
 from fricmodels.diagnosis.comparison import SlidingErrors
+from fricmodels.diagnosis.effect_set import as_predictor
 from fricmodels.diagnosis.predictability import channel_predictors
-from fricmodels.diagnosis.supported import as_predictor, supported
+from fricmodels.diagnosis.supported import supported
 from fricmodels.diagnosis.verdict import select_effect
 from fricmodels.drive import Drive
 from fricmodels.model import Model

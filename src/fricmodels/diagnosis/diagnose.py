@@ -10,6 +10,7 @@ from typing import Literal
 from fricmodels.diagnosis.candidate_tests import CandidateTest, CandidateTests, candidate_tests
 from fricmodels.diagnosis.coloured_residual import ColouredNoise, coloured_residual
 from fricmodels.diagnosis.comparison import Comparison, compare
+from fricmodels.diagnosis.effect_set import as_predictor, passing_predictors
 from fricmodels.diagnosis.floor import is_far_above_noise
 from fricmodels.diagnosis.look_alikes import separated_by
 from fricmodels.diagnosis.places import Place, largest_place
@@ -19,7 +20,7 @@ from fricmodels.diagnosis.predictability import AUTOREGRESSIVE, ChannelPredictor
 from fricmodels.diagnosis.refit_check import refit_check
 from fricmodels.diagnosis.refits import Refits
 from fricmodels.diagnosis.remaining import Remaining, remaining
-from fricmodels.diagnosis.supported import Judgement, as_predictor, judge, passing_predictors
+from fricmodels.diagnosis.supported import Judgement, judge
 from fricmodels.diagnosis.verdict import LookAlikes, passing_all_gates, select_effect
 from fricmodels.display import Displayed
 from fricmodels.model import Model

@@ -1,0 +1,253 @@
+"""The effects that a residual suggests together, each beside those before it, and a description of what they leave."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fricmodels.diagnosis.basis_functions import hats_over
+from fricmodels.diagnosis.candidate_tests import CandidateTest, CandidateTests, candidate_tests
+from fricmodels.diagnosis.floor import floor
+from fricmodels.diagnosis.places import largest_place
+from fricmodels.diagnosis.predictability import AUTOREGRESSIVE, ChannelPredictor, channel_predictors, each_predictor
+from fricmodels.diagnosis.verdict import LookAlikes, predicts, select_effect
+from fricmodels.term import Effect
+from fricmodels.weakform.regression import Regression, compare
+from fricmodels.weakform.shifted import regression_of
+
+Array = NDArray[np.float64]
+
+_DESCRIPTIONS = 2
+"""Predictors that describe what a set of effects leaves."""
+_WORTH = 0.05
+"""A predictor joins the description if it lowers the sum of squares by this share."""
+
+
+@dataclass(frozen=True)
+class Member:
+    """An effect of the set.
+
+    Attributes:
+        found: the effect with its look-alikes.
+        columns: its columns and the tangents of its nonlinear parameters, shape (k, rows).
+    """
+
+    found: LookAlikes
+    columns: Array
+
+    @property
+    def effect(self) -> Effect:
+        """The effect itself."""
+        return self.found.first.effect
+
+    @property
+    def at_bound(self) -> bool:
+        """Whether it explains most at the end of what this recording can tell."""
+        return self.found.first.found.at_search_bound
+
+
+def passing_predictors(result: CandidateTests) -> list[ChannelPredictor]:
+    """Return the channel predictors of the residual that pass all gates, best first."""
+    return [p for p in channel_predictors(result) if predicts(result, p.evidence, p.p_value)]
+
+
+def found_in_turn(
+    result: CandidateTests, leave_out: set[str], members: list[Member], description: Array
+) -> list[Member]:
+    """Return effects found one after the other, each beside those before it, until nothing is left to be explained.
+
+    Args:
+        result: the tests of all candidates.
+        leave_out: effects that are not considered.
+        members: what was found before.
+        description: columns that describe the rest, shape (k, rows).
+    """
+    members = [*members]
+    while len(members) < result.policy.most_together:
+        columns = np.vstack([stacked(result, members), description])
+        if float(np.sum(regression_beside(result, columns, members).loss)) <= floor(result.problem, result.policy):
+            break
+        if not len(columns):
+            break  # all candidates were tested as they are, and none passes
+        out = leave_out | {m.effect.name for m in members}
+        found = candidate_tests(result.problem, result.parameters, leave_out=out, also=columns, policy=result.policy)
+        best = select_effect(found)
+        if best is None:
+            break
+        members.append(member_of(found, best))
+    return members
+
+
+def member_of(result: CandidateTests, found: LookAlikes) -> Member:
+    """Return an effect that was found as a member of a set."""
+    return Member(found, columns_and_tangents(result, found.first))
+
+
+def pruned(result: CandidateTests, members: list[Member]) -> list[Member]:
+    """Remove what those found later have made superfluous: the first may have stood for several of them.
+
+    What was removed is a look-alike of one that stays where it explains as much in its place.
+    """
+    policy = result.policy
+    least = policy.least_torque**2 * float(np.sum(result.problem.driving**2))
+    kept, removed = list(members), []
+    while len(kept) > 1:
+        gains = [gain_of(result, stacked(result, without(kept, m)), m) for m in kept]
+        weakest = min(range(len(kept)), key=lambda i: gains[i].fall)
+        if gains[weakest].p_value < policy.significance and gains[weakest].fall > least:
+            break
+        removed.append(kept.pop(weakest))
+    return [_with_look_alikes(result, m, without(kept, m), removed) for m in kept] if removed else kept
+
+
+def without(members: list[Member], member: Member) -> list[Member]:
+    """Return a set without one of its members."""
+    return [m for m in members if m is not member]
+
+
+def _with_look_alikes(result: CandidateTests, member: Member, others: list[Member], removed: list[Member]) -> Member:
+    """Return a member of a set with those of the removed that explain as much as it does beside the others."""
+    beside, found = stacked(result, others), member.found
+    own = gain_of(result, beside, member)
+    alike = []
+    for one in removed:
+        theirs = gain_of(result, beside, one)
+        _, p_worse = compare(theirs.regression.loss, own.regression.loss, own.without.terms)
+        if one.effect.name not in found.names and p_worse > result.policy.alike_significance:
+            alike.append(one.found.first)
+    return replace(member, found=LookAlikes(found.first, (*found.members, *alike))) if alike else member
+
+
+@dataclass(frozen=True)
+class Rest:
+    """A description without physics of what a set of effects leaves.
+
+    Attributes:
+        columns: of the channels, shape (k, rows).
+        lasting: of the past of the residual or of the torque, shape (k, rows). It shows all that lasts, whatever the
+            cause: it sharpens the view of an effect, but does not take its place.
+        best: the columns of the channel that predicts best, shape (k, rows).
+        channels: their names, the best first.
+        unpredicted: sum of squares that is left where no channel predicts any of it, nor its own past; else zero.
+    """
+
+    columns: Array
+    lasting: Array
+    best: Array
+    channels: tuple[str, ...] = ()
+    unpredicted: float = 0.0
+
+    @classmethod
+    def of(cls, result: CandidateTests, members: list[Member]) -> Rest:
+        """Choose the channels, the best one first, then the best beside it; the past where no channel predicts."""
+        columns = lasting = best = nothing(result)
+        names: tuple[str, ...] = ()
+        unpredicted = 0.0
+        for _ in range(_DESCRIPTIONS):
+            regression = regression_beside(result, np.vstack([stacked(result, members), columns]), members)
+            before = float(np.sum(regression.loss))
+            if before <= floor(result.problem, result.policy):
+                break
+            passing = passing_beside(result, regression)
+            unpredicted = 0.0 if passing else before
+            sets = [p for p in passing if np.sum(p.evidence.loss) < (1 - _WORTH) * before]
+            chosen = min(sets, key=lambda p: (p.channels in AUTOREGRESSIVE, np.sum(p.evidence.loss)), default=None)
+            if chosen is None:
+                break
+            names = (*names, chosen.channels)
+            if chosen.channels in AUTOREGRESSIVE:
+                lasting = chosen.columns
+                break
+            columns = np.vstack([columns, chosen.columns])
+            best = best if len(best) else chosen.columns
+        return cls(columns, lasting, best, names, unpredicted)
+
+
+@dataclass(frozen=True)
+class Gain:
+    """What an effect does beside given columns.
+
+    Attributes:
+        without, regression: the regression without the effect, and with it.
+        before, fall: sum of squared held-out residuals without it, and by how much it falls.
+        p_value: of the Wald test of its columns.
+    """
+
+    without: Regression
+    regression: Regression
+    columns: Array
+    before: float
+    fall: float
+    p_value: float
+
+
+def gain_of(result: CandidateTests, beside: Array, member: Member) -> Gain:
+    """Return what a member does beside given columns, shape (k, rows)."""
+    without = regression_of(result.problem, result.parameters, beside)
+    delayed = regression_of(result.problem, result.parameters, beside, member.effect)
+    visible = delayed.visible(member.columns)
+    before = float(np.sum(without.loss))
+    if not np.any(visible):
+        return Gain(without, without, member.columns[:0], before, 0.0, 1.0)
+    evidence = delayed.test(member.columns[visible], without)
+    after = regression_of(result.problem, result.parameters, np.vstack([beside, member.columns]), member.effect)
+    return Gain(without, after, member.columns[visible], before, before - float(np.sum(after.loss)), evidence.p_value)
+
+
+def passing_beside(result: CandidateTests, regression: Regression) -> list[ChannelPredictor]:
+    """Return the channel predictors of what a regression leaves that pass all gates; with a place, hats about it."""
+    here = replace(result, regression=regression, tested=(), untested={})
+    found = [p for p in each_predictor(here) if predicts(here, p.evidence, p.p_value)]
+    place = largest_place(here)
+    if place is not None:
+        hats = hats_over(result.problem, place.channel, place.direction)
+        seen = visible_of(regression, hats)
+        if len(seen):
+            found.append(ChannelPredictor(f"{place.channel}, in places", regression.test(seen), place.p_value, seen))
+    return found
+
+
+def visible_of(regression: Regression, columns: Array) -> Array:
+    """Return the columns that a regression can tell from what it has, shape (k, rows)."""
+    return np.asarray(columns[regression.visible(columns)])
+
+
+def regression_beside(result: CandidateTests, columns: Array, members: list[Member]) -> Regression:
+    """Return the regression with columns, shape (k, rows), beside the model; a delay leaves it no shift of its own."""
+    delayed = next((m.effect for m in members if any(p.delay for p in m.effect.parameters)), None)
+    return regression_of(result.problem, result.parameters, columns, delayed)
+
+
+def stacked(result: CandidateTests, members: list[Member]) -> Array:
+    """Return the columns of all members, shape (k, rows)."""
+    return np.vstack([nothing(result), *(m.columns for m in members)])
+
+
+def nothing(result: CandidateTests) -> Array:
+    """Return no columns, shape (0, rows)."""
+    return np.zeros((0, result.problem.rows))
+
+
+def as_predictor(result: CandidateTests, tested: CandidateTest) -> ChannelPredictor:
+    """Return an effect that is not what is missing as a predictor from the channels on which it depends."""
+    needs = " and ".join(sorted(result.problem.alone(tested.effect).model.needs)).replace("_", " ")
+    channels = "the course of the motion before" if tested.effect.states else needs or "a constant torque"
+    columns = columns_and_tangents(result, tested)
+    return ChannelPredictor(f"{channels}, as in '{tested.name}'", tested.evidence, tested.adjusted, columns)
+
+
+def columns_and_tangents(result: CandidateTests, tested: CandidateTest) -> Array:
+    """Return an effect's columns and the tangents of its nonlinear parameters, shape (k, rows)."""
+    problem, found = result.problem, tested.found
+    alone = problem.alone(tested.effect)
+    stacked = [found.columns]
+    for i, value in enumerate(found.nonlinear):
+        step = 1e-4 * abs(value) or 1e-6
+        ends = []
+        for moved in (value - step, value + step):
+            columns, _ = problem.columns(alone, (*found.nonlinear[:i], moved, *found.nonlinear[i + 1 :]))
+            ends.append(tested.evidence.coefficients @ columns[found.kept])
+        stacked.append(((ends[1] - ends[0]) / (2 * step))[None])
+    return np.vstack(stacked)
