@@ -47,6 +47,9 @@ def simulate(
     *,
     load_torque: ArrayLike | None = None,
     temperature: ArrayLike | None = None,
+    further: Mapping[str, ArrayLike] | None = None,
+    units: Mapping[str, str] | None = None,
+    run: ArrayLike = 0,
     initial_velocity: float = 0.0,
     initial_position: float = 0.0,
     between_samples: Between = "linear",
@@ -63,11 +66,14 @@ def simulate(
     Args:
         drive: the model and its motion.
         values: the model's parameters by key, in SI units, and the inertia unless the drive has one.
-        time: sample times [s], shape (N,), increasing; they need not be even.
+        time: sample times [s], shape (N,), increasing within a run; they need not be even.
         torque: motor torque [N m] or force [N] at the samples.
         load_torque: known load torque at the samples; zero where it is not given.
         temperature: temperature at the samples [°C], for models that need it.
-        initial_velocity, initial_position: at the first sample.
+        further: further channels at the samples by name, such as ``other.j2_velocity``, for models that need them.
+        units: SI units of the further channels; see :attr:`fricmodels.recording.Recording.units`.
+        run: number of the run of each sample.
+        initial_velocity, initial_position: at the first sample of each run.
         between_samples: ``linear`` joins the samples of the torque, ``held`` keeps each until the next one.
         substeps: steps of integration per sampling interval.
         noise: standard deviation of white noise on the velocity, in percent of the RMS velocity.
@@ -87,14 +93,17 @@ def simulate(
     """
     times = np.asarray(time, dtype=float)
     channels = {"time": times, "torque": np.broadcast_to(np.asarray(torque, dtype=float), times.shape).copy()}
-    for key, given in (("load_torque", load_torque), ("temperature", temperature)):
+    for key, given in {"load_torque": load_torque, "temperature": temperature, **(further or {})}.items():
         if given is not None:
             channels[key] = np.broadcast_to(np.asarray(given, dtype=float), times.shape).copy()
-    run = np.zeros(len(times), dtype=np.int64)
-    driven = Recording(name, drive.motion, channels, run)
-    velocity, position = _integrate(
-        drive, values, driven, initial_velocity, initial_position, between_samples, substeps
-    )
+    runs = np.broadcast_to(np.asarray(run, dtype=np.int64), times.shape).copy()
+    driven = Recording(name, drive.motion, channels, runs, units=units or {})
+    velocity, position = np.empty_like(times), np.empty_like(times)
+    for number in np.unique(runs):
+        mask = runs == number
+        velocity[mask], position[mask] = _integrate(
+            drive, values, driven.select(mask), initial_velocity, initial_position, between_samples, substeps
+        )
     channels["velocity"] = measure(velocity, noise=noise, quantisation=quantisation, hold=hold, seed=seed)
     if with_position or (with_position is None and "position" in drive.model.needs):
         channels["position"] = position
@@ -108,7 +117,7 @@ def simulate(
         "noise_percent": noise,
         "seed": seed,
     }
-    return Recording(name, drive.motion, channels, run, provenance=provenance)
+    return Recording(name, drive.motion, channels, runs, provenance=provenance, units=units or {})
 
 
 def measure(velocity: Array, *, noise: float = 0.0, quantisation: float = 0.0, hold: int = 1, seed: int = 0) -> Array:

@@ -11,11 +11,12 @@ from numpy.typing import NDArray
 from fricmodels import plugins
 from fricmodels.diagnosis.policy import POLICY, Policy
 from fricmodels.dimension import Motion
+from fricmodels.drive import Drive
 from fricmodels.recording import RUN, channel_of
 from fricmodels.term import Effect
 from fricmodels.weakform.candidate import NonlinearOptimum
 from fricmodels.weakform.problem import WeakFormProblem
-from fricmodels.weakform.regression import LEAST_P, Evidence, Regression, compare
+from fricmodels.weakform.regression import LEAST_P, Evidence, Regression, compare, unwarned
 from fricmodels.weakform.search import search
 from fricmodels.weakform.shifted import regression_of
 
@@ -160,15 +161,22 @@ def _candidate(
     if missing:
         return f"the recording has no {channel_of(missing[0]).replace('_', ' ')}"
     found = search(problem, regression, effect, alone, rival)
+    # What an estimated inertia takes up may leave a rest or none; the reason is the same.
+    if is_taken_up(problem, regression, _first_columns(problem, effect, alone) if found is None else found.columns):
+        return "the inertia is estimated, and the model with it can be all that this would add; give it to see more"
     if found is None:
         return "what it would add to the residual cannot be told from what the model already has"
     if np.any(found.kept):
-        if is_taken_up(problem, regression, found.columns):
-            return "the inertia is estimated, and the model with it can be all that this would add; give it to see more"
         share = noise_share(problem, problem.perturbed, regression, effect, found)
         if is_noise(share, found.explained / float(regression.residual @ regression.residual), policy):
             return "noise of the velocity hides what it would add beyond what the model already has"
     return _test(regression, effect, found)
+
+
+def _first_columns(problem: WeakFormProblem, effect: Effect, alone: Drive) -> Array:
+    """Return an effect's linear columns at the initial values of its nonlinear parameters, shape (q, rows)."""
+    pairs = zip(effect.parameters, alone.model.linear, strict=True)
+    return problem.columns(alone, [p.initial for p, linear in pairs if not linear])[0]
 
 
 def _has(problem: WeakFormProblem, signal: str) -> bool:
@@ -193,12 +201,15 @@ def noise_share(
     return float(np.max(np.sum(noise**2, axis=1) / np.sum(signal**2, axis=1)))
 
 
+@unwarned
 def is_taken_up(problem: WeakFormProblem, regression: Regression, columns: Array) -> bool:
     """Whether columns, shape (k, rows), hold nothing but what the model can do with an inertia that is estimated.
 
     So it is with any column of the acceleration and of what the model is linear in, such as its own motor torque:
     without a known inertia or load no torque has a known scale.
     """
+    if problem.drive.inertia is not None:
+        return False
     left = regression.project_out(beside_inertia(problem, regression, columns))
     return float(np.sum(left**2)) < _ROUNDING * float(np.sum(regression.project_out(columns) ** 2))
 

@@ -93,7 +93,7 @@ def fits(unit: str, channel: str) -> set[Motion]:
     return {motion for motion in Motion if _measures(unit, _si_unit(channel, motion))}
 
 
-_FURTHER = ("rad", "rad/s", "rad/s^2", "m", "m/s", "m/s^2", "N m", "N", "degC", "A", "V", "Pa", "W", "s")
+FURTHER_UNITS = ("rad", "rad/s", "rad/s^2", "m", "m/s", "m/s^2", "N m", "N", "degC", "A", "V", "Pa", "W", "s")
 """Units in which further channels are kept, if they measure the same; the quantities of drives, and usual ones."""
 
 
@@ -104,7 +104,7 @@ def further(unit: str) -> tuple[Conversion, str]:
         InputError: for an unknown unit.
     """
     quantity = _quantity(unit)
-    target = next((known for known in _FURTHER if _measures(unit, known)), None)
+    target = next((known for known in FURTHER_UNITS if _measures(unit, known)), None)
     if target is None:
         base = _registry().get_base_units(quantity.units)[1]
         target = f"{base:~}".replace(" ** ", "^").replace(" * ", " ").replace(" / ", "/") or "1"

@@ -19,9 +19,9 @@ from fricmodels.model import Model
 from fricmodels.parameter import Parameter
 from fricmodels.recording import Recording
 from fricmodels.signals import Preparation, prepare
-from fricmodels.simulation import simulate
-from fricmodels.term import Effect, Law, Term
+from fricmodels.term import SIGNALS, Effect, Law, Term
 from fricmodels.testing.faults import Fault, SkipTest
+from fricmodels.testing.rich_motion import rich_motion
 from fricmodels.testing.subject import Subject, in_order
 from fricmodels.weakform.ranges import scan_size
 
@@ -69,7 +69,7 @@ def suggested_truth(subject: Subject) -> dict[str, float]:
     A nonlinear one is in the middle of its scan, a wave number near its initial value; a linear one makes up for its
     share of the torque over a motion that the term takes no part in, and at its peak not for more than all of it.
     """
-    reference = _reference()
+    reference = _reference(type(subject.term))
     terms = subject.term.parameters
     linear = dict(zip((p.symbol for p in terms), subject.linear, strict=True))
     values = {p.symbol: _nonlinear_value(p, reference) for p in terms if not linear[p.symbol]}
@@ -97,19 +97,12 @@ def _nonlinear_value(p: Parameter, reference: Recording) -> float:
     return 1.02 * p.initial if p.periodic else p.initial
 
 
-@lru_cache(maxsize=1)
-def _reference() -> Recording:
+@lru_cache(maxsize=16)
+def _reference(cls: type[Term]) -> Recording:
     """Return the rich motion under Coulomb and viscous friction alone, with every channel."""
-    time, torque, load = _excitation(0)
     drive = Drive(Model(plugins.load().laws["coulomb-viscous"]()), INERTIA)
-    simulated = simulate(
-        drive, _BASE, time, torque, load_torque=load, temperature=_temperature(time), substeps=4, with_position=True
-    )
+    simulated = rich_motion(drive, _BASE, cls(), frozenset(SIGNALS), 0, "rich motion without the term")
     return prepare(simulated, Preparation())
-
-
-def _temperature(time: Array) -> Array:
-    return np.asarray(20 + 15 * np.sin(2 * np.pi * 0.9 * time / time[-1]))
 
 
 def rich_case(subject: Subject, truth: Mapping[str, float] | None = None, seed: int = 0) -> Case:
@@ -130,36 +123,13 @@ def _rich_case(cls: type[Term], truth: tuple[tuple[str, float], ...], seed: int)
         differs = sorted(set(values) ^ set(keys))
         raise Fault(f"truth does not match the parameters: '{differs[0]}' is missing or unknown")
     drive = Drive(model, INERTIA)
-    time, torque, load = _excitation(seed)
-    needs = model.needs
     try:
-        recording = simulate(
-            drive,
-            values,
-            time,
-            torque,
-            load_torque=load if "load_torque" in needs else None,
-            temperature=_temperature(time) if "temperature" in needs else None,
-            substeps=4,
-            with_position=True,
-            name=f"rich motion with {cls.name}",
-        )
+        recording = rich_motion(drive, values, cls(), model.needs, seed, f"rich motion with {cls.name}")
     except FricmodelsError as error:
         raise Fault(f"the drive cannot be simulated with it: {error}") from None
     if not np.all(np.isfinite(recording.velocity)):
         raise Fault("simulated, the velocity stops being finite; look at signs: friction that pushes runs away")
     return Case(drive, values, tuple(prefix + symbol for symbol, _ in truth), recording)
-
-
-def _excitation(seed: int) -> tuple[Array, Array, Array]:
-    """Return times, a motor torque of several frequencies and amplitudes, and a slow load torque."""
-    rng = np.random.default_rng(seed)
-    time = 1e-3 * np.arange(8000)
-    tones = np.array([(0.35, 0.3), (0.8, 0.35), (1.7, 0.3), (3.9, 0.25), (9.1, 0.15)])
-    phases = 2 * np.pi * (np.outer(tones[:, 0], time) + rng.uniform(0, 1, (len(tones), 1)))
-    torque = np.asarray(tones[:, 1] @ np.sin(phases), dtype=float)
-    load = 0.25 * np.sin(2 * np.pi * 0.23 * time + 0.4) + 0.1 * np.sin(2 * np.pi * 1.1 * time)
-    return np.asarray(time, dtype=float), torque, np.asarray(load, dtype=float)
 
 
 def ready(case: Case) -> Recording:
