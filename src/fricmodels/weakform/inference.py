@@ -66,6 +66,9 @@ def jackknife_covariance(jacobian: Array, residual: Array, inverse: Array, indep
     What is left of the equations is less than their error where few of them decide, as those at reversals do: they are
     fitted. A block that is left out is not.
 
+    Without a block that alone determines a direction nothing is known of it, and the estimate goes anywhere. At least
+    one block's share of what all know is taken to be left.
+
     Source: A. C. Cameron, D. L. Miller, "A practitioner's guide to cluster-robust inference", J. Human Resources 50
     (2015), CR3.
 
@@ -79,13 +82,15 @@ def jackknife_covariance(jacobian: Array, residual: Array, inverse: Array, indep
     jacobian, inverse = jacobian / size, inverse * np.outer(size, size)
     blocks = int(np.clip(independent / _IN_BLOCK, _FEWEST, _MOST))
     edges = np.linspace(0, len(residual), blocks + 1).astype(int)
-    unit = np.eye(len(inverse))
+    value, vector = np.linalg.eigh(inverse)
+    root = vector * np.sqrt(np.clip(value, 0.0, None))
     moved = []
     for first, last in pairwise(edges):
-        own = jacobian[first:last]
-        score = inverse @ (own.T @ residual[first:last])
-        # (A − A_g)⁻¹ s = (1 − A⁻¹A_g)⁻¹ A⁻¹ s; directions that the data do not determine stay as they are.
-        moved.append(np.linalg.lstsq(unit - inverse @ (own.T @ own), score, rcond=1e-10)[0])
+        own = jacobian[first:last] @ root
+        # (A − A_g)⁻¹ s = R (1 − RᵀA_gR)⁻¹ Rᵀs with A⁻¹ = RRᵀ: by the share of what is known that the block holds.
+        share, direction = np.linalg.eigh(own.T @ own)
+        left = np.maximum(1.0 - share, 1.0 / blocks)
+        moved.append(root @ direction @ (direction.T @ (own.T @ residual[first:last]) / left))
     apart = (np.array(moved) - np.mean(moved, axis=0)) / size
     widen = float(stdtrit(blocks - 1, 0.975)) / 1.959963984540054
     return np.asarray(widen**2 * (blocks - 1) / blocks * apart.T @ apart)

@@ -8,6 +8,7 @@ sample about one lies in do not have it.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -21,13 +22,15 @@ _DISAGREES = 0.1
 """Probability below which the two fits are said to disagree. A fit without bias is worth more than an efficient one."""
 
 
-def clear_of_reversals(found: Solved) -> Solved:
+def clear_of_reversals(found: Solved, left: Callable[[Solved], float]) -> Solved:
     """Return the fit to the rows that are clear of reversals, where it is more certain than that to all, or differs.
 
-    The fit to all rows stays where too few are clear, and where nothing speaks against it.
+    The fit to all rows stays where too few are clear, and where nothing speaks against it. What only rows at reversals
+    tell may be there, or explain no more than their error: the fit that leaves less of the whole recording is taken.
 
     Args:
         found: the fit to all rows, at a smoothed velocity.
+        left: sum of squares that a fit leaves of the whole recording.
     """
     problem = found.problem
     turning = np.zeros(len(problem.recording))
@@ -39,7 +42,7 @@ def clear_of_reversals(found: Solved) -> Solved:
         return found
     other = solve(replace(problem, bumps=bumps), found.plan, timing=found.timing)
     if len(other.solution.normal.null.T) > len(found.solution.normal.null.T) + 1:  # no reversal is left to be shifted
-        return found
+        return min(found, other, key=left)
     return other if _is_smaller(other, found) or _disagree(found, other) else found
 
 
