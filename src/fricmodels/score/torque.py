@@ -239,10 +239,22 @@ def sliding_half_width(recording: Recording, largest: int = 256) -> int:
     offset = np.arange(-widest, widest + 1) / widest
     cubic = 6 * np.linalg.pinv(np.vander(offset, 4, increasing=True))[3] / widest**3
     third = np.convolve(recording.velocity, cubic[::-1], mode="same")[free >= widest]
-    bend = max(float(np.mean(third**2)) - noise.product(cubic, cubic), 0.0)
+    share = _share_while_sliding(recording, free, noise)
+    bend = max(float(np.mean(third**2)) - share * noise.product(cubic, cubic), 0.0)
     h = np.arange(1, widest + 1, dtype=float)
-    error = _slope_variance(noise, h) + ((3 * h**2 + 3 * h - 1) / 30) ** 2 * bend
+    error = share * _slope_variance(noise, h) + ((3 * h**2 + 3 * h - 1) / 30) ** 2 * bend
     return int(h[np.argmin(error)])
+
+
+def _share_while_sliding(recording: Recording, free: NDArray[np.int64], noise: Noise) -> float:
+    """Return the share of the noise's square that fourth differences show clear of reversals, at most 1.
+
+    The estimate reckons with as much noise as jumps at reversals may hide; where there are none, less is seen.
+    """
+    weights = np.array([1.0, -4.0, 6.0, -4.0, 1.0])
+    seen = np.diff(recording.velocity, 4)[free[2:-2] > 2]
+    whole = noise.product(weights, weights)
+    return min(1.0, float(np.mean(seen**2)) / whole) if len(seen) and whole > 0.0 else 1.0
 
 
 def _slope_variance(noise: Noise, half_widths: Array) -> Array:

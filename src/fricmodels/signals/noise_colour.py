@@ -215,7 +215,8 @@ def coloured_noise(parts: Sequence[tuple[Array, Array]], *, moving: bool = True,
     motion = np.array([[float(s) ** power for power in _MOTION] for s in scales])
     fixed = np.hstack([own[:, :2], motion]) if moving else own[:, :2]
     plain, plain_left = _division(fixed, measured)
-    every = np.concatenate([np.diff(values, 4) for _, values in parts if len(values) > 4])
+    longer = [(time, values) for time, values in parts if len(time) > 4]
+    every = np.concatenate([_fourth_differences(*_sums(*part), 1, is_even(part[0])) for part in longer])
     untold = _UNTOLD * math.sqrt(float(np.mean(every**2))) / float(np.linalg.norm(_DIFFERENCE))
     white = Noise(max(math.sqrt(plain[0]), untold), math.sqrt(plain[1]))
     tried = [_division(np.column_stack([fixed, own[:, 2 + i]]), measured) for i in range(len(_LASTING))]
@@ -233,7 +234,7 @@ def _squares(parts: Sequence[tuple[Array, Array]], scales: Sequence[int]) -> dic
     """Return the mean square of fourth differences of means over s samples, by s, without the largest."""
     found: dict[int, float] = {}
     even = [is_even(time) for time, _ in parts]
-    sums = [(np.append(0.0, np.cumsum(t - t[0])), np.append(0.0, np.cumsum(v - v.mean()))) for t, v in parts]
+    sums = [_sums(*part) for part in parts]
     for scale in scales:
         each = [
             _fourth_differences(*both, scale, is_even_part) ** 2
@@ -249,6 +250,11 @@ def _squares(parts: Sequence[tuple[Array, Array]], scales: Sequence[int]) -> dic
             break
         found[scale] = value
     return found
+
+
+def _sums(time: Array, values: Array) -> tuple[Array, Array]:
+    """Return the sums of time stamps and of values up to each sample."""
+    return np.append(0.0, np.cumsum(time - time[0])), np.append(0.0, np.cumsum(values - values.mean()))
 
 
 def _fourth_differences(time: Array, values: Array, scale: int, even: bool) -> Array:

@@ -75,7 +75,11 @@ def _estimated(time: Array, values: Array, runs: Runs | None, least: bool) -> No
     plain = Noise(step / math.sqrt(12.0))
     between = _between_steps(values, step)
     course, _ = lanczos_derivative(time, between, best_half_width(time, values, runs, noise=plain), runs)
-    return replace(plain, step=step, course=course, error=values - course)
+    error = values - course
+    # Where steps come as fast as samples, that is what smoothing changed of the motion: there it is rounded anew.
+    fast = np.abs(np.gradient(course)) > step
+    error[fast] = (step * np.round(-error / step) + error)[fast]
+    return replace(plain, step=step, course=course, error=error)
 
 
 def _between_steps(values: Array, step: float) -> Array:
