@@ -19,7 +19,7 @@ recording = read("joint.csv")
 assert compare(recording, "coulomb-viscous", inertia=1.8).errors.held_out_percent > 5
 assert diagnose(recording, "coulomb-viscous", inertia=1.8).verdict == "missing-effect"
 ladder = improve(recording, "coulomb-viscous", inertia=1.8)
-assert ladder.rungs[-1].comparison.errors.held_out_percent < 1
+assert ladder.rungs[-1].comparison.errors.bands[2].held_out_percent < 1
 """
 TOURNAMENT = """
 name: joint
