@@ -20,22 +20,25 @@ from measured.story import (
 )
 
 BASE = "coulomb-viscous"
-RATIO = {1: 256.857, 6: 154.323}
+RATIO = {1: 256.857, 3: 252.333, 4: 221.0, 6: 154.323}
 """Turns of the motor to a turn of the joint; motor torque × ratio is the torque at the joint."""
 BY_HAND = ("asymmetry", "torque-offset", "stribeck", "nonlinear-viscous", "presliding", "joint-compliance")
 
 
-def recording(data: Path, joint: int, trajectory: str) -> Recording:
-    """Return a joint on a trajectory; joint 1 turns about the vertical and carries no gravity."""
-    columns = [
+def columns(joint: int) -> list[str]:
+    """Return the columns of a joint; joint 1 turns about the vertical and carries no gravity."""
+    own = [
         "time=t:s",
         f"torque=motor_torque{joint}_Nm:{RATIO[joint]} N*m",
         f"velocity=vel{joint}_rads:rad/s",
         f"position=pos{joint}_rad:rad",
     ]
-    if joint != 1:
-        columns.append(f"load_torque=model_gravity{joint}_Nm:N*m")
-    return read(data / "kuka_kr300" / f"kr300_traj{trajectory}_250Hz.csv", columns=columns)
+    return own if joint == 1 else [*own, f"load_torque=model_gravity{joint}_Nm:N*m"]
+
+
+def recording(data: Path, joint: int, trajectory: str) -> Recording:
+    """Return a joint on a trajectory."""
+    return read(data / "kuka_kr300" / f"kr300_traj{trajectory}_250Hz.csv", columns=columns(joint))
 
 
 def story(data: Path, joint: int) -> Story:

@@ -15,7 +15,6 @@ from measured.story import Story, blocks, parameter_table, summary_table, table,
 BASE = "coulomb-viscous"
 TIAGO = {1: 100 * 0.136, 2: 100 * 0.136, 3: -100 * 0.087, 4: -100 * 0.087}
 """Reduction × motor constant [N m/A] of the arm's joints, with the source's signs."""
-RATIO = {**kuka.RATIO, 3: 252.333, 4: 221.0}
 
 
 def arm(data: Path, joint: int, others: bool) -> Recording:
@@ -46,14 +45,7 @@ def wrist(folder: Path, joint: int, others: bool) -> Recording:
 
 def robot(data: Path, joint: int, others: bool) -> Recording:
     """Return a joint of the KR300 on all three trajectories, with position and velocity of the others."""
-    columns = [
-        "time=t:s",
-        f"torque=motor_torque{joint}_Nm:{RATIO[joint]} N*m",
-        f"velocity=vel{joint}_rads:rad/s",
-        f"position=pos{joint}_rad:rad",
-    ]
-    if joint != 1:
-        columns.append(f"load_torque=model_gravity{joint}_Nm:N*m")
+    columns = kuka.columns(joint)
     for other in (i for i in range(1, 7) if others and i != joint):
         columns.append(f"other.j{other}_velocity=vel{other}_rads:rad/s")
         columns.append(f"other.j{other}_position=pos{other}_rad:rad")

@@ -43,6 +43,6 @@ def test_shares(made: Made) -> None:
     before = regression_of(problem, found.parameters)
     total, least = float(np.sum(before.residual**2)), floor(problem)
     assert total > 10 * least
-    assert share_explained(problem, before, total) == pytest.approx(0.0, abs=1e-12)
-    assert share_explained(problem, before, 0.5 * (total + least)) == pytest.approx(0.5)
-    assert share_explained(problem, before, least) == share_explained(problem, before, 0.0) == 1.0
+    assert share_explained(problem, total, total) == pytest.approx(0.0, abs=1e-12)
+    assert share_explained(problem, total, 0.5 * (total + least)) == pytest.approx(0.5)
+    assert share_explained(problem, total, least) == share_explained(problem, total, 0.0) == 1.0

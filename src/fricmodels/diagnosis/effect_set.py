@@ -21,8 +21,6 @@ Array = NDArray[np.float64]
 
 _DESCRIPTIONS = 2
 """Predictors that describe what a set of effects leaves."""
-_WORTH = 0.05
-"""A predictor joins the description if it lowers the sum of squares by this share."""
 
 
 @dataclass(frozen=True)
@@ -125,44 +123,45 @@ class Rest:
     """A description without physics of what a set of effects leaves.
 
     Attributes:
-        columns: of the channels, shape (k, rows).
+        parts: columns of each channel, shape (k, rows), the channel that predicts best first.
         lasting: of the past of the residual or of the torque, shape (k, rows). It shows all that lasts, whatever the
             cause: it sharpens the view of an effect, but does not take its place.
-        best: the columns of the channel that predicts best, shape (k, rows).
         channels: their names, the best first.
         unpredicted: sum of squares that is left where no channel predicts any of it, nor its own past; else zero.
+        tried: number of predictors among which they were chosen.
     """
 
-    columns: Array
+    parts: tuple[Array, ...]
     lasting: Array
-    best: Array
     channels: tuple[str, ...] = ()
     unpredicted: float = 0.0
+    tried: int = 1
 
     @classmethod
     def of(cls, result: CandidateTests, members: list[Member]) -> Rest:
         """Choose the channels, the best one first, then the best beside it; the past where no channel predicts."""
-        columns = lasting = best = nothing(result)
+        policy = result.policy
+        parts: tuple[Array, ...] = ()
+        lasting = nothing(result)
         names: tuple[str, ...] = ()
-        unpredicted = 0.0
+        unpredicted, tried = 0.0, 1
         for _ in range(_DESCRIPTIONS):
-            regression = regression_beside(result, np.vstack([stacked(result, members), columns]), members)
+            regression = regression_beside(result, np.vstack([stacked(result, members), *parts]), members)
             before = float(np.sum(regression.loss))
             if before <= floor(result.problem, result.policy):
                 break
             passing = passing_beside(result, regression)
             unpredicted = 0.0 if passing else before
-            sets = [p for p in passing if np.sum(p.evidence.loss) < (1 - _WORTH) * before]
+            sets = [p for p in passing if np.sum(p.evidence.loss) < (1 - policy.description_gain) * before]
             chosen = min(sets, key=lambda p: (p.channels in AUTOREGRESSIVE, np.sum(p.evidence.loss)), default=None)
             if chosen is None:
                 break
-            names = (*names, chosen.channels)
+            names, tried = (*names, chosen.channels), chosen.tried
             if chosen.channels in AUTOREGRESSIVE:
                 lasting = chosen.columns
                 break
-            columns = np.vstack([columns, chosen.columns])
-            best = best if len(best) else chosen.columns
-        return cls(columns, lasting, best, names, unpredicted)
+            parts = (*parts, chosen.columns)
+        return cls(parts, lasting, names, unpredicted, tried)
 
 
 @dataclass(frozen=True)
@@ -205,7 +204,10 @@ def passing_beside(result: CandidateTests, regression: Regression) -> list[Chann
         hats = hats_over(result.problem, place.channel, place.direction)
         seen = visible_of(regression, hats)
         if len(seen):
-            found.append(ChannelPredictor(f"{place.channel}, in places", regression.test(seen), place.p_value, seen))
+            tried = max((p.tried for p in found), default=1)
+            found.append(
+                ChannelPredictor(f"{place.channel}, in places", regression.test(seen), place.p_value, seen, tried)
+            )
     return found
 
 

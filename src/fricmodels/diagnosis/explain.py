@@ -101,7 +101,7 @@ def unknown(diagnosis: Diagnosis) -> str:
     if diagnosis.refused is not None:
         parts.append(f"'{diagnosis.refused.name}' explains part of it, but the test error does not fall with it.")
     if rest.place is not None:
-        parts.append(f"It is there {rest.where}.")
+        parts.append(f"It is largest {rest.where}.")
     if rest.nearest:
         here = diagnosis.comparison.errors.held_out_percent
         near = ", ".join(f"'{one.name}' ({here:.3g} → {one.held_out_percent:.3g} %)" for one in rest.nearest)
@@ -116,7 +116,7 @@ def _predicted(diagnosis: Diagnosis) -> str:
     view, comparison = diagnosis.view, diagnosis.comparison
     if view is None:
         if diagnosis.place is not None:
-            return "It hangs on the place, not on a smooth course of any channel."
+            return "No smooth function of one channel predicts it, but it has a mean of its own at one place."
         worst = comparison.where[0]
         return (
             f"{IN_NO_CHANNEL} {100 * worst.share_of_squared_error:.0f} % of the squared error lie in '{worst.regime}'."

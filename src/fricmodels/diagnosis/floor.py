@@ -5,7 +5,6 @@ from __future__ import annotations
 from fricmodels.diagnosis.comparison import Comparison
 from fricmodels.diagnosis.policy import POLICY, Policy
 from fricmodels.weakform.problem import WeakFormProblem
-from fricmodels.weakform.regression import Regression
 
 
 def floor(problem: WeakFormProblem, policy: Policy = POLICY) -> float:
@@ -14,18 +13,16 @@ def floor(problem: WeakFormProblem, policy: Policy = POLICY) -> float:
     return float(inertia**2 * problem.momentum_noise + policy.least_torque**2 * (problem.driving @ problem.driving))
 
 
-def share_explained(problem: WeakFormProblem, before: Regression, left: float, policy: Policy = POLICY) -> float:
-    """Return which share of the squared residual above the floor is explained.
+def share_explained(problem: WeakFormProblem, before: float, left: float, policy: Policy = POLICY) -> float:
+    """Return which share of a sum of squares above the floor is explained.
 
     Args:
         problem: the fitted model and its rows.
-        before: the regression whose residual is to be explained.
-        left: sum of squares that is left of it.
+        before, left: sum of squared residuals that is to be explained, and what is left of it [(N m)² or N²].
         policy: decides on the floor.
     """
-    total = float(before.residual @ before.residual)
-    above = total - floor(problem, policy)
-    return (total - left) / above if above > total - left else 1.0
+    above = before - floor(problem, policy)
+    return (before - left) / above if above > before - left else 1.0
 
 
 def is_far_above_noise(comparison: Comparison, policy: Policy = POLICY) -> bool:

@@ -36,12 +36,14 @@ class ChannelPredictor:
         evidence: of its basis functions, all together.
         p_value: corrected for the number of predictors.
         columns: its basis functions, shape (k, rows).
+        tried: number of predictors among which it was found.
     """
 
     channels: str
     evidence: Evidence
     p_value: float
     columns: Array
+    tried: int = 1
 
 
 def channel_predictors(result: CandidateTests) -> list[ChannelPredictor]:
@@ -64,7 +66,11 @@ def each_predictor(result: CandidateTests, first: Sequence[str] = ()) -> Iterato
             if channels in lasting and _is_only_noise(result, channels, columns[chosen], chosen, evidence):
                 continue
             yield ChannelPredictor(
-                channels, evidence, float(np.clip(evidence.p_value * len(every), LEAST_P, 1.0)), columns[chosen]
+                channels,
+                evidence,
+                float(np.clip(evidence.p_value * len(every), LEAST_P, 1.0)),
+                columns[chosen],
+                len(every),
             )
 
 

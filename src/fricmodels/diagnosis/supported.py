@@ -43,7 +43,7 @@ from fricmodels.diagnosis.effect_set import (
     visible_of,
     without,
 )
-from fricmodels.diagnosis.floor import floor
+from fricmodels.diagnosis.floor import floor, share_explained
 from fricmodels.diagnosis.policy import Policy
 from fricmodels.diagnosis.predictability import AUTOREGRESSIVE, ChannelPredictor
 from fricmodels.diagnosis.verdict import LookAlikes
@@ -96,13 +96,13 @@ def judge(result: CandidateTests, leave_out: Iterable[str], first: LookAlikes | 
     out, policy = set(leave_out), result.policy
     members = found_in_turn(result, out, [] if first is None else [member_of(result, first)], nothing(result))
     rest = Rest.of(result, members)
-    if len(rest.best):  # what the rest hides shows beside a description of it
-        hidden = found_in_turn(result, out, members, rest.best)
+    if rest.parts:  # what the rest hides shows beside a description of it
+        hidden = found_in_turn(result, out, members, rest.parts[0])
         members, rest = hidden, Rest.of(result, hidden)
     members = pruned(result, members)
     # An effect at its search bound only resembles what is missing: it describes, and is not named.
     members, at_bound = [m for m in members if not m.at_bound], [m for m in members if m.at_bound]
-    rest = replace(rest, columns=np.vstack([rest.columns, *(m.columns for m in at_bound)]))
+    rest = replace(rest, parts=(*rest.parts, *(m.columns for m in at_bound)))
     judged = [(m, _support(result, m, without(members, m), rest)) for m in members]
     one_cause = [m for m, s in judged if s.suffices(policy) and _one_cause(result, m, without(members, m))]
     power = float(np.sum(result.problem.driving**2))
@@ -150,23 +150,26 @@ class Support:
 
 def _support(result: CandidateTests, member: Member, others: list[Member], rest: Rest) -> Support:
     beside = stacked(result, others)
-    alone = gain_of(result, beside, member)
-    described, of_rest = alone, float("inf")
-    if len(rest.columns):
-        described = gain_of(result, np.vstack([beside, rest.columns]), member)
-        if described.fall < result.policy.kept * alone.fall:  # the description takes its place
-            theirs = alone.before - described.before
-            described, of_rest = alone, alone.fall / theirs if theirs > 0 else of_rest
-    full = described
-    if len(rest.lasting):
-        columns = rest.columns if described is not alone else rest.columns[:0]
-        full = gain_of(result, np.vstack([beside, columns, rest.lasting]), member)
-    above = full.before - floor(result.problem, result.policy)
+    own = gain_of(result, beside, member).fall
+    taking: list[Array] = []
+    apart = [beside]
+    for part in rest.parts:
+        takes_place = gain_of(result, np.vstack([beside, part]), member).fall < result.policy.kept * own
+        (taking if takes_place else apart).append(part)
+    base = np.vstack(apart)
+    described, of_rest = gain_of(result, base, member), float("inf")
+    if taking:
+        instead = regression_of(result.problem, result.parameters, np.vstack([base, *taking]))
+        theirs = described.before - float(np.sum(instead.loss))
+        _, p_more = compare(described.regression.loss, instead.loss, described.without.terms)
+        if theirs > described.fall and p_more * rest.tried <= result.policy.outpredicted_significance:
+            of_rest = described.fall / theirs
+    full = gain_of(result, np.vstack([base, rest.lasting]), member) if len(rest.lasting) else described
     of_channel, rival = min(
         (of_rest, "the description of the rest"), _against_channels(result, described, member.found.first)
     )
     return Support(
-        full.fall / above if above > full.fall else 1.0,
+        share_explained(result.problem, full.before, full.before - full.fall, result.policy),
         of_channel,
         float(np.sqrt(max(full.fall, 0.0) / np.sum(result.problem.driving**2))),
         full.p_value,
@@ -225,10 +228,8 @@ def _against_channels(result: CandidateTests, gain: Gain, first: CandidateTest) 
         theirs = gain.before - float(np.sum(predictor.evidence.loss))
         if own >= theirs:
             continue
-        if (
-            compare(gain.regression.loss, predictor.evidence.loss, gain.without.terms)[1]
-            > policy.outpredicted_significance
-        ):
+        _, p_more = compare(gain.regression.loss, predictor.evidence.loss, gain.without.terms)
+        if p_more * predictor.tried > policy.outpredicted_significance:
             continue
         both = gain.without.test(visible_of(gain.without, np.vstack([predictor.columns, gain.columns])))
         beside = float(np.sum(predictor.evidence.loss)) - float(np.sum(both.loss))

@@ -18,12 +18,14 @@ from fricmodels.weakform.solve import Solved, solve
 
 _LEAST = 0.5
 """Share of the rows that must be clear of reversals."""
+_HALF = 0.5
+"""Ratio of standard errors below which a fit is far more certain than another."""
 _DISAGREES = 0.1
 """Probability below which the two fits are said to disagree. A fit without bias is worth more than an efficient one."""
 
 
 def clear_of_reversals(found: Solved, left: Callable[[Solved], float]) -> Solved:
-    """Return the fit to the rows that are clear of reversals, where it is more certain than that to all, or differs.
+    """Return the fit to the rows clear of reversals, where it is far more certain than that to all rows, or differs.
 
     The fit to all rows stays where too few are clear, and where nothing speaks against it. What only rows at reversals
     tell may be there, or explain no more than their error: the fit that leaves less of the whole recording is taken.
@@ -43,13 +45,17 @@ def clear_of_reversals(found: Solved, left: Callable[[Solved], float]) -> Solved
     other = solve(replace(problem, bumps=bumps), found.plan, timing=found.timing)
     if len(other.solution.normal.null.T) > len(found.solution.normal.null.T) + 1:  # no reversal is left to be shifted
         return min(found, other, key=left)
-    return other if _is_smaller(other, found) or _disagree(found, other) else found
+    return other if _is_far_more_certain(other, found) or _disagree(found, other) else found
 
 
-def _is_smaller(one: Solved, other: Solved) -> bool:
-    """Whether the covariance of one fit is smaller than that of another, by its determinant."""
+def _is_far_more_certain(one: Solved, other: Solved) -> bool:
+    """Whether the standard errors of one fit are less than half of another's, in the geometric mean.
+
+    Fewer rows that seem a little more certain are so by chance.
+    """
     first, second = (np.linalg.slogdet(_scaled(fit, one)) for fit in (one, other))
-    return bool(first.sign > 0 and second.sign > 0 and first.logabsdet < second.logabsdet)
+    least = 2.0 * len(one.covariance) * np.log(_HALF)
+    return bool(first.sign > 0 and second.sign > 0 and first.logabsdet - second.logabsdet < least)
 
 
 def _scaled(fit: Solved, by: Solved) -> Array:
