@@ -152,6 +152,24 @@ def examine(comparison: Comparison, *, leave_out: Iterable[str] = (), policy: Po
     )
 
 
+def is_predictable(comparison: Comparison, policy: Policy = POLICY) -> bool:
+    """Whether what a fitted model leaves is far above noise, or a channel or a place predicts it.
+
+    A model of which this is true is not adequate; no candidate need be tried to know it.
+    """
+    parameters = comparison.estimate.parameters
+    result = candidate_tests(replace(comparison.problem), parameters, only=(), policy=policy)
+    if is_far_above_noise(comparison, policy) or largest_place(result) is not None:
+        return True
+    return any(p.channels not in AUTOREGRESSIVE for p in passing_predictors(result))
+
+
+def seems_missing(comparison: Comparison, leave_out: Iterable[str], policy: Policy = POLICY) -> LookAlikes | None:
+    """Return the effect that by itself explains best what a fitted model leaves: a first look, without any check."""
+    parameters = comparison.estimate.parameters
+    return select_effect(candidate_tests(replace(comparison.problem), parameters, leave_out=leave_out, policy=policy))
+
+
 def _confirmed(
     refits: Refits, found: LookAlikes | None, passing: list[CandidateTest], policy: Policy
 ) -> LookAlikes | None:
@@ -173,15 +191,11 @@ def _confirmed(
 def _all_together(refits: Refits, first: LookAlikes, together: list[LookAlikes]) -> list[LookAlikes]:
     """Return the first effect, and the others that are there beside it if the test error falls further with them."""
     others = [one for one in together if one.first.name not in first.names]
-    model = refits.with_effect(first.first)
-    if not others or model is None or together[0] is not first:
-        return [first]
+    further = refits.beside(first.first) if others and together[0] is first else None
     found = [first]
     for other in others:
-        further = Refits(model)
-        after = further.with_effect(other.first)
-        if after is not None and further.lowers_test_error(other.first):
-            model = after
+        if further is not None and further.lowers_test_error(other.first):
+            further = further.beside(other.first)
             found.append(other)
     return found
 

@@ -7,7 +7,8 @@ from dataclasses import dataclass, replace
 
 from fricmodels.diagnosis.candidate_tests import CandidateTest
 from fricmodels.diagnosis.comparison import Comparison, compare, from_scratch, refitted
-from fricmodels.diagnosis.diagnose import Diagnosis, Finding, examine
+from fricmodels.diagnosis.diagnose import Diagnosis, Finding, examine, is_predictable, seems_missing
+from fricmodels.diagnosis.look_alikes import separated_by
 from fricmodels.diagnosis.necessity import necessity
 from fricmodels.diagnosis.policy import POLICY, Policy
 from fricmodels.display import Displayed
@@ -144,31 +145,38 @@ class _Search:
             self.diagnose()
 
     def _step(self) -> list[tuple[Diagnosis, Rung]]:
-        """Add the effect that was found; where no test error falls with one effect, two.
+        """Add the effects that were found, one after the other; where no test error falls with one, two together.
 
         Returns:
             The diagnoses that led to the new rungs, and these; empty where nothing helps.
         """
         diagnosis = self.diagnosis
         if diagnosis.findings:
-            rung = self._with(diagnosis, diagnosis.findings[0].tested)
-            return [] if rung is None else [(diagnosis, rung)]
+            return self._chain(diagnosis.findings[: self._policy.most_steps - len(self.steps)])
         return self._pair() if diagnosis.refused is not None else []
 
+    def _chain(self, findings: Iterable[Finding]) -> list[tuple[Diagnosis, Rung]]:
+        """Return the rungs of a diagnosis's findings, each beside those before it."""
+        refits, rungs = self.diagnosis.refits, []
+        for finding in findings:
+            self._say(f"adding {finding.tested.name}")
+            comparison = None if refits is None else refits.with_effect(finding.tested)
+            if comparison is None or refits is None:
+                break
+            here = replace(self.diagnosis, comparison=refits.comparison, findings=(finding,))
+            rungs.append((here, Rung(comparison, added=finding.tested.name)))
+            refits = refits.beside(finding.tested)
+        return rungs
+
     def _pair(self) -> list[tuple[Diagnosis, Rung]]:
-        """Add two effects of which neither helps alone: what one brings may be lost in what is still missing."""
-        pairs = []
-        for tested in self.diagnosis.passing[: self._policy.step_trials]:
-            rung = self._with(self.diagnosis, tested)
-            if rung is None:
-                continue
-            following = self._examine(rung.comparison)
-            second = self._with(following, following.findings[0].tested) if following.findings else None
-            if second is not None:
-                first = replace(self.diagnosis, findings=(Finding(tested, (tested.name,), ""),))
-                pairs.append([(first, rung), (following, second)])
-        best = min(pairs, key=lambda pair: _test_error(pair[1][1].comparison), default=[])
-        return best if best and _test_error(best[1][1].comparison) < _test_error(self._here) else []
+        """Add two effects of which neither helps alone: what one brings may be lost in what is still missing.
+
+        They are the first two of the set that the residual suggests, each found beside the other.
+        """
+        judgement = self.diagnosis.judgement
+        members = [] if judgement is None else [found.first for found, _ in judgement.members]
+        pair = self._chain([Finding(tested, (tested.name,), "") for tested in members[:2]])
+        return pair if len(pair) == 2 and _test_error(pair[1][1].comparison) < _test_error(self._here) else []
 
     def _with(self, diagnosis: Diagnosis, tested: CandidateTest) -> Rung | None:
         """Return the diagnosed model with one more effect, refitted; ``None`` where that fails."""
@@ -205,9 +213,14 @@ class _Search:
         """
         changed = False
         for name in self._added if len(self._added) > 1 else []:
-            here = self._here
-            smaller = self._without(here, name)
+            smaller = self._without(self._here, name)
             self._say(f"looking again for what is missing without {name}")
+            seems = seems_missing(smaller, self._out, self._policy)
+            if seems is None:
+                continue
+            if seems.first.name == name:
+                self._update_look_alikes(name, seems.names)
+                continue
             diagnosis = self._examine(smaller)
             if not diagnosis.findings:
                 continue
@@ -217,7 +230,7 @@ class _Search:
                 self._replace(name, smaller, other, diagnosis)
                 changed = True
             elif name in found.names:
-                self._update_look_alikes(name, found)
+                self._update_look_alikes(name, found.names)
         return changed
 
     def simplify(self) -> bool:
@@ -228,8 +241,9 @@ class _Search:
             own = next(e for e in here.drive.model.effects if e.name == name)
             simpler = [t for t in step.passing if len(t.effect.parameters) < len(own.parameters)]
             simpler.sort(key=lambda t: len(t.effect.parameters))
-            for tested in [t for t in simpler if t.name not in self._added][: self._policy.step_trials]:
-                smaller = self._without(here, name)
+            chosen = [t for t in simpler if t.name not in self._added][: self._policy.step_trials]
+            smaller = self._without(here, name) if chosen else here
+            for tested in chosen:
                 other = refitted(smaller, smaller.drive.model.plus(tested.effect), here.estimate.parameters)
                 if self._may_replace(other):
                     self._replace(name, smaller, Rung(other, added=tested.name), step)
@@ -252,20 +266,22 @@ class _Search:
         larger = len(other.drive.model.parameters) > len(self._here.drive.model.parameters)
         if share <= 1 + (-policy.exchange_margin if larger else policy.exchange_margin):
             return True
-        unknown = self.diagnosis.verdict == "unknown-effect"
-        return unknown and share <= policy.exchange_for_adequate and self._examine(other).verdict == "adequate"
+        if self.diagnosis.verdict != "unknown-effect" or share > policy.exchange_for_adequate:
+            return False
+        return not is_predictable(other, policy) and self._examine(other).verdict == "adequate"
 
     def _place(self, name: str) -> int:
         """Return which step last added an effect."""
         names = [rung.added for rung in self.rungs if rung.added]
         return len(names) - 1 - names[::-1].index(name)
 
-    def _update_look_alikes(self, name: str, again: Finding) -> None:
+    def _update_look_alikes(self, name: str, again: Iterable[str]) -> None:
+        """Take the look-alikes that an effect has now that the others are there."""
         place = self._place(name)
         first, *others = self.steps[place].findings
         if first.tested.name == name:
-            names = (name, *(other for other in again.names if other != name))
-            first = replace(first, names=names, separated_by=again.separated_by)
+            names = [name, *(other for other in again if other != name)]
+            first = replace(first, names=tuple(names), separated_by=separated_by(names))
             self.steps[place] = replace(self.steps[place], findings=(first, *others))
 
 

@@ -6,6 +6,8 @@ from fricmodels.diagnosis.candidate_tests import CandidateTest
 from fricmodels.diagnosis.comparison import Comparison, with_effect
 from fricmodels.errors import FricmodelsError
 
+Key = tuple[str, tuple[float, ...]]
+
 
 class Refits:
     """Fits of a model with one effect more.
@@ -16,17 +18,25 @@ class Refits:
 
     def __init__(self, comparison: Comparison) -> None:
         self.comparison = comparison
-        self._found: dict[tuple[str, tuple[float, ...]], Comparison | None] = {}
+        self._found: dict[Key, Comparison | None] = {}
+        self._beside: dict[Key, Refits] = {}
 
     def with_effect(self, tested: CandidateTest) -> Comparison | None:
         """Return the model with an effect, fitted from the estimate of it; ``None`` where that fails."""
-        key = (tested.name, (*tested.found.nonlinear, tested.found.delay))
+        key = _key(tested)
         if key not in self._found:
             try:
                 self._found[key] = with_effect(self.comparison, tested.effect, tested.parameters)
             except FricmodelsError:
                 self._found[key] = None
         return self._found[key]
+
+    def beside(self, tested: CandidateTest) -> Refits | None:
+        """Return the fits of the model that has this effect already; ``None`` where it cannot be fitted."""
+        model, key = self.with_effect(tested), _key(tested)
+        if model is not None and key not in self._beside:
+            self._beside[key] = Refits(model)
+        return self._beside.get(key)
 
     def lowers_test_error(self, tested: CandidateTest) -> bool:
         """Whether the test error falls with an effect: that of the decisions, and that of some window that is printed.
@@ -38,3 +48,7 @@ class Refits:
             return False
         pairs = zip(other.errors.bands, here.errors.bands, strict=True)
         return any(after.held_out_percent < before.held_out_percent for after, before in pairs)
+
+
+def _key(tested: CandidateTest) -> Key:
+    return tested.name, (*tested.found.nonlinear, tested.found.delay)
