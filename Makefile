@@ -2,6 +2,8 @@ PYTHON ?= python3
 VENV   := .venv
 BIN    := $(VENV)/bin
 PLUGINS := $(patsubst %/pyproject.toml,%,$(wildcard plugins/*/pyproject.toml))
+# Two test processes share two cores: threads of linear algebra would only get in each other's way.
+ONE_THREAD := OPENBLAS_NUM_THREADS=1 OMP_NUM_THREADS=1 NUMBA_NUM_THREADS=1
 
 .PHONY: help demo test test-long lint paper bench clean
 help:
@@ -27,7 +29,7 @@ lint: $(VENV)/.installed
 	$(BIN)/mypy $(addsuffix /src,$(PLUGINS))
 
 test: lint
-	$(BIN)/pytest -n 2 --dist worksteal -m "not long" tests plugins
+	$(ONE_THREAD) $(BIN)/pytest -n 2 --dist worksteal -m "not long" tests plugins
 
 test-long: $(VENV)/.installed
 	$(BIN)/pytest -m long

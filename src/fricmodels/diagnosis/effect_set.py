@@ -185,7 +185,8 @@ class Gain:
 def gain_of(result: CandidateTests, beside: Array, member: Member) -> Gain:
     """Return what a member does beside given columns, shape (k, rows)."""
     without = regression_of(result.problem, result.parameters, beside)
-    delayed = regression_of(result.problem, result.parameters, beside, member.effect)
+    shifts = any(p.delay for p in member.effect.parameters)
+    delayed = regression_of(result.problem, result.parameters, beside, member.effect) if shifts else without
     visible = delayed.visible(member.columns)
     before = float(np.sum(without.loss))
     if not np.any(visible):

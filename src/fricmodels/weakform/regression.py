@@ -133,6 +133,10 @@ def _backward(factor: list[list[float]], right: list[float]) -> list[float]:
     return found
 
 
+SAME = 1e-9
+"""A direction of which less than this share is left outside the base directions is one of them."""
+
+
 class Regression:
     """The base model's regression, against which candidates are tested.
 
@@ -148,7 +152,7 @@ class Regression:
         self.target = target
         self.terms = cosine_terms(independent, len(target))
         left, singular, _ = np.linalg.svd(self.base.T, full_matrices=False)
-        self._basis = left[:, singular > 1e-9 * singular[0]] if len(singular) else left
+        self._basis = left[:, singular > SAME * singular[0]] if len(singular) else left
         self.residual = self.project_out(target[None])[0]
         self._edges = np.linspace(0, len(target), FOLDS + 1).astype(int)
         self.loss = self.residual**2
@@ -162,6 +166,18 @@ class Regression:
         """Project the base directions out of columns, shape (q, M)."""
         once = columns - (columns @ self._basis) @ self._basis.T
         return np.asarray(once - (once @ self._basis) @ self._basis.T)
+
+    def beside(self, direction: Array) -> Regression:
+        """Return the regression with one base direction more, shape (M,)."""
+        size, own = float(np.linalg.norm(direction)), self.project_out(direction[None])[0]
+        left = float(np.linalg.norm(own))
+        other = copy(self)
+        if left > SAME * size:
+            other.base = np.vstack([self.base, direction / size])
+            other._basis = np.column_stack([self._basis, own / left])
+            other.residual = other.project_out(self.target[None])[0]
+            other.loss = other.residual**2
+        return other
 
     def less(self, part: Array) -> Regression:
         """Return the regression of what is left of the target without a part that is known, shape (M,)."""

@@ -15,13 +15,9 @@ from numpy.typing import NDArray
 
 from fricmodels.term import Effect
 from fricmodels.weakform.problem import WeakFormProblem
-from fricmodels.weakform.regression import Evidence, ProjectedGram, Regression, unwarned
+from fricmodels.weakform.regression import SAME, Evidence, ProjectedGram, Regression, unwarned
 
 Array = NDArray[np.float64]
-
-_TOLD = 1e-18
-"""A direction of which less than this share (squared) is left outside the base directions is one of them."""
-
 
 class ShiftedRegression(Regression):
     """The base model's regression with a bounded shift in time.
@@ -35,18 +31,19 @@ class ShiftedRegression(Regression):
     """
 
     def __init__(self, base: Array, target: Array, independent: float, direction: Array, most: float) -> None:
-        self._given = (base, target, independent)
         self._direction, self._most = direction, most
         self._unshifted = Regression(base, target, independent)
         own = self._unshifted.project_out(direction[None])[0]
         size = float(own @ own)
         self._residual_and_own = np.column_stack([self._unshifted.residual, own])
-        self._per_size = 1 / size if size > _TOLD * float(direction @ direction) else 0.0
+        self._per_size = 1 / size if size > SAME**2 * float(direction @ direction) else 0.0
         self._shift = self._per_size * float(own @ self._unshifted.residual)
         self._cases: dict[int, Regression] = {}
         self._case = self._case_of(self._shift)
         chosen = self._regression(self._case)
-        super().__init__(chosen.base, chosen.target, independent)
+        self.base, self.target, self.terms = chosen.base, chosen.target, chosen.terms
+        self._basis, self._edges = chosen._basis, chosen._edges
+        self.residual, self.loss = chosen.residual, chosen.loss
 
     @property
     def unshifted(self) -> Regression:
@@ -92,10 +89,8 @@ class ShiftedRegression(Regression):
     def _regression(self, case: int) -> Regression:
         """Return the regression with the shift free (0), or held at its bound (±1)."""
         if case not in self._cases:
-            base, target, independent = self._given
-            if case == 0:
-                base = np.vstack([base, self._direction[None]])
-            self._cases[case] = Regression(base, target - case * self._most * self._direction, independent)
+            own = self._unshifted
+            self._cases[case] = own.less(case * self._most * self._direction) if case else own.beside(self._direction)
         return self._cases[case]
 
 
