@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib
 import io
+import os
 import sys
 import traceback
 from typing import Annotated, Any
@@ -74,9 +75,15 @@ def _options(
     """Find out what friction really does in a drive."""
 
 
+ONE_THREAD = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
+"""What is solved here is small: on a busy machine threads of linear algebra that wait for each other cost ten times."""
+
+
 def main(arguments: list[str] | None = None) -> None:
     """Run the command line. Exit codes: 0 done, 1 the work failed, 2 bad input, 130 interrupted."""
     given = sys.argv[1:] if arguments is None else arguments
+    for name in ONE_THREAD:
+        os.environ.setdefault(name, "1")  # read once, when numpy is imported
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="replace")  # a pipe that cannot encode ω gets a question mark, not a crash

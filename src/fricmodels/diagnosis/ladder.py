@@ -108,6 +108,7 @@ class _Search:
         self._given, self._out, self._say, self._policy = given, leave_out, say, policy
         self.rungs, self.diagnosis, self.note = [Rung(first.comparison)], first, ""
         self.steps: list[Diagnosis] = []
+        self._superfluous: set[str] = set()
 
     @property
     def _here(self) -> Comparison:
@@ -121,10 +122,9 @@ class _Search:
         return examine(comparison, leave_out=self._out.union(also_out), policy=self._policy)
 
     def diagnose(self) -> None:
-        """Diagnose the model that was reached; an effect that was removed is not considered again."""
+        """Diagnose the model that was reached; an effect that the others made superfluous is not considered again."""
         self._say(f"testing effects on {self._here.drive.model.name}")
-        removed = {name for rung in self.rungs for name in rung.removed.split("+") if name}
-        self.diagnosis = self._examine(self._here, removed.difference(self._added))
+        self.diagnosis = self._examine(self._here, self._superfluous)
 
     def _append(self, rung: Rung) -> None:
         """Take a rung, its model fitted as `compare` fits it."""
@@ -202,6 +202,7 @@ class _Search:
             comparison = simpler
             removed.append(weakest)
         if removed:
+            self._superfluous.update(removed)
             self._append(Rung(comparison, removed="+".join(removed)))
         return bool(removed)
 

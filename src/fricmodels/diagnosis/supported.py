@@ -165,16 +165,17 @@ def _support(result: CandidateTests, member: Member, others: list[Member], rest:
         if theirs > described.fall and p_more * rest.tried <= result.policy.outpredicted_significance:
             of_rest = described.fall / theirs
     full = gain_of(result, np.vstack([base, rest.lasting]), member) if len(rest.lasting) else described
-    of_channel, rival = min(
-        (of_rest, "the description of the rest"), _against_channels(result, described, member.found.first)
-    )
-    return Support(
+    found = Support(
         share_explained(result.problem, full.before, full.before - full.fall, result.policy),
-        of_channel,
+        of_rest,
         float(np.sqrt(max(full.fall, 0.0) / np.sum(result.problem.driving**2))),
         full.p_value,
-        rival if np.isfinite(of_channel) else "",
+        "the description of the rest" if np.isfinite(of_rest) else "",
     )
+    if not found.suffices(result.policy):
+        return found  # no channel need be asked
+    of_channel, rival = _against_channels(result, described, member.found.first)
+    return replace(found, of_channel=of_channel, rival=rival) if of_channel < of_rest else found
 
 
 def _one_cause(result: CandidateTests, member: Member, others: list[Member]) -> bool:
@@ -193,13 +194,22 @@ def _one_cause(result: CandidateTests, member: Member, others: list[Member]) -> 
         if not taken:
             continue
         beside = stacked(result, [other for other in others if other not in taken])
-        before = _loss(result, beside)
-        theirs = before - _loss(result, np.vstack([beside, predictor.columns]))
-        group = np.vstack([member.columns, *(other.columns for other in taken)])
-        together = before - _loss(result, np.vstack([beside, group]))
-        if 2 * len(group) < len(predictor.columns) and together >= policy.of_channel * theirs:
+        without, channel, alone, together = (
+            regression_of(result.problem, result.parameters, np.vstack([beside, *columns]))
+            for columns in (
+                (),
+                (predictor.columns,),
+                (member.columns,),
+                (member.columns, *(other.columns for other in taken)),
+            )
+        )
+        before = float(np.sum(without.loss))
+        theirs, own, all_own = (before - float(np.sum(r.loss)) for r in (channel, alone, together))
+        few = 2 * (len(member.columns) + sum(len(other.columns) for other in taken)) < len(predictor.columns)
+        if few and all_own >= policy.of_channel * theirs:
             continue
-        if before - _loss(result, np.vstack([beside, member.columns])) < policy.of_channel * theirs:
+        _, p_more = compare(alone.loss, channel.loss, without.terms)
+        if own < policy.of_channel * theirs and p_more * predictor.tried <= policy.outpredicted_significance:
             return True
     return False
 
@@ -209,10 +219,6 @@ def _takes_place(result: CandidateTests, predictor: ChannelPredictor, member: Me
     beside = stacked(result, [other for other in every if other is not member])
     own = gain_of(result, beside, member).fall
     return gain_of(result, np.vstack([beside, predictor.columns]), member).fall < result.policy.kept * own
-
-
-def _loss(result: CandidateTests, columns: Array) -> float:
-    return float(np.sum(regression_of(result.problem, result.parameters, columns).loss))
 
 
 def _against_channels(result: CandidateTests, gain: Gain, first: CandidateTest) -> tuple[float, str]:

@@ -29,6 +29,8 @@ _BAND = 3.0
 _LOOKS, _SAME = 4, 0.9
 """Rests are looked for so many times again, the noise being smaller by a tenth at least: in a band that is too wide
 they begin before the drive has come to rest, and seem to show a larger noise."""
+_SHORT = 2.0
+"""Noise that lasts so many samples is nearly white; it is not halved again."""
 _LONG = 20.0
 """A rest, or all of them together, so many correlation times long tells how large the noise is."""
 
@@ -121,7 +123,7 @@ def _found(recording: Recording) -> _Motion:
         return _seen(recording, noise)
     if "position" in recording and "position" not in recording.derived:
         noise = noise.lasting_as(_square_beside_position(recording))
-    found = _seen(recording, noise)
+    found = _in_some_band(recording, noise)
     for _ in range(_LOOKS):
         if not found.resting.any():
             break
@@ -133,6 +135,19 @@ def _found(recording: Recording) -> _Motion:
         if settled:
             break
     return found
+
+
+def _in_some_band(recording: Recording, noise: Noise) -> _Motion:
+    """Return what a recording shows of its motion with the largest lasting noise at which it is seen to stand still.
+
+    Beside motion only an upper bound of that noise is known. In a band that is too wide no rest outlasts a passage
+    through it. In one that is too narrow, rests fall into pieces, of which too few last.
+    """
+    first = found = _seen(recording, noise)
+    while not found.resting.any() and noise.samples > _SHORT:
+        noise = noise.lasting_as(noise.white**2 + 2.0 * noise.difference**2 + 0.5 * noise.lasting**2)
+        found = _seen(recording, noise)
+    return found if np.count_nonzero(found.resting) >= _LONG * noise.samples else first
 
 
 def _square_beside_position(recording: Recording) -> float:
