@@ -204,7 +204,8 @@ def bounded_least_squares(
     scaled = (columns / size[:, None]).T
     found = np.linalg.lstsq(scaled, right, rcond=1e-9)[0]
     if np.any(found < low * size) or np.any(found > high * size):
-        found = lsq_linear(scaled, right, (low * size, high * size)).x
+        unit = float(np.max(np.abs(right))) or 1.0  # products of what diverges would overflow
+        found = unit * lsq_linear(scaled, right / unit, (low * size / unit, high * size / unit)).x
     found = found / size
     for i, j in above:
         found[i] += found[j]

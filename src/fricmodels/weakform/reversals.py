@@ -13,7 +13,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from fricmodels.arrays import Array
 from fricmodels.weakform.solve import Solved, solve
 
 _LEAST = 0.5
@@ -53,14 +52,15 @@ def _is_far_more_certain(one: Solved, other: Solved) -> bool:
 
     Fewer rows that seem a little more certain are so by chance.
     """
-    first, second = (np.linalg.slogdet(_scaled(fit, one)) for fit in (one, other))
-    least = 2.0 * len(one.covariance) * np.log(_HALF)
+    variances = [np.diag(fit.covariance) for fit in (one, other)]
+    free = variances[0] > 0.0
+    if not np.array_equal(free, variances[1] > 0.0):
+        return False
+    size = np.sqrt(variances[0][free])
+    scaled = [fit.covariance[np.ix_(free, free)] / size / size[:, None] for fit in (one, other)]
+    first, second = (np.linalg.slogdet(part) for part in scaled)
+    least = 2.0 * len(size) * np.log(_HALF)
     return bool(first.sign > 0 and second.sign > 0 and first.logabsdet - second.logabsdet < least)
-
-
-def _scaled(fit: Solved, by: Solved) -> Array:
-    size = np.sqrt(np.clip(np.diag(by.covariance), 1e-300, None))
-    return np.asarray(fit.covariance / np.outer(size, size))
 
 
 def _disagree(found: Solved, other: Solved) -> bool:
