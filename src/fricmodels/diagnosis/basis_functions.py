@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fricmodels.diagnosis.history import MotionHistory
+from fricmodels.diagnosis.places import Place
 from fricmodels.diagnosis.policy import Policy
 from fricmodels.recording import OTHER, RATE
 from fricmodels.signals import noise
@@ -52,21 +53,24 @@ def basis_functions(problem: WeakFormProblem, regression: Regression, policy: Po
     return found
 
 
-def hats_over(problem: WeakFormProblem, channel: str, direction: str) -> Array:
-    """Return narrow hats over a channel as integrals: what happens in one place, the same in both directions or not.
+def hats_within(problem: WeakFormProblem, place: Place) -> Array:
+    """Return narrow hats over a place as integrals, shape (k, rows): a torque of any course there, and none elsewhere.
+
+    Hats over the whole channel could draw whatever repeats itself where a path is repeated, an effect of the speed too.
 
     Args:
         problem: the rows.
-        channel: position, speed or load_torque.
-        direction: both, or the one in which the place was seen; hats that change their sign with the motion join then.
+        place: stretch of a channel; the torque is there in its direction of motion only, or in both.
     """
     points = problem.quadrature.recording
     side = np.sign(points.velocity)
-    values = np.abs(points.velocity) if channel == "speed" else points[channel]
-    hats = _hats(values, _PLACES)
-    if channel == "speed":
-        return problem.integrals(side * hats if direction == "both" else np.vstack([side * hats, hats]))
-    return problem.integrals(hats if direction == "both" else np.vstack([hats, side * hats]))
+    values = np.abs(points.velocity) if place.channel == "speed" else points[place.channel]
+    knots = np.unique(np.quantile(values, np.linspace(0, 1, _PLACES)))
+    reach = np.r_[knots[1:], knots[-1]] >= place.low
+    hats = _tents(values, knots)[reach & (np.r_[knots[0], knots[:-1]] <= place.high)]
+    if place.direction != "both":
+        return problem.integrals(hats * (side == (1.0 if place.direction == "forward" else -1.0)))
+    return problem.integrals(side * hats if place.channel == "speed" else hats)
 
 
 def _integrals(problem: WeakFormProblem, build: Callable[[], Array]) -> Array:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from fricmodels.diagnosis.basis_functions import hats_over
+from fricmodels.diagnosis.basis_functions import hats_within
 from fricmodels.diagnosis.candidate_tests import CandidateTest, CandidateTests, candidate_tests
 from fricmodels.diagnosis.floor import floor
 from fricmodels.diagnosis.places import largest_place
@@ -202,7 +202,7 @@ def passing_beside(result: CandidateTests, regression: Regression) -> list[Chann
     found = [p for p in each_predictor(here) if predicts(here, p.evidence, p.p_value)]
     place = largest_place(here)
     if place is not None:
-        hats = hats_over(result.problem, place.channel, place.direction)
+        hats = hats_within(result.problem, place)
         seen = visible_of(regression, hats)
         if len(seen):
             tried = max((p.tried for p in found), default=1)
