@@ -20,6 +20,7 @@ from fricmodels.diagnosis.predictability import AUTOREGRESSIVE, ChannelPredictor
 from fricmodels.diagnosis.refit_check import refit_check
 from fricmodels.diagnosis.refits import Refits
 from fricmodels.diagnosis.remaining import Remaining, remaining
+from fricmodels.diagnosis.ripple import FastRipple, fast_ripple
 from fricmodels.diagnosis.supported import Judgement, judge
 from fricmodels.diagnosis.verdict import LookAlikes, passing_all_gates, select_effect
 from fricmodels.display import Displayed
@@ -59,6 +60,7 @@ class Diagnosis(Displayed):
         result: every candidate that was tested.
         noise: what is left, where it is noise with a colour that lies in no channel.
         judgement: what speaks for each effect of the set that the residual suggests; ``None`` where none passes.
+        ripple: waves over position that are too fast for the rows; ``None`` where there are none.
     """
 
     comparison: Comparison
@@ -83,6 +85,7 @@ class Diagnosis(Displayed):
         return remaining(self.comparison, channel, self.place, self.refits, self.result.tested)
 
     noise: ColouredNoise | None = None
+    ripple: FastRipple | None = None
 
 
 def diagnose(
@@ -120,20 +123,23 @@ def examine(comparison: Comparison, *, leave_out: Iterable[str] = (), policy: Po
     found = refit_check(refits, result, out, together[0] if together else None)
     named = _confirmed(refits, found, passing_all_gates(result), policy)
     place = largest_place(result) if named is None else None
+    ripple = fast_ripple(result, out)
     noise = None if place is not None else _noise(comparison, result, named, predictors)
     view = next((p for p in predictors if p.channels not in AUTOREGRESSIVE), predictors[0] if predictors else None)
     if noise is not None:
         view = None
     elif best is not None and named is None:
         view = view or as_predictor(result, best.first)
-    findings = () if named is None else tuple(_finding(one) for one in _all_together(refits, named, together))
+    everything = [] if named is None else _all_together(refits, named, together)
+    everything += _fast(refits, everything, ripple)
+    findings = tuple(map(_finding, everything))
     verdict: Verdict = "adequate"
-    if named is not None:
-        verdict = "missing-effect" if len(named.names) == 1 else "undecided"
+    if everything:
+        verdict = "missing-effect" if len(everything[0].names) == 1 else "undecided"
     elif view is not None or place is not None or is_far_above_noise(comparison, policy):
         verdict = "unknown-effect"
     passing = tuple(passing_all_gates(result)) if found is not None else ()
-    seen = visibility(result, () if named is None else named.names)
+    seen = visibility(result, {name for one in everything[:1] for name in one.names})
     refused = found.first if found is not None and named is None else None
     return Diagnosis(
         comparison,
@@ -149,6 +155,7 @@ def examine(comparison: Comparison, *, leave_out: Iterable[str] = (), policy: Po
         result,
         noise=noise,
         judgement=judgement,
+        ripple=ripple,
     )
 
 
@@ -198,6 +205,19 @@ def _all_together(refits: Refits, first: LookAlikes, together: list[LookAlikes])
             further = further.beside(other.first)
             found.append(other)
     return found
+
+
+def _fast(refits: Refits, found: list[LookAlikes], ripple: FastRipple | None) -> list[LookAlikes]:
+    """Return a fast wave over position, if the test error of single samples falls with it beside what was found."""
+    if ripple is None or ripple.found is None:
+        return []
+    names = {name for one in found for name in one.names}
+    beside: Refits | None = refits
+    for one in found:
+        beside = beside and beside.beside(one.first)
+    if beside is None or names.intersection(ripple.found.names):
+        return []
+    return [ripple.found] if beside.lowers_error_per_sample(ripple.found.first) else []
 
 
 def _noise(

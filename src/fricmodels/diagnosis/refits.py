@@ -49,6 +49,11 @@ class Refits:
         pairs = zip(other.errors.bands, here.errors.bands, strict=True)
         return any(after.held_out_percent < before.held_out_percent for after, before in pairs)
 
+    def lowers_error_per_sample(self, tested: CandidateTest) -> bool:
+        """Whether the test error of single samples falls with an effect that wider windows average away."""
+        other, here = self.with_effect(tested), self.comparison
+        return other is not None and other.errors.per_sample.held_out_percent < here.errors.per_sample.held_out_percent
+
 
 def _key(tested: CandidateTest) -> Key:
     return tested.name, (*tested.found.nonlinear, tested.found.delay)

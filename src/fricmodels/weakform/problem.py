@@ -25,6 +25,7 @@ from fricmodels.signals import lanczos_derivative
 from fricmodels.term import Effect, Law, Parameters, Signals
 from fricmodels.weakform.regression import Regression
 from fricmodels.weakform.remembered import Remembered
+from fricmodels.weakform.carriers import CarrierFunctions
 from fricmodels.weakform.row_noise import bump_width, momentum_noise, noise_in_columns, noise_like
 from fricmodels.weakform.smoothed import smoothed
 from fricmodels.weakform.test_functions import HOPS, Quadrature, TestFunctions, mean_velocity
@@ -59,6 +60,7 @@ class WeakFormProblem:
         friction_limits: see :meth:`limits_of_friction`.
         estimated: parameters of the drive's fit, once there is one; see :attr:`motor_torque`.
         delay: by which the model's own delay, if it has one, was taken out of the recording [s].
+        carriers: wave numbers that the test functions carry, see :mod:`.carriers`.
     """
 
     drive: Drive
@@ -71,10 +73,16 @@ class WeakFormProblem:
     friction_limits: tuple[float, float]
     estimated: Mapping[str, float] | None = None
     delay: float = 0.0
+    carriers: tuple[float, ...] = ()
 
     @classmethod
     def of(
-        cls, drive: Drive, recording: Recording, parameters: Mapping[str, float], width: int | None = None
+        cls,
+        drive: Drive,
+        recording: Recording,
+        parameters: Mapping[str, float],
+        width: int | None = None,
+        carriers: tuple[float, ...] = (),
     ) -> WeakFormProblem:
         """Choose the test functions and evaluate what all candidates share.
 
@@ -83,6 +91,7 @@ class WeakFormProblem:
             recording: with ``velocity``.
             parameters: the model's estimated parameters by key, and the inertia.
             width: samples that a test function spans; as the noise asks for if not given.
+            carriers: wave numbers that the test functions carry.
         """
         inertia, _ = drive.split(parameters)
         delay = parameters[drive.model.delay] if drive.model.delay else 0.0
@@ -93,6 +102,7 @@ class WeakFormProblem:
         unclear = direction_unclear(drive, part, smooth, at_rest, width, parameters)
         quadrature, bumps = _rows(part, smooth, width, unclear)
         problem = cls(drive, part, smooth, at_rest, quadrature, bumps, motion.half_width, (0.0, 0.0), delay=delay)
+        problem = problem.carrying(carriers)
         return replace(problem, friction_limits=problem.limits_of_friction(parameters))
 
     def limits_of_friction(self, parameters: Mapping[str, float]) -> tuple[float, float]:
@@ -152,7 +162,13 @@ class WeakFormProblem:
         """
         unclear = self.resting | creeping(self.recording, self.bumps.width)
         quadrature, bumps = _rows(self.recording, self.smooth, self.bumps.width, unclear)
-        return replace(self, quadrature=quadrature, bumps=bumps)
+        return replace(self, quadrature=quadrature, bumps=bumps).carrying(self.carriers)
+
+    def carrying(self, carriers: tuple[float, ...]) -> WeakFormProblem:
+        """Return the same problem with rows beside its own that carry waves over position."""
+        if not carriers:
+            return self
+        return replace(self, bumps=CarrierFunctions(self.bumps, self.recording, carriers), carriers=carriers)
 
     def along(self, velocity: Array, resting: Mask) -> WeakFormProblem:
         """Return the same problem with friction evaluated at another velocity, on all samples that do not rest by it.
@@ -164,7 +180,8 @@ class WeakFormProblem:
         over_cells = self.recording.derived_over > 0
         bumps = TestFunctions(self.recording, self.bumps.width, resting, over_cells=over_cells)
         quadrature = Quadrature.of(self.recording, velocity, resting)
-        return replace(self, smooth=velocity, resting=resting, quadrature=quadrature, bumps=bumps)
+        moved = replace(self, smooth=velocity, resting=resting, quadrature=quadrature, bumps=bumps)
+        return moved.carrying(self.carriers)
 
     @property
     def rows(self) -> int:
@@ -174,15 +191,18 @@ class WeakFormProblem:
     @property
     def independent(self) -> float:
         """About how many of the rows are independent: two to a bump width."""
-        return 2.0 * self.rows / HOPS
+        return 2.0 * self.rows / (HOPS * self.bumps.each)
 
     @cached_property
     def momentum(self) -> Array:
         """∫φ dω, shape (rows,); where the velocity was derived, by the positions themselves."""
+        return np.asarray(self.bumps.momentum(self.cell_velocity))
+
+    @property
+    def cell_velocity(self) -> Array:
+        """The velocity whose changes are the momentum, shape (N,): as measured, or the mean of each cell."""
         recording = self.recording
-        derived = recording.derived_over > 0
-        velocity = mean_velocity(recording, recording["position"]) if derived else recording.velocity
-        return np.asarray(self.bumps.momentum(velocity))
+        return mean_velocity(recording, recording["position"]) if recording.derived_over else recording.velocity
 
     @cached_property
     def noise_of_momentum(self) -> Array:

@@ -1,0 +1,80 @@
+"""Whether a torque is missing that is periodic in position and too fast for the rows of the weak form."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from fricmodels import plugins
+from fricmodels.diagnosis.candidate_tests import CandidateTest, CandidateTests, tested_at
+from fricmodels.diagnosis.verdict import LookAlikes
+from fricmodels.weakform.problem import WeakFormProblem
+from fricmodels.weakform.regression import LEAST_P, Regression, compare
+from fricmodels.weakform.ripple import Waves, carriers_alone, fast_waves, of_waves
+from fricmodels.weakform.shifted import regression_of
+
+
+@dataclass(frozen=True)
+class FastRipple:
+    """Fast waves over position, and the effect that they are.
+
+    Attributes:
+        waves: all that stand out of the spectrum over position.
+        found: the effect that explains the clearest of them best, with its look-alikes; ``None`` where none does.
+    """
+
+    waves: Waves
+    found: LookAlikes | None
+
+
+def fast_ripple(result: CandidateTests, leave_out: Iterable[str]) -> FastRipple | None:
+    """Look for waves over position that the rows average away.
+
+    They are sought in what the model leaves from sample to sample, and the periodic effects compared on rows that carry
+    the clearest wave. These effects differ in what it goes with: nothing, the direction, the motor torque.
+
+    Args:
+        result: the tests on the rows, which give problem, model and policy.
+        leave_out: effects that are not considered.
+    """
+    policy, problem = result.policy, result.problem
+    out = {*leave_out, *(effect.name for effect in problem.drive.model.effects)}
+    least = policy.least_torque * float(np.sqrt(np.mean(problem.recording.torque**2)))
+    waves = fast_waves(problem, result.parameters, policy.significance, least)
+    if waves is None:
+        return None
+    rows = carriers_alone(problem, waves.carriers)
+    if not rows.rows:
+        return FastRipple(waves, None)
+    regression = regression_of(rows, result.parameters)
+    tested = _tested(rows, regression, waves, out)
+    passing = [t for t in tested if t.p_value * len(tested) < policy.significance]
+    passing.sort(key=lambda t: float(np.sum(t.evidence.loss)))
+    if not passing:
+        return FastRipple(waves, None)
+    first = passing[0]
+
+    def is_alike(other: CandidateTest) -> bool:
+        return compare(other.evidence.loss, first.evidence.loss, regression.terms)[1] > policy.alike_significance
+
+    return FastRipple(waves, LookAlikes(first, (first, *filter(is_alike, passing[1:]))))
+
+
+def _tested(
+    rows: WeakFormProblem, regression: Regression, waves: Waves, leave_out: set[str]
+) -> list[CandidateTest]:
+    """Return the tests of all effects whose one nonlinear parameter is a wave number."""
+    tested = []
+    registered = plugins.load().effects
+    for name in registered:
+        for effect in registered[name].candidates(rows.recording) if name not in leave_out else ():
+            alone = rows.alone(effect)
+            nonlinear = [p for p, linear in zip(effect.parameters, alone.model.linear, strict=True) if not linear]
+            if effect.name in leave_out or [p.periodic for p in nonlinear] != [True] or alone.model.states:
+                continue
+            found = of_waves(rows, regression, effect, alone, waves)
+            if found is not None:
+                tested.append(tested_at(regression, effect, found))
+    return [replace(t, adjusted=max(min(1.0, t.p_value * len(tested)), LEAST_P)) for t in tested]

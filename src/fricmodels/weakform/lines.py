@@ -1,0 +1,310 @@
+r"""Waves over position that pass faster than the test functions are wide: lines in the spectrum over position.
+
+What a fitted model leaves of the momentum balance from sample to sample, :math:`r_i`, is regressed on
+:math:`\cos kq_i` and :math:`\sin kq_i`, forward and backward apart: a torque of position, a friction that varies with
+it and a ripple of the motor torque each show in both or in one of them. Its noise is not white: noise of a velocity
+grows with frequency, what the model does wrong falls. An autoregression A of the residual whitens it, so that all wave
+numbers are looked at by generalised least squares at once,
+
+.. math:: s(k) = \sum_i (A^\top A\,r)_i\,e^{-\mathrm{j}kq_i}, \qquad
+          \mathrm{E}|s|^2 = \sigma^2 \sum_i |A(e^{\mathrm{j}k\Delta q_i})|^2,
+
+by one fast transform over position: the drive's own motion chooses at which frequency a wave is seen, and so against
+how much noise. The largest :math:`|s|^2` is tested by a Wald test with the long-run variance of its scores, corrected
+for the number of independent wave numbers, and taken out before the next is sought.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fricmodels.arrays import Array
+from fricmodels.signals.order_spectrum import binned, spectrum
+from fricmodels.weakform.carriers import at_steps, step_positions, step_response
+from fricmodels.weakform.problem import WeakFormProblem
+from fricmodels.weakform.regression import cosine_terms, long_run_sum
+from fricmodels.weakform.search import fastest_in_rows
+
+_ORDER = 8
+"""Order of the autoregression. White noise of a velocity leaves a moving average, which it comes near enough to: what
+is missing costs a little power, and no false line, since significance is read from the scores."""
+_MOST_LINES = 8
+"""Most lines that are taken out one after the other."""
+_BLOCKS = 4096
+"""Scores are summed over blocks, so that no more than so many enter the long-run variance."""
+_SPEEDS = 48
+"""Classes of speed in which the noise of a wave number is summed."""
+_OUTLIER = 4.0
+"""What is farther from zero than so many standard deviations, by the median, counts as being there: a shock is no
+wave, and would be one of all wave numbers."""
+_OVERLAP = 0.5
+"""The band begins where the rows still see something, so that no wave lies between the two searches."""
+_INDEPENDENT = 16
+"""Samples to an independent score, at most: as many as the narrowest bump spans."""
+
+
+@dataclass(frozen=True)
+class Line:
+    """A wave over position.
+
+    Attributes:
+        k: wave number [1/rad or 1/m].
+        torque: RMS torque of the wave [N m or N], over both directions.
+        p_value: of the Wald test, corrected for the number of independent wave numbers.
+        statistic: F statistic of the Wald test.
+    """
+
+    k: float
+    torque: float
+    p_value: float
+    statistic: float
+
+
+@dataclass(frozen=True)
+class Steps:
+    """The momentum balance from sample to sample, as far as the motion is certain.
+
+    Attributes:
+        place, passed: position of each balance, and what the drive passes between two samples there, shape (N,).
+        residual: mean torque that the model leaves, shape (N,); zero where it is not used.
+        used: where the motion is certain.
+        order: how often the balance averages over a sampling interval: once, or twice where velocities are means.
+    """
+
+    place: Array
+    passed: Array
+    residual: Array
+    used: NDArray[np.bool_]
+    order: int
+
+    @classmethod
+    def of(cls, problem: WeakFormProblem, parameters: Mapping[str, float]) -> Steps:
+        """Evaluate what a fitted model leaves."""
+        drive, bumps, recording = problem.drive, problem.bumps, problem.recording
+        pairs = list(zip(drive.model.parameters, drive.model.linear, strict=True))
+        nonlinear = [parameters[p.key] for p, linear in pairs if not linear]
+        theta = np.array([0.0 if p.declared.delay else parameters[p.key] for p, linear in pairs if linear])
+        design, offset = problem.evaluate(drive, nonlinear)
+        points = problem.quadrature.recording
+        left = points.torque - points.load_torque - theta @ design - offset
+        impulses = at_steps(problem.quadrature.impulses(left[None]), bumps.over_cells)[0]
+        inertia, _ = drive.split(parameters)
+        velocity = problem.cell_velocity
+        covered = bumps.covered(len(recording))
+        used = covered & np.roll(covered, 1) & np.roll(covered, -1)
+        balance = (impulses - inertia * np.diff(velocity, prepend=velocity[:1])) / recording.interval
+        place, passed = step_positions(recording["position"], bumps.over_cells)
+        used &= passed != 0.0
+        return cls(place, passed, np.where(used, balance, 0.0), used, 2 if bumps.over_cells else 1)
+
+    @cached_property
+    def span(self) -> float:
+        """The range of position."""
+        return float(np.ptp(self.place[self.used])) if np.any(self.used) else 0.0
+
+
+class Whitened:
+    """The residual of a drive, whitened by an autoregression of itself, and tests of waves in it.
+
+    Args:
+        steps: the residual.
+    """
+
+    def __init__(self, steps: Steps) -> None:
+        self.steps = steps
+        series, used = steps.residual, steps.used
+        covariance = np.array(
+            [
+                float(series[lag:] @ series[: len(series) - lag]) / max(int(np.sum(used[lag:] & used[: len(used) - lag])), 1)
+                for lag in range(_ORDER + 1)
+            ]
+        )
+        self._filter = _prediction_error_filter(covariance)
+        # A balance counts where all those before it that the filter takes are known.
+        whole = np.convolve(used.astype(float), np.ones(_ORDER + 1))[: len(used)]
+        self.valid = whole > _ORDER + 0.5
+        self.terms = cosine_terms(float(np.sum(self.valid)) / _INDEPENDENT, max(int(np.sum(self.valid)), 9))
+        ways = steps.passed > 0, steps.passed < 0
+        self.ways = [way for way in ways if np.any(way & self.valid)]
+        self.set(series)
+
+    def set(self, residual: Array) -> None:
+        """Take another residual at the same samples, shape (N,)."""
+        self.residual = residual
+        white = np.where(self.valid, self.filtered(residual), 0.0)
+        inside = np.abs(white[self.valid])
+        limit = _OUTLIER * 1.4826 * float(np.median(inside)) if len(inside) else 0.0
+        self.white = np.clip(white, -limit, limit) if limit > 0 else white
+        self.variance = float(np.mean(self.white[self.valid] ** 2)) if len(inside) else 0.0
+
+    def filtered(self, series: Array) -> Array:
+        """Return a series with what its own past predicts taken away, shape (N,) or (q, N)."""
+        result = self._filter[0] * series
+        for lag in range(1, len(self._filter)):
+            result[..., lag:] += self._filter[lag] * series[..., : series.shape[-1] - lag]
+        return np.asarray(result)
+
+    def power(self, k: Array) -> Array:
+        r"""Return :math:`\sum_i |A(e^{jk\Delta q_i})|^2` over forward and backward motion, shape (ways, K)."""
+        steps = self.steps
+        speed = np.abs(steps.passed)
+        edges = np.quantile(speed[self.valid], np.linspace(0.0, 1.0, _SPEEDS + 1))
+        centre = 0.5 * (edges[:-1] + edges[1:])
+        counts = [np.histogram(speed[self.valid & way], edges)[0] for way in self.ways]
+        grid = np.linspace(0.0, np.pi, 512)
+        response = np.abs(np.exp(-1j * np.outer(grid, np.arange(len(self._filter)))) @ self._filter) ** 2
+        result = np.zeros((len(self.ways), len(k)))
+        for passed, *count in zip(centre, *counts, strict=True):
+            turned = np.abs((k * passed + np.pi) % (2 * np.pi) - np.pi)
+            result += np.array(count)[:, None] * np.interp(turned, grid, response)
+        return result
+
+    def scores(self, slowest: float, fastest: float) -> tuple[Array, Array, Array]:
+        """Return wave numbers, the squared score over its expectation without a wave, and about the RMS torque, (K,)."""
+        scored = np.zeros_like(self.white)
+        for lag, weight in enumerate(self._filter):
+            scored[: len(scored) - lag] += weight * self.white[lag:]
+        steps = self.steps
+        low, bins = float(np.min(steps.place[steps.used])), binned(fastest, steps.span)
+        lines = []
+        for way in self.ways:
+            chosen = steps.used & way
+            k, line = spectrum(steps.place[chosen] - low, scored[chosen], steps.span, bins)
+            lines.append(line)
+        inside = (k >= slowest) & (k <= fastest)
+        k = k[inside]
+        power = np.maximum(self.power(k), 1e-300)
+        squares = np.abs(np.array(lines)[:, inside]) ** 2
+        normed = squares / np.maximum(self.variance * power, 1e-300)
+        return k, normed.mean(axis=0), np.sqrt(2.0 * (squares / power**2).mean(axis=0))
+
+    def wave(self, k: float) -> Array:
+        r"""Return the columns of a wave that acts on the drive, forward and backward apart, shape (q, N).
+
+        A balance is a mean over the interval: the wave times :math:`\sin(\theta/2)/(\theta/2)`, θ = kΔq.
+        """
+        half = 0.5 * k * self.steps.passed
+        carried = np.abs(half) < 0.5 * np.pi
+        phase = np.where(carried, np.sinc(half / np.pi) ** self.steps.order, 0.0) * np.exp(1j * k * self.steps.place)
+        parts = [
+            np.where(self.steps.used & way, part, 0.0)
+            for way in self.ways
+            for part in (phase.real, phase.imag)
+        ]
+        return np.array(parts)
+
+    def test(self, k: float, independent: float = 1.0) -> Line:
+        """Return a line with its Wald test.
+
+        Args:
+            k: wave number.
+            independent: how many wave numbers it was chosen from.
+        """
+        from scipy.special import fdtrc
+
+        columns = self.wave(k)
+        seen = self.filtered(columns) * self.valid
+        inverse = np.linalg.pinv(seen @ seen.T, rcond=1e-10, hermitian=True)
+        theta = inverse @ (seen @ self.white)
+        scores = seen * (self.white - theta @ seen)
+        block = -(-scores.shape[1] // _BLOCKS)
+        edges = np.arange(0, scores.shape[1], block)
+        terms = min(self.terms, len(edges) - 1)
+        variance = inverse @ long_run_sum(np.add.reduceat(scores, edges, axis=1), terms) @ inverse
+        q = len(theta)
+        freedom = max(terms - q + 1, 1)
+        wald = float(theta @ np.linalg.pinv(variance, rcond=1e-12, hermitian=True) @ theta)
+        statistic = wald * freedom / (terms * q)
+        p_value = min(1.0, independent * float(fdtrc(q, freedom, max(statistic, 0.0))))
+        share = np.array([np.mean(way[self.steps.used]) for way in self.ways])
+        squares = (theta.reshape(-1, 2) ** 2).sum(axis=1) / 2.0
+        return Line(k, float(np.sqrt(share @ squares)), p_value, statistic)
+
+    def without(self, k: float) -> Array:
+        r"""Return the residual without a wave, shape (N,), whatever share of it stands in the torque.
+
+        A torque that follows the wave shows it as sampled, :math:`\cos(\theta/2)` in the trapezium rule.
+        """
+        acting = self.wave(k)
+        half = 0.5 * k * self.steps.passed
+        response = step_response(half) ** self.steps.order
+        columns = np.vstack([acting, acting * response])  # beyond half a wave between samples both are zero
+        seen = self.filtered(columns) * self.valid
+        theta = np.linalg.pinv(seen @ seen.T, rcond=1e-10, hermitian=True) @ (seen @ self.white)
+        return np.asarray(self.residual - theta @ columns)
+
+
+def fast_lines(white: Whitened, band: tuple[float, float], significance: float, least: float = 0.0) -> tuple[Line, ...]:
+    """Return the significant waves over position within a band of wave numbers, the clearest first.
+
+    Args:
+        white: the residual, from which nothing is taken.
+        band: least and greatest wave number.
+        significance: corrected p-value below which a line is one.
+        least: RMS torque below which a line is not looked for [N m or N].
+    """
+    found: list[Line] = []
+    whole = white.residual
+    independent = max(1.0, (band[1] - band[0]) * white.steps.span / np.pi)
+    while len(found) < _MOST_LINES and white.variance > 0:
+        k, power, torque = white.scores(*band)
+        inner = (torque >= least) & (power >= np.roll(power, 1)) & (power >= np.roll(power, -1))
+        inner[:1] = inner[-1:] = False
+        if not np.any(inner):
+            break
+        standing = np.where(inner, power / _background(power), 0.0)
+        line = white.test(_summit(k, power, int(np.argmax(standing))), independent)
+        if line.p_value >= significance:
+            break
+        found.append(line)
+        white.set(white.without(line.k))
+    white.set(whole)
+    return tuple(found)
+
+
+def fast_band(problem: WeakFormProblem) -> tuple[float, float] | None:
+    """Return the wave numbers that the samples carry and the rows do not; ``None`` where there are none."""
+    if "position" not in problem.recording:
+        return None
+    limit = fastest_in_rows(problem)
+    covered = problem.bumps.covered(len(problem.recording))
+    passed = np.abs(step_positions(problem.recording["position"], problem.bumps.over_cells)[1])[covered]
+    passed = passed[passed > 0]
+    if limit is None or len(passed) < 2 * _INDEPENDENT * _ORDER:
+        return None
+    slowest, fastest = _OVERLAP * limit, float(np.pi / np.median(passed))
+    return (slowest, fastest) if fastest > slowest else None
+
+
+def _summit(k: Array, power: Array, best: int) -> float:
+    """Return the wave number of a peak, between the grid's."""
+    if not 0 < best < len(k) - 1:
+        return float(k[best])
+    before, here, after = power[best - 1 : best + 2]
+    bend = before - 2 * here + after
+    offset = 0.5 * (before - after) / bend if bend < 0 else 0.0
+    return float(k[best] + offset * (k[1] - k[0]))
+
+
+def _background(power: Array) -> Array:
+    """Return the level from which a line stands out: the median of its surroundings, where that is above the mean."""
+    size = 512
+    edges = np.arange(0, max(len(power) - size // 2, 1), size)
+    middle = np.array([np.median(power[start : start + size]) for start in edges])
+    return np.maximum(np.interp(np.arange(len(power)), edges + size / 2, middle), 1.0)
+
+
+def _prediction_error_filter(covariance: Array) -> Array:
+    """Return 1, −a_1, … of the autoregression with given autocovariances, by the Yule–Walker equations."""
+    from scipy.linalg import solve_toeplitz
+
+    if covariance[0] <= 0:
+        return np.array([1.0])
+    ridge = covariance.copy()
+    ridge[0] *= 1.0 + 1e-6
+    return np.concatenate([[1.0], -solve_toeplitz(ridge[:-1], ridge[1:])])
