@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from fricmodels import plugins
-from fricmodels.diagnosis.candidate_tests import CandidateTest, CandidateTests, tested_at
+from fricmodels.diagnosis.candidate_tests import CandidateTest, tested_at
+from fricmodels.diagnosis.policy import Policy
 from fricmodels.diagnosis.verdict import LookAlikes
 from fricmodels.weakform.problem import WeakFormProblem
 from fricmodels.weakform.regression import LEAST_P, Regression, compare
@@ -28,44 +29,50 @@ class FastRipple:
     waves: Waves
     found: LookAlikes | None
 
+    @property
+    def torque(self) -> float:
+        """RMS torque of the clearest wave [N m or N]."""
+        return self.waves.lines[0].torque
 
-def fast_ripple(result: CandidateTests, leave_out: Iterable[str]) -> FastRipple | None:
+
+def fast_ripple(
+    problem: WeakFormProblem, parameters: Mapping[str, float], leave_out: Iterable[str], policy: Policy
+) -> FastRipple | None:
     """Look for waves over position that the rows average away.
 
     They are sought in what the model leaves from sample to sample, and the periodic effects compared on rows that carry
     the clearest wave. These effects differ in what it goes with: nothing, the direction, the motor torque.
 
     Args:
-        result: the tests on the rows, which give problem, model and policy.
+        problem: the rows of a fitted model.
+        parameters: its parameters.
         leave_out: effects that are not considered.
+        policy: decides what is significant, and large enough.
     """
-    policy, problem = result.policy, result.problem
     out = {*leave_out, *(effect.name for effect in problem.drive.model.effects)}
     least = policy.least_torque * float(np.sqrt(np.mean(problem.recording.torque**2)))
-    waves = fast_waves(problem, result.parameters, policy.significance, least)
+    waves = fast_waves(problem, parameters, policy.significance, least)
     if waves is None:
         return None
     rows = carriers_alone(problem, waves.carriers)
     if not rows.rows:
         return FastRipple(waves, None)
-    regression = regression_of(rows, result.parameters)
+    regression = regression_of(rows, parameters)
     tested = _tested(rows, regression, waves, out)
-    passing = [t for t in tested if t.p_value * len(tested) < policy.significance]
-    passing.sort(key=lambda t: float(np.sum(t.evidence.loss)))
-    if not passing:
+    if not tested or tested[0].adjusted >= policy.significance:
         return FastRipple(waves, None)
-    first = passing[0]
+    first = tested[0]
 
     def is_alike(other: CandidateTest) -> bool:
         return compare(other.evidence.loss, first.evidence.loss, regression.terms)[1] > policy.alike_significance
 
-    return FastRipple(waves, LookAlikes(first, (first, *filter(is_alike, passing[1:]))))
+    return FastRipple(waves, LookAlikes(first, (first, *filter(is_alike, tested[1:]))))
 
 
 def _tested(
     rows: WeakFormProblem, regression: Regression, waves: Waves, leave_out: set[str]
 ) -> list[CandidateTest]:
-    """Return the tests of all effects whose one nonlinear parameter is a wave number."""
+    """Return the tests of all effects whose one nonlinear parameter is a wave number, the least residual first."""
     tested = []
     registered = plugins.load().effects
     for name in registered:
@@ -77,4 +84,8 @@ def _tested(
             found = of_waves(rows, regression, effect, alone, waves)
             if found is not None:
                 tested.append(tested_at(regression, effect, found))
-    return [replace(t, adjusted=max(min(1.0, t.p_value * len(tested)), LEAST_P)) for t in tested]
+    # That there is a wave was tested on the samples, against all other waves; the rows tell what it goes with.
+    p_value = waves.lines[0].p_value
+    adjusted = max(min(1.0, p_value * len(tested)), LEAST_P)
+    tested = [replace(t, p_value=p_value, adjusted=adjusted) for t in tested]
+    return sorted(tested, key=lambda t: float(np.sum(t.evidence.loss)))

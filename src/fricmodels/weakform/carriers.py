@@ -110,4 +110,4 @@ class CarrierFunctions(TestFunctions):
     def _carried(self, plain: Array | None, steps: Array, waves: Array) -> Array:
         parts = [] if plain is None else [plain]
         parts += [self._plain.of_steps(steps * wave) for wave in waves]
-        return np.stack(parts, axis=2).reshape(len(steps), -1)
+        return np.stack(parts, axis=2).reshape(len(steps), self.count)

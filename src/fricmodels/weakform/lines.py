@@ -243,13 +243,12 @@ def fast_lines(white: Whitened, band: tuple[float, float], significance: float, 
     """Return the significant waves over position within a band of wave numbers, the clearest first.
 
     Args:
-        white: the residual, from which nothing is taken.
+        white: the residual; the lines are taken out of it.
         band: least and greatest wave number.
         significance: corrected p-value below which a line is one.
         least: RMS torque below which a line is not looked for [N m or N].
     """
     found: list[Line] = []
-    whole = white.residual
     independent = max(1.0, (band[1] - band[0]) * white.steps.span / np.pi)
     while len(found) < _MOST_LINES and white.variance > 0:
         k, power, torque = white.scores(*band)
@@ -263,7 +262,6 @@ def fast_lines(white: Whitened, band: tuple[float, float], significance: float, 
             break
         found.append(line)
         white.set(white.without(line.k))
-    white.set(whole)
     return tuple(found)
 
 

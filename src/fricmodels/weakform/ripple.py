@@ -65,13 +65,14 @@ def fast_waves(
     if not lines:
         return None
     resolution = np.pi / white.steps.span
-    # A line at half the wave number need not stand out of all others: it is asked for by name.
+    # A line at half the wave number need not stand out of all others: it is asked for by name, in what the lines leave.
     first = lines[0]
-    half = white.test(0.5 * first.k)
-    is_second = half.p_value < significance and half.torque >= least
-    if is_second and all(abs(line.k - half.k) > resolution for line in lines):
-        lines = (*lines, half)
-    return Waves(lines, half.k if is_second else first.k, resolution, (band[1] - band[0]) / resolution)
+    half = next((line for line in lines if abs(line.k - 0.5 * first.k) < resolution), None)
+    if half is None:
+        asked = white.test(0.5 * first.k)
+        if asked.p_value < significance and asked.torque >= least:
+            half, lines = asked, (*lines, asked)
+    return Waves(lines, first.k if half is None else 0.5 * first.k, resolution, (band[1] - band[0]) / resolution)
 
 
 def relations(waves: Waves) -> dict[float, str]:
