@@ -29,6 +29,7 @@ from fricmodels.display import Displayed
 from fricmodels.model import Model
 from fricmodels.recording import Recording
 from fricmodels.split import Split
+from fricmodels.weakform.lines import averaged_from
 
 Verdict = Literal["adequate", "missing-effect", "undecided", "unknown-effect"]
 
@@ -138,7 +139,7 @@ def examine(comparison: Comparison, *, leave_out: Iterable[str] = (), policy: Po
     everything = [] if named is None else _all_together(refits, named, together)
     if everything:
         ripple = _beside(refits, everything, out, policy)
-        everything += _fast(refits, everything, ripple)
+    everything += _fast(refits, everything, ripple)
     findings = tuple(map(_finding, everything))
     verdict: Verdict = "adequate"
     if everything:
@@ -215,8 +216,8 @@ def _all_together(refits: Refits, first: LookAlikes, together: list[LookAlikes])
 
 
 def _is_larger(ripple: FastRipple | None, result: CandidateTests, best: LookAlikes | None) -> TypeGuard[FastRipple]:
-    """Whether a fast wave has more torque than the effect that explains most in the rows."""
-    if ripple is None:
+    """Whether a wave that the rows average away has more torque than the effect that explains most in them."""
+    if ripple is None or ripple.waves.lines[0].k < averaged_from(result.problem):
         return False
     in_rows = 0.0 if best is None else torque_share(result, best.first.evidence)
     return ripple.torque > in_rows * float(np.sqrt(np.mean(result.problem.recording.torque**2)))
@@ -257,13 +258,13 @@ def _beside(refits: Refits, found: list[LookAlikes], leave_out: set[str], policy
 
 
 def _fast(refits: Refits, found: list[LookAlikes], ripple: FastRipple | None) -> list[LookAlikes]:
-    """Return a fast wave over position, if the test error of single samples falls with it beside what was found."""
+    """Return a fast wave over position, if the test error falls with it beside what was found, as far as it shows."""
     if ripple is None or ripple.found is None:
         return []
     beside: Refits | None = refits
     for one in found:
         beside = beside and beside.beside(one.first)
-    helps = beside is not None and beside.lowers_error_per_sample(ripple.found.first)
+    helps = beside is not None and beside.lowers_error_within(ripple.found.first, 1000 * ripple.waves.duration)
     return [ripple.found] if helps else []
 
 

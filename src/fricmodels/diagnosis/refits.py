@@ -49,10 +49,17 @@ class Refits:
         pairs = zip(other.errors.bands, here.errors.bands, strict=True)
         return any(after.held_out_percent < before.held_out_percent for after, before in pairs)
 
-    def lowers_error_per_sample(self, tested: CandidateTest) -> bool:
-        """Whether the test error of single samples falls with an effect that wider windows average away."""
+    def lowers_error_within(self, tested: CandidateTest, window_ms: float) -> bool:
+        """Whether the test error of single samples falls with an effect, or that of a window no wider than some time.
+
+        What alternates faster is averaged away in a wider one.
+        """
         other, here = self.with_effect(tested), self.comparison
-        return other is not None and other.errors.per_sample.held_out_percent < here.errors.per_sample.held_out_percent
+        if other is None:
+            return False
+        pairs = [*zip(other.errors.bands, here.errors.bands, strict=True)]
+        seen = [pair for pair in pairs if pair[0].window_ms <= window_ms] or pairs[:1]
+        return any(after.held_out_percent < before.held_out_percent for after, before in seen)
 
 
 def _key(tested: CandidateTest) -> Key:

@@ -24,11 +24,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fricmodels.arrays import Array
-from fricmodels.signals.order_spectrum import binned, spectrum
+from fricmodels.signals.order_spectrum import LEAST_PERIODS, PEAKS, binned, spectrum
 from fricmodels.weakform.carriers import at_steps, step_positions, step_response
 from fricmodels.weakform.problem import WeakFormProblem
 from fricmodels.weakform.regression import cosine_terms, long_run_sum
-from fricmodels.weakform.search import fastest_in_rows
 
 _ORDER = 8
 """Order of the autoregression. White noise of a velocity leaves a moving average, which it comes near enough to: what
@@ -42,8 +41,8 @@ _SPEEDS = 48
 _OUTLIER = 4.0
 """What is farther from zero than so many standard deviations, by the median, counts as being there: a shock is no
 wave, and would be one of all wave numbers."""
-_OVERLAP = 0.5
-"""The band begins where the rows still see something, so that no wave lies between the two searches."""
+_STRETCH = 512
+"""Wave numbers of the padded spectrum, that is 64 times its resolution, that are looked at as one surrounding."""
 _INDEPENDENT = 16
 """Samples to an independent score, at most: as many as the narrowest bump spans."""
 
@@ -183,6 +182,16 @@ class Whitened:
         normed = squares / np.maximum(self.variance * power, 1e-300)
         return k, normed.mean(axis=0), np.sqrt(2.0 * (squares / power**2).mean(axis=0))
 
+    def rank(self, k: float) -> float:
+        """Return the share of the wave numbers about one, half of it to one and a half, whose score is as large.
+
+        What a model does wrong along the way has a spectrum of its own, in which no single wave number is a line.
+        """
+        around, power, _ = self.scores(0.5 * k, 1.5 * k)
+        if not len(around):
+            return 1.0
+        return float(np.mean(power >= power[int(np.argmin(np.abs(around - k)))]))
+
     def wave(self, k: float) -> Array:
         r"""Return the columns of a wave that acts on the drive, forward and backward apart, shape (q, N).
 
@@ -252,12 +261,10 @@ def fast_lines(white: Whitened, band: tuple[float, float], significance: float, 
     independent = max(1.0, (band[1] - band[0]) * white.steps.span / np.pi)
     while len(found) < _MOST_LINES and white.variance > 0:
         k, power, torque = white.scores(*band)
-        inner = (torque >= least) & (power >= np.roll(power, 1)) & (power >= np.roll(power, -1))
-        inner[:1] = inner[-1:] = False
-        if not np.any(inner):
+        peaks = _peaks(power / _background(power), torque >= least, significance / independent, len(white.ways))
+        if not len(peaks):
             break
-        standing = np.where(inner, power / _background(power), 0.0)
-        line = white.test(_summit(k, power, int(np.argmax(standing))), independent)
+        line = max((white.test(_summit(k, power, int(i)), independent) for i in peaks), key=lambda line: line.statistic)
         if line.p_value >= significance:
             break
         found.append(line)
@@ -265,18 +272,71 @@ def fast_lines(white: Whitened, band: tuple[float, float], significance: float, 
     return tuple(found)
 
 
+def smallest_line(white: Whitened, band: tuple[float, float], level: float) -> float:
+    """Return the RMS torque [N m or N] of the smallest wave that would be found wherever in a band it is.
+
+    Args:
+        white: the residual.
+        band: least and greatest wave number.
+        level: p-value that one wave number must reach.
+    """
+    from scipy.special import fdtri
+
+    k, power, _ = white.scores(*band)
+    if not len(k):
+        return float("nan")
+    q = 2 * len(white.ways)
+    critical = float(fdtri(q, max(white.terms - q + 1, 1), 1.0 - max(level, 1e-15)))
+    passed = float(np.median(np.abs(white.steps.passed[white.valid])))
+    seen = np.sinc(0.5 * k * passed / np.pi) ** white.steps.order
+    variance = white.variance * _background(power) * np.mean(1.0 / np.maximum(white.power(k), 1e-300), axis=0)
+    return float(np.max(np.sqrt(2.0 * critical * variance) / seen))
+
+
 def fast_band(problem: WeakFormProblem) -> tuple[float, float] | None:
-    """Return the wave numbers that the samples carry and the rows do not; ``None`` where there are none."""
+    """Return the wave numbers that the samples carry and the rows do not; ``None`` where there are none.
+
+    Half of the time a bump must pass more than a quarter period, and the samples less than half of one.
+    """
     if "position" not in problem.recording:
         return None
-    limit = fastest_in_rows(problem)
     covered = problem.bumps.covered(len(problem.recording))
-    passed = np.abs(step_positions(problem.recording["position"], problem.bumps.over_cells)[1])[covered]
-    passed = passed[passed > 0]
-    if limit is None or len(passed) < 2 * _INDEPENDENT * _ORDER:
+    place, passed = step_positions(problem.recording["position"], problem.bumps.over_cells)
+    used = covered & (passed != 0.0)
+    if int(np.sum(used)) < 2 * _INDEPENDENT * _ORDER:
         return None
-    slowest, fastest = _OVERLAP * limit, float(np.pi / np.median(passed))
+    fastest = float(np.pi / np.median(np.abs(passed[used])))
+    slowest = max(0.5 * fastest / problem.bumps.width, 2 * np.pi * LEAST_PERIODS / float(np.ptp(place[used])))
     return (slowest, fastest) if fastest > slowest else None
+
+
+def averaged_from(problem: WeakFormProblem) -> float:
+    """Return the wave number from which on a bump passes a whole wave half of the time, and so averages it away."""
+    band = fast_band(problem)
+    return np.inf if band is None else 2.0 * band[1] / problem.bumps.width
+
+
+def _peaks(standing: Array, large: NDArray[np.bool_], level: float, ways: int) -> NDArray[np.int64]:
+    """Return the highest peaks that white noise would not show, each of another stretch of wave numbers.
+
+    A disturbance that lasts for a while at a constant speed has a wave number, too, and many peaks about it. It is no
+    wave over position, which the long-run variance of the scores knows and the height of a peak does not.
+
+    Args:
+        standing: mean squared score per way over its surroundings, shape (K,).
+        large: where a line would have enough torque.
+        level: probability below which a peak is one.
+        ways: in how many directions the drive moves.
+    """
+    from scipy.special import gammaincc
+
+    inner = large & (standing >= np.roll(standing, 1)) & (standing >= np.roll(standing, -1))
+    inner[:1] = inner[-1:] = False
+    inner &= gammaincc(ways, ways * standing) < level
+    edges = np.arange(0, len(standing), _STRETCH)
+    best = np.array([start + int(np.argmax(np.where(inner, standing, 0.0)[start : start + _STRETCH])) for start in edges])
+    best = best[inner[best]]
+    return np.asarray(best[np.argsort(standing[best])[::-1][:PEAKS]])
 
 
 def _summit(k: Array, power: Array, best: int) -> float:
@@ -291,10 +351,9 @@ def _summit(k: Array, power: Array, best: int) -> float:
 
 def _background(power: Array) -> Array:
     """Return the level from which a line stands out: the median of its surroundings, where that is above the mean."""
-    size = 512
-    edges = np.arange(0, max(len(power) - size // 2, 1), size)
-    middle = np.array([np.median(power[start : start + size]) for start in edges])
-    return np.maximum(np.interp(np.arange(len(power)), edges + size / 2, middle), 1.0)
+    edges = np.arange(0, max(len(power) - _STRETCH // 2, 1), _STRETCH)
+    middle = np.array([np.median(power[start : start + _STRETCH]) for start in edges])
+    return np.maximum(np.interp(np.arange(len(power)), edges + _STRETCH / 2, middle), 1.0)
 
 
 def _prediction_error_filter(covariance: Array) -> Array:

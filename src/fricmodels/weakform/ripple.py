@@ -12,7 +12,7 @@ from fricmodels.drive import Drive
 from fricmodels.term import Effect
 from fricmodels.weakform.candidate import Candidate, NonlinearOptimum
 from fricmodels.weakform.carriers import CarrierFunctions
-from fricmodels.weakform.lines import Line, Steps, Whitened, fast_band, fast_lines
+from fricmodels.weakform.lines import Line, Steps, Whitened, averaged_from, fast_band, fast_lines
 from fricmodels.weakform.optimise import coordinate_search, refine
 from fricmodels.weakform.problem import WeakFormProblem
 from fricmodels.weakform.regression import Regression
@@ -33,12 +33,14 @@ class Waves:
         k: wave number of the clearest, or half of it where there is a line, too: a wave with its second harmonic.
         resolution: π over the range of position; closer wave numbers are not told apart.
         independent: how many wave numbers were looked at.
+        duration: time in which the drive passes a wave of the first line, half of the time [s].
     """
 
     lines: tuple[Line, ...]
     k: float
     resolution: float
     independent: float
+    duration: float
 
     @property
     def carriers(self) -> tuple[float, ...]:
@@ -70,9 +72,16 @@ def fast_waves(
     half = next((line for line in lines if abs(line.k - 0.5 * first.k) < resolution), None)
     if half is None:
         asked = white.test(0.5 * first.k)
-        if asked.p_value < significance and asked.torque >= least:
+        if max(asked.p_value, white.rank(asked.k)) < significance and asked.torque >= least:
             half, lines = asked, (*lines, asked)
-    return Waves(lines, first.k if half is None else 0.5 * first.k, resolution, (band[1] - band[0]) / resolution)
+    passed = float(np.median(np.abs(white.steps.passed[white.steps.used])))
+    return Waves(
+        lines,
+        first.k if half is None else 0.5 * first.k,
+        resolution,
+        (band[1] - band[0]) / resolution,
+        2 * np.pi / (first.k * passed) * problem.recording.interval,
+    )
 
 
 def relations(waves: Waves) -> dict[float, str]:
@@ -138,7 +147,5 @@ def carriers_of(problem: WeakFormProblem, start: Mapping[str, float]) -> tuple[f
         start: values of nonlinear parameters by key.
     """
     periodic = [p for p in problem.drive.model_parameters if p.declared.periodic and p.key in start]
-    band = fast_band(problem) if periodic else None
-    if band is None:
-        return ()
-    return tuple(m * start[p.key] for p in periodic for m in (1.0, 2.0) if m * start[p.key] > band[0])
+    limit = averaged_from(problem) if periodic else np.inf
+    return tuple(m * start[p.key] for p in periodic for m in (1.0, 2.0) if m * start[p.key] > limit)
