@@ -63,6 +63,10 @@ def fast_waves(
     if band is None:
         return None
     white = Whitened(Steps.of(problem, parameters))
+    # What is left of a wave that the model has is how well the samples show it, not another one.
+    for known in [m * parameters[p.key] for p in problem.drive.model_parameters if p.declared.periodic for m in (1, 2)]:
+        if known < band[1]:
+            white.set(white.without(known))
     lines = fast_lines(white, band, significance, least)
     if not lines:
         return None
