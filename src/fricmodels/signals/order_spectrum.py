@@ -10,8 +10,8 @@ from fricmodels.arrays import Array
 
 PEAKS = 12
 """Most wave numbers that are returned."""
-LEAST_PERIODS = 1.5
-"""A period is told from slower shapes once the positions cover it one and a half times."""
+LEAST_PERIODS = 1.0
+"""A period is told from slower shapes once the positions cover it."""
 _MOST_BINS = 2**15
 _PADDING = 4
 
@@ -41,7 +41,7 @@ def wave_numbers(position: Array, weights: Array, fastest: float, least: float =
         position: q at each sample [rad or m], shape (N,).
         weights: w at each sample, shape (N,).
         fastest: greatest wave number to look at.
-        least: smallest one; never below one and a half periods in the range of position.
+        least: smallest one; never below one period in the range of position.
     """
     low, span = float(np.min(position)), float(np.ptp(position))
     slowest = max(LEAST_PERIODS * 2 * np.pi / span, least) if span > 0 else np.inf
