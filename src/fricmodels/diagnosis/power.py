@@ -10,8 +10,9 @@ import numpy as np
 from fricmodels import plugins
 from fricmodels.diagnosis.candidate_tests import CandidateTest, CandidateTests
 from fricmodels.signals.order_spectrum import LEAST_PERIODS
-from fricmodels.weakform.lines import Steps, Whitened, fast_band, smallest_line
+from fricmodels.weakform.lines import Whitened, fast_band, smallest_line
 from fricmodels.weakform.search import fastest_in_rows
+from fricmodels.weakform.steps import Steps
 
 
 @dataclass(frozen=True)

@@ -23,7 +23,7 @@ class FastRipple:
 
     Attributes:
         waves: all that stand out of the spectrum over position.
-        found: the effect that explains the clearest of them best, with its look-alikes; ``None`` where none does.
+        found: the effect that explains the largest of them best, with its look-alikes; ``None`` where none does.
     """
 
     waves: Waves
@@ -31,7 +31,7 @@ class FastRipple:
 
     @property
     def torque(self) -> float:
-        """RMS torque of the clearest wave [N m or N]."""
+        """RMS torque of the largest wave [N m or N]."""
         return self.waves.lines[0].torque
 
 
@@ -41,7 +41,7 @@ def fast_ripple(
     """Look for waves over position that the rows average away.
 
     They are sought in what the model leaves from sample to sample, and the periodic effects compared on rows that carry
-    the clearest wave. These effects differ in what it goes with: nothing, the direction, the motor torque.
+    the largest wave. These effects differ in what it goes with: nothing, the direction, the motor torque.
 
     Args:
         problem: the rows of a fitted model.
@@ -69,9 +69,7 @@ def fast_ripple(
     return FastRipple(waves, LookAlikes(first, (first, *filter(is_alike, tested[1:]))))
 
 
-def _tested(
-    rows: WeakFormProblem, regression: Regression, waves: Waves, leave_out: set[str]
-) -> list[CandidateTest]:
+def _tested(rows: WeakFormProblem, regression: Regression, waves: Waves, leave_out: set[str]) -> list[CandidateTest]:
     """Return the tests of all effects whose one nonlinear parameter is a wave number, the least residual first."""
     tested = []
     registered = plugins.load().effects

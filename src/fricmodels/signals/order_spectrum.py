@@ -5,8 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from fricmodels.arrays import Array
+
+Complex = NDArray[np.complex128]
 
 PEAKS = 12
 """Most wave numbers that are returned."""
@@ -63,7 +66,7 @@ def binned(fastest: float, span: float) -> int:
     return int(max(64, 2 ** np.ceil(np.log2(4 * fastest * span / (2 * np.pi)))))
 
 
-def spectrum(position: Array, weights: Array, span: float, bins: int) -> tuple[Array, Array]:
+def spectrum(position: Array, weights: Array, span: float, bins: int) -> tuple[Array, Complex]:
     r"""Return wave numbers, shape (K,), and there :math:`\sum_i w_i e^{-\mathrm{j} k q_i}`, shape (K,).
 
     Args:

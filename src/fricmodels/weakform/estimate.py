@@ -107,9 +107,7 @@ def estimate(
         found = at_model_velocity(found)
         found = clear_of_reversals(found, lambda e: _left(drive, recording, e.parameters))
     final = identified(found)
-    rows = replace(
-        plain, friction_limits=plain.limits_of_friction(final.parameters), estimated=dict(final.parameters)
-    )
+    rows = replace(plain, friction_limits=plain.limits_of_friction(final.parameters), estimated=dict(final.parameters))
     return rows, Estimate(
         final.parameters,
         final.standard_errors,

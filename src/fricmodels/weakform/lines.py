@@ -16,18 +16,20 @@ for the number of independent wave numbers, and taken out before the next is sou
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Sequence
+from copy import copy
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fricmodels.arrays import Array
+from fricmodels.signals.noise_level import quantum
 from fricmodels.signals.order_spectrum import LEAST_PERIODS, PEAKS, binned, spectrum
-from fricmodels.weakform.carriers import at_steps, step_positions, step_response
+from fricmodels.weakform.carriers import step_response
 from fricmodels.weakform.problem import WeakFormProblem
 from fricmodels.weakform.regression import cosine_terms, long_run_sum
+from fricmodels.weakform.steps import Steps, positions
 
 _ORDER = 8
 """Order of the autoregression. White noise of a velocity leaves a moving average, which it comes near enough to: what
@@ -39,12 +41,16 @@ _BLOCKS = 4096
 _SPEEDS = 48
 """Classes of speed in which the noise of a wave number is summed."""
 _OUTLIER = 4.0
-"""What is farther from zero than so many standard deviations, by the median, counts as being there: a shock is no
-wave, and would be one of all wave numbers."""
+"""What is farther from zero than so many standard deviations counts as being there: a shock is no wave, and would be
+one of all wave numbers."""
+_QUANTILE = 1.645
+"""Nine tenths of a normal distribution lie within so many standard deviations; by these shocks are told."""
 _STRETCH = 512
-"""Wave numbers of the padded spectrum, that is 64 times its resolution, that are looked at as one surrounding."""
+"""Wave numbers of the padded spectrum, 256 times its resolution, that are looked at as one surrounding."""
 _INDEPENDENT = 16
 """Samples to an independent score, at most: as many as the narrowest bump spans."""
+_ENOUGH = 16 * _INDEPENDENT
+"""Least number of samples: fewer independent scores have no long-run variance to speak of."""
 
 
 @dataclass(frozen=True)
@@ -64,49 +70,6 @@ class Line:
     statistic: float
 
 
-@dataclass(frozen=True)
-class Steps:
-    """The momentum balance from sample to sample, as far as the motion is certain.
-
-    Attributes:
-        place, passed: position of each balance, and what the drive passes between two samples there, shape (N,).
-        residual: mean torque that the model leaves, shape (N,); zero where it is not used.
-        used: where the motion is certain.
-        order: how often the balance averages over a sampling interval: once, or twice where velocities are means.
-    """
-
-    place: Array
-    passed: Array
-    residual: Array
-    used: NDArray[np.bool_]
-    order: int
-
-    @classmethod
-    def of(cls, problem: WeakFormProblem, parameters: Mapping[str, float]) -> Steps:
-        """Evaluate what a fitted model leaves."""
-        drive, bumps, recording = problem.drive, problem.bumps, problem.recording
-        pairs = list(zip(drive.model.parameters, drive.model.linear, strict=True))
-        nonlinear = [parameters[p.key] for p, linear in pairs if not linear]
-        theta = np.array([0.0 if p.declared.delay else parameters[p.key] for p, linear in pairs if linear])
-        design, offset = problem.evaluate(drive, nonlinear)
-        points = problem.quadrature.recording
-        left = points.torque - points.load_torque - theta @ design - offset
-        impulses = at_steps(problem.quadrature.impulses(left[None]), bumps.over_cells)[0]
-        inertia, _ = drive.split(parameters)
-        velocity = problem.cell_velocity
-        covered = bumps.covered(len(recording))
-        used = covered & np.roll(covered, 1) & np.roll(covered, -1)
-        balance = (impulses - inertia * np.diff(velocity, prepend=velocity[:1])) / recording.interval
-        place, passed = step_positions(recording["position"], bumps.over_cells)
-        used &= passed != 0.0
-        return cls(place, passed, np.where(used, balance, 0.0), used, 2 if bumps.over_cells else 1)
-
-    @cached_property
-    def span(self) -> float:
-        """The range of position."""
-        return float(np.ptp(self.place[self.used])) if np.any(self.used) else 0.0
-
-
 class Whitened:
     """The residual of a drive, whitened by an autoregression of itself, and tests of waves in it.
 
@@ -119,7 +82,8 @@ class Whitened:
         series, used = steps.residual, steps.used
         covariance = np.array(
             [
-                float(series[lag:] @ series[: len(series) - lag]) / max(int(np.sum(used[lag:] & used[: len(used) - lag])), 1)
+                float(series[lag:] @ series[: len(series) - lag])
+                / max(int(np.sum(used[lag:] & used[: len(used) - lag])), 1)
                 for lag in range(_ORDER + 1)
             ]
         )
@@ -133,13 +97,19 @@ class Whitened:
         self.set(series)
 
     def set(self, residual: Array) -> None:
-        """Take another residual at the same samples, shape (N,)."""
+        """Take a residual, shape (N,)."""
         self.residual = residual
         white = np.where(self.valid, self.filtered(residual), 0.0)
         inside = np.abs(white[self.valid])
-        limit = _OUTLIER * 1.4826 * float(np.median(inside)) if len(inside) else 0.0
-        self.white = np.clip(white, -limit, limit) if limit > 0 else white
+        limit = _OUTLIER * float(np.quantile(inside, 0.9)) / _QUANTILE if len(inside) else 0.0
+        self.white = np.clip(white, -limit, limit)
         self.variance = float(np.mean(self.white[self.valid] ** 2)) if len(inside) else 0.0
+
+    def with_residual(self, residual: Array) -> Whitened:
+        """Return the same for another residual at the same samples, shape (N,)."""
+        other = copy(self)
+        other.set(residual)
+        return other
 
     def filtered(self, series: Array) -> Array:
         """Return a series with what its own past predicts taken away, shape (N,) or (q, N)."""
@@ -148,8 +118,13 @@ class Whitened:
             result[..., lag:] += self._filter[lag] * series[..., : series.shape[-1] - lag]
         return np.asarray(result)
 
-    def power(self, k: Array) -> Array:
-        r"""Return :math:`\sum_i |A(e^{jk\Delta q_i})|^2` over forward and backward motion, shape (ways, K)."""
+    def power(self, k: Array, *, averaged: bool = False) -> Array:
+        r"""Return :math:`\sum_i |A(e^{jk\Delta q_i})|^2` over forward and backward motion, shape (ways, K).
+
+        Args:
+            k: wave numbers.
+            averaged: whether times what a balance shows of a wave, see :meth:`wave`.
+        """
         steps = self.steps
         speed = np.abs(steps.passed)
         edges = np.quantile(speed[self.valid], np.linspace(0.0, 1.0, _SPEEDS + 1))
@@ -160,11 +135,14 @@ class Whitened:
         result = np.zeros((len(self.ways), len(k)))
         for passed, *count in zip(centre, *counts, strict=True):
             turned = np.abs((k * passed + np.pi) % (2 * np.pi) - np.pi)
-            result += np.array(count)[:, None] * np.interp(turned, grid, response)
+            seen = np.interp(turned, grid, response)
+            if averaged:
+                seen = seen * np.sinc(0.5 * k * passed / np.pi) ** self.steps.order * (k * passed < np.pi)
+            result += np.array(count)[:, None] * seen
         return result
 
     def scores(self, slowest: float, fastest: float) -> tuple[Array, Array, Array]:
-        """Return wave numbers, the squared score over its expectation without a wave, and about the RMS torque, (K,)."""
+        """Return wave numbers, the squared score over its expectation without a wave, and about the RMS torque."""
         scored = np.zeros_like(self.white)
         for lag, weight in enumerate(self._filter):
             scored[: len(scored) - lag] += weight * self.white[lag:]
@@ -200,15 +178,11 @@ class Whitened:
         half = 0.5 * k * self.steps.passed
         carried = np.abs(half) < 0.5 * np.pi
         phase = np.where(carried, np.sinc(half / np.pi) ** self.steps.order, 0.0) * np.exp(1j * k * self.steps.place)
-        parts = [
-            np.where(self.steps.used & way, part, 0.0)
-            for way in self.ways
-            for part in (phase.real, phase.imag)
-        ]
+        parts = [np.where(self.steps.used & way, part, 0.0) for way in self.ways for part in (phase.real, phase.imag)]
         return np.array(parts)
 
     def test(self, k: float, independent: float = 1.0) -> Line:
-        """Return a line with its Wald test.
+        """Return a line with its Wald test, by the long-run variance of the scores or their own, whichever is larger.
 
         Args:
             k: wave number.
@@ -224,52 +198,80 @@ class Whitened:
         block = -(-scores.shape[1] // _BLOCKS)
         edges = np.arange(0, scores.shape[1], block)
         terms = min(self.terms, len(edges) - 1)
-        variance = inverse @ long_run_sum(np.add.reduceat(scores, edges, axis=1), terms) @ inverse
         q = len(theta)
-        freedom = max(terms - q + 1, 1)
-        wald = float(theta @ np.linalg.pinv(variance, rcond=1e-12, hermitian=True) @ theta)
-        statistic = wald * freedom / (terms * q)
-        p_value = min(1.0, independent * float(fdtrc(q, freedom, max(statistic, 0.0))))
+        # Noise that comes again with a motion that is repeated has no slow part: there the scores' own size counts.
+        own = _repeated(self.white - theta @ seen, seen) * scores @ scores.T
+        sums = ((long_run_sum(np.add.reduceat(scores, edges, axis=1), terms), terms), (own, len(edges)))
+        outcomes = []
+        for total, freedom in sums:
+            left = max(freedom - q + 1, 1)
+            wald = float(theta @ np.linalg.pinv(inverse @ total @ inverse, rcond=1e-12, hermitian=True) @ theta)
+            statistic = wald * left / (freedom * q)
+            outcomes.append((min(1.0, independent * float(fdtrc(q, left, max(statistic, 0.0)))), -statistic))
+        p_value, negative = max(outcomes)
         share = np.array([np.mean(way[self.steps.used]) for way in self.ways])
         squares = (theta.reshape(-1, 2) ** 2).sum(axis=1) / 2.0
-        return Line(k, float(np.sqrt(share @ squares)), p_value, statistic)
+        return Line(k, float(np.sqrt(share @ squares)), p_value, -negative)
 
-    def without(self, k: float) -> Array:
-        r"""Return the residual without a wave, shape (N,), whatever share of it stands in the torque.
+    def without(self, waves: Sequence[float]) -> Array:
+        r"""Return the residual without some waves, shape (N,), whatever share of them stands in the torque.
 
-        A torque that follows the wave shows it as sampled, :math:`\cos(\theta/2)` in the trapezium rule.
+        A torque that follows a wave shows it as sampled, :math:`\cos(\theta/2)` in the trapezium rule.
         """
-        acting = self.wave(k)
-        half = 0.5 * k * self.steps.passed
-        response = step_response(half) ** self.steps.order
-        columns = np.vstack([acting, acting * response])  # beyond half a wave between samples both are zero
+        if not waves:
+            return self.residual
+        parts = []
+        for k in waves:
+            acting, half = self.wave(k), 0.5 * k * self.steps.passed
+            parts += [acting, acting * step_response(half) ** self.steps.order]  # zero beyond half a wave
+        columns = np.vstack(parts)
         seen = self.filtered(columns) * self.valid
         theta = np.linalg.pinv(seen @ seen.T, rcond=1e-10, hermitian=True) @ (seen @ self.white)
         return np.asarray(self.residual - theta @ columns)
 
 
-def fast_lines(white: Whitened, band: tuple[float, float], significance: float, least: float = 0.0) -> tuple[Line, ...]:
-    """Return the significant waves over position within a band of wave numbers, the clearest first.
+def fast_lines(
+    white: Whitened, band: tuple[float, float], significance: float, least: float = 0.0
+) -> tuple[tuple[Line, ...], Whitened]:
+    """Return the significant waves over position within a band of wave numbers, the clearest first, and what is left.
 
     Args:
-        white: the residual; the lines are taken out of it.
+        white: the residual.
         band: least and greatest wave number.
         significance: corrected p-value below which a line is one.
         least: RMS torque below which a line is not looked for [N m or N].
     """
     found: list[Line] = []
+    whole = white.residual
     independent = max(1.0, (band[1] - band[0]) * white.steps.span / np.pi)
-    while len(found) < _MOST_LINES and white.variance > 0:
+    enough = int(np.sum(white.valid)) >= _ENOUGH
+    while enough and len(found) < _MOST_LINES and white.variance > 0:
         k, power, torque = white.scores(*band)
         peaks = _peaks(power / _background(power), torque >= least, significance / independent, len(white.ways))
-        if not len(peaks):
-            break
-        line = max((white.test(_summit(k, power, int(i)), independent) for i in peaks), key=lambda line: line.statistic)
-        if line.p_value >= significance:
+        tests = (white.test(_summit(k, power, int(peak)), independent) for peak in peaks)
+        line = next((test for test in tests if test.p_value < significance), None)
+        if line is None:
             break
         found.append(line)
-        white.set(white.without(line.k))
-    return tuple(found)
+        rest = white.with_residual(whole)
+        white = rest.with_residual(rest.without([each.k for each in found]))
+    return tuple(found), white
+
+
+def _repeated(noise: Array, columns: Array) -> float:
+    r"""Return by how much the variance of a sum is larger where noise comes again with its columns.
+
+    That of :math:`\sum_i x_i e_i` is :math:`\sum_T \gamma_x(T)\gamma_e(T)`. An encoder's steps err alike wherever the
+    motion is the same, and so does a wave. A correlation of the noise within four standard errors of zero is zero.
+    """
+    size = 2 ** int(np.ceil(np.log2(2 * len(noise))))
+    own = np.fft.irfft(np.abs(np.fft.rfft(noise, size)) ** 2)[: len(noise)]
+    of_columns = np.fft.irfft(np.sum(np.abs(np.fft.rfft(columns, size)) ** 2, axis=0))[: len(noise)]
+    if own[0] <= 0 or of_columns[0] <= 0:
+        return 1.0
+    own, of_columns = own[1:] / own[0], of_columns[1:] / of_columns[0]
+    seen = np.abs(own) > 4.0 / np.sqrt(len(noise))
+    return max(1.0, 1.0 + 2.0 * float(own[seen] @ of_columns[seen]))
 
 
 def smallest_line(white: Whitened, band: tuple[float, float], level: float) -> float:
@@ -287,25 +289,25 @@ def smallest_line(white: Whitened, band: tuple[float, float], level: float) -> f
         return float("nan")
     q = 2 * len(white.ways)
     critical = float(fdtri(q, max(white.terms - q + 1, 1), 1.0 - max(level, 1e-15)))
-    passed = float(np.median(np.abs(white.steps.passed[white.valid])))
-    seen = np.sinc(0.5 * k * passed / np.pi) ** white.steps.order
-    variance = white.variance * _background(power) * np.mean(1.0 / np.maximum(white.power(k), 1e-300), axis=0)
-    return float(np.max(np.sqrt(2.0 * critical * variance) / seen))
+    shown = np.maximum(white.power(k, averaged=True), 1e-300)
+    variance = white.variance * _background(power) * np.mean(white.power(k) / shown**2, axis=0)
+    return float(np.max(np.sqrt(2.0 * critical * variance)))
 
 
 def fast_band(problem: WeakFormProblem) -> tuple[float, float] | None:
     """Return the wave numbers that the samples carry and the rows do not; ``None`` where there are none.
 
-    Half of the time a bump must pass more than a quarter period, and the samples less than half of one.
+    Half of the time a bump must pass more than a quarter period, and the samples less than half of one. Positions on a
+    grid show no wave shorter than two of its steps.
     """
     if "position" not in problem.recording:
         return None
     covered = problem.bumps.covered(len(problem.recording))
-    place, passed = step_positions(problem.recording["position"], problem.bumps.over_cells)
+    place, passed = positions(problem)
     used = covered & (passed != 0.0)
-    if int(np.sum(used)) < 2 * _INDEPENDENT * _ORDER:
+    if int(np.sum(used)) < _ENOUGH:
         return None
-    fastest = float(np.pi / np.median(np.abs(passed[used])))
+    fastest = float(np.pi / max(np.median(np.abs(passed[used])), quantum(problem.recording["position"])))
     slowest = max(0.5 * fastest / problem.bumps.width, 2 * np.pi * LEAST_PERIODS / float(np.ptp(place[used])))
     return (slowest, fastest) if fastest > slowest else None
 
@@ -316,27 +318,32 @@ def averaged_from(problem: WeakFormProblem) -> float:
     return np.inf if band is None else 2.0 * band[1] / problem.bumps.width
 
 
-def _peaks(standing: Array, large: NDArray[np.bool_], level: float, ways: int) -> NDArray[np.int64]:
+def _peaks(power: Array, large: NDArray[np.bool_], level: float, ways: int) -> NDArray[np.int64]:
     """Return the highest peaks that white noise would not show, each of another stretch of wave numbers.
 
     A disturbance that lasts for a while at a constant speed has a wave number, too, and many peaks about it. It is no
     wave over position, which the long-run variance of the scores knows and the height of a peak does not.
 
     Args:
-        standing: mean squared score per way over its surroundings, shape (K,).
+        power: mean squared score per way over its surroundings, shape (K,).
         large: where a line would have enough torque.
         level: probability below which a peak is one.
         ways: in how many directions the drive moves.
     """
+    inner = large & (power >= np.roll(power, 1)) & (power >= np.roll(power, -1))
+    inner[:1] = inner[-1:] = False
+    inner &= _chance(power, ways) < level
+    edges = np.arange(0, len(power), _STRETCH)
+    best = np.array([start + int(np.argmax(np.where(inner, power, 0.0)[start : start + _STRETCH])) for start in edges])
+    best = best[inner[best]]
+    return np.asarray(best[np.argsort(power[best])[::-1][:PEAKS]])
+
+
+def _chance(power: Array | float, ways: int) -> Array:
+    """Return how likely noise shows as high a squared score, the mean over both ways, at one wave number."""
     from scipy.special import gammaincc
 
-    inner = large & (standing >= np.roll(standing, 1)) & (standing >= np.roll(standing, -1))
-    inner[:1] = inner[-1:] = False
-    inner &= gammaincc(ways, ways * standing) < level
-    edges = np.arange(0, len(standing), _STRETCH)
-    best = np.array([start + int(np.argmax(np.where(inner, standing, 0.0)[start : start + _STRETCH])) for start in edges])
-    best = best[inner[best]]
-    return np.asarray(best[np.argsort(standing[best])[::-1][:PEAKS]])
+    return np.asarray(gammaincc(ways, ways * np.asarray(power)))
 
 
 def _summit(k: Array, power: Array, best: int) -> float:
@@ -353,7 +360,7 @@ def _background(power: Array) -> Array:
     """Return the level from which a line stands out: the median of its surroundings, where that is above the mean."""
     edges = np.arange(0, max(len(power) - _STRETCH // 2, 1), _STRETCH)
     middle = np.array([np.median(power[start : start + _STRETCH]) for start in edges])
-    return np.maximum(np.interp(np.arange(len(power)), edges + _STRETCH / 2, middle), 1.0)
+    return np.asarray(np.maximum(np.interp(np.arange(len(power)), edges + _STRETCH / 2, middle), 1.0))
 
 
 def _prediction_error_filter(covariance: Array) -> Array:

@@ -23,9 +23,9 @@ from fricmodels.parameter import Parameter
 from fricmodels.recording import Recording
 from fricmodels.signals import lanczos_derivative
 from fricmodels.term import Effect, Law, Parameters, Signals
+from fricmodels.weakform.carriers import CarrierFunctions
 from fricmodels.weakform.regression import Regression
 from fricmodels.weakform.remembered import Remembered
-from fricmodels.weakform.carriers import CarrierFunctions
 from fricmodels.weakform.row_noise import bump_width, momentum_noise, noise_in_columns, noise_like
 from fricmodels.weakform.smoothed import smoothed
 from fricmodels.weakform.test_functions import HOPS, Quadrature, TestFunctions, mean_velocity
@@ -77,12 +77,7 @@ class WeakFormProblem:
 
     @classmethod
     def of(
-        cls,
-        drive: Drive,
-        recording: Recording,
-        parameters: Mapping[str, float],
-        width: int | None = None,
-        carriers: tuple[float, ...] = (),
+        cls, drive: Drive, recording: Recording, parameters: Mapping[str, float], width: int | None = None
     ) -> WeakFormProblem:
         """Choose the test functions and evaluate what all candidates share.
 
@@ -91,7 +86,6 @@ class WeakFormProblem:
             recording: with ``velocity``.
             parameters: the model's estimated parameters by key, and the inertia.
             width: samples that a test function spans; as the noise asks for if not given.
-            carriers: wave numbers that the test functions carry.
         """
         inertia, _ = drive.split(parameters)
         delay = parameters[drive.model.delay] if drive.model.delay else 0.0
@@ -102,7 +96,6 @@ class WeakFormProblem:
         unclear = direction_unclear(drive, part, smooth, at_rest, width, parameters)
         quadrature, bumps = _rows(part, smooth, width, unclear)
         problem = cls(drive, part, smooth, at_rest, quadrature, bumps, motion.half_width, (0.0, 0.0), delay=delay)
-        problem = problem.carrying(carriers)
         return replace(problem, friction_limits=problem.limits_of_friction(parameters))
 
     def limits_of_friction(self, parameters: Mapping[str, float]) -> tuple[float, float]:
@@ -196,7 +189,7 @@ class WeakFormProblem:
     @cached_property
     def momentum(self) -> Array:
         """∫φ dω, shape (rows,); where the velocity was derived, by the positions themselves."""
-        return np.asarray(self.bumps.momentum(self.cell_velocity))
+        return self.bumps.momentum(self.cell_velocity)
 
     @property
     def cell_velocity(self) -> Array:

@@ -12,10 +12,11 @@ from fricmodels.drive import Drive
 from fricmodels.term import Effect
 from fricmodels.weakform.candidate import Candidate, NonlinearOptimum
 from fricmodels.weakform.carriers import CarrierFunctions
-from fricmodels.weakform.lines import Line, Steps, Whitened, averaged_from, fast_band, fast_lines
+from fricmodels.weakform.lines import Line, Whitened, averaged_from, fast_band, fast_lines
 from fricmodels.weakform.optimise import coordinate_search, refine
 from fricmodels.weakform.problem import WeakFormProblem
 from fricmodels.weakform.regression import Regression
+from fricmodels.weakform.steps import Steps
 from fricmodels.weakform.test_functions import TestFunctions
 
 _HARMONICS = 8
@@ -29,8 +30,8 @@ class Waves:
     """The fast waves of a residual.
 
     Attributes:
-        lines: as they were found, the clearest first.
-        k: wave number of the clearest, or half of it where there is a line, too: a wave with its second harmonic.
+        lines: the largest first.
+        k: wave number of the largest, or half of it where there is a line, too: a wave with its second harmonic.
         resolution: π over the range of position; closer wave numbers are not told apart.
         independent: how many wave numbers were looked at.
         duration: time in which the drive passes a wave of the first line, half of the time [s].
@@ -64,14 +65,14 @@ def fast_waves(
         return None
     white = Whitened(Steps.of(problem, parameters))
     # What is left of a wave that the model has is how well the samples show it, not another one.
-    for known in [m * parameters[p.key] for p in problem.drive.model_parameters if p.declared.periodic for m in (1, 2)]:
-        if known < band[1]:
-            white.set(white.without(known))
-    lines = fast_lines(white, band, significance, least)
+    periodic = [parameters[p.key] for p in problem.drive.model_parameters if p.declared.periodic]
+    white = white.with_residual(white.without([m * k for k in periodic for m in (1.0, 2.0) if m * k < band[1]]))
+    lines, white = fast_lines(white, band, significance, least)
     if not lines:
         return None
     resolution = np.pi / white.steps.span
     # A line at half the wave number need not stand out of all others: it is asked for by name, in what the lines leave.
+    lines = tuple(sorted(lines, key=lambda line: line.torque, reverse=True))
     first = lines[0]
     half = next((line for line in lines if abs(line.k - 0.5 * first.k) < resolution), None)
     if half is None:
@@ -97,7 +98,9 @@ def relations(waves: Waves) -> dict[float, str]:
     known = sorted({waves.k, *(line.k for line in waves.lines)})
     for k in known:
         others = [other for other in known if other < k and other not in found]
-        multiples = [(m, one) for one in others for m in range(2, _HARMONICS + 1) if abs(k - m * one) < waves.resolution]
+        multiples = [
+            (m, one) for one in others for m in range(2, _HARMONICS + 1) if abs(k - m * one) < waves.resolution
+        ]
         sums = [(one, two) for one, two in itertools.combinations(others, 2) if abs(one + two - k) < waves.resolution]
         if multiples:
             found[k] = f"{multiples[0][0]} × {multiples[0][1]:.4g}"
@@ -118,9 +121,7 @@ def carriers_alone(problem: WeakFormProblem, carriers: Sequence[float]) -> WeakF
         if wider.count * wider.hop < 0.5 * problem.bumps.count * problem.bumps.hop:
             break
         bumps = wider
-    return replace(
-        problem, bumps=CarrierFunctions(bumps, recording, carriers, alone=True), carriers=tuple(carriers)
-    )
+    return replace(problem, bumps=CarrierFunctions(bumps, recording, carriers, alone=True), carriers=tuple(carriers))
 
 
 def of_waves(

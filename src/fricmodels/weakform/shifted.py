@@ -19,6 +19,7 @@ from fricmodels.weakform.regression import SAME, Evidence, ProjectedGram, Regres
 
 Array = NDArray[np.float64]
 
+
 class ShiftedRegression(Regression):
     """The base model's regression with a bounded shift in time.
 
