@@ -78,4 +78,4 @@ def spectrum(position: Array, weights: Array, span: float, bins: int) -> tuple[A
     place = np.minimum((position / span * bins).astype(np.int64), bins - 1)
     summed = np.bincount(place, weights=weights, minlength=bins)
     lines = np.fft.rfft(summed, _PADDING * bins)
-    return 2 * np.pi * np.arange(len(lines)) / (span * _PADDING), lines
+    return np.asarray(2 * np.pi / (span * _PADDING) * np.arange(len(lines)), dtype=float), lines

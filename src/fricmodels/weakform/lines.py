@@ -92,6 +92,8 @@ class Whitened:
         whole = np.convolve(used.astype(float), np.ones(_ORDER + 1))[: len(used)]
         self.valid = whole > _ORDER + 0.5
         self.terms = cosine_terms(float(np.sum(self.valid)) / _INDEPENDENT, max(int(np.sum(self.valid)), 9))
+        place, speed = steps.place[self.valid], np.abs(steps.passed[self.valid])
+        self.orders = [np.arange(len(place)), np.argsort(place), np.argsort(speed)]
         ways = steps.passed > 0, steps.passed < 0
         self.ways = [way for way in ways if np.any(way & self.valid)]
         self.set(series)
@@ -182,7 +184,11 @@ class Whitened:
         return np.array(parts)
 
     def test(self, k: float, independent: float = 1.0) -> Line:
-        """Return a line with its Wald test, by the long-run variance of the scores or their own, whichever is larger.
+        """Return a line with its Wald test, by the long-run variance along time, place or speed, the least certain.
+
+        A wave is there at all times, in all places and at all speeds. What comes again with a motion that is repeated
+        has no slow part in time: an encoder errs alike in the same places, and most where its steps beat with the
+        samples, at one speed.
 
         Args:
             k: wave number.
@@ -195,18 +201,15 @@ class Whitened:
         inverse = np.linalg.pinv(seen @ seen.T, rcond=1e-10, hermitian=True)
         theta = inverse @ (seen @ self.white)
         scores = seen * (self.white - theta @ seen)
-        block = -(-scores.shape[1] // _BLOCKS)
-        edges = np.arange(0, scores.shape[1], block)
+        scores, q = scores[:, self.valid], len(theta)
+        edges = np.arange(0, scores.shape[1], -(-scores.shape[1] // _BLOCKS))
         terms = min(self.terms, len(edges) - 1)
-        q = len(theta)
-        # Noise that comes again with a motion that is repeated has no slow part: there the scores' own size counts.
-        own = _repeated(self.white - theta @ seen, seen) * scores @ scores.T
-        sums = ((long_run_sum(np.add.reduceat(scores, edges, axis=1), terms), terms), (own, len(edges)))
+        left = max(terms - q + 1, 1)
         outcomes = []
-        for total, freedom in sums:
-            left = max(freedom - q + 1, 1)
-            wald = float(theta @ np.linalg.pinv(inverse @ total @ inverse, rcond=1e-12, hermitian=True) @ theta)
-            statistic = wald * left / (freedom * q)
+        for order in self.orders:
+            variance = inverse @ long_run_sum(np.add.reduceat(scores[:, order], edges, axis=1), terms) @ inverse
+            wald = float(theta @ np.linalg.pinv(variance, rcond=1e-12, hermitian=True) @ theta)
+            statistic = wald * left / (terms * q)
             outcomes.append((min(1.0, independent * float(fdtrc(q, left, max(statistic, 0.0)))), -statistic))
         p_value, negative = max(outcomes)
         share = np.array([np.mean(way[self.steps.used]) for way in self.ways])
@@ -256,22 +259,6 @@ def fast_lines(
         rest = white.with_residual(whole)
         white = rest.with_residual(rest.without([each.k for each in found]))
     return tuple(found), white
-
-
-def _repeated(noise: Array, columns: Array) -> float:
-    r"""Return by how much the variance of a sum is larger where noise comes again with its columns.
-
-    That of :math:`\sum_i x_i e_i` is :math:`\sum_T \gamma_x(T)\gamma_e(T)`. An encoder's steps err alike wherever the
-    motion is the same, and so does a wave. A correlation of the noise within four standard errors of zero is zero.
-    """
-    size = 2 ** int(np.ceil(np.log2(2 * len(noise))))
-    own = np.fft.irfft(np.abs(np.fft.rfft(noise, size)) ** 2)[: len(noise)]
-    of_columns = np.fft.irfft(np.sum(np.abs(np.fft.rfft(columns, size)) ** 2, axis=0))[: len(noise)]
-    if own[0] <= 0 or of_columns[0] <= 0:
-        return 1.0
-    own, of_columns = own[1:] / own[0], of_columns[1:] / of_columns[0]
-    seen = np.abs(own) > 4.0 / np.sqrt(len(noise))
-    return max(1.0, 1.0 + 2.0 * float(own[seen] @ of_columns[seen]))
 
 
 def smallest_line(white: Whitened, band: tuple[float, float], level: float) -> float:
