@@ -59,7 +59,7 @@ def fast_ripple(
         return FastRipple(waves, None)
     regression = regression_of(rows, parameters)
     tested = _tested(rows, regression, waves, out)
-    if not tested or tested[0].adjusted >= policy.significance:
+    if not tested:
         return FastRipple(waves, None)
     first = tested[0]
 
@@ -82,8 +82,8 @@ def _tested(rows: WeakFormProblem, regression: Regression, waves: Waves, leave_o
             found = of_waves(rows, regression, effect, alone, waves)
             if found is not None:
                 tested.append(tested_at(regression, effect, found))
-    # That there is a wave was tested on the samples, against all other waves; the rows tell what it goes with.
-    p_value = waves.lines[0].p_value
-    adjusted = max(min(1.0, p_value * len(tested)), LEAST_P)
-    tested = [replace(t, p_value=p_value, adjusted=adjusted) for t in tested]
+    # That there is a wave was tested once for all of them, on the samples, against all other waves; the rows tell
+    # what it goes with.
+    p_value = max(waves.lines[0].p_value, LEAST_P)
+    tested = [replace(t, p_value=p_value, adjusted=p_value) for t in tested]
     return sorted(tested, key=lambda t: float(np.sum(t.evidence.loss)))
