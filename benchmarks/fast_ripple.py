@@ -2,7 +2,8 @@
 
 Drives of the rig, logged at 100 Hz: Coulomb and viscous friction, and a wave of 5 % of the friction torque that passes
 within 3 to 20 samples half of the time, alone, with a second harmonic twice as large, or in proportion to friction.
-And as many drives without a wave, with encoders down to 12 bits. ``python benchmarks/fast_ripple.py`` prints the table of docs/decisions/fast-ripple.md.
+And as many drives without a wave, with encoders down to 12 bits. ``python benchmarks/fast_ripple.py`` prints the table
+of docs/decisions/fast-ripple.md.
 """
 
 from __future__ import annotations
