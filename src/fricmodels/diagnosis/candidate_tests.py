@@ -170,7 +170,7 @@ def _candidate(
         share = noise_share(problem, problem.perturbed, regression, effect, found)
         if is_noise(share, found.explained / float(regression.residual @ regression.residual), policy):
             return "noise of the velocity hides what it would add beyond what the model already has"
-    return _test(regression, effect, found)
+    return tested_at(regression, effect, found)
 
 
 def _first_columns(problem: WeakFormProblem, effect: Effect, alone: Drive) -> Array:
@@ -234,7 +234,8 @@ def is_noise(share: float, explained: float, policy: Policy) -> bool:
     return share > max(policy.noise_share, policy.noise_share_of_explained * explained)
 
 
-def _test(regression: Regression, effect: Effect, found: NonlinearOptimum) -> CandidateTest:
+def tested_at(regression: Regression, effect: Effect, found: NonlinearOptimum) -> CandidateTest:
+    """Return an effect with what speaks for it at its nonlinear parameters."""
     if not np.any(found.kept):  # it would need a coefficient beyond its physical bounds
         return CandidateTest(effect, found, no_evidence(regression), 1.0)
     evidence = _whole_shift(regression, found) if found.delay else regression.test(found.columns)

@@ -5,7 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Literal
+from typing import Literal, TypeGuard
+
+import numpy as np
 
 from fricmodels.diagnosis.candidate_tests import CandidateTest, CandidateTests, candidate_tests
 from fricmodels.diagnosis.coloured_residual import ColouredNoise, coloured_residual
@@ -20,12 +22,14 @@ from fricmodels.diagnosis.predictability import AUTOREGRESSIVE, ChannelPredictor
 from fricmodels.diagnosis.refit_check import refit_check
 from fricmodels.diagnosis.refits import Refits
 from fricmodels.diagnosis.remaining import Remaining, remaining
+from fricmodels.diagnosis.ripple import FastRipple, fast_ripple
 from fricmodels.diagnosis.supported import Judgement, judge
-from fricmodels.diagnosis.verdict import LookAlikes, passing_all_gates, select_effect
+from fricmodels.diagnosis.verdict import LookAlikes, passing_all_gates, select_effect, torque_share
 from fricmodels.display import Displayed
 from fricmodels.model import Model
 from fricmodels.recording import Recording
 from fricmodels.split import Split
+from fricmodels.weakform.lines import averaged_from
 
 Verdict = Literal["adequate", "missing-effect", "undecided", "unknown-effect"]
 
@@ -59,6 +63,7 @@ class Diagnosis(Displayed):
         result: every candidate that was tested.
         noise: what is left, where it is noise with a colour that lies in no channel.
         judgement: what speaks for each effect of the set that the residual suggests; ``None`` where none passes.
+        ripple: waves over position that are too fast for the rows; ``None`` where there are none.
     """
 
     comparison: Comparison
@@ -83,6 +88,7 @@ class Diagnosis(Displayed):
         return remaining(self.comparison, channel, self.place, self.refits, self.result.tested)
 
     noise: ColouredNoise | None = None
+    ripple: FastRipple | None = None
 
 
 def diagnose(
@@ -114,7 +120,11 @@ def examine(comparison: Comparison, *, leave_out: Iterable[str] = (), policy: Po
     """Test every effect on what a fitted model leaves over."""
     out, parameters, refits = set(leave_out), comparison.estimate.parameters, Refits(comparison)
     result = candidate_tests(replace(comparison.problem), parameters, leave_out=out, policy=policy)
-    best, predictors = select_effect(result), passing_predictors(result)
+    best = select_effect(result)
+    ripple = fast_ripple(result.problem, parameters, out, policy)
+    if _is_larger(ripple, result, best) and _fast(refits, [], ripple):
+        return _beside_ripple(refits, ripple, out, policy)
+    predictors = passing_predictors(result)
     judgement = judge(result, out, best) if best is not None or predictors else None
     together = [] if judgement is None else judgement.supported(policy)
     found = refit_check(refits, result, out, together[0] if together else None)
@@ -126,14 +136,18 @@ def examine(comparison: Comparison, *, leave_out: Iterable[str] = (), policy: Po
         view = None
     elif best is not None and named is None:
         view = view or as_predictor(result, best.first)
-    findings = () if named is None else tuple(_finding(one) for one in _all_together(refits, named, together))
+    everything = [] if named is None else _all_together(refits, named, together)
+    if everything:
+        ripple = _beside(refits, everything, out, policy)
+    everything += _fast(refits, everything, ripple)
+    findings = tuple(map(_finding, everything))
     verdict: Verdict = "adequate"
-    if named is not None:
-        verdict = "missing-effect" if len(named.names) == 1 else "undecided"
+    if everything:
+        verdict = "missing-effect" if len(everything[0].names) == 1 else "undecided"
     elif view is not None or place is not None or is_far_above_noise(comparison, policy):
         verdict = "unknown-effect"
     passing = tuple(passing_all_gates(result)) if found is not None else ()
-    seen = visibility(result, () if named is None else named.names)
+    seen = visibility(result, {name for one in everything[:1] for name in one.names})
     refused = found.first if found is not None and named is None else None
     return Diagnosis(
         comparison,
@@ -149,6 +163,7 @@ def examine(comparison: Comparison, *, leave_out: Iterable[str] = (), policy: Po
         result,
         noise=noise,
         judgement=judgement,
+        ripple=ripple,
     )
 
 
@@ -198,6 +213,59 @@ def _all_together(refits: Refits, first: LookAlikes, together: list[LookAlikes])
             further = further.beside(other.first)
             found.append(other)
     return found
+
+
+def _is_larger(ripple: FastRipple | None, result: CandidateTests, best: LookAlikes | None) -> TypeGuard[FastRipple]:
+    """Whether a wave that the rows average away has more torque than the effect that explains most in them."""
+    if ripple is None or ripple.waves.lines[0].k < averaged_from(result.problem):
+        return False
+    in_rows = 0.0 if best is None else torque_share(result, best.first.evidence)
+    return ripple.torque > in_rows * float(np.sqrt(np.mean(result.problem.recording.torque**2)))
+
+
+def _beside_ripple(refits: Refits, ripple: FastRipple, leave_out: set[str], policy: Policy) -> Diagnosis:
+    """Return the diagnosis of a model that lacks a fast wave, and what is missing beside that.
+
+    The rows see some of the wave where the drive is slow, and would take it for anything.
+    """
+    assert ripple.found is not None
+    fitted = refits.with_effect(ripple.found.first)
+    assert fitted is not None
+    rest = examine(fitted, leave_out=leave_out, policy=policy)
+    names = set(ripple.found.names)
+    return replace(
+        rest,
+        comparison=refits.comparison,
+        verdict="missing-effect" if len(names) == 1 else "undecided",
+        findings=(_finding(ripple.found), *(f for f in rest.findings if not names.intersection(f.names))),
+        visibility={name: row for name, row in rest.visibility.items() if name not in names},
+        passing=(ripple.found.first, *rest.passing),
+        refits=refits,
+        ripple=ripple,
+    )
+
+
+def _beside(refits: Refits, found: list[LookAlikes], leave_out: set[str], policy: Policy) -> FastRipple | None:
+    """Return the fast waves that are left beside effects that were found."""
+    beside: Refits | None = refits
+    for one in found:
+        beside = beside and beside.beside(one.first)
+    if beside is None:
+        return None
+    here = beside.comparison
+    out = {*leave_out, *(name for one in found for name in one.names)}
+    return fast_ripple(here.problem, here.estimate.parameters, out, policy)
+
+
+def _fast(refits: Refits, found: list[LookAlikes], ripple: FastRipple | None) -> list[LookAlikes]:
+    """Return a fast wave over position, if the test error falls with it beside what was found, as far as it shows."""
+    if ripple is None or ripple.found is None:
+        return []
+    beside: Refits | None = refits
+    for one in found:
+        beside = beside and beside.beside(one.first)
+    helps = beside is not None and beside.lowers_error_within(ripple.found.first, 1000 * ripple.waves.duration)
+    return [ripple.found] if helps else []
 
 
 def _noise(

@@ -44,6 +44,7 @@ def document(diagnosis: Diagnosis, ladder: Ladder | None = None) -> dict[str, An
                 "smallest_percent": row.smallest_percent,
                 "smallest_torque": row.smallest_torque,
                 "missing": row.missing,
+                **({"band": list(row.band)} if row.band else {}),
             }
             for name, row in (diagnosis if ladder is None else ladder.last).visibility.items()
         },

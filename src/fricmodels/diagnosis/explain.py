@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from fricmodels.diagnosis.candidate_tests import CandidateTest
 from fricmodels.diagnosis.diagnose import Diagnosis, Finding
 from fricmodels.diagnosis.ladder import Ladder, added
 from fricmodels.diagnosis.predictability import AUTOREGRESSIVE
+from fricmodels.diagnosis.ripple import FastRipple
 from fricmodels.dimension import Motion
+from fricmodels.weakform.ripple import relations
 
 _FEW = 2
 """Coefficients that are read in a sentence."""
@@ -42,6 +46,8 @@ def explain(diagnosis: Diagnosis, ladder: Ladder | None = None) -> str:
         findings = list(diagnosis.findings) if ladder is None else added(ladder)
         parts.extend(sentence(finding, comparison.drive.motion) for finding in findings[:1])
         parts.extend(_further(findings[1:]))
+    if diagnosis.ripple is not None:
+        parts.append(fast_waves(diagnosis.ripple, comparison.drive.motion))
     if ladder is not None and len(ladder.rungs) > 1:
         last = ladder.rungs[-1]
         parts.append(f"With '{last.model}' the test error falls to {last.comparison.errors.held_out_percent:.3g} %.")
@@ -50,6 +56,25 @@ def explain(diagnosis: Diagnosis, ladder: Ladder | None = None) -> str:
     if ladder is not None and ladder.note:
         parts.append(ladder.note + ".")
     return " ".join(parts)
+
+
+def fast_waves(ripple: FastRipple, motion: Motion) -> str:
+    """Return in words which waves over position stand out of the error from sample to sample, and how they relate."""
+    rotary = motion is Motion.ROTARY
+    length, torque = ("rad", "N m") if rotary else ("m", "N")
+    related = relations(ripple.waves)
+    told = []
+    for line in ripple.waves.lines:
+        per_turn = f", {line.k:.4g} a turn" if rotary else ""
+        relation = f" = {related[line.k]}" if line.k in related else ""
+        told.append(
+            f"k = {line.k:.4g}{relation} 1/{length} (one each {2 * np.pi / line.k:.3g} {length}{per_turn}; "
+            f"{line.torque:.2g} {torque} RMS)"
+        )
+    several = len(told) > 1
+    text = f"From sample to sample the error has {'waves' if several else 'a wave'} over position: {'; '.join(told)}."
+    unknown = "" if ripple.found is not None else f" No known effect explains {'them' if several else 'it'}."
+    return text + unknown
 
 
 def _further(findings: list[Finding]) -> list[str]:

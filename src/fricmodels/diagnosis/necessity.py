@@ -11,6 +11,7 @@ from fricmodels.diagnosis.comparison import Comparison
 from fricmodels.drive import Drive
 from fricmodels.weakform.problem import WeakFormProblem
 from fricmodels.weakform.regression import Evidence, Regression
+from fricmodels.weakform.ripple import carriers_alone, carriers_of
 
 
 def necessity(comparison: Comparison, effect: str) -> Evidence:
@@ -23,6 +24,9 @@ def necessity(comparison: Comparison, effect: str) -> Evidence:
     delay = 0.0
     if alone.model.delay:  # its own problem has the record without the delay
         problem, delay = WeakFormProblem.of(smaller, comparison.train, parameters), problem.delay
+    carriers = carriers_of(problem, {key: x for key, x in parameters.items() if key.startswith(f"{effect}.")})
+    if carriers:
+        problem = carriers_alone(problem, carriers)
     rest = replace(problem, drive=smaller).base(parameters)
     pairs = zip(own.parameters, alone.model.linear, strict=True)
     nonlinear = [parameters[f"{effect}.{p.symbol}"] for p, linear in pairs if not linear]

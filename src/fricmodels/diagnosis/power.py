@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from fricmodels import plugins
 from fricmodels.diagnosis.candidate_tests import CandidateTest, CandidateTests
+from fricmodels.signals.order_spectrum import LEAST_PERIODS
+from fricmodels.weakform.lines import Whitened, fast_band, smallest_line
+from fricmodels.weakform.search import fastest_in_rows
+from fricmodels.weakform.steps import Steps
 
 
 @dataclass(frozen=True)
@@ -20,11 +24,13 @@ class Visibility:
             torque; not a number where the recording cannot show the effect at all.
         smallest_torque: the same in N m or N.
         missing: what the recording lacks; empty where the effect could have been seen.
+        band: least and greatest wave number [1/rad or 1/m] of a wave of which this is true; ``None`` of other effects.
     """
 
     smallest_percent: float
     smallest_torque: float
     missing: str
+    band: tuple[float, float] | None = None
 
 
 def visibility(result: CandidateTests, found: Iterable[str]) -> dict[str, Visibility]:
@@ -32,9 +38,10 @@ def visibility(result: CandidateTests, found: Iterable[str]) -> dict[str, Visibi
     effects = plugins.load().effects
     names = set(found)
     rows: dict[str, Visibility] = {}
+    fast = _smallest_fast_wave(result)
     for tested in result.tested:
         if tested.name not in names:
-            rows[tested.name] = _smallest(result, tested)
+            rows[tested.name] = _over_band(result, tested, _smallest(result, tested), fast)
     for name, reason in result.untested.items():
         needed = effects[name].needs_motion
         text = reason + (f"; to see it, record {needed}" if needed else "")
@@ -72,3 +79,42 @@ def _smallest(result: CandidateTests, tested: CandidateTest) -> Visibility:
     share = max(needed / reference, policy.least_torque) if reference > 0 else float("nan")
     torque = share * float(np.sqrt(np.mean(problem.recording.torque**2)))
     return Visibility(100 * share, torque, "")
+
+
+def _over_band(
+    result: CandidateTests, tested: CandidateTest, found: Visibility, fast: tuple[float, tuple[float, float]] | None
+) -> Visibility:
+    """Return the smallest wave of an effect that would have been found wherever in the band of its wave numbers.
+
+    The rows show slow waves, the samples fast ones; the greater of the two sizes holds for all. No wave is seen of
+    which less than one period was passed, or of which the samples are half a wave apart.
+    """
+    periodic = [p for p in tested.effect.parameters if p.periodic]
+    if not periodic:
+        return found
+    position = result.problem.recording["position"]
+    slowest = max(periodic[0].lower, 2 * np.pi * LEAST_PERIODS / float(np.ptp(position)))
+    fastest = fastest_in_rows(result.problem) or slowest
+    if fast is None:
+        return replace(found, band=(slowest, max(fastest, slowest)))
+    torque, (low, high) = fast
+    band = (slowest, high) if fastest >= low else (slowest, fastest)
+    if fastest < low or torque <= found.smallest_torque:
+        return replace(found, band=band)
+    return replace(
+        found,
+        smallest_percent=100 * torque / float(np.sqrt(np.mean(result.problem.recording.torque**2))),
+        smallest_torque=torque,
+        band=band,
+    )
+
+
+def _smallest_fast_wave(result: CandidateTests) -> tuple[float, tuple[float, float]] | None:
+    """Return the smallest wave that would have been found in the samples, and the band of which this is true."""
+    band = fast_band(result.problem)
+    if band is None:
+        return None
+    white = Whitened(Steps.of(result.problem, result.parameters))
+    level = result.policy.significance * np.pi / ((band[1] - band[0]) * white.steps.span)
+    torque = smallest_line(white, band, level)
+    return (torque, band) if np.isfinite(torque) else None

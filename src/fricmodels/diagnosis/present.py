@@ -236,12 +236,19 @@ def _show_visibility(console: Console, visibility: Mapping[str, Visibility], mot
                 True,
             ),
         ]
+        if any(row.band for row in seen.values()):
+            unit = "1/rad" if motion is Motion.ROTARY else "1/m"
+            columns.append(Column(f"waves [{unit}]", tuple(_band(row) for row in seen.values())))
         show_table(console, columns, "Not found, though it would have been from this size on")
         console.print()
     if blind:
         columns = [Column("effect", tuple(blind)), Column("why", tuple(blind.values()))]
         show_table(console, columns, "Could not have been seen in this recording")
         console.print()
+
+
+def _band(row: Visibility) -> str:
+    return "" if row.band is None else f"{row.band[0]:.3g} to {row.band[1]:.3g}"
 
 
 def show_ladder(console: Console, ladder: Ladder) -> None:

@@ -49,6 +49,18 @@ class Refits:
         pairs = zip(other.errors.bands, here.errors.bands, strict=True)
         return any(after.held_out_percent < before.held_out_percent for after, before in pairs)
 
+    def lowers_error_within(self, tested: CandidateTest, window_ms: float) -> bool:
+        """Whether the test error of single samples falls with an effect, or that of a window no wider than some time.
+
+        What alternates faster is averaged away in a wider one.
+        """
+        other, here = self.with_effect(tested), self.comparison
+        if other is None:
+            return False
+        pairs = [*zip(other.errors.bands, here.errors.bands, strict=True)]
+        seen = [pair for pair in pairs if pair[0].window_ms <= window_ms] or pairs[:1]
+        return any(after.held_out_percent < before.held_out_percent for after, before in seen)
+
 
 def _key(tested: CandidateTest) -> Key:
     return tested.name, (*tested.found.nonlinear, tested.found.delay)

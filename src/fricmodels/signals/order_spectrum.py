@@ -5,13 +5,16 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from fricmodels.arrays import Array
 
+Complex = NDArray[np.complex128]
+
 PEAKS = 12
 """Most wave numbers that are returned."""
-LEAST_PERIODS = 1.5
-"""A period is told from slower shapes once the positions cover it one and a half times."""
+LEAST_PERIODS = 1.0
+"""A period is told from slower shapes once the positions cover it."""
 _MOST_BINS = 2**15
 _PADDING = 4
 
@@ -41,17 +44,14 @@ def wave_numbers(position: Array, weights: Array, fastest: float, least: float =
         position: q at each sample [rad or m], shape (N,).
         weights: w at each sample, shape (N,).
         fastest: greatest wave number to look at.
-        least: smallest one; never below one and a half periods in the range of position.
+        least: smallest one; never below one period in the range of position.
     """
     low, span = float(np.min(position)), float(np.ptp(position))
     slowest = max(LEAST_PERIODS * 2 * np.pi / span, least) if span > 0 else np.inf
     if not fastest > slowest:
         return WaveNumbers((), np.pi / span if span > 0 else 1.0, 1.0)
-    bins = int(min(_MOST_BINS, max(64, 2 ** np.ceil(np.log2(4 * fastest * span / (2 * np.pi))))))
-    place = np.minimum(((position - low) / span * bins).astype(np.int64), bins - 1)
-    summed = np.bincount(place, weights=weights, minlength=bins)
-    power = np.abs(np.fft.rfft(summed, _PADDING * bins)) ** 2
-    k = 2 * np.pi * np.arange(len(power)) / (span * _PADDING)
+    k, lines = spectrum(position - low, weights, span, min(_MOST_BINS, binned(fastest, span)))
+    power = np.abs(lines) ** 2
     inside = (k >= slowest) & (k <= fastest)
     peaks = np.flatnonzero(inside[1:-1] & (power[1:-1] >= power[:-2]) & (power[1:-1] >= power[2:])) + 1
     edges = np.flatnonzero(inside)[[0, -1]] if np.any(inside) else np.array([], dtype=int)
@@ -59,3 +59,23 @@ def wave_numbers(position: Array, weights: Array, fastest: float, least: float =
     strongest = peaks[np.argsort(power[peaks])[::-1][:PEAKS]]
     independent = max(1.0, float((min(fastest, k[-1]) - slowest) * span / np.pi))
     return WaveNumbers(tuple(float(k[i]) for i in strongest), float(np.pi / span), independent)
+
+
+def binned(fastest: float, span: float) -> int:
+    """Return how many bins of position show waves up to a wave number: four to the shortest, a power of two."""
+    return int(max(64, 2 ** np.ceil(np.log2(4 * fastest * span / (2 * np.pi)))))
+
+
+def spectrum(position: Array, weights: Array, span: float, bins: int) -> tuple[Array, Complex]:
+    r"""Return wave numbers, shape (K,), and there :math:`\sum_i w_i e^{-\mathrm{j} k q_i}`, shape (K,).
+
+    Args:
+        position: q at each sample, from 0 to the span.
+        weights: w at each sample.
+        span: range of position.
+        bins: even bins of position over which the weights are summed.
+    """
+    place = np.minimum((position / span * bins).astype(np.int64), bins - 1)
+    summed = np.bincount(place, weights=weights, minlength=bins)
+    lines = np.fft.rfft(summed, _PADDING * bins)
+    return np.asarray(2 * np.pi / (span * _PADDING) * np.arange(len(lines)), dtype=float), lines

@@ -26,6 +26,7 @@ from fricmodels.weakform.model_velocity import at_model_velocity
 from fricmodels.weakform.nonlinear import Plan
 from fricmodels.weakform.problem import WeakFormProblem
 from fricmodels.weakform.reversals import clear_of_reversals
+from fricmodels.weakform.ripple import carriers_of
 from fricmodels.weakform.search import search
 from fricmodels.weakform.shifted import regression_of
 from fricmodels.weakform.solve import Solved, solve
@@ -79,22 +80,24 @@ def estimate(
         model_velocity: whether friction may be evaluated at the velocity that the model predicts.
 
     Returns:
-        The rows at the smoothed velocity, on which candidates are tested, and the estimate.
+        The rows at the smoothed velocity without carriers, on which candidates are tested, and the estimate.
 
     Raises:
         InputError: when the recording moves too little to fit the model.
     """
     start = _started(drive, recording, start or {})
     first = WeakFormProblem.of(drive, recording, _guess(drive, recording, start), width)
-    found = _solved(first, start)
+    carriers = carriers_of(first, start)
+    found = _solved(first.carrying(carriers), start)
     # Once the friction is known, so is where the drive may stick at a reversal.
-    problem = WeakFormProblem.of(drive, recording, found.parameters, width)
+    plain = WeakFormProblem.of(drive, recording, found.parameters, width)
+    problem = plain.carrying(carriers)
     found = _solved(problem, start, found.parameters)
     if drive.model.delay or _explains_torque_by_itself(drive):
         for _ in range(_STAGES):
             if drive.model.delay:
-                problem = WeakFormProblem.of(drive, recording, found.parameters, width)
-            problem = replace(problem, estimated=found.parameters)
+                plain = WeakFormProblem.of(drive, recording, found.parameters, width)
+            problem = replace(plain, estimated=found.parameters).carrying(carriers)
             found = _solved(problem, {**start, **found.parameters})
     if drive.model.states or drive.model.delay:
         # A memory or a delay has most to say where it is not certain how the drive moved; that may mislead it, too.
@@ -104,9 +107,7 @@ def estimate(
         found = at_model_velocity(found)
         found = clear_of_reversals(found, lambda e: _left(drive, recording, e.parameters))
     final = identified(found)
-    rows = replace(
-        problem, friction_limits=problem.limits_of_friction(final.parameters), estimated=dict(final.parameters)
-    )
+    rows = replace(plain, friction_limits=plain.limits_of_friction(final.parameters), estimated=dict(final.parameters))
     return rows, Estimate(
         final.parameters,
         final.standard_errors,

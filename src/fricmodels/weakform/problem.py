@@ -23,6 +23,7 @@ from fricmodels.parameter import Parameter
 from fricmodels.recording import Recording
 from fricmodels.signals import lanczos_derivative
 from fricmodels.term import Effect, Law, Parameters, Signals
+from fricmodels.weakform.carriers import CarrierFunctions
 from fricmodels.weakform.regression import Regression
 from fricmodels.weakform.remembered import Remembered
 from fricmodels.weakform.row_noise import bump_width, momentum_noise, noise_in_columns, noise_like
@@ -59,6 +60,7 @@ class WeakFormProblem:
         friction_limits: see :meth:`limits_of_friction`.
         estimated: parameters of the drive's fit, once there is one; see :attr:`motor_torque`.
         delay: by which the model's own delay, if it has one, was taken out of the recording [s].
+        carriers: wave numbers that the test functions carry, see :mod:`.carriers`.
     """
 
     drive: Drive
@@ -71,6 +73,7 @@ class WeakFormProblem:
     friction_limits: tuple[float, float]
     estimated: Mapping[str, float] | None = None
     delay: float = 0.0
+    carriers: tuple[float, ...] = ()
 
     @classmethod
     def of(
@@ -152,7 +155,13 @@ class WeakFormProblem:
         """
         unclear = self.resting | creeping(self.recording, self.bumps.width)
         quadrature, bumps = _rows(self.recording, self.smooth, self.bumps.width, unclear)
-        return replace(self, quadrature=quadrature, bumps=bumps)
+        return replace(self, quadrature=quadrature, bumps=bumps).carrying(self.carriers)
+
+    def carrying(self, carriers: tuple[float, ...]) -> WeakFormProblem:
+        """Return the same problem with rows beside its own that carry waves over position."""
+        if not carriers:
+            return self
+        return replace(self, bumps=CarrierFunctions(self.bumps, self.recording, carriers), carriers=carriers)
 
     def along(self, velocity: Array, resting: Mask) -> WeakFormProblem:
         """Return the same problem with friction evaluated at another velocity, on all samples that do not rest by it.
@@ -164,7 +173,8 @@ class WeakFormProblem:
         over_cells = self.recording.derived_over > 0
         bumps = TestFunctions(self.recording, self.bumps.width, resting, over_cells=over_cells)
         quadrature = Quadrature.of(self.recording, velocity, resting)
-        return replace(self, smooth=velocity, resting=resting, quadrature=quadrature, bumps=bumps)
+        moved = replace(self, smooth=velocity, resting=resting, quadrature=quadrature, bumps=bumps)
+        return moved.carrying(self.carriers)
 
     @property
     def rows(self) -> int:
@@ -174,15 +184,18 @@ class WeakFormProblem:
     @property
     def independent(self) -> float:
         """About how many of the rows are independent: two to a bump width."""
-        return 2.0 * self.rows / HOPS
+        return 2.0 * self.rows / (HOPS * self.bumps.each)
 
     @cached_property
     def momentum(self) -> Array:
         """∫φ dω, shape (rows,); where the velocity was derived, by the positions themselves."""
+        return self.bumps.momentum(self.cell_velocity)
+
+    @property
+    def cell_velocity(self) -> Array:
+        """The velocity whose changes are the momentum, shape (N,): as measured, or the mean of each cell."""
         recording = self.recording
-        derived = recording.derived_over > 0
-        velocity = mean_velocity(recording, recording["position"]) if derived else recording.velocity
-        return np.asarray(self.bumps.momentum(velocity))
+        return mean_velocity(recording, recording["position"]) if recording.derived_over else recording.velocity
 
     @cached_property
     def noise_of_momentum(self) -> Array:

@@ -12,7 +12,7 @@ from fricmodels.weakform.test_functions import HOPS, TestFunctions, mean_velocit
 
 Array = NDArray[np.float64]
 
-_NARROWEST, _WIDEST = 16, 128
+_NARROWEST, WIDEST = 16, 128
 _DERIVED = 6
 """A bump spans at least so many half widths of the derivation of the velocity, at which friction is evaluated."""
 _NOISE_SHARE = 0.01
@@ -71,7 +71,7 @@ def bump_width(recording: Recording, inertia: float) -> int:
     wanted = _NOISE_SHARE * torque * recording.interval
     shortest = int(np.min(np.unique(recording.run, return_counts=True)[1]))
     narrowest = max(_NARROWEST, -(-_DERIVED * recording.derived_over // HOPS) * HOPS)
-    widest = max(narrowest, min(_WIDEST, shortest // 40 // HOPS * HOPS))
+    widest = max(narrowest, min(WIDEST, shortest // 40 // HOPS * HOPS))
     moving = np.zeros(len(recording), dtype=bool)
     for width in range(narrowest, widest, HOPS):
         bumps = TestFunctions(recording, width, moving, over_cells=recording.derived_over > 0)

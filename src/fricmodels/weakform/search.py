@@ -224,13 +224,23 @@ def _wave_numbers(problem: WeakFormProblem, regression: Regression, alone: Drive
 
 def periods(problem: WeakFormProblem, regression: Regression, factor: Array, least: float) -> WaveNumbers:
     """Return the wave numbers at which the residual times ``factor``, shape (N,), is most periodic in position."""
-    recording = problem.recording
-    travel = np.abs(problem.smooth) * recording.interval
-    moving = ~problem.resting & (travel > 0)
-    if not np.any(moving):
+    recording, fastest = problem.recording, fastest_in_rows(problem)
+    if fastest is None:
         return WaveNumbers((), 1.0, 1.0)
-    # Half of the time a bump must pass less than a quarter period, or it averages the effect away.
-    fastest = 2 * np.pi / (float(np.percentile(travel[moving], 20)) * problem.bumps.width)
+    moving = ~problem.resting & (problem.smooth != 0)
     sampled = np.interp(np.arange(len(recording)), problem.centre, regression.residual)
     weights = np.where(moving, sampled * factor, 0.0)
     return wave_numbers(recording["position"], weights, fastest, least)
+
+
+def fastest_in_rows(problem: WeakFormProblem) -> float | None:
+    """Return the greatest wave number that the rows show; ``None`` where nothing moves.
+
+    Half of the time a bump must pass less than a whole wave, or it averages the effect away, and what is left fits any
+    other as well. Faster ones are found in the samples, see :mod:`.lines`.
+    """
+    travel = np.abs(problem.smooth) * problem.recording.interval
+    moving = ~problem.resting & (travel > 0)
+    if not np.any(moving):
+        return None
+    return float(2 * np.pi / (float(np.median(travel[moving])) * problem.bumps.width))

@@ -178,7 +178,9 @@ class TestFunctions:
     ) -> None:
         self.hop = max(1, round(width / HOPS))
         self.width = self.hop * HOPS
+        self.over_cells = over_cells
         changes, between = _cells(self.width, over_cells)
+        self.changes = changes[:-1]
         self._mean = 0.5 * (between[:-1] + between[1:])
         self._cell = between[1:]
         self._fall = between[:-1] - between[1:]
@@ -198,6 +200,21 @@ class TestFunctions:
         other._kept = self._kept[self.integrals(samples.astype(float)[None])[0] == 0.0]
         other.count = len(other._kept)
         return other
+
+    each = 1
+    """Rows of each bump."""
+
+    def covered(self, count: int) -> NDArray[np.bool_]:
+        """Mark the samples that lie within a bump, shape (N,)."""
+        marks = np.zeros(count + 1)
+        first = 0
+        for piece in self._pieces:
+            bumps = (piece.stop - piece.start) // self.hop - HOPS + 1
+            inside = self._kept[(self._kept >= first) & (self._kept < first + bumps)] - first
+            np.add.at(marks, piece.start + self.hop * inside, 1.0)
+            np.add.at(marks, piece.start + self.hop * inside + self.width, -1.0)
+            first += bumps
+        return np.asarray(np.cumsum(marks[:-1]) > 0.5)
 
     @property
     def weights(self) -> Array:
@@ -223,6 +240,14 @@ class TestFunctions:
     def change(self, values: Array) -> Array:
         """Return ∫φ df = −∫φ' f dt of what was measured, shape (number of bumps,)."""
         return np.asarray(self._keep(self._apply(values[None], self._fall))[0])
+
+    def of_steps(self, steps: Array) -> Array:
+        """Return Σ φ x over the samples, shape (k, number of bumps), of what is centred as changes of velocity are.
+
+        Args:
+            steps: shape (k, N); the first of a bump belongs to the change from its first sample to its second.
+        """
+        return self._keep(self._apply(steps, self.changes))
 
     def _keep(self, values: Array) -> Array:
         return values if self.count == values.shape[1] else np.take(values, self._kept, axis=1)

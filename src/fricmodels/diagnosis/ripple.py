@@ -1,0 +1,89 @@
+"""Whether a torque is missing that is periodic in position and too fast for the rows of the weak form."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from fricmodels import plugins
+from fricmodels.diagnosis.candidate_tests import CandidateTest, tested_at
+from fricmodels.diagnosis.policy import Policy
+from fricmodels.diagnosis.verdict import LookAlikes
+from fricmodels.weakform.problem import WeakFormProblem
+from fricmodels.weakform.regression import LEAST_P, Regression, compare
+from fricmodels.weakform.ripple import Waves, carriers_alone, fast_waves, of_waves
+from fricmodels.weakform.shifted import regression_of
+
+
+@dataclass(frozen=True)
+class FastRipple:
+    """Fast waves over position, and the effect that they are.
+
+    Attributes:
+        waves: all that stand out of the spectrum over position.
+        found: the effect that explains the largest of them best, with its look-alikes; ``None`` where none does.
+    """
+
+    waves: Waves
+    found: LookAlikes | None
+
+    @property
+    def torque(self) -> float:
+        """RMS torque of the largest wave [N m or N]."""
+        return self.waves.lines[0].torque
+
+
+def fast_ripple(
+    problem: WeakFormProblem, parameters: Mapping[str, float], leave_out: Iterable[str], policy: Policy
+) -> FastRipple | None:
+    """Look for waves over position that the rows average away.
+
+    They are sought in what the model leaves from sample to sample, and the periodic effects compared on rows that carry
+    the largest wave. These effects differ in what it goes with: nothing, the direction, the motor torque.
+
+    Args:
+        problem: the rows of a fitted model.
+        parameters: its parameters.
+        leave_out: effects that are not considered.
+        policy: decides what is significant, and large enough.
+    """
+    out = {*leave_out, *(effect.name for effect in problem.drive.model.effects)}
+    least = policy.least_torque * float(np.sqrt(np.mean(problem.recording.torque**2)))
+    waves = fast_waves(problem, parameters, policy.significance, least)
+    if waves is None:
+        return None
+    rows = carriers_alone(problem, waves.carriers)
+    if not rows.rows:
+        return FastRipple(waves, None)
+    regression = regression_of(rows, parameters)
+    tested = _tested(rows, regression, waves, out)
+    if not tested:
+        return FastRipple(waves, None)
+    first = tested[0]
+
+    def is_alike(other: CandidateTest) -> bool:
+        return compare(other.evidence.loss, first.evidence.loss, regression.terms)[1] > policy.alike_significance
+
+    return FastRipple(waves, LookAlikes(first, (first, *filter(is_alike, tested[1:]))))
+
+
+def _tested(rows: WeakFormProblem, regression: Regression, waves: Waves, leave_out: set[str]) -> list[CandidateTest]:
+    """Return the tests of all effects whose one nonlinear parameter is a wave number, the least residual first."""
+    tested = []
+    registered = plugins.load().effects
+    for name in registered:
+        for effect in registered[name].candidates(rows.recording) if name not in leave_out else ():
+            alone = rows.alone(effect)
+            nonlinear = [p for p, linear in zip(effect.parameters, alone.model.linear, strict=True) if not linear]
+            if effect.name in leave_out or [p.periodic for p in nonlinear] != [True] or alone.model.states:
+                continue
+            found = of_waves(rows, regression, effect, alone, waves)
+            if found is not None:
+                tested.append(tested_at(regression, effect, found))
+    # That there is a wave was tested once for all of them, on the samples, against all other waves; the rows tell
+    # what it goes with.
+    p_value = max(waves.lines[0].p_value, LEAST_P)
+    tested = [replace(t, p_value=p_value, adjusted=p_value) for t in tested]
+    return sorted(tested, key=lambda t: float(np.sum(t.evidence.loss)))

@@ -1,0 +1,69 @@
+"""The momentum balance from sample to sample: what a fitted model leaves where no bump averages."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fricmodels.arrays import Array
+from fricmodels.weakform.carriers import at_steps, step_positions
+from fricmodels.weakform.problem import WeakFormProblem
+
+
+@dataclass(frozen=True)
+class Steps:
+    """The momentum balance from sample to sample, as far as the motion is certain.
+
+    Attributes:
+        place, passed: position of each balance, and what the drive passes between two samples there, shape (N,).
+        residual: mean torque that the model leaves, shape (N,); zero where it is not used.
+        used: where the motion is certain.
+        order: how often the balance averages over a sampling interval: once, or twice where velocities are means.
+    """
+
+    place: Array
+    passed: Array
+    residual: Array
+    used: NDArray[np.bool_]
+    order: int
+
+    @classmethod
+    def of(cls, problem: WeakFormProblem, parameters: Mapping[str, float]) -> Steps:
+        """Evaluate what a fitted model leaves."""
+        drive, bumps, recording = problem.drive, problem.bumps, problem.recording
+        pairs = list(zip(drive.model.parameters, drive.model.linear, strict=True))
+        nonlinear = [parameters[p.key] for p, linear in pairs if not linear]
+        theta = np.array([0.0 if p.declared.delay else parameters[p.key] for p, linear in pairs if linear])
+        design, offset = problem.evaluate(drive, nonlinear)
+        points = problem.quadrature.recording
+        left = points.torque - points.load_torque - theta @ design - offset
+        impulses = at_steps(problem.quadrature.impulses(left[None]), bumps.over_cells)[0]
+        inertia, _ = drive.split(parameters)
+        velocity = problem.cell_velocity
+        covered = bumps.covered(len(recording))
+        used = covered & np.roll(covered, 1) & np.roll(covered, -1)
+        balance = (impulses - inertia * np.diff(velocity, prepend=velocity[:1])) / recording.interval
+        place, passed = positions(problem)
+        used &= passed != 0.0
+        return cls(place, passed, np.where(used, balance, 0.0), used, 2 if bumps.over_cells else 1)
+
+    @cached_property
+    def span(self) -> float:
+        """The range of position."""
+        return float(np.ptp(self.place[self.used])) if np.any(self.used) else 0.0
+
+
+def positions(problem: WeakFormProblem) -> tuple[Array, Array]:
+    """Return the position of each balance, and what the drive passes between two samples there, both shape (N,).
+
+    An encoder's steps are no motion: what passes follows from the velocity freed of noise.
+    """
+    recording, over_cells = problem.recording, problem.bumps.over_cells
+    place, _ = step_positions(recording["position"], over_cells)
+    smooth = problem.smooth
+    between = smooth if over_cells else 0.5 * (smooth + np.concatenate([smooth[:1], smooth[:-1]]))
+    return place, recording.interval * between

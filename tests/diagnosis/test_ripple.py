@@ -1,0 +1,83 @@
+"""A diagnosis of drives with waves over position that pass within a few samples."""
+
+from __future__ import annotations
+
+import importlib
+from collections.abc import Iterator
+from pathlib import Path
+from types import ModuleType
+
+import numpy as np
+import pytest
+
+from fricmodels.diagnosis import Diagnosis, diagnose
+from fricmodels.diagnosis.document import document
+from fricmodels.diagnosis.explain import explain
+
+INERTIA = 2.0
+
+
+@pytest.fixture(scope="module")
+def benchmark() -> Iterator[ModuleType]:
+    """Return the module that makes such drives."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.syspath_prepend(str(Path(__file__).parents[2] / "benchmarks"))
+        yield importlib.import_module("fast_ripple")
+
+
+@pytest.mark.parametrize(("kind", "per_wave"), [("cogging", 3.0), ("position-friction", 5.0), ("cogging", 8.0)])
+def test_a_fast_wave_is_named_with_its_wave_number_and_amplitude(
+    benchmark: ModuleType, kind: str, per_wave: float
+) -> None:
+    outcome = benchmark.judged(benchmark.trial(kind, per_wave, 10))
+    assert outcome.right
+    assert not outcome.false
+    assert abs(outcome.error) < 0.2
+
+
+def test_k_is_named_and_not_2k(benchmark: ModuleType) -> None:
+    outcome = benchmark.judged(benchmark.trial("cogging, k and 2k (1 : 2)", 6.0, 12))
+    assert outcome.right
+    assert not outcome.double
+
+
+@pytest.fixture(scope="module")
+def clean(benchmark: ModuleType) -> Diagnosis:
+    """Return the diagnosis of a drive without a wave."""
+    return diagnose(benchmark.trial("", 5.0, 14).recording, "coulomb-viscous", INERTIA)
+
+
+def test_nothing_is_named_on_a_clean_drive(clean: Diagnosis) -> None:
+    assert clean.verdict == "adequate"
+    assert clean.ripple is None
+
+
+def test_what_would_have_been_seen_has_a_band(benchmark: ModuleType, clean: Diagnosis) -> None:
+    """From one period over the travel to half a wave a sample; what is twice the size there is named."""
+    recording = clean.comparison.train
+    band = clean.visibility["cogging"].band
+    assert band is not None
+    assert band[0] == pytest.approx(2 * np.pi / np.ptp(recording["position"]), rel=0.05)
+    passed = np.abs(recording.velocity) * recording.interval
+    assert band[1] * np.median(passed) == pytest.approx(np.pi, rel=0.2)
+    assert clean.visibility["torque-offset"].band is None
+    data = document(clean)["could_have_been_seen"]
+    assert data["cogging"]["band"] == pytest.approx(band)
+    assert "band" not in data["torque-offset"]
+
+
+def test_one_period_over_the_travel_is_named(benchmark: ModuleType) -> None:
+    """A gear's output side turns less than once."""
+    one = benchmark.trial("cogging", 450.0, 16)
+    travel = float(np.ptp(one.recording["position"]))
+    assert one.k * travel < 1.6 * 2 * np.pi
+    found = diagnose(one.recording, "coulomb-viscous", INERTIA)
+    assert found.findings[0].tested.name == "cogging"
+    assert found.findings[0].tested.parameters["k"] == pytest.approx(one.k, abs=np.pi / travel)
+
+
+def test_the_wave_is_told_in_words(benchmark: ModuleType) -> None:
+    found = diagnose(benchmark.trial("cogging", 5.0, 18).recording, "coulomb-viscous", INERTIA)
+    assert found.ripple is not None
+    assert "a wave over position: k = " in explain(found)
+    assert "a turn" in explain(found)
