@@ -17,6 +17,7 @@ import numpy as np
 from fricmodels.arrays import Array
 from fricmodels.dimension import Motion
 from fricmodels.errors import InputError
+from fricmodels.readers.unit_text import is_plain
 from fricmodels.recording import CHANNELS
 
 _NOT_MECHANICAL = {"temperature": "degC", "current": "A"}
@@ -49,13 +50,15 @@ def _registry() -> Any:
 @lru_cache(maxsize=256)
 def _quantity(unit: str) -> Any:
     """Return one of the unit. The angle stays in its root units, where Pint's dimensions leave it out."""
+    if not is_plain(unit):
+        raise InputError(f"unknown unit '{unit if len(unit) < 60 else unit[:60] + '…'}'")
     registry = _registry()
     try:
         try:
             return registry.Quantity(1.0, registry.parse_units(unit))
         except Exception:
             return registry.Quantity(registry.parse_expression(_COUNT.sub("turn", unit).replace("°", "deg")))
-    except Exception:
+    except Exception:  # whatever Pint makes of a text from a file
         raise InputError(f"unknown unit '{unit}'") from None
 
 
