@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import hashlib
+import stat
 from collections.abc import Mapping
+from contextlib import redirect_stdout
+from io import StringIO
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -13,6 +16,7 @@ from fricmodels.arrays import Array, Index
 from fricmodels.dimension import Motion
 from fricmodels.errors import InputError, suggestion
 from fricmodels.readers import units
+from fricmodels.readers.apart import table_apart
 from fricmodels.readers.base import Reader
 from fricmodels.readers.checks import check
 from fricmodels.readers.columns import Column, Mapped, assign
@@ -23,6 +27,8 @@ if TYPE_CHECKING:
     import pandas as pd
 
 
+_WHOLE = 2.0**53
+"""Below this every whole number is a float of its own."""
 _AS_IT_IS = units.Conversion(1.0, 0.0)
 
 
@@ -57,7 +63,7 @@ def read(
     source = Path(path)
     _check_file(source)
     chosen = _reader(source, reader)
-    table = chosen.table(source)
+    table = _table(chosen, source)
     try:
         found, kind = assign(columns, [str(column) for column in table.columns], motion)
         found = _with_stated_units(found, table.attrs.get("units", {}))
@@ -93,7 +99,32 @@ def read(
     return unwrap(recording)
 
 
+def _table(reader: Reader, source: Path) -> pd.DataFrame:
+    """Return the reader's table, or one line that says why there is none; a plugin's reader is named."""
+    try:
+        reader.look(source)
+        if reader.apart:
+            return table_apart(reader, source)
+        with redirect_stdout(StringIO()):  # what a plugin prints is no result of ours
+            return reader.table(source)
+    except InputError:
+        raise
+    except (Exception, SystemExit) as error:
+        reason = " ".join(str(error).split()) or "no reason is given"
+        raise InputError(
+            f"{source}: the reader '{reader.name}' cannot read it: {type(error).__name__}: {reason}"
+        ) from error
+
+
 def _check_file(source: Path) -> None:
+    try:
+        kind = source.stat().st_mode
+    except (OSError, ValueError) as error:
+        if not isinstance(error, FileNotFoundError):
+            raise InputError(f"{source}: cannot be opened: {getattr(error, 'strerror', error)}") from None
+    else:
+        if not stat.S_ISREG(kind) and not stat.S_ISDIR(kind):
+            raise InputError(f"{source}: is a device or a pipe, no file; write the samples into a file first")
     if source.is_dir():
         raise InputError(f"{source}: is a directory; name a file in it")
     if not source.exists():
@@ -171,6 +202,8 @@ def _numbers(source: Path, reader: Reader, table: pd.DataFrame, column: Column) 
     values = table[column.column]
     if pd.api.types.is_datetime64_any_dtype(values):
         return np.asarray((values - values.iloc[0]).dt.total_seconds(), dtype=float)
+    if pd.api.types.is_timedelta64_dtype(values):
+        return np.asarray(values.dt.total_seconds(), dtype=float)
     if pd.api.types.is_numeric_dtype(values):
         return values.to_numpy(dtype=float, na_value=np.nan)
     numbers = pd.to_numeric(values, errors="coerce")
@@ -204,7 +237,7 @@ def _runs(
             f"{source}: {reader.place(source, int(empty[0]))}, column '{found['run'].column}': the run is not named; "
             f"name it, or remove that row"
         )
-    if pd.api.types.is_numeric_dtype(values) and (values == values.round()).all():
+    if pd.api.types.is_numeric_dtype(values) and (values == values.round()).all() and (values.abs() < _WHOLE).all():
         return values.to_numpy(dtype=np.int64), {}
     codes, names = pd.factorize(values.astype(str))
     return codes.astype(np.int64), {i: str(label) for i, label in enumerate(names)}
