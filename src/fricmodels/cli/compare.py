@@ -35,18 +35,20 @@ def command(
     check(report)
     from rich.console import Console
 
+    from fricmodels.cli.answers import answered
     from fricmodels.diagnosis import compare
     from fricmodels.diagnosis.overlay import write_overlay
     from fricmodels.diagnosis.present import show_comparison
 
-    comparison = compare(recording, chosen, inertia)
-    console = Console()
-    show_comparison(console, comparison)
-    if out is not None:
-        console.print(f"wrote {write_overlay(comparison, out)}")
-    if report is not None:
-        from fricmodels.report import story
-        from fricmodels.report import write as write_report
+    with answered(recording, chosen):
+        comparison = compare(recording, chosen, inertia)
+        console = Console()
+        show_comparison(console, comparison)
+        if out is not None:
+            console.print(f"wrote {write_overlay(comparison, out)}")
+        if report is not None:
+            from fricmodels.report import story
+            from fricmodels.report import write as write_report
 
-        page = story.of_comparison(comparison, ["--trust"] * trust)
-        console.print(f"wrote {write_report(page, report)}")
+            page = story.of_comparison(comparison, ["--trust"] * trust)
+            console.print(f"wrote {write_report(page, report)}")

@@ -67,20 +67,47 @@ def load(
             that every answer would be nonsense.
     """
     from fricmodels import plugins
+    from fricmodels.cli.answers import check_computable
     from fricmodels.cli.printing import warn
     from fricmodels.dimension import Motion
     from fricmodels.logcheck import checked
     from fricmodels.model import Model
     from fricmodels.readers import read_together
+    from fricmodels.tournament.jobs import check_plugins
 
     chosen = Model.parse(model)
+    check_plugins(model)
     for effect in leave_out or ():
         plugins.load().effects.entry(effect)
     motion = Motion.LINEAR if linear else None
     recording = read_together(
         data, columns=columns or (), motion=motion, reader=reader, torque_constant=torque_constant
     )
+    check_computable(recording, inertia)
     return checked(recording, inertia, trust=trust, warn=warn), chosen
+
+
+def unusable_effects(known: Sequence[str]) -> list[str]:
+    """Return the names of effects of plugins that would spoil a diagnosis, each with a warning.
+
+    Args:
+        known: names that need no look, as they are left out already.
+    """
+    from fricmodels import plugins
+    from fricmodels.cli.printing import warn
+    from fricmodels.tournament.jobs import check_plugins
+
+    effects, found = plugins.load().effects, []
+    for name in effects:
+        distribution = effects.entry(name).distribution
+        if distribution == "fricmodels" or name in known:
+            continue
+        try:
+            check_plugins(f"coulomb-viscous+{name}")
+        except (Exception, SystemExit) as error:
+            warn([f"effect '{name}' of {distribution} is left out: {error}"])
+            found.append(name)
+    return found
 
 
 @dataclass(frozen=True)
@@ -117,9 +144,13 @@ def measured(work: Callable[[Measurement], None]) -> Callable[..., None]:
         out: Out = None,
         report: Report = None,
     ) -> None:
+        from fricmodels.cli.answers import answered
+
         recording, chosen = load(data, model, column, torque_constant, reader, linear, leave_out, inertia, trust)
         check(report)
-        work(Measurement(recording, chosen, inertia, tuple(leave_out or ()), out, report, trust))
+        left_out = (*(leave_out or ()), *unusable_effects(leave_out or ()))
+        with answered(recording, chosen):
+            work(Measurement(recording, chosen, inertia, left_out, out, report, trust))
 
     command.__doc__ = work.__doc__
     return command

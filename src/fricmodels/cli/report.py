@@ -7,7 +7,17 @@ from typing import Annotated
 
 import typer
 
-from fricmodels.cli.measurement import Column, Format, Inertia, LeaveOut, Linear, TorqueConstant, Trust, load
+from fricmodels.cli.measurement import (
+    Column,
+    Format,
+    Inertia,
+    LeaveOut,
+    Linear,
+    TorqueConstant,
+    Trust,
+    load,
+    unusable_effects,
+)
 
 
 def command(
@@ -51,9 +61,12 @@ def command(
     recording, chosen = load(target, model, column, torque_constant, reader, linear, leave_out, inertia, trust)
     from rich.console import Console
 
+    from fricmodels.cli.answers import answered
     from fricmodels.diagnosis import improve
 
-    with Console(stderr=True).status("improving") as status:
-        ladder = improve(recording, chosen, inertia, leave_out=leave_out or (), progress=status.update)
-    options = [part for name in leave_out or () for part in ("--leave-out", name)] + ["--trust"] * trust
-    print(f"wrote {write(story.of_ladder(ladder, options), page)}")
+    left_out = [*(leave_out or ()), *unusable_effects(leave_out or ())]
+    with answered(recording, chosen):
+        with Console(stderr=True).status("improving") as status:
+            ladder = improve(recording, chosen, inertia, leave_out=left_out, progress=status.update)
+        options = [part for name in left_out for part in ("--leave-out", name)] + ["--trust"] * trust
+        print(f"wrote {write(story.of_ladder(ladder, options), page)}")

@@ -43,7 +43,7 @@ def check(recording: Recording, place: Callable[[int], str] = _sample) -> None:
     _check_motion(recording, source)
 
 
-GREATEST = 1e150
+GREATEST = 1e153
 """Greater numbers, and steps of time below its inverse, have no square: nothing can be computed from them."""
 
 
