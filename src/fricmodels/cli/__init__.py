@@ -18,6 +18,7 @@ COMMANDS = {
     "run": "Run a tournament and rank models and estimators.",
     "leaderboard": "Show or export the leaderboard of a run.",
     "list": "List laws, effects, estimators, readers or the data sets of a run.",
+    "plugins": "List installed distributions, what they give, and their state.",
     "info": "Say what a recording is, and what is the matter with it.",
     "compare": "Compare a model with a recording: where does it fail?",
     "diagnose": "Name the effect that a model is missing.",

@@ -70,12 +70,20 @@ def load(
     from fricmodels.cli.answers import check_computable
     from fricmodels.cli.printing import warn
     from fricmodels.dimension import Motion
+    from fricmodels.errors import InputError
     from fricmodels.logcheck import checked
     from fricmodels.model import Model
     from fricmodels.readers import read_together
     from fricmodels.tournament.jobs import check_plugins
 
     chosen = Model.parse(model)
+    registered = plugins.load()
+    for term in chosen.terms:
+        registry = registered.laws if term is chosen.law else registered.effects
+        danger = registry.danger(term.name)
+        if danger is not None:
+            owner = registry.entry(term.name).distribution
+            raise InputError(f"{registry.kind} '{term.name}' of {owner} cannot be used here: {danger}")
     check_plugins(model)
     for effect in leave_out or ():
         plugins.load().effects.entry(effect)
@@ -98,6 +106,7 @@ def unusable_effects(known: Sequence[str]) -> list[str]:
     from fricmodels.tournament.jobs import check_plugins
 
     effects, found = plugins.load().effects, []
+    warn([*plugins.load().failures, *plugins.load().unsafe])
     for name in effects:
         distribution = effects.entry(name).distribution
         if distribution == "fricmodels" or name in known:

@@ -95,7 +95,7 @@ def named(name: str) -> list[tuple[str, str]]:
     entries = [
         (kind, own, registry.entry(own).distribution)
         for kind, registry in loaded.registries.items()
-        for own in registry
+        for own in registry.names
     ]
     found = [(kind, own) for kind, own, distribution in entries if name in (own, distribution)]
     if not found:
