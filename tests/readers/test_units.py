@@ -86,6 +86,8 @@ def test_the_kind_of_motion_that_a_unit_belongs_to():
         "s²²²",
         "s**99",
         "s**s",
+        "N**turn",
+        "s* *9",
         "2**s",
         "(s",
         "s)",
@@ -112,3 +114,8 @@ def test_a_unit_that_is_more_than_a_unit_is_refused_at_once(unit: str) -> None:
 )
 def test_units_with_numbers_and_exponents_are_worked_out(unit: str, factor: float) -> None:
     assert conversion(unit, "time", Motion.ROTARY).factor == pytest.approx(factor)
+
+
+def test_a_unit_beyond_floats_is_no_unit() -> None:
+    with pytest.raises(InputError, match="unknown unit"):
+        conversion("count**12(1e3turn)1e3", "velocity", Motion.ROTARY)

@@ -6,6 +6,7 @@ from fricmodels.cli.measurement import (
     Column,
     Data,
     Format,
+    GapsOption,
     Inertia,
     Linear,
     ModelName,
@@ -14,6 +15,7 @@ from fricmodels.cli.measurement import (
     TorqueConstant,
     Trust,
     check,
+    gaps_option,
     load,
 )
 
@@ -27,11 +29,12 @@ def command(
     reader: Format = None,
     linear: Linear = False,
     trust: Trust = False,
+    gaps: GapsOption = None,
     out: Out = None,
     report: Report = None,
 ) -> None:
     """Fit a model to a recording and show where it fails."""
-    recording, chosen = load(data, model, column, torque_constant, reader, linear, None, inertia, trust)
+    recording, chosen = load(data, model, column, torque_constant, reader, linear, None, inertia, trust, gaps)
     check(report)
     from rich.console import Console
 
@@ -50,5 +53,5 @@ def command(
             from fricmodels.report import story
             from fricmodels.report import write as write_report
 
-            page = story.of_comparison(comparison, ["--trust"] * trust)
+            page = story.of_comparison(comparison, ["--trust"] * trust + gaps_option(gaps))
             console.print(f"wrote {write_report(page, report)}")

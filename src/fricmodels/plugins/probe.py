@@ -35,16 +35,15 @@ LIMIT = "FRICMODELS_PLUGIN_TIMEOUT"
 """Environment variable: seconds that a plugin may take to be loaded the first time."""
 _DEFAULT_LIMIT = 20.0
 _UNDER_WAY = "FRICMODELS_PLUGIN_PROBE"
-_SURVIVED = 73
+SURVIVED = 73
+"""Exit code of a child that came to its end."""
 _CODES = tuple(importlib.machinery.all_suffixes())
 _CHILD = """\
 import json, sys
 sys.path[:] = json.loads(sys.argv[1])
-from fricmodels.plugins.probe import child
-child(*sys.argv[2:])
+from fricmodels.plugins.child import run
+run(*sys.argv[2:])
 """
-_MEMORY = 8 << 30
-"""Bytes of addresses that a child may take beyond what it has; libraries reserve much and use little."""
 _USE = 6.0
 """Seconds that building the equations of one class may take; they take milliseconds."""
 _VERSION = "2"
@@ -222,7 +221,7 @@ def _tried(points: Sequence[EntryPoint], limit: float) -> Iterator[tuple[EntryPo
                 _end(trial.process)
                 trial.listen()
                 trial.close()
-                if trial.using is None or code == _SURVIVED:
+                if trial.using is None or code == SURVIVED:
                     yield point, Verdict(_reason(code, limit, "importing it"), tuple(dangers[point]))
                 else:
                     kind, name, method = trial.using
@@ -233,26 +232,6 @@ def _tried(points: Sequence[EntryPoint], limit: float) -> Iterator[tuple[EntryPo
         for trial in running.values():
             _end(trial.process)
             trial.close()
-
-
-def child(name: str, value: str, skip: str, parent: str) -> None:
-    """Try a plugin in this process; its exit code says whether it came to the end, its output what it did last."""
-    from fricmodels.plugins.loading import survive
-    from fricmodels.processes import end_with_parent
-
-    end_with_parent(int(parent))
-    heard = os.dup(1)
-    os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
-    with suppress(ImportError):  # not on Windows
-        import resource
-
-        resource.setrlimit(resource.RLIMIT_AS, (_MEMORY, _MEMORY))
-
-    def doing(*what: str) -> None:
-        os.write(heard, json.dumps(what).encode() + b"\n")
-
-    survive(name, value, [tuple(pair) for pair in json.loads(skip)], doing)
-    sys.exit(_SURVIVED)
 
 
 def _started(point: EntryPoint) -> subprocess.Popen[bytes]:
@@ -287,7 +266,7 @@ def _reason(code: int | None, limit: float, doing: str) -> str:
     again = "it is tried again when its files change"
     if code is None:
         return f"{doing} does not end within {limit:g} s ({LIMIT} sets the limit); {again}"
-    if code == _SURVIVED:
+    if code == SURVIVED:
         return ""
     if code < 0:
         name = signal.Signals(-code).name if -code in {*signal.Signals} else f"signal {-code}"

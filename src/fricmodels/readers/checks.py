@@ -33,7 +33,7 @@ def check(recording: Recording, place: Callable[[int], str] = _sample) -> None:
             others = f", and {len(bad) - 1} more" if len(bad) > 1 else ""
             raise InputError(
                 f"{source}: {place(int(bad[0]))}, {channel} ({columns.get(channel, channel)}): {value}{others}; "
-                f"remove or repair those rows"
+                f"remove or repair those rows, or leave them out with --gaps drop or --gaps split"
             )
     _check_size(recording, source, columns)
     if len(recording) < 2:
@@ -73,7 +73,7 @@ def _check_time(recording: Recording, source: str, place: Callable[[int], str]) 
         way = "drop repeated samples" if here == before else "sort the samples"
         raise InputError(
             f"{source}: {place(row)}: {cause}; {way}, or if a new run begins there name its column "
-            f"with --column run=COLUMN"
+            f"with --column run=COLUMN, or begin one there with --gaps split"
         )
     counts = np.bincount(np.unique(recording.run, return_inverse=True)[1])
     if (counts < 2).any():

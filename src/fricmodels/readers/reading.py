@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from contextlib import redirect_stdout
 from io import StringIO
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
@@ -20,6 +20,7 @@ from fricmodels.readers.apart import table_apart
 from fricmodels.readers.base import Reader
 from fricmodels.readers.checks import check
 from fricmodels.readers.columns import Column, Mapped, assign
+from fricmodels.readers.gaps import Gaps, kept
 from fricmodels.recording import OTHER, Recording
 from fricmodels.signals.wrapping import unwrap
 
@@ -40,6 +41,7 @@ def read(
     name: str | None = None,
     reader: str | None = None,
     torque_constant: float | None = None,
+    gaps: Gaps | Literal["drop", "split"] | None = None,
 ) -> Recording:
     """Read a recording.
 
@@ -52,6 +54,8 @@ def read(
         name: of the recording; the file's stem if not given.
         reader: name of the reader, if not by suffix.
         torque_constant: K_t [N m/A, or N/A], which makes torque of the current where no torque was measured.
+        gaps: what is done with rows that hold no number, and where the clock starts anew; see
+            :mod:`fricmodels.readers.gaps`. How many were left out is in ``provenance["gaps"]``.
 
     Returns:
         The recording in SI units, samples of each run together, checked by :func:`fricmodels.readers.check`; a position
@@ -80,17 +84,28 @@ def read(
         channel: conversion(_numbers(source, chosen, table, found[column]))[order]
         for channel, (column, conversion) in conversions.items()
     }
+    run = run[order]
+    left: dict[str, Any] = {}
+    if gaps is not None:
+        found_rows = kept(channels, run, Gaps(gaps))
+        channels = {channel: values[found_rows.rows] for channel, values in channels.items()}
+        run, order = found_rows.run, order[found_rows.rows]
+        run_names = run_names if not found_rows.added else {}
+        left = {"gaps": str(found_rows)} if found_rows.dropped or found_rows.added else {}
+        if not len(order):
+            raise InputError(f"{source}: no row has a number in every channel")
     recording = Recording(
         name=name or source.stem,
         motion=kind,
         channels=channels,
-        run=run[order],
+        run=run,
         provenance={
             "source": str(source),
             "sha256": _sha256(source),
             "reader": chosen.name,
             "columns": {channel: str(column) for channel, column in found.items()},
             **({"runs": run_names} if run_names else {}),
+            **left,
             **({"torque_constant": torque_constant} if torque_constant is not None else {}),
         },
         units={channel: further.get(channel, (_AS_IT_IS, ""))[1] for channel in _further(found)},

@@ -18,7 +18,7 @@ _TOKEN = re.compile(
     | (?:\*\*|\^)\s*(?P<exponent>[-+]?{_NUMBER}(?![\w.])|\(\s*[-+]?{_NUMBER}\s*(?:/\s*{_NUMBER}\s*)?\))
     | (?P<number>{_NUMBER})
     | (?P<name>[^\W\d{_RAISED}][^\W{_RAISED}]*|[°%‰′″Ω℃℉Å])
-    | (?P<sign>[*/·×⋅-])
+    | (?P<sign>\*(?!\s*\*)|[/·×⋅-])
     | (?P<bracket>[()])
     )""",
     re.VERBOSE,

@@ -13,6 +13,7 @@ from fricmodels import plugins
 from fricmodels.dimension import Motion
 from fricmodels.documents import Document, read_yaml, validate
 from fricmodels.errors import InputError
+from fricmodels.gaps import Gaps
 from fricmodels.signals import Preparation
 from fricmodels.split import Split
 
@@ -136,6 +137,7 @@ class Dataset(Closed):
     )
     estimate_inertia: bool = Field(default=False, description="estimate the inertia of a simulated drive too")
     torque_constant: float | None = Field(default=None, gt=0, allow_inf_nan=False, description="N m/A or N/A")
+    gaps: Gaps | None = Field(default=None, description="leave out rows without numbers: drop them, or split into runs")
     runs: Annotated[list[str], BeforeValidator(_run_names), Field(min_length=1)] | None = Field(
         default=None, description="numbers or names of the runs to use; all by default"
     )
