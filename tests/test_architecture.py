@@ -15,7 +15,7 @@ SOURCES = ROOT / "src"
 
 # The way of the data: a layer imports those above it in this list, and itself.
 LAYERS = (
-    {"arrays", "errors", "display", "documents", "files", "terminal"},
+    {"arrays", "errors", "display", "documents", "files", "gaps", "processes", "stored", "terminal", "yaml_file"},
     {"dimension"},
     {"expressions", "parameter"},
     {"hookspecs", "past", "term", "recording"},

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import time
 from pathlib import Path
 
 import pytest
@@ -85,3 +87,40 @@ def test_any_text_gives_content_or_one_line(tmp_path_factory: pytest.TempPathFac
     except InputError as error:
         message = str(error)
     assert len(message.splitlines()) <= 1
+
+
+BOMB = "a0: &a0 {x: 1}\n" + "\n".join(f"a{n}: &a{n} {{<<: [{', '.join([f'*a{n - 1}'] * 9)}]}}" for n in range(1, 11))
+HOSTILE = {
+    "merge bomb": (BOMB, "more than 100000 entries"),
+    "merge of itself": ("a: 1\nb: &b {<<: *b}\n", ":2: is merged more than 50 deep"),
+    "open brackets": ("a: 1\nb: " + "[" * 3000, ":2: is nested more than 50 deep"),
+    "mappings in mappings": ("{a: " * 3000 + "}" * 3000, ":1: is nested more than 50 deep"),
+    "indented ever more": ("\n".join(" " * depth + "a:" for depth in range(2000)), "is nested more than 50 deep"),
+    "no truth value": ("a: 1\nb: !!bool maybe\n", ":2: is not valid YAML: 'maybe' is no bool"),
+    "no time": ("b: !!timestamp never\n", ":1: is not valid YAML: 'never' is no timestamp"),
+    "no integer": ("a: 1\nb: !!int ''\n", ":2: is not valid YAML: '' is no int"),
+    "no day": ("a: 1\nb: 2020-13-45\n", ":2: is not valid YAML: '2020-13-45' is no timestamp"),
+    "digits without end": ("a: 1\nb: " + "1" * 5000, ":2: is not valid YAML: '1111"),
+    "key that is a number": ("a: 1\n5: 1\n", ":2: the key '5' is no text"),
+    "key that is a truth value": ("a: 1\ntrue: 1\n", ":2: the key 'true' is no text"),
+    "key that is a list": ("a: 1\n[1, 2]: 1\n", ":2: the key of several values is no text"),
+    "megabytes": ("# " + "x" * 5_000_000, "longer than 4 MB"),
+}
+
+
+@pytest.mark.parametrize("case", HOSTILE)
+def test_hostile_files_are_refused_at_once_with_their_line(case: str, tmp_path: Path) -> None:
+    text, expected = HOSTILE[case]
+    file = written(tmp_path, text)
+    begin = time.monotonic()
+    with pytest.raises(InputError) as refused:
+        read_yaml(file)
+    assert expected in str(refused.value)
+    assert time.monotonic() - begin < 10
+
+
+def test_what_is_no_file_is_not_waited_for(tmp_path: Path) -> None:
+    pipe = tmp_path / "pipe.yaml"
+    os.mkfifo(pipe)
+    with pytest.raises(InputError, match="is no file but a device or a pipe"):
+        read_yaml(pipe)

@@ -1,120 +1,18 @@
-"""Reads a YAML file and remembers where every key stands, so that an error can name its line."""
+"""Turns what stands in a YAML file into a typed document; errors name line, key and the nearest right key."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from pathlib import Path
 from typing import Any, Literal, TypeVar, get_args, get_origin
 
-import yaml
 from pydantic import BaseModel, ValidationError
 
 from fricmodels.errors import InputError, suggestion
+from fricmodels.yaml_file import Document as Document
+from fricmodels.yaml_file import Place
+from fricmodels.yaml_file import read_yaml as read_yaml
 
-Place = tuple[str | int, ...]
 M = TypeVar("M", bound=BaseModel)
-_MOST_NODES = 100_000
-_DEEPEST = 50
-
-
-@dataclass(frozen=True)
-class Document:
-    """The content of a YAML file, and the line of each of its keys and items."""
-
-    file: Path
-    content: Any
-    lines: dict[Place, int]
-
-    def line(self, path: Sequence[str | int]) -> int:
-        """Return the line of the innermost part of ``path`` that the file has."""
-        parts = tuple(path)
-        while parts and parts not in self.lines:
-            parts = parts[:-1]
-        return self.lines.get(parts, 1)
-
-    def error(self, path: Sequence[str | int], message: str) -> InputError:
-        """Return an error that names file and line."""
-        return InputError(f"{self.file}:{self.line(path)}: {message}")
-
-
-def read_yaml(file: str | Path) -> Document:
-    """Read a YAML file safely: no tag builds an object, no key stands twice.
-
-    Raises:
-        InputError: naming file and line.
-    """
-    path = Path(file)
-    try:
-        text = path.read_text(encoding="utf-8")
-    except FileNotFoundError:
-        raise InputError(f"{path}: there is no such file") from None
-    except (OSError, UnicodeDecodeError) as error:
-        raise InputError(f"{path}: cannot be read as text: {error}") from None
-    loader = None
-    try:
-        loader = yaml.SafeLoader(text)
-        node = loader.get_single_node()
-        if node is None:
-            raise InputError(f"{path}: the file is empty")
-        lines = _lines(node, path)
-        content = loader.construct_document(node)
-    except yaml.MarkedYAMLError as error:
-        mark = error.problem_mark or error.context_mark
-        where = f"{path}:{mark.line + 1}" if mark else str(path)
-        raise InputError(f"{where}: {_one_line(error)}") from None
-    except (yaml.YAMLError, RecursionError, ValueError) as error:
-        raise InputError(f"{path}: is not valid YAML: {' '.join(str(error).split())}") from None
-    finally:
-        if loader is not None:
-            loader.dispose()
-    return Document(path, content, lines)
-
-
-def _one_line(error: yaml.MarkedYAMLError) -> str:
-    problem = " ".join(str(error.problem or error.context or "is not valid YAML").split())
-    if "could not determine a constructor for the tag" in problem:
-        tag = problem.split("'")[1] if "'" in problem else "?"
-        return f"the tag '{tag}' is refused: a configuration builds no objects; write plain values"
-    return f"is not valid YAML: {problem}"
-
-
-def _lines(root: yaml.Node, file: Path) -> dict[Place, int]:
-    lines: dict[Place, int] = {(): root.start_mark.line + 1}
-    waiting: list[tuple[Place, yaml.Node]] = [((), root)]
-    while waiting:
-        if len(lines) > _MOST_NODES:
-            raise InputError(f"{file}: has more than {_MOST_NODES} entries after its anchors are followed")
-        path, node = waiting.pop()
-        if len(path) > _DEEPEST:
-            raise InputError(f"{file}:{node.start_mark.line + 1}: is nested more than {_DEEPEST} deep")
-        if isinstance(node, yaml.MappingNode):
-            waiting.extend(_keys(path, node, file, lines))
-        elif isinstance(node, yaml.SequenceNode):
-            for index, item in enumerate(node.value):
-                lines[(*path, index)] = item.start_mark.line + 1
-                waiting.append(((*path, index), item))
-    return lines
-
-
-def _keys(path: Place, node: yaml.MappingNode, file: Path, lines: dict[Place, int]) -> list[tuple[Place, yaml.Node]]:
-    inside: list[tuple[Place, yaml.Node]] = []
-    seen: dict[str, int] = {}
-    for key, value in node.value:
-        line = key.start_mark.line + 1
-        name = str(key.value)
-        if name in seen and key.tag != "tag:yaml.org,2002:merge":
-            raise InputError(f"{file}:{line}: key '{name}' stands twice; it is already on line {seen[name]}")
-        seen[name] = line
-        if key.tag == "tag:yaml.org,2002:merge":
-            merged = value.value if isinstance(value, yaml.SequenceNode) else [value]
-            for source in merged:
-                if isinstance(source, yaml.MappingNode):
-                    inside.extend(_keys(path, source, file, lines))
-            continue
-        lines[(*path, name)] = line
-        inside.append(((*path, name), value))
-    return inside
 
 
 def validate(document: Document, model: type[M]) -> M:
@@ -171,13 +69,22 @@ def _message(problem: Any, place: Place, model: type[BaseModel]) -> str:
         return f"key '{key}'{inside} cannot be '{problem['ctx']['tag']}'{suggestion(problem['ctx']['tag'], known)}"
     text = str(problem["msg"]).removeprefix("Value error, ")
     value = problem.get("input")
-    shown = f", got {value!r}" if isinstance(value, str | int | float | bool) or value is None else ""
+    shown = f", got {_short(value)}" if isinstance(value, str | int | float | bool) or value is None else ""
     if problem["type"] in ("literal_error", "enum") and isinstance(value, str):
         expected = [word.strip("'") for word in str(problem["ctx"]["expected"]).replace(" or ", ", ").split(", ")]
         return f"key '{key}'{inside} cannot be '{value}'{suggestion(value, expected)}"
     if problem["type"] == "value_error":
         return f"key '{key}'{inside}: {text}" if names else text
     return f"key '{key}'{inside}: {text[:1].lower()}{text[1:]}{shown}"
+
+
+def _short(value: object) -> str:
+    """Return a value as it is written, its middle left out where it is long."""
+    try:
+        text = repr(value)
+    except ValueError:  # Python writes no integer of more than some thousand digits
+        return "an integer of thousands of digits"
+    return text if len(text) <= 60 else f"{text[:40]}…{text[-10:]}"
 
 
 def _fields(model: type[BaseModel], path: Sequence[str | int]) -> set[str]:

@@ -217,7 +217,7 @@ def _build(terms: tuple[Term, ...], smooth: bool) -> ModelExpression:
     torque = casadi.SX(0)
     touched: set[str] = set()
     required: set[str] = set()
-    with rest_treatment(width, smooth=smooth):
+    with rest_treatment(width, smooth=smooth), plugins.unheard():
         for term, prefix in _prefixed(terms):
             own = {p.symbol: casadi.SX.sym(prefix + p.symbol) for p in term.parameters}
             memory = {z.symbol: casadi.SX.sym(prefix + z.symbol) for z in term.states}

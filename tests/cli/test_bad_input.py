@@ -89,6 +89,10 @@ CONFIGS = {
     "broken yaml": (("name: bench", "name: [bench"), ":3: ", "not valid YAML"),
     "run that is not there": (("inertia: 0.01", "runs: [7]"), "", "run '7'"),
     "impossible split": (("simulate: false", "split: {by: runs}"), "", "run"),
+    "name that leaves the folder": (("datasets:", "name: ../../x\ndatasets:"), ":1: ", "no / or"),
+    "name that is a path": (("datasets:", "name: /x\ndatasets:"), ":1: ", "no / or"),
+    "seeds without end": (("files: data.csv", "rig: rig.yaml\n    seeds: 2000000000"), ":4: ", "seeds"),
+    "number of 400 digits": (("inertia: 0.01", "inertia: " + "1" * 400), ":4: ", "…"),
     "effect twice": (("coulomb-viscous", "coulomb-viscous+cogging+cogging"), ":5: ", "twice"),
 }
 
@@ -103,6 +107,8 @@ def refused(capsys: pytest.CaptureFixture[str], arguments: list[str]) -> str:
     assert lines[0].startswith("error: ")
     assert "Traceback" not in captured.err
     assert captured.out == ""
+    assert len(lines[0]) < 1100
+    assert lines[0].isprintable()
     return lines[0]
 
 
@@ -147,6 +153,10 @@ def test_configs(case: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) 
         (["list", "datasets"], "--config"),
         (["leaderboard", "nowhere"], "nowhere"),
         (["simulate", "nowhere.yaml", "--out", "x.csv"], "nowhere.yaml"),
+        (["simulate", "nowhere.yaml", "--out", "x.csv", "--seed", "-1"], "--seed"),
+        (["compare", "x" * 5000 + ".csv", "--model", "coulomb-viscous"], "…"),
+        (["compare", "x.csv", "--model", "\x1b[31m\u202ered"], "'\ufffd[31m\ufffdred'"),
+        (["compare", "x.csv", "--model", "y" * 70_000], "unknown law"),
     ],
 )
 def test_arguments(

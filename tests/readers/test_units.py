@@ -1,4 +1,5 @@
 import math
+import time
 
 import pytest
 
@@ -72,3 +73,49 @@ def test_the_kind_of_motion_that_a_unit_belongs_to():
     assert fits("rpm", "velocity") == {R}
     assert fits("s", "time") == {R, L}
     assert fits("mm", "velocity") == set()
+
+
+@pytest.mark.parametrize(
+    "unit",
+    [
+        "10**10**8*s",
+        "9**9**9*s",
+        "2**(2**40)*s",
+        "s^2^3",
+        "s²**9",
+        "s²²²",
+        "s**99",
+        "s**s",
+        "N**turn",
+        "s* *9",
+        "2**s",
+        "(s",
+        "s)",
+        "(((((((((((s",
+        "s" * 5000,
+        "(" * 5000 + "s",
+        "1" * 400 + "*s",
+        "s;import os",
+        "__import__('os')",
+        "s**(1/0)",
+    ],
+)
+def test_a_unit_that_is_more_than_a_unit_is_refused_at_once(unit: str) -> None:
+    begin = time.monotonic()
+    assert not known(unit)
+    with pytest.raises(InputError, match="unknown unit") as refused:
+        conversion(unit, "time", Motion.ROTARY)
+    assert time.monotonic() - begin < 5
+    assert len(str(refused.value)) < 100
+
+
+@pytest.mark.parametrize(
+    ("unit", "factor"), [("1e-3 s", 1e-3), ("10**-3*s", 1e-3), ("(ms)", 1e-3), ("s**2/s", 1.0), ("ms²/ms", 1e-3)]
+)
+def test_units_with_numbers_and_exponents_are_worked_out(unit: str, factor: float) -> None:
+    assert conversion(unit, "time", Motion.ROTARY).factor == pytest.approx(factor)
+
+
+def test_a_unit_beyond_floats_is_no_unit() -> None:
+    with pytest.raises(InputError, match="unknown unit"):
+        conversion("count**12(1e3turn)1e3", "velocity", Motion.ROTARY)

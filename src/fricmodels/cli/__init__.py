@@ -7,18 +7,19 @@ import io
 import os
 import sys
 import traceback
+import warnings
 from typing import Annotated, Any
 
 import typer
 from typer.core import TyperGroup
 
 from fricmodels import __version__
-from fricmodels.errors import FricmodelsError
 
 COMMANDS = {
     "run": "Run a tournament and rank models and estimators.",
     "leaderboard": "Show or export the leaderboard of a run.",
     "list": "List laws, effects, estimators, readers or the data sets of a run.",
+    "plugins": "List installed distributions, what they give, and their state.",
     "info": "Say what a recording is, and what is the matter with it.",
     "compare": "Compare a model with a recording: where does it fail?",
     "diagnose": "Name the effect that a model is missing.",
@@ -91,35 +92,18 @@ def main(arguments: list[str] | None = None) -> None:
 
 
 def _run(arguments: list[str]) -> int:
+    from fricmodels.cli.boundary import explain, keep_warnings_from_users
+
+    debug = "--debug" in arguments
+    shown = warnings.showwarning
+    keep_warnings_from_users(debug)
     try:
         result = app(arguments or ["--help"], prog_name="fricmodels", standalone_mode=False)
-    except Exception as error:
-        if "--debug" in arguments:
+        sys.stdout.flush()  # a full disk behind a pipe is told here, not when the interpreter ends
+    except (Exception, KeyboardInterrupt, SystemExit) as error:
+        if debug and not isinstance(error, KeyboardInterrupt):
             traceback.print_exc()
-        return _explain(error)
-    except KeyboardInterrupt:
-        _say("interrupted")
-        return 130
+        return explain(error)
+    finally:
+        warnings.showwarning = shown
     return result if isinstance(result, int) else 0
-
-
-def _explain(error: Exception) -> int:
-    """Print an error in one line and return the exit code."""
-    if isinstance(error, FricmodelsError):
-        _say(str(error))
-        return error.exit_code
-    if isinstance(error, typer.Abort):
-        _say("interrupted")
-        return 130
-    usage = getattr(error, "format_message", None)
-    if callable(usage):
-        _say(f"{usage()} (see --help)")
-        return int(getattr(error, "exit_code", 2))
-    if isinstance(error, BrokenPipeError):
-        return 1
-    _say(f"{type(error).__name__}: {error} (unexpected; 'fricmodels --debug …' shows the traceback)")
-    return 1
-
-
-def _say(message: str) -> None:
-    print(f"error: {' '.join(message.split())}", file=sys.stderr)

@@ -6,6 +6,7 @@ from fricmodels.cli.measurement import (
     Column,
     Data,
     Format,
+    GapsOption,
     Inertia,
     Linear,
     ModelName,
@@ -14,6 +15,7 @@ from fricmodels.cli.measurement import (
     TorqueConstant,
     Trust,
     check,
+    gaps_option,
     load,
 )
 
@@ -27,26 +29,29 @@ def command(
     reader: Format = None,
     linear: Linear = False,
     trust: Trust = False,
+    gaps: GapsOption = None,
     out: Out = None,
     report: Report = None,
 ) -> None:
     """Fit a model to a recording and show where it fails."""
-    recording, chosen = load(data, model, column, torque_constant, reader, linear, None, inertia, trust)
+    recording, chosen = load(data, model, column, torque_constant, reader, linear, None, inertia, trust, gaps)
     check(report)
     from rich.console import Console
 
+    from fricmodels.cli.answers import answered
     from fricmodels.diagnosis import compare
     from fricmodels.diagnosis.overlay import write_overlay
     from fricmodels.diagnosis.present import show_comparison
 
-    comparison = compare(recording, chosen, inertia)
-    console = Console()
-    show_comparison(console, comparison)
-    if out is not None:
-        console.print(f"wrote {write_overlay(comparison, out)}")
-    if report is not None:
-        from fricmodels.report import story
-        from fricmodels.report import write as write_report
+    with answered(recording, chosen):
+        comparison = compare(recording, chosen, inertia)
+        console = Console()
+        show_comparison(console, comparison)
+        if out is not None:
+            console.print(f"wrote {write_overlay(comparison, out)}")
+        if report is not None:
+            from fricmodels.report import story
+            from fricmodels.report import write as write_report
 
-        page = story.of_comparison(comparison, ["--trust"] * trust)
-        console.print(f"wrote {write_report(page, report)}")
+            page = story.of_comparison(comparison, ["--trust"] * trust + gaps_option(gaps))
+            console.print(f"wrote {write_report(page, report)}")

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from fricmodels.cli.measurement import Column, Data, Format, Inertia, Linear, Out, TorqueConstant
+from fricmodels.cli.measurement import Column, Data, Format, GapsOption, Inertia, Linear, Out, TorqueConstant, say_gaps
 
 if TYPE_CHECKING:
     from fricmodels.logcheck import Summary
@@ -20,6 +20,7 @@ def command(
     torque_constant: TorqueConstant = None,
     reader: Format = None,
     linear: Linear = False,
+    gaps: GapsOption = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print info.json instead.")] = False,
     out: Out = None,
 ) -> None:
@@ -34,7 +35,10 @@ def command(
     from fricmodels.readers import read_together
 
     motion = Motion.LINEAR if linear else None
-    recording = read_together(data, columns=column or (), motion=motion, reader=reader, torque_constant=torque_constant)
+    recording = read_together(
+        data, columns=column or (), motion=motion, reader=reader, torque_constant=torque_constant, gaps=gaps
+    )
+    say_gaps(recording)
     found = summary(recording, inertia)
     text = json.dumps(found.to_json(), indent=2, ensure_ascii=False, allow_nan=False)
     if as_json:

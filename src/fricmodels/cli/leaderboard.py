@@ -18,22 +18,55 @@ def command(
     out: Annotated[Path | None, typer.Option(help="File to write instead of printing.")] = None,
 ) -> None:
     """Show or export the leaderboard of a run."""
-    from fricmodels.errors import InputError
     from fricmodels.export import export
     from fricmodels.files import write_bytes
-    from fricmodels.tournament.leaderboard import Leaderboard
+    from fricmodels.stored import as_written
+    from fricmodels.tournament.leaderboard import AGAIN, Leaderboard
 
-    board = Leaderboard.read(run)
-    if form == "table" and out is None:
-        show(board)
-        return
-    content = export(board, form)
+    board = Leaderboard.read(run) if not unfinished(run) else _so_far(run)
+    with as_written(run, AGAIN):
+        if form == "table" and out is None:
+            show(board)
+            return
+        content = export(board, form)
     if out is not None:
         write_bytes(out, content)
-    elif form == "parquet" and sys.stdout.isatty():
-        raise InputError("Parquet is not text; add --out FILE.parquet")
     else:
+        _print(content, form)
+
+
+def unfinished(run: Path) -> bool:
+    """Whether a run was stopped before its leaderboard was written."""
+    from fricmodels.tournament.leaderboard import FILE
+    from fricmodels.tournament.store import FILE as STORE
+
+    return run.is_dir() and not (run / FILE).exists() and (run / STORE).is_file()
+
+
+def _so_far(run: Path) -> Leaderboard:
+    """Return what was done of a run that was stopped, and say so."""
+    from fricmodels.cli.printing import warn
+    from fricmodels.tournament.leaderboard import Leaderboard
+    from fricmodels.tournament.store import Store
+
+    with Store(run) as store:
+        board = Leaderboard.ranked(store.rows())
+    warn([f"{run}: the run was stopped; this is the part of {len(board.rows)} fits that are kept. The same "
+          f"'fricmodels run' goes on from there"])  # fmt: skip
+    return board
+
+
+def _print(content: bytes, form: str) -> None:
+    """Write an export to standard output; what a name has in it does not steer a terminal."""
+    from fricmodels.errors import InputError
+    from fricmodels.terminal import plain
+
+    if form == "parquet":
+        if sys.stdout.isatty():
+            raise InputError("Parquet is not text; add --out FILE.parquet")
         sys.stdout.buffer.write(content)
+    else:
+        sys.stdout.buffer.write(plain(content.decode("utf-8", errors="replace")).encode("utf-8", errors="replace"))
 
 
 def show(board: Leaderboard, rank_by: str | None = None) -> None:

@@ -58,7 +58,7 @@ def command(
 
 def _terms(registry: Any, motion: Motion) -> list[list[str]]:
     rows = []
-    for name in registry:
+    for name in registry.names:
         entry = registry.entry(name)
         parameters = ", ".join(f"{p.symbol} [{p.unit_for(motion)}]" for p in entry.cls.parameters)
         rows.append([name, entry.cls.formula, parameters, entry.distribution])

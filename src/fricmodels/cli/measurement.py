@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from fricmodels.gaps import Gaps
+
 if TYPE_CHECKING:
     from fricmodels.model import Model
     from fricmodels.recording import Recording
@@ -44,6 +46,10 @@ Trust = Annotated[
 Report = Annotated[
     Path | None, typer.Option("--report", metavar="FILE.html", help="Write the report there: one page, with figures.")
 ]
+GapsOption = Annotated[
+    Gaps | None,
+    typer.Option("--gaps", help="Leave out rows without numbers: drop them, or split, a new run after each gap."),
+]
 LeaveOut = Annotated[
     list[str] | None, typer.Option("--leave-out", metavar="EFFECT", help="Do not consider; repeatable.")
 ]
@@ -59,6 +65,7 @@ def load(
     leave_out: list[str] | None = None,
     inertia: float | None = None,
     trust: bool = False,
+    gaps: Gaps | None = None,
 ) -> tuple[Recording, Model]:
     """Read the recording and the model that the options name; warn of what is the matter with the recording.
 
@@ -67,20 +74,65 @@ def load(
             that every answer would be nonsense.
     """
     from fricmodels import plugins
+    from fricmodels.cli.answers import check_computable
     from fricmodels.cli.printing import warn
     from fricmodels.dimension import Motion
+    from fricmodels.errors import InputError
     from fricmodels.logcheck import checked
     from fricmodels.model import Model
     from fricmodels.readers import read_together
+    from fricmodels.tournament.jobs import check_plugins
 
     chosen = Model.parse(model)
+    registered = plugins.load()
+    for term in chosen.terms:
+        registry = registered.laws if term is chosen.law else registered.effects
+        danger = registry.danger(term.name)
+        if danger is not None:
+            owner = registry.entry(term.name).distribution
+            raise InputError(f"{registry.kind} '{term.name}' of {owner} cannot be used here: {danger}")
+    check_plugins(model)
     for effect in leave_out or ():
         plugins.load().effects.entry(effect)
     motion = Motion.LINEAR if linear else None
     recording = read_together(
-        data, columns=columns or (), motion=motion, reader=reader, torque_constant=torque_constant
+        data, columns=columns or (), motion=motion, reader=reader, torque_constant=torque_constant, gaps=gaps
     )
+    say_gaps(recording)
+    check_computable(recording, inertia)
     return checked(recording, inertia, trust=trust, warn=warn), chosen
+
+
+def say_gaps(recording: Recording) -> None:
+    """Warn of how many rows were left out, where any were."""
+    from fricmodels.cli.printing import warn
+
+    if "gaps" in recording.provenance:
+        warn([f"{recording.provenance['source']}: {recording.provenance['gaps']}"])
+
+
+def unusable_effects(known: Sequence[str]) -> list[str]:
+    """Return the names of effects of plugins that would spoil a diagnosis, each with a warning.
+
+    Args:
+        known: names that need no look, as they are left out already.
+    """
+    from fricmodels import plugins
+    from fricmodels.cli.printing import warn
+    from fricmodels.tournament.jobs import check_plugins
+
+    effects, found = plugins.load().effects, []
+    warn([*plugins.load().failures, *plugins.load().unsafe])
+    for name in effects:
+        distribution = effects.entry(name).distribution
+        if distribution == "fricmodels" or name in known:
+            continue
+        try:
+            check_plugins(f"coulomb-viscous+{name}")
+        except (Exception, SystemExit) as error:
+            warn([f"effect '{name}' of {distribution} is left out: {error}"])
+            found.append(name)
+    return found
 
 
 @dataclass(frozen=True)
@@ -94,11 +146,18 @@ class Measurement:
     out: Path | None
     report: Path | None
     trust: bool = False
+    gaps: Gaps | None = None
 
     @property
     def options(self) -> list[str]:
         """The options that a report repeats, so that its command gives the same answer."""
-        return [*(part for name in self.leave_out for part in ("--leave-out", name)), *["--trust"] * self.trust]
+        names = [part for name in self.leave_out for part in ("--leave-out", name)]
+        return [*names, *["--trust"] * self.trust, *gaps_option(self.gaps)]
+
+
+def gaps_option(gaps: Gaps | None) -> list[str]:
+    """Return the option as it was given."""
+    return [] if gaps is None else ["--gaps", gaps.value]
 
 
 def measured(work: Callable[[Measurement], None]) -> Callable[..., None]:
@@ -114,12 +173,17 @@ def measured(work: Callable[[Measurement], None]) -> Callable[..., None]:
         linear: Linear = False,
         leave_out: LeaveOut = None,
         trust: Trust = False,
+        gaps: GapsOption = None,
         out: Out = None,
         report: Report = None,
     ) -> None:
-        recording, chosen = load(data, model, column, torque_constant, reader, linear, leave_out, inertia, trust)
+        from fricmodels.cli.answers import answered
+
+        recording, chosen = load(data, model, column, torque_constant, reader, linear, leave_out, inertia, trust, gaps)
         check(report)
-        work(Measurement(recording, chosen, inertia, tuple(leave_out or ()), out, report, trust))
+        left_out = (*(leave_out or ()), *unusable_effects(leave_out or ()))
+        with answered(recording, chosen):
+            work(Measurement(recording, chosen, inertia, left_out, out, report, trust, gaps))
 
     command.__doc__ = work.__doc__
     return command

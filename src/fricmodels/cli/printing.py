@@ -40,8 +40,10 @@ def print_table(columns: Sequence[Column], title: str = "") -> None:
 
 def warn(lines: Iterable[object]) -> None:
     """Print one line each on standard error."""
+    from fricmodels.cli.boundary import one_line
+
     for line in lines:
-        print(f"warning: {' '.join(str(line).split())}", file=sys.stderr)
+        print(f"warning: {one_line(str(line))}", file=sys.stderr)
 
 
 @contextmanager

@@ -7,7 +7,19 @@ from typing import Annotated
 
 import typer
 
-from fricmodels.cli.measurement import Column, Format, Inertia, LeaveOut, Linear, TorqueConstant, Trust, load
+from fricmodels.cli.measurement import (
+    Column,
+    Format,
+    GapsOption,
+    Inertia,
+    LeaveOut,
+    Linear,
+    TorqueConstant,
+    Trust,
+    gaps_option,
+    load,
+    unusable_effects,
+)
 
 
 def command(
@@ -29,6 +41,7 @@ def command(
     linear: Linear = False,
     leave_out: LeaveOut = None,
     trust: Trust = False,
+    gaps: GapsOption = None,
     out: Annotated[
         Path | None,
         typer.Option("--out", metavar="FILE.html", help="File to write; RUN/report.html or DATA.html by default."),
@@ -48,12 +61,16 @@ def command(
         return
     page = out or Path(f"{first.stem}.html")
     check(page)
-    recording, chosen = load(target, model, column, torque_constant, reader, linear, leave_out, inertia, trust)
+    recording, chosen = load(target, model, column, torque_constant, reader, linear, leave_out, inertia, trust, gaps)
     from rich.console import Console
 
+    from fricmodels.cli.answers import answered
     from fricmodels.diagnosis import improve
 
-    with Console(stderr=True).status("improving") as status:
-        ladder = improve(recording, chosen, inertia, leave_out=leave_out or (), progress=status.update)
-    options = [part for name in leave_out or () for part in ("--leave-out", name)] + ["--trust"] * trust
-    print(f"wrote {write(story.of_ladder(ladder, options), page)}")
+    left_out = [*(leave_out or ()), *unusable_effects(leave_out or ())]
+    with answered(recording, chosen):
+        with Console(stderr=True).status("improving") as status:
+            ladder = improve(recording, chosen, inertia, leave_out=left_out, progress=status.update)
+        options = [part for name in left_out for part in ("--leave-out", name)] + ["--trust"] * trust
+        options += gaps_option(gaps)
+        print(f"wrote {write(story.of_ladder(ladder, options), page)}")

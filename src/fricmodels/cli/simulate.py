@@ -11,7 +11,7 @@ import typer
 def command(
     rig: Annotated[Path, typer.Argument(metavar="RIG.yaml", help="Description of the simulated drive.")],
     out: Annotated[Path, typer.Option("--out", help="Recording to write: .csv or .parquet.")],
-    seed: Annotated[int | None, typer.Option("--seed", help="Use another seed than the file's.")] = None,
+    seed: Annotated[int | None, typer.Option("--seed", min=0, help="Use another seed than the file's.")] = None,
 ) -> None:
     """Simulate a drive with hidden effects.
 

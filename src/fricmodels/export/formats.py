@@ -10,6 +10,7 @@ import csv
 import html
 import io
 import json
+import unicodedata
 from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -75,7 +76,7 @@ def markdown(columns: Sequence[Column]) -> str:
 
 
 def _in_markdown(text: str) -> str:
-    return "".join("\\" + c if c in _MARKDOWN else c for c in " ".join(text.split()))
+    return "".join("\\" + c if c in _MARKDOWN else c for c in _one_line(text))
 
 
 def _csv(board: Leaderboard) -> bytes:
@@ -89,10 +90,16 @@ def _csv(board: Leaderboard) -> bytes:
 
 
 def _in_spreadsheet(value: Any) -> Any:
-    """Keep text from being taken for a formula."""
-    if isinstance(value, str) and value.startswith(("=", "+", "-", "@", "\t", "\r")):
-        return "'" + value
-    return value
+    """Keep text from being taken for a formula, or for a row of its own."""
+    if not isinstance(value, str):
+        return value
+    text = _one_line(value)
+    return "'" + text if unicodedata.normalize("NFKC", text.lstrip()).startswith(("=", "+", "-", "@")) else text
+
+
+def _one_line(text: str) -> str:
+    """Return text without line ends, and without characters that are not seen but steer how others are."""
+    return "".join(c if c.isprintable() else "\N{REPLACEMENT CHARACTER}" for c in " ".join(text.split()))
 
 
 def _json(board: Leaderboard) -> bytes:
@@ -127,11 +134,11 @@ def _html(board: Leaderboard) -> bytes:
 
 
 def _html_table(columns: Sequence[Column]) -> list[str]:
-    titles = "".join(f"<th>{html.escape(column.title)}</th>" for column in columns)
+    titles = "".join(f"<th>{html.escape(_one_line(column.title))}</th>" for column in columns)
     lines = [f"<table><thead><tr>{titles}</tr></thead><tbody>"]
     for cells in _rows(columns):
         inside = "".join(
-            f"{'<td class=number>' if column.number else '<td>'}{html.escape(cell)}</td>"
+            f"{'<td class=number>' if column.number else '<td>'}{html.escape(_one_line(cell))}</td>"
             for cell, column in zip(cells, columns, strict=True)
         )
         lines.append(f"<tr>{inside}</tr>")
@@ -152,7 +159,7 @@ def latex(columns: Sequence[Column]) -> str:
 
 
 def _in_latex(text: str) -> str:
-    return "".join(_LATEX.get(c, c) for c in " ".join(text.split()))
+    return "".join(_LATEX.get(c, c) for c in _one_line(text))
 
 
 def _rows(columns: Sequence[Column]) -> list[tuple[str, ...]]:

@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import importlib.metadata
+import os
 import platform
-from functools import lru_cache
+from collections.abc import Callable, Collection, Iterator
+from contextlib import contextmanager, redirect_stdout
+from functools import lru_cache, partial
 from importlib.metadata import EntryPoint
 from typing import Any, NamedTuple
 
@@ -13,6 +16,7 @@ import pluggy
 from fricmodels import hookspecs
 from fricmodels.errors import InputError
 from fricmodels.plugins import probe
+from fricmodels.plugins.exercise import exercise
 from fricmodels.plugins.registry import GROUP, Failure, Plugins, Registered, Registry
 
 _OWN = "fricmodels"
@@ -46,32 +50,40 @@ def load() -> Plugins:
     points = sorted(importlib.metadata.entry_points(group=GROUP), key=_built_in_first)
     if probe.under_way():
         points = [point for point in points if _is_built_in(point)]
-    deadly = probe.deadly([point for point in points if not _is_built_in(point)])
+    verdicts = probe.verdicts([point for point in points if not _is_built_in(point)])
+    dangers: dict[tuple[str, str], str] = {}
+    unsafe: list[Failure] = []
     for point in points:
         distribution = _distribution(point)
-        reason = deadly.get((distribution, point.name))
+        verdict = verdicts.get((distribution, point.name), probe.Verdict())
+        reason = verdict.reason or None
         offers, problems = offered(point, manager) if reason is None else ([], [Problem(reason)])
         for kind, cls in offers:
             reason = _registered(found[kind], kind, cls, distribution)
             if reason is not None:
                 problems.append(Problem(reason, (kind, cls.name)))
         names = [(kind, cls.name) for kind, cls in offers]
+        for kind, name, why in verdict.dangers:
+            if (kind, name) in names and found[kind][name].distribution == distribution:
+                dangers[kind, name] = why
+                unsafe.append(Failure(point.name, distribution, f"{kind} '{name}': {why}", (kind, name)))
         lost = () if _is_built_in(point) else probe.lost(point, names, whole=not problems)
         failures.extend(Failure(point.name, distribution, p.reason, p.concerns, lost) for p in problems)
     kept = tuple(failures)
     return Plugins(
-        laws=Registry("law", found["law"], kept),  # type: ignore[arg-type]
-        effects=Registry("effect", found["effect"], kept),  # type: ignore[arg-type]
+        laws=Registry("law", found["law"], kept, dangers),  # type: ignore[arg-type]
+        effects=Registry("effect", found["effect"], kept, dangers),  # type: ignore[arg-type]
         estimators=Registry("estimator", found["estimator"], kept),
         readers=Registry("reader", found["reader"], kept),
         failures=kept,
+        unsafe=tuple(unsafe),
     )
 
 
 def versions() -> dict[str, str]:
     """Return the versions of what takes part in a result: Python, this package, what it computes with, plugins."""
     registries = load().registries.values()
-    distributions = {registry.entry(name).distribution for registry in registries for name in registry}
+    distributions = {registry.entry(name).distribution for registry in registries for name in registry.names}
     found = {"python": platform.python_version()}
     for name in (_OWN, *_DECISIVE, *sorted(distributions - {_OWN})):
         try:
@@ -90,6 +102,18 @@ class Problem(NamedTuple):
 
 def offered(point: EntryPoint, manager: pluggy.PluginManager) -> tuple[list[tuple[str, type[Any]]], list[Problem]]:
     """Import a plugin and call its hooks; return kind and class of what can be used, and what is wrong besides."""
+    with unheard():
+        return _offered(point, manager)
+
+
+@contextmanager
+def unheard() -> Iterator[None]:
+    """Keep what a plugin prints away from standard output, which holds results."""
+    with open(os.devnull, "w", encoding="utf-8") as nowhere, redirect_stdout(nowhere):
+        yield
+
+
+def _offered(point: EntryPoint, manager: pluggy.PluginManager) -> tuple[list[tuple[str, type[Any]]], list[Problem]]:
     try:
         module = point.load()
         manager.register(module, name=f"{_distribution(point)}:{point.name}")
@@ -115,9 +139,18 @@ def offered(point: EntryPoint, manager: pluggy.PluginManager) -> tuple[list[tupl
     return offers, problems
 
 
-def survive(name: str, value: str) -> None:
-    """Do in a process of its own what loading a plugin does, whatever becomes of it."""
-    offered(EntryPoint(name, value, GROUP), _manager())
+def survive(name: str, value: str, skip: Collection[tuple[str, str]], doing: Callable[[str, str, str], None]) -> None:
+    """Do in a process of its own what loading and using a plugin does, whatever becomes of it.
+
+    Args:
+        name, value: of its entry point.
+        skip: kind and name of what is not used.
+        doing: is told kind and name of what is used next, and which method.
+    """
+    offers, _ = offered(EntryPoint(name, value, GROUP), _manager())
+    for kind, cls in offers:
+        if (kind, cls.name) not in skip:
+            exercise(kind, cls, partial(doing, kind, cls.name))
 
 
 def _manager() -> pluggy.PluginManager:

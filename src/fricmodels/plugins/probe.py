@@ -1,7 +1,8 @@
 """Finds out, in a process of its own, whether a plugin lets the interpreter live.
 
 Code that hangs or ends the process when it is imported cannot be caught by whoever imports it. So each entry point of
-another distribution is first loaded by a child process with a time limit: import, hooks, one instance of each class.
+another distribution is first loaded by a child process with a time limit: import, hooks, one instance of each class,
+and the equations of each law and effect, which every diagnosis builds.
 What the child does not survive is not imported here. Both verdicts are kept in the cache directory, for as long as the
 plugin's files, its distribution and the installed distributions beside it stay what they are: a start with nothing new
 costs a few look-ups. A cache that cannot be read or written means that plugins are tried again, no more. The names that
@@ -22,6 +23,7 @@ import time
 from collections import deque
 from collections.abc import Collection, Iterator, Sequence
 from contextlib import suppress
+from dataclasses import dataclass
 from importlib.metadata import EntryPoint
 from pathlib import Path
 from typing import Any
@@ -33,15 +35,19 @@ LIMIT = "FRICMODELS_PLUGIN_TIMEOUT"
 """Environment variable: seconds that a plugin may take to be loaded the first time."""
 _DEFAULT_LIMIT = 20.0
 _UNDER_WAY = "FRICMODELS_PLUGIN_PROBE"
-_SURVIVED = 73
+SURVIVED = 73
+"""Exit code of a child that came to its end."""
 _CODES = tuple(importlib.machinery.all_suffixes())
 _CHILD = """\
 import json, sys
 sys.path[:] = json.loads(sys.argv[1])
-from fricmodels.plugins.loading import survive
-survive(*sys.argv[2:])
-sys.exit({code})
+from fricmodels.plugins.child import run
+run(*sys.argv[2:])
 """
+_USE = 6.0
+"""Seconds that building the equations of one class may take; they take milliseconds."""
+_VERSION = "2"
+"""Goes up when more is tried, so that earlier verdicts are made anew."""
 
 
 def under_way() -> bool:
@@ -49,8 +55,21 @@ def under_way() -> bool:
     return _UNDER_WAY in os.environ
 
 
-def deadly(points: Sequence[EntryPoint]) -> dict[tuple[str, str], str]:
-    """Return distribution and name of the entry points that must not be imported, each with the reason.
+@dataclass(frozen=True)
+class Verdict:
+    """What became of the process that tried a plugin.
+
+    Attributes:
+        reason: why it must not be imported; empty where it may be.
+        dangers: kind, name and reason of each class that must not be used in a process that is to live.
+    """
+
+    reason: str = ""
+    dangers: tuple[tuple[str, str, str], ...] = ()
+
+
+def verdicts(points: Sequence[EntryPoint]) -> dict[tuple[str, str], Verdict]:
+    """Return by distribution and name of the entry points what was found out about them.
 
     Raises:
         InputError: where the environment variable of the time limit is no positive number.
@@ -60,12 +79,12 @@ def deadly(points: Sequence[EntryPoint]) -> dict[tuple[str, str], str]:
         return {}
     limit = _limit()
     prints = {point: _fingerprint(point, limit) for point in installed}
-    verdicts = {point: _recalled(point, prints[point]) for point in installed}
-    unknown = [point for point, verdict in verdicts.items() if verdict is None]
-    for point, reason in _tried(unknown, limit):
-        verdicts[point] = reason
-        _remember(point, fingerprint=prints[point], reason=reason)
-    return {(point.dist.name, point.name): reason for point, reason in verdicts.items() if reason and point.dist}
+    found = {point: _recalled(point, prints[point]) for point in installed}
+    unknown = [point for point, verdict in found.items() if verdict is None]
+    for point, verdict in _tried(unknown, limit):
+        found[point] = verdict
+        _remember(point, fingerprint=prints[point], reason=verdict.reason, dangers=verdict.dangers)
+    return {(point.dist.name, point.name): verdict for point, verdict in found.items() if verdict and point.dist}
 
 
 def lost(point: EntryPoint, offers: Collection[tuple[str, str]], *, whole: bool) -> tuple[tuple[str, str], ...]:
@@ -106,7 +125,16 @@ def _fingerprint(point: EntryPoint, limit: float) -> str:
     """Return a hash that changes when the plugin, or what is installed beside it, does."""
     assert point.dist is not None
     beside = Path(str(point.dist.locate_file("")))
-    parts = [point.name, point.value, point.dist.version, sys.version, str(limit), str(beside), *_stamps([beside])]
+    parts = [
+        _VERSION,
+        point.name,
+        point.value,
+        point.dist.version,
+        sys.version,
+        str(limit),
+        str(beside),
+        *_stamps([beside]),
+    ]
     parts += _stamps(_files(point.module.partition(".")[0]))
     return hashlib.sha256("\n".join(parts).encode()).hexdigest()
 
@@ -136,37 +164,86 @@ def _stamps(paths: Sequence[Path] | Iterator[Path]) -> Iterator[str]:
         yield f"{path} {status.st_mtime_ns} {status.st_size}"
 
 
-def _tried(points: Sequence[EntryPoint], limit: float) -> Iterator[tuple[EntryPoint, str]]:
-    """Load each entry point in a child, as many at a time as there are processors; yield the reason, or nothing."""
+class _Trial:
+    """A child that tries a plugin, and what it says that it does."""
+
+    def __init__(self, process: subprocess.Popen[bytes], limit: float) -> None:
+        assert process.stdout is not None
+        self.process, self._limit = process, limit
+        self.deadline = time.monotonic() + limit
+        self._heard = b""
+        os.set_blocking(process.stdout.fileno(), False)
+
+    def listen(self) -> None:
+        """Hear what it says; each use of a class has a limit of its own."""
+        assert self.process.stdout is not None
+        said = self.process.stdout.read(1 << 20)
+        if said:
+            self._heard += said
+            self.deadline = time.monotonic() + min(self._limit, _USE)
+
+    def close(self) -> None:
+        """Let go of its output."""
+        assert self.process.stdout is not None
+        self.process.stdout.close()
+
+    @property
+    def using(self) -> tuple[str, str, str] | None:
+        """Kind and name of the class that is used, and the method; ``None`` before."""
+        lines = self._heard.splitlines()
+        kind, name, method = json.loads(lines[-1]) if lines else ("", "", "")
+        return (kind, name, method) if lines else None
+
+
+def _tried(points: Sequence[EntryPoint], limit: float) -> Iterator[tuple[EntryPoint, Verdict]]:
+    """Try each entry point in a child, as many at a time as there are processors; yield the verdict.
+
+    A class whose use ends the child is noted, and the plugin is tried again without it.
+    """
     waiting = deque(points)
-    running: dict[EntryPoint, tuple[subprocess.Popen[bytes], float]] = {}
+    running: dict[EntryPoint, _Trial] = {}
+    dangers: dict[EntryPoint, list[tuple[str, str, str]]] = {point: [] for point in points}
     try:
         while waiting or running:
             while waiting and len(running) < (os.cpu_count() or 1):
                 point = waiting.popleft()
+                skip = [(kind, name) for kind, name, _ in dangers[point]]
                 try:
-                    running[point] = (_started(point), time.monotonic() + limit)
+                    running[point] = _Trial(_launched(point, skip) if skip else _started(point), limit)
                 except OSError:  # nothing can be started here; a tournament would fail to, and says so
                     continue
-            for point, (process, deadline) in list(running.items()):
-                code = process.poll()
-                if code is None and time.monotonic() < deadline:
+            for point, trial in list(running.items()):
+                trial.listen()
+                code = trial.process.poll()
+                if code is None and time.monotonic() < trial.deadline:
                     continue
                 del running[point]
-                _end(process)
-                yield point, _reason(code, limit)
+                _end(trial.process)
+                trial.listen()
+                trial.close()
+                if trial.using is None or code == SURVIVED:
+                    yield point, Verdict(_reason(code, limit, "importing it"), tuple(dangers[point]))
+                else:
+                    kind, name, method = trial.using
+                    dangers[point].append((kind, name, _reason(code, min(limit, _USE), f"its {method}")))
+                    waiting.append(point)
             time.sleep(0.005)
     finally:
-        for process, _ in running.values():
-            _end(process)
+        for trial in running.values():
+            _end(trial.process)
+            trial.close()
 
 
 def _started(point: EntryPoint) -> subprocess.Popen[bytes]:
-    command = [sys.executable, "-c", _CHILD.format(code=_SURVIVED), json.dumps(sys.path), point.name, point.value]
+    return _launched(point, [])
+
+
+def _launched(point: EntryPoint, skip: list[tuple[str, str]]) -> subprocess.Popen[bytes]:
+    given = [point.name, point.value, json.dumps(skip), str(os.getpid())]
     return subprocess.Popen(
-        command,
+        [sys.executable, "-c", _CHILD, json.dumps(sys.path), *given],
         stdin=subprocess.DEVNULL,
-        stdout=subprocess.DEVNULL,
+        stdout=subprocess.PIPE,
         stderr=subprocess.DEVNULL,
         env={**os.environ, _UNDER_WAY: "1"},
         start_new_session=True,
@@ -185,16 +262,16 @@ def _end(process: subprocess.Popen[bytes]) -> None:
     process.wait()
 
 
-def _reason(code: int | None, limit: float) -> str:
+def _reason(code: int | None, limit: float, doing: str) -> str:
     again = "it is tried again when its files change"
     if code is None:
-        return f"importing it does not end within {limit:g} s ({LIMIT} sets the limit); {again}"
-    if code == _SURVIVED:
+        return f"{doing} does not end within {limit:g} s ({LIMIT} sets the limit); {again}"
+    if code == SURVIVED:
         return ""
     if code < 0:
         name = signal.Signals(-code).name if -code in {*signal.Signals} else f"signal {-code}"
-        return f"importing it kills the interpreter ({name}); {again}"
-    return f"importing it ends the interpreter with exit code {code}; {again}"
+        return f"{doing} kills the interpreter ({name}); {again}"
+    return f"{doing} ends the interpreter with exit code {code}; {again}"
 
 
 def _verdict_file(point: EntryPoint) -> Path:
@@ -214,11 +291,17 @@ def _read(point: EntryPoint) -> dict[str, Any]:
     return kept if isinstance(kept, dict) else {}
 
 
-def _recalled(point: EntryPoint, fingerprint: str) -> str | None:
-    """Return the reason that was found for these very files, empty for none, or ``None`` where they are new."""
+def _recalled(point: EntryPoint, fingerprint: str) -> Verdict | None:
+    """Return the verdict that was found for these very files, or ``None`` where they are new."""
     kept = _read(point)
-    reason = kept.get("reason") if kept.get("fingerprint") == fingerprint else None
-    return reason if isinstance(reason, str) else None
+    reason, dangers = kept.get("reason"), kept.get("dangers")
+    if kept.get("fingerprint") != fingerprint or not isinstance(reason, str) or not isinstance(dangers, list):
+        return None
+    if not all(
+        isinstance(one, list) and len(one) == 3 and all(isinstance(part, str) for part in one) for one in dangers
+    ):
+        return None
+    return Verdict(reason, tuple((kind, name, why) for kind, name, why in dangers))
 
 
 def _remember(point: EntryPoint, **news: Any) -> None:

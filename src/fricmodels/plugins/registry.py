@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
@@ -49,27 +49,47 @@ class Registered(Generic[T]):
 
 
 class Registry(Generic[T]):
-    """The classes of one kind, by name."""
+    """The classes of one kind, by name.
 
-    def __init__(self, kind: str, entries: dict[str, Registered[T]], failures: tuple[Failure, ...] = ()) -> None:
+    Those whose use hangs or kills the interpreter are not listed; asked for by name, they are there for the workers of
+    a tournament, which may die.
+    """
+
+    def __init__(
+        self,
+        kind: str,
+        entries: dict[str, Registered[T]],
+        failures: tuple[Failure, ...] = (),
+        dangers: Mapping[tuple[str, str], str] | None = None,
+    ) -> None:
         self.kind = kind
         self._entries = entries
         self._failures = failures
+        self._dangers = {name: why for (of, name), why in (dangers or {}).items() if of == kind}
 
     def __iter__(self) -> Iterator[str]:
-        return iter(self._entries)
+        return (name for name in self._entries if name not in self._dangers)
 
     def __contains__(self, name: object) -> bool:
         return name in self._entries
 
     def __len__(self) -> int:
-        return len(self._entries)
+        return len(self._entries) - len(self._dangers)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """All names, those of classes that are not safe to use among them."""
+        return tuple(self._entries)
+
+    def danger(self, name: str) -> str | None:
+        """Return what happens to the process that uses a class, or ``None`` where nothing is known to."""
+        return self._dangers.get(name.partition("(")[0])
 
     @property
     def lost(self) -> tuple[str, ...]:
-        """Names that plugins had when they were last whole; asking for one says why it is gone."""
+        """Names that plugins had when they were last whole, and those that are not safe to use."""
         names = [name for failure in self._failures for kind, name in failure.lost if kind == self.kind]
-        return tuple(name for name in dict.fromkeys(names) if name not in self._entries)
+        return tuple(name for name in dict.fromkeys([*names, *self._dangers]) if name not in {*self})
 
     def entry(self, name: str) -> Registered[T]:
         """Return the class and its origin. What stands in brackets after the name, as in ``other(x)``, is not of it.
@@ -98,7 +118,7 @@ class Registry(Generic[T]):
 
 @dataclass(frozen=True)
 class Plugins:
-    """All that is registered, and what failed to register.
+    """All that is registered, what failed to register, and what must not be used in a process that is to live.
 
     Estimators derive from :class:`fricmodels.estimator.Estimator`, readers from
     :class:`fricmodels.readers.base.Reader`; both stand above this room.
@@ -109,6 +129,7 @@ class Plugins:
     estimators: Registry[Any]
     readers: Registry[Any]
     failures: tuple[Failure, ...]
+    unsafe: tuple[Failure, ...] = ()
 
     @property
     def registries(self) -> dict[str, Registry[Any]]:

@@ -28,6 +28,7 @@ class BagReader(Reader):
     name = "bag"
     suffixes = (".bag", ".mcap", ".db3")
     summary = "ROS bags with sensor_msgs/JointState (extra: ros)"
+    apart = True
 
     def table(self, path: Path) -> pd.DataFrame:
         """Return one row for each message."""

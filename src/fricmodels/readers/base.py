@@ -20,6 +20,8 @@ class Reader(ABC):
     name: ClassVar[str]
     suffixes: ClassVar[tuple[str, ...]]
     summary: ClassVar[str] = ""
+    apart: ClassVar[bool] = False
+    """Whether files are read by a process of their own: for a parser that a spoilt file may kill."""
 
     @abstractmethod
     def table(self, path: Path) -> pd.DataFrame:
@@ -27,6 +29,13 @@ class Reader(ABC):
 
         Raises:
             InputError: when the file is not of this format, naming it and the place.
+        """
+
+    def look(self, path: Path) -> None:  # noqa: B027
+        """Look at the beginning of a file, in this process, so that what is of another format is refused at once.
+
+        Raises:
+            InputError: as :meth:`table`.
         """
 
     def place(self, path: Path, row: int) -> str:

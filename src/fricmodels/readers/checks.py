@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 
 import numpy as np
 
@@ -33,13 +33,31 @@ def check(recording: Recording, place: Callable[[int], str] = _sample) -> None:
             others = f", and {len(bad) - 1} more" if len(bad) > 1 else ""
             raise InputError(
                 f"{source}: {place(int(bad[0]))}, {channel} ({columns.get(channel, channel)}): {value}{others}; "
-                f"remove or repair those rows"
+                f"remove or repair those rows, or leave them out with --gaps drop or --gaps split"
             )
+    _check_size(recording, source, columns)
     if len(recording) < 2:
         raise InputError(f"{source}: {len(recording) or 'no'} sample{'s' if len(recording) != 1 else ''}; "
                          f"identification needs many")  # fmt: skip
     _check_time(recording, source, place)
     _check_motion(recording, source)
+
+
+GREATEST = 1e153
+"""Greater numbers, and steps of time below its inverse, have no square: nothing can be computed from them."""
+
+
+def _check_size(recording: Recording, source: str, columns: Mapping[str, str]) -> None:
+    for channel, values in recording.channels.items():
+        size = float(np.abs(values).max(initial=0.0))
+        if size > GREATEST or (channel in ("torque", "velocity") and 0.0 < size < 1 / GREATEST):
+            raise InputError(
+                f"{source}: {channel} ({columns.get(channel, channel)}) goes up to {size:.3g}, which no drive does; "
+                f"correct its unit or its exponent"
+            )
+    step = float(np.abs(np.diff(recording.time)).max(initial=0.0))
+    if 0.0 < step < 1 / GREATEST:
+        raise InputError(f"{source}: the time goes on by {step:.3g} s at most from sample to sample; correct its unit")
 
 
 def _check_time(recording: Recording, source: str, place: Callable[[int], str]) -> None:
@@ -55,7 +73,7 @@ def _check_time(recording: Recording, source: str, place: Callable[[int], str]) 
         way = "drop repeated samples" if here == before else "sort the samples"
         raise InputError(
             f"{source}: {place(row)}: {cause}; {way}, or if a new run begins there name its column "
-            f"with --column run=COLUMN"
+            f"with --column run=COLUMN, or begin one there with --gaps split"
         )
     counts = np.bincount(np.unique(recording.run, return_inverse=True)[1])
     if (counts < 2).any():

@@ -22,6 +22,10 @@ _NUMBER = re.compile(r"\s*[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?\s*$|\s*[-+]?(nan
 _DECIMAL_COMMA = re.compile(r"\s*[-+]?\d*,\d+([eE][-+]?\d+)?\s*$")
 
 
+_LONGEST_LINE = 1_000_000
+_MOST_COLUMNS = 10_000
+
+
 @dataclass(frozen=True)
 class Dialect:
     """How a text file is written."""
@@ -55,23 +59,13 @@ class CsvReader(Reader):
         with warnings.catch_warnings():
             warnings.simplefilter("error", pd.errors.ParserWarning)
             try:
-                frame = pd.read_csv(
-                    path,
-                    sep=r"\s+" if dialect.delimiter == " " else dialect.delimiter,
-                    decimal=dialect.decimal,
-                    comment=_comment_within(path, dialect),
-                    header=None,
-                    names=list(range(len(dialect.header))),
-                    index_col=False,
-                    skiprows=dialect.first,
-                    encoding=dialect.encoding,
-                    skipinitialspace=True,
-                    low_memory=False,
-                )
+                frame = _frame(path, dialect)
             except (pd.errors.ParserError, pd.errors.ParserWarning) as error:
                 raise InputError(f"{path}: {_ragged(path, dialect, error)}") from None
             except pd.errors.EmptyDataError:
                 raise InputError(f"{path}: there is a header but no data below it") from None
+            except UnicodeError as error:
+                raise InputError(f"{path}: {_no_text(path, dialect, error)}") from None
         frame.columns = pd.Index(dialect.header)
         frame.attrs["units"] = dialect.units
         return frame
@@ -85,9 +79,27 @@ class CsvReader(Reader):
         return f"row {row + 1}"
 
 
+def _frame(path: Path, dialect: Dialect) -> pd.DataFrame:
+    import pandas as pd
+
+    return pd.read_csv(
+        path,
+        sep=r"\s+" if dialect.delimiter == " " else dialect.delimiter,
+        decimal=dialect.decimal,
+        comment=_comment_within(path, dialect),
+        header=None,
+        names=list(range(len(dialect.header))),
+        index_col=False,
+        skiprows=dialect.first,
+        encoding=dialect.encoding,
+        skipinitialspace=True,
+        low_memory=False,
+    )
+
+
 def _lines(path: Path, encoding: str, skip: int = 0) -> Iterator[tuple[int, str]]:
     """Yield (line number from 1, line) without comments and blank lines."""
-    with path.open(encoding=encoding, newline=None) as stream:
+    with path.open(encoding=encoding, errors="replace", newline=None) as stream:
         for number, line in enumerate(stream, start=1):
             if number > skip and line.strip() and not line.lstrip().startswith(_COMMENTS):
                 yield number, line.rstrip("\r\n")
@@ -110,7 +122,10 @@ def _encoding(path: Path) -> str:
 def _split(line: str, delimiter: str) -> list[str]:
     if delimiter == " ":
         return line.split()
-    return [field.strip() for field in next(csv.reader([line], delimiter=delimiter, skipinitialspace=True))]
+    try:
+        return [field.strip() for field in next(csv.reader([line], delimiter=delimiter, skipinitialspace=True))]
+    except csv.Error:  # a field of more than 131 072 characters
+        return [field.strip() for field in line.split(delimiter)]
 
 
 def sniff(path: Path) -> Dialect:
@@ -120,10 +135,10 @@ def sniff(path: Path) -> Dialect:
         InputError: for a file without header, or with nothing in it.
     """
     encoding = _encoding(path)
-    try:
-        lines = [pair for pair, _ in zip(_lines(path, encoding), range(50), strict=False)]
-    except UnicodeDecodeError as error:
-        raise InputError(f"{path}: cannot be read as text: {error.reason}") from None
+    lines = [pair for pair, _ in zip(_lines(path, encoding), range(50), strict=False)]
+    longest = max(lines, key=lambda pair: len(pair[1]), default=(0, ""))
+    if len(longest[1]) > _LONGEST_LINE:
+        raise InputError(f"{path}: line {longest[0]} has {len(longest[1])} characters; is this a table of samples?")
     if not lines:
         raise InputError(f"{path}: the file is empty")
     lines = _commented_header(path, encoding, lines[0][0], lines[0][1]) + lines
@@ -133,6 +148,10 @@ def sniff(path: Path) -> Dialect:
     header = _split(header_line, delimiter)
     if header and all(_NUMBER.match(field) for field in header if field):
         raise InputError(f"{path}: line {number} holds numbers where the column names should be; add a header line")
+    if len(header) > _MOST_COLUMNS:
+        raise InputError(
+            f"{path}: line {number} names {len(header)} columns, more than {_MOST_COLUMNS}; keep those of one drive"
+        )
     units: dict[str, str] = {}
     first = number
     if body:
@@ -154,7 +173,7 @@ def _commented_header(path: Path, encoding: str, number: int, line: str) -> list
     """Return the comment right above the data if it names the columns, where the first line is numbers already."""
     if number == 1 or not all(_NUMBER.match(field) for field in re.split(r"[\s,;]+", line.strip()) if field):
         return []
-    with path.open(encoding=encoding) as stream:
+    with path.open(encoding=encoding, errors="replace") as stream:
         comment = [text for _, text in zip(range(number - 1), stream, strict=False)][-1].strip().lstrip("#% ")
     delimiter = _delimiter(comment, [line])
     names = len(_split(comment, delimiter))
@@ -183,3 +202,12 @@ def _ragged(path: Path, dialect: Dialect, error: Exception) -> str:
         if count > len(dialect.header):
             return f"line {number} has {count} fields where the header has {len(dialect.header)}; repair that line"
     return f"cannot be read as a table: {' '.join(str(error).split())}"
+
+
+def _no_text(path: Path, dialect: Dialect, error: UnicodeError) -> str:
+    """Say where a file that began as text is none."""
+    for number, line in _lines(path, dialect.encoding):
+        if "\N{REPLACEMENT CHARACTER}" in line:
+            encoding = dialect.encoding.removesuffix("-sig").upper()
+            return f"line {number} is no {encoding}; repair that line, or save the file anew"
+    return f"cannot be read as text: {error}"

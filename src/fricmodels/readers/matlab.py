@@ -26,6 +26,18 @@ class MatlabReader(Reader):
     name = "matlab"
     suffixes = (".mat",)
     summary = "MATLAB .mat up to version 7"
+    apart = True
+
+    def look(self, path: Path) -> None:
+        """Refuse what has no header of a MATLAB file, and the format that is HDF5."""
+        from scipy.io.matlab import matfile_version
+
+        try:
+            version, _ = matfile_version(path)
+        except Exception as error:
+            raise _unreadable(path, error) from None
+        if version == 2:
+            raise InputError(f"{path}: this is MATLAB 7.3 (HDF5); save it with save(..., '-v7')")
 
     def table(self, path: Path) -> pd.DataFrame:
         """Return the vectors of the most common length as columns."""
@@ -34,11 +46,10 @@ class MatlabReader(Reader):
 
         try:
             content = scipy.io.loadmat(path, simplify_cells=True)
-        except NotImplementedError:
-            raise InputError(f"{path}: this is MATLAB 7.3 (HDF5); save it with save(..., '-v7')") from None
+        except MemoryError:
+            raise
         except Exception as error:
-            reason = " ".join(str(error).split()).rstrip(".")
-            raise InputError(f"{path}: cannot be read as a MATLAB file: {reason}") from None
+            raise _unreadable(path, error) from None
         variables = {name: value for name, value in content.items() if not name.startswith("__")}
         columns = dict(_vectors(variables))
         lengths = Counter(len(values) for values in columns.values())
@@ -49,6 +60,11 @@ class MatlabReader(Reader):
             )
         length = max(lengths, key=lambda n: (lengths[n], n))
         return pd.DataFrame({name: values for name, values in columns.items() if len(values) == length})
+
+
+def _unreadable(path: Path, error: Exception) -> InputError:
+    reason = " ".join(str(error).split()).rstrip(".")
+    return InputError(f"{path}: cannot be read as a MATLAB file: {reason}")
 
 
 def _vectors(variables: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:

@@ -3,13 +3,19 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from fricmodels.errors import InputError
 from fricmodels.readers.base import Reader
 
 if TYPE_CHECKING:
     import pandas as pd
+
+
+_MOST_COLUMNS = 10_000
+_ALWAYS = 200_000_000
+_MOST_TIMES = 100
+_TICKS = {"s": 1.0, "ms": 1e3, "us": 1e6, "ns": 1e9}
 
 
 class ParquetReader(Reader):
@@ -22,14 +28,45 @@ class ParquetReader(Reader):
     def table(self, path: Path) -> pd.DataFrame:
         """Return the columns."""
         import pyarrow
+        import pyarrow.compute
         import pyarrow.parquet
 
         try:
+            _check_size(path, pyarrow.parquet.read_metadata(path))
             table = pyarrow.parquet.read_table(path)
-        except (pyarrow.ArrowException, OSError) as error:
+            frame: pd.DataFrame = _plain(table).to_pandas(ignore_metadata=True)
+        except (pyarrow.ArrowException, OSError, ValueError) as error:
             reason = " ".join(str(error).split()).rstrip(".")
             raise InputError(f"{path}: cannot be read as Parquet: {reason}") from None
-        frame: pd.DataFrame = table.to_pandas(ignore_metadata=True)
         fields = [(field.name, field.metadata or {}) for field in table.schema]
-        frame.attrs["units"] = {name: data[b"unit"].decode() for name, data in fields if b"unit" in data}
+        frame.attrs["units"] = {
+            name: data[b"unit"].decode(errors="replace") for name, data in fields if b"unit" in data
+        }
         return frame
+
+
+def _check_size(path: Path, metadata: Any) -> None:
+    """Refuse what unpacks to far more than a recording of its size does, before it is unpacked."""
+    if metadata.num_columns > _MOST_COLUMNS:
+        raise InputError(
+            f"{path}: has {metadata.num_columns} columns, more than {_MOST_COLUMNS}; keep those of one drive"
+        )
+    unpacked = 8 * metadata.num_rows * metadata.num_columns
+    if unpacked > max(_ALWAYS, _MOST_TIMES * path.stat().st_size):
+        raise InputError(
+            f"{path}: {metadata.num_rows} rows of {metadata.num_columns} columns unpack to {unpacked / 1e9:.3g} GB, "
+            f"over {_MOST_TIMES} times the file; is it all one value?"
+        )
+
+
+def _plain(table: Any) -> Any:
+    """Return the table with times of day as seconds, which pandas has as objects if at all."""
+    import pyarrow
+
+    for number, field in enumerate(table.schema):
+        if pyarrow.types.is_time(field.type):
+            whole = pyarrow.int32() if pyarrow.types.is_time32(field.type) else pyarrow.int64()
+            ticks = table.column(number).cast(whole).cast(pyarrow.float64())
+            seconds = pyarrow.compute.divide(ticks, _TICKS[field.type.unit])
+            table = table.set_column(number, field.name, seconds)
+    return table

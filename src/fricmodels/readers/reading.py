@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import hashlib
+import stat
 from collections.abc import Mapping
+from contextlib import redirect_stdout
+from io import StringIO
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
@@ -13,9 +16,11 @@ from fricmodels.arrays import Array, Index
 from fricmodels.dimension import Motion
 from fricmodels.errors import InputError, suggestion
 from fricmodels.readers import units
+from fricmodels.readers.apart import table_apart
 from fricmodels.readers.base import Reader
 from fricmodels.readers.checks import check
 from fricmodels.readers.columns import Column, Mapped, assign
+from fricmodels.readers.gaps import Gaps, kept
 from fricmodels.recording import OTHER, Recording
 from fricmodels.signals.wrapping import unwrap
 
@@ -23,6 +28,8 @@ if TYPE_CHECKING:
     import pandas as pd
 
 
+_WHOLE = 2.0**53
+"""Below this every whole number is a float of its own."""
 _AS_IT_IS = units.Conversion(1.0, 0.0)
 
 
@@ -34,6 +41,7 @@ def read(
     name: str | None = None,
     reader: str | None = None,
     torque_constant: float | None = None,
+    gaps: Gaps | Literal["drop", "split"] | None = None,
 ) -> Recording:
     """Read a recording.
 
@@ -46,6 +54,8 @@ def read(
         name: of the recording; the file's stem if not given.
         reader: name of the reader, if not by suffix.
         torque_constant: K_t [N m/A, or N/A], which makes torque of the current where no torque was measured.
+        gaps: what is done with rows that hold no number, and where the clock starts anew; see
+            :mod:`fricmodels.readers.gaps`. How many were left out is in ``provenance["gaps"]``.
 
     Returns:
         The recording in SI units, samples of each run together, checked by :func:`fricmodels.readers.check`; a position
@@ -57,7 +67,7 @@ def read(
     source = Path(path)
     _check_file(source)
     chosen = _reader(source, reader)
-    table = chosen.table(source)
+    table = _table(chosen, source)
     try:
         found, kind = assign(columns, [str(column) for column in table.columns], motion)
         found = _with_stated_units(found, table.attrs.get("units", {}))
@@ -74,17 +84,28 @@ def read(
         channel: conversion(_numbers(source, chosen, table, found[column]))[order]
         for channel, (column, conversion) in conversions.items()
     }
+    run = run[order]
+    left: dict[str, Any] = {}
+    if gaps is not None:
+        found_rows = kept(channels, run, Gaps(gaps))
+        channels = {channel: values[found_rows.rows] for channel, values in channels.items()}
+        run, order = found_rows.run, order[found_rows.rows]
+        run_names = run_names if not found_rows.added else {}
+        left = {"gaps": str(found_rows)} if found_rows.dropped or found_rows.added else {}
+        if not len(order):
+            raise InputError(f"{source}: no row has a number in every channel")
     recording = Recording(
         name=name or source.stem,
         motion=kind,
         channels=channels,
-        run=run[order],
+        run=run,
         provenance={
             "source": str(source),
             "sha256": _sha256(source),
             "reader": chosen.name,
             "columns": {channel: str(column) for channel, column in found.items()},
             **({"runs": run_names} if run_names else {}),
+            **left,
             **({"torque_constant": torque_constant} if torque_constant is not None else {}),
         },
         units={channel: further.get(channel, (_AS_IT_IS, ""))[1] for channel in _further(found)},
@@ -93,7 +114,32 @@ def read(
     return unwrap(recording)
 
 
+def _table(reader: Reader, source: Path) -> pd.DataFrame:
+    """Return the reader's table, or one line that says why there is none; a plugin's reader is named."""
+    try:
+        reader.look(source)
+        if reader.apart:
+            return table_apart(reader, source)
+        with redirect_stdout(StringIO()):  # what a plugin prints is no result of ours
+            return reader.table(source)
+    except InputError:
+        raise
+    except (Exception, SystemExit) as error:
+        reason = " ".join(str(error).split()) or "no reason is given"
+        raise InputError(
+            f"{source}: the reader '{reader.name}' cannot read it: {type(error).__name__}: {reason}"
+        ) from error
+
+
 def _check_file(source: Path) -> None:
+    try:
+        kind = source.stat().st_mode
+    except (OSError, ValueError) as error:
+        if not isinstance(error, FileNotFoundError):
+            raise InputError(f"{source}: cannot be opened: {getattr(error, 'strerror', error)}") from None
+    else:
+        if not stat.S_ISREG(kind) and not stat.S_ISDIR(kind):
+            raise InputError(f"{source}: is a device or a pipe, no file; write the samples into a file first")
     if source.is_dir():
         raise InputError(f"{source}: is a directory; name a file in it")
     if not source.exists():
@@ -171,6 +217,8 @@ def _numbers(source: Path, reader: Reader, table: pd.DataFrame, column: Column) 
     values = table[column.column]
     if pd.api.types.is_datetime64_any_dtype(values):
         return np.asarray((values - values.iloc[0]).dt.total_seconds(), dtype=float)
+    if pd.api.types.is_timedelta64_dtype(values):
+        return np.asarray(values.dt.total_seconds(), dtype=float)
     if pd.api.types.is_numeric_dtype(values):
         return values.to_numpy(dtype=float, na_value=np.nan)
     numbers = pd.to_numeric(values, errors="coerce")
@@ -204,7 +252,7 @@ def _runs(
             f"{source}: {reader.place(source, int(empty[0]))}, column '{found['run'].column}': the run is not named; "
             f"name it, or remove that row"
         )
-    if pd.api.types.is_numeric_dtype(values) and (values == values.round()).all():
+    if pd.api.types.is_numeric_dtype(values) and (values == values.round()).all() and (values.abs() < _WHOLE).all():
         return values.to_numpy(dtype=np.int64), {}
     codes, names = pd.factorize(values.astype(str))
     return codes.astype(np.int64), {i: str(label) for i, label in enumerate(names)}

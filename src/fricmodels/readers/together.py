@@ -47,6 +47,7 @@ def together(recordings: Sequence[Recording], name: str | None = None) -> Record
         for number in numbers.tolist():
             names[len(names)] = one.name if len(numbers) == 1 else f"{one.name}, {own.get(number, number)}"
     known = [one.provenance for one in recordings]
+    left = [f"{_source(one)}: {one.provenance['gaps']}" for one in recordings if "gaps" in one.provenance]
     checksums = "".join(str(each.get("sha256", "")) for each in known)
     return Recording(
         name or f"{first.name} and {len(others)} more",
@@ -60,6 +61,7 @@ def together(recordings: Sequence[Recording], name: str | None = None) -> Record
             "files": [_source(one) for one in recordings],
             "sha256": hashlib.sha256(checksums.encode()).hexdigest(),
             "runs": names,
+            **({"gaps": "; ".join(left)} if left else {}),
         },
         units=first.units,
     )

@@ -8,6 +8,8 @@ Encoder counts state their resolution as counts a turn: ``count/2000`` is a two-
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
@@ -17,6 +19,7 @@ import numpy as np
 from fricmodels.arrays import Array
 from fricmodels.dimension import Motion
 from fricmodels.errors import InputError
+from fricmodels.readers.unit_text import is_plain
 from fricmodels.recording import CHANNELS
 
 _NOT_MECHANICAL = {"temperature": "degC", "current": "A"}
@@ -46,23 +49,34 @@ def _registry() -> Any:
     return registry
 
 
-@lru_cache(maxsize=256)
-def _quantity(unit: str) -> Any:
-    """Return one of the unit. The angle stays in its root units, where Pint's dimensions leave it out."""
-    registry = _registry()
+@contextmanager
+def _worked_out(unit: str) -> Iterator[None]:
+    """Whatever Pint makes of a text from a file: where it fails, the text is no unit."""
     try:
-        try:
-            return registry.Quantity(1.0, registry.parse_units(unit))
-        except Exception:
-            return registry.Quantity(registry.parse_expression(_COUNT.sub("turn", unit).replace("°", "deg")))
+        yield
     except Exception:
         raise InputError(f"unknown unit '{unit}'") from None
 
 
+@lru_cache(maxsize=256)
+def _quantity(unit: str) -> Any:
+    """Return one of the unit. The angle stays in its root units, where Pint's dimensions leave it out."""
+    if not is_plain(unit):
+        raise InputError(f"unknown unit '{unit if len(unit) < 60 else unit[:60] + '…'}'")
+    registry = _registry()
+    with _worked_out(unit):
+        try:
+            return registry.Quantity(1.0, registry.parse_units(unit))
+        except Exception:
+            return registry.Quantity(registry.parse_expression(_COUNT.sub("turn", unit).replace("°", "deg")))
+
+
 def _measures(unit: str, target: str) -> bool:
     registry = _registry()
-    here, there = (registry.get_root_units(units)[1] for units in (_quantity(unit).units, registry.parse_units(target)))
-    return bool(here == there)
+    quantity = _quantity(unit)
+    with _worked_out(unit):
+        here, there = (registry.get_root_units(units)[1] for units in (quantity.units, registry.parse_units(target)))
+        return bool(here == there)
 
 
 def known(unit: str) -> bool:
@@ -106,7 +120,8 @@ def further(unit: str) -> tuple[Conversion, str]:
     quantity = _quantity(unit)
     target = next((known for known in FURTHER_UNITS if _measures(unit, known)), None)
     if target is None:
-        base = _registry().get_base_units(quantity.units)[1]
+        with _worked_out(unit):
+            base = _registry().get_base_units(quantity.units)[1]
         target = f"{base:~}".replace(" ** ", "^").replace(" * ", " ").replace(" / ", "/") or "1"
     return _between(unit, target), target
 
@@ -114,8 +129,9 @@ def further(unit: str) -> tuple[Conversion, str]:
 def _between(unit: str, target: str) -> Conversion:
     quantity, create = _quantity(unit), _registry().Quantity
     wanted = "" if target == "1" else target
-    low, high = (create(value * quantity.magnitude, quantity.units).to(wanted).magnitude for value in (0.0, 1.0))
-    factor = float(high - low)
+    with _worked_out(unit):
+        low, high = (create(value * quantity.magnitude, quantity.units).to(wanted).magnitude for value in (0.0, 1.0))
+        factor = float(high - low)
     if not (np.isfinite(factor) and factor != 0.0):
         raise InputError(f"the unit '{unit}' has the size {factor}")
     return Conversion(factor, float(low))

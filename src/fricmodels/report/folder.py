@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
@@ -13,14 +12,16 @@ from fricmodels.errors import FricmodelsError, InputError
 from fricmodels.report import story, tournament
 from fricmodels.report.page import Page, Section, Words
 from fricmodels.report.wording import known_model
+from fricmodels.stored import as_written, read_results
+from fricmodels.tournament.leaderboard import AGAIN, Leaderboard
 from fricmodels.tournament.leaderboard import FILE as LEADERBOARD
-from fricmodels.tournament.leaderboard import Leaderboard
 from fricmodels.tournament.origin import read_origin
 
 if TYPE_CHECKING:
     from fricmodels.diagnosis.ladder import Rung
 
 DIAGNOSIS = "diagnosis.json"
+_AGAIN = "fricmodels improve DATA --model M --out DIR"
 
 
 def page(directory: Path) -> Page:
@@ -29,6 +30,11 @@ def page(directory: Path) -> Page:
     Raises:
         InputError: when neither is there, or one cannot be read.
     """
+    with as_written(directory, f"{AGAIN}, or {_AGAIN}"):
+        return _page(directory)
+
+
+def _page(directory: Path) -> Page:
     folder = directory if directory.is_dir() else directory.parent
     wanted = {directory.name} if not directory.is_dir() else {LEADERBOARD, DIAGNOSIS}
     diagnosis = _of_diagnosis(folder) if DIAGNOSIS in wanted and (folder / DIAGNOSIS).exists() else None
@@ -76,12 +82,7 @@ def _of_diagnosis(folder: Path) -> Page:
 def _read(path: Path) -> Mapping[str, Any]:
     from fricmodels.diagnosis.document import SCHEMA
 
-    try:
-        data = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, UnicodeDecodeError, json.JSONDecodeError) as error:
-        raise InputError(f"{path}: cannot be read as a diagnosis: {' '.join(str(error).split())}") from None
-    if not isinstance(data, dict) or data.get("schema") != SCHEMA:
-        raise InputError(f"{path}: is no diagnosis of schema '{SCHEMA}'; run fricmodels improve again")
+    data = read_results(path, SCHEMA, _AGAIN)
     if "recording" not in data or "versions" not in data:
         raise InputError(f"{path}: is of an older version; run fricmodels improve DATA --model M --out DIR again")
     return data

@@ -89,10 +89,12 @@ def declared(model: str) -> dict[str, Parameter]:
 
 
 def known_model(name: str) -> Model | None:
-    """Return a model by its name, or ``None`` where a law or an effect of it is not installed."""
+    """Return a model by its name, or ``None`` where a law or an effect of it is not installed, or not safe to use."""
     registered = plugins.load()
     law, *effects = name.split("+")
     if law not in registered.laws or any(effect not in registered.effects for effect in effects):
+        return None
+    if registered.laws.danger(law) or any(registered.effects.danger(effect) for effect in effects):
         return None
     return Model.parse(name)
 

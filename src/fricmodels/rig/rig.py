@@ -23,6 +23,7 @@ NotNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
 Pair = tuple[NotNegative, NotNegative]
 _MOST_HARMONICS = 16
 _MOST_STEPS = 1000
+_MOST_SAMPLES = 20_000_000
 _RUNAWAY = 1000.0
 """A controlled drive that is faster than so many times the fastest that is commanded has run away."""
 EXCLUSIVE = (("backlash", "joint-compliance"), ("presliding", "rising-stiction"), ("frictional-lag", "presliding"))
@@ -128,6 +129,8 @@ class Rig(BaseModel):
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
+        if self.samples * self.runs > _MOST_SAMPLES:
+            raise ValueError(f"'samples' times 'runs' are {self.samples * self.runs}, more than {_MOST_SAMPLES}")
         names = [effect.name for effect in self.effects]
         if len(set(names)) != len(names):
             raise ValueError("an effect is listed twice; give cogging and the like several 'harmonics' instead")

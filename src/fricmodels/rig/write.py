@@ -6,7 +6,7 @@ import json
 from pathlib import Path
 
 from fricmodels.errors import InputError
-from fricmodels.files import replaced, write_text
+from fricmodels.files import replaced, write_bytes, write_text
 from fricmodels.readers.columns import STANDARD
 from fricmodels.recording import Recording
 
@@ -29,8 +29,16 @@ def write(recording: Recording, out: str | Path) -> tuple[Path, Path]:
     if recording.run[-1] > 0:
         table["run"] = recording.run
     text = json.dumps(dict(recording.provenance), indent=2) + "\n"
-    write_text(truth, text)
-    with replaced(path) as beside:
-        save = table.to_csv if path.suffix == ".csv" else table.to_parquet
-        save(beside, index=False)
+    known = truth.read_bytes() if truth.is_file() else None
+    try:
+        with replaced(path) as beside:
+            save = table.to_csv if path.suffix == ".csv" else table.to_parquet
+            save(beside, index=False)
+            write_text(truth, text)
+    except BaseException:
+        if known is None:
+            truth.unlink(missing_ok=True)
+        else:
+            write_bytes(truth, known)
+        raise
     return path, truth

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import multiprocessing
+import os
 import time
 import warnings
 from collections.abc import Iterator
@@ -11,6 +12,7 @@ from typing import Any
 
 from fricmodels import plugins
 from fricmodels.errors import InputError, suggestion
+from fricmodels.processes import end_with_parent
 from fricmodels.testing.estimator_exam import EstimatorExam
 from fricmodels.testing.exam import EffectExam, LawExam
 from fricmodels.testing.faults import SkipTest
@@ -93,7 +95,7 @@ def named(name: str) -> list[tuple[str, str]]:
     entries = [
         (kind, own, registry.entry(own).distribution)
         for kind, registry in loaded.registries.items()
-        for own in registry
+        for own in registry.names
     ]
     found = [(kind, own) for kind, own, distribution in entries if name in (own, distribution)]
     if not found:
@@ -117,7 +119,7 @@ def examine(kind: str, name: str, *, timeout: float = 120.0, thorough: bool = Fa
     from pebble import ProcessExpired, ProcessPool
 
     context = multiprocessing.get_context("spawn")
-    with ProcessPool(max_workers=1, context=context) as pool:
+    with ProcessPool(max_workers=1, context=context, initializer=end_with_parent, initargs=[os.getpid()]) as pool:
         for check in checks(EXAMS[kind]):
             future = pool.schedule(_sit_registered, args=[kind, name, check, thorough], timeout=timeout)
             try:

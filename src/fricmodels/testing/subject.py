@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from fricmodels import plugins
 from fricmodels.arrays import Array, Mask
 from fricmodels.dimension import DIMENSIONLESS, VELOCITY, Dimension
 from fricmodels.errors import FricmodelsError
@@ -196,7 +197,8 @@ def _check_scalar(what: str, value: Any) -> None:
 
 def _called(method: str, term: Term, symbols: dict[str, Any], own: dict[str, Any], memory: dict[str, Any]) -> Any:
     try:
-        return getattr(term, method)(Signals(symbols, memory), Parameters(own))
+        with plugins.unheard():
+            return getattr(term, method)(Signals(symbols, memory), Parameters(own))
     except (Exception, SystemExit) as error:
         line = traceback.extract_tb(error.__traceback__)[-1]
         where = f"line {line.lineno} of {Path(line.filename).name}"

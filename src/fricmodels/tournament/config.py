@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_validator
+from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, model_validator
 
 from fricmodels import plugins
 from fricmodels.dimension import Motion
 from fricmodels.documents import Document, read_yaml, validate
 from fricmodels.errors import InputError
+from fricmodels.gaps import Gaps
 from fricmodels.signals import Preparation
 from fricmodels.split import Split
 
@@ -37,13 +39,33 @@ def _run_names(value: Any) -> Any:
     return [str(item) if isinstance(item, int) else item for item in _listed(value)]
 
 
+def _folder_name(name: str) -> str:
+    """Refuse a name that, as a folder below ``runs``, would be somewhere else."""
+    if (
+        not name.strip()
+        or name.startswith(".")
+        or len(name) > 100
+        or any(c in "/\\" or not c.isprintable() for c in name)
+    ):
+        raise ValueError("it names the folder of the results: 1 to 100 characters, no / or \\, and no dot in front")
+    return name
+
+
 def _estimator(value: Any) -> Any:
     return {"name": value} if isinstance(value, str) else value
+
+
+MOST_RECORDINGS = 100_000
+"""Of one dataset, or seeds of one: more is taken for a slip of the pen."""
+MOST_SAMPLES = 20_000_000
+"""Of one simulated recording; it takes some GB to make."""
 
 
 def _counted(value: Any) -> Any:
     """Take ``seeds: 20`` as the seeds 0 … 19."""
     if isinstance(value, int) and not isinstance(value, bool) and value > 0:
+        if value > MOST_RECORDINGS:
+            raise ValueError(f"{value:.3g} seeds are more than {MOST_RECORDINGS}, each a recording of its own")
         return list(range(value))
     return _listed(value)
 
@@ -83,6 +105,16 @@ class Simulate(Closed):
     hold: int = Field(default=1, ge=1, description="the velocity sensor gives a value every so many samples")
     between_samples: Literal["linear", "held"] = "linear"
 
+    @model_validator(mode="after")
+    def _bounded(self) -> Simulate:
+        samples = self.cycles * self.samples_per_cycle
+        if samples > MOST_SAMPLES:
+            raise ValueError(f"{samples:.3g} samples of one recording are more than {MOST_SAMPLES}; take fewer cycles")
+        recordings = math.prod(len(each) for each in (self.amplitude, self.frequency, self.noise_percent, self.seeds))
+        if recordings > MOST_RECORDINGS:
+            raise ValueError(f"all combinations are {recordings} recordings, more than {MOST_RECORDINGS}")
+        return self
+
 
 class Dataset(Closed):
     """Where recordings come from: ``files``, a ``simulate`` section or a ``rig`` file; exactly one of them."""
@@ -105,6 +137,7 @@ class Dataset(Closed):
     )
     estimate_inertia: bool = Field(default=False, description="estimate the inertia of a simulated drive too")
     torque_constant: float | None = Field(default=None, gt=0, allow_inf_nan=False, description="N m/A or N/A")
+    gaps: Gaps | None = Field(default=None, description="leave out rows without numbers: drop them, or split into runs")
     runs: Annotated[list[str], BeforeValidator(_run_names), Field(min_length=1)] | None = Field(
         default=None, description="numbers or names of the runs to use; all by default"
     )
@@ -143,7 +176,7 @@ class Config(Closed):
     ``models`` and ``estimators`` may say ``all``: every registered law, every registered estimator.
     """
 
-    name: str = "tournament"
+    name: Annotated[str, AfterValidator(_folder_name)] = "tournament"
     datasets: list[Dataset] = Field(min_length=1)
     models: Texts = [ALL]
     estimators: Annotated[

@@ -78,7 +78,8 @@ def _local(jobs: list[Job], processes: int, timeout: float) -> Results:
 
     context = multiprocessing.get_context("spawn")
     queue = _Queue(jobs)
-    pools: list[Any] = [ProcessPool(max_workers=1, context=context, initializer=_ready) for _ in range(processes)]
+    ready: dict[str, Any] = {"initializer": _ready, "initargs": [os.getpid()]}
+    pools: list[Any] = [ProcessPool(max_workers=1, context=context, **ready) for _ in range(processes)]
     running: dict[Future[Any], tuple[int, Job]] = {}
 
     def start(worker: int) -> None:
@@ -105,13 +106,15 @@ def _local(jobs: list[Job], processes: int, timeout: float) -> Results:
             pool.join()
 
 
-def _ready() -> None:
+def _ready(parent: int) -> None:
     """Keep a worker to one core, leave Ctrl-C to its parent, and import what fits need before any clock runs."""
     import importlib
     import signal
 
     import fricmodels.score  # noqa: F401
+    from fricmodels.processes import end_with_parent
 
+    end_with_parent(parent)
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
         os.environ.setdefault(name, "1")

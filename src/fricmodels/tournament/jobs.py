@@ -121,7 +121,7 @@ def _drive(model: str, inertia: float | None, motion: Motion) -> Drive:
 
 
 @lru_cache(maxsize=256)
-def _check_plugins(model: str) -> None:
+def check_plugins(model: str) -> None:
     """Refuse a term of a plugin whose torque cannot be evaluated, or is not true in the units that it declares.
 
     Estimators scale by these units: one that is wrong does not fail, it gives other numbers.
@@ -169,7 +169,7 @@ def execute(job: Job) -> Row:
 def _fit_and_score(job: Job) -> Row:
     from fricmodels.score import score
 
-    _check_plugins(job.model)
+    check_plugins(job.model)
     loaded = load(job.source)
     drive = _drive(job.model, job.source.inertia, loaded.train.motion)
     model = drive.model.on(loaded.train)

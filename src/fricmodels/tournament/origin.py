@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fricmodels import plugins
-from fricmodels.errors import InputError
 from fricmodels.files import write_text
+from fricmodels.stored import as_written, read_results
 from fricmodels.tournament.sources import Source
 
 if TYPE_CHECKING:
@@ -75,27 +75,29 @@ def read_origin(directory: Path) -> Origin | None:
         InputError: when the file cannot be read, or is of another kind.
     """
     path = directory / FILE
+    again = "fricmodels run CONFIG.yaml --out DIR"
     try:
-        content = json.loads(path.read_text(encoding="utf-8"))
+        content = read_results(path, SCHEMA, again)
     except FileNotFoundError:
         return None
-    except (OSError, UnicodeDecodeError, json.JSONDecodeError) as error:
-        raise InputError(f"{path}: cannot be read: {' '.join(str(error).split())}; run the tournament again") from None
-    if not isinstance(content, dict) or content.get("schema") != SCHEMA:
-        raise InputError(f"{path}: is no record of a run of schema '{SCHEMA}'; run the tournament again")
+    with as_written(path, again):
+        return _origin(content)
+
+
+def _origin(content: Mapping[str, Any]) -> Origin:
     started = Path(content["working_directory"])
     sources, digests = [], {}
     for each in content["sources"]:
-        source = Source(each["dataset"], each["tags"], each["inertia"], _found(each["description"], started))
+        source = Source(each["dataset"], dict(each["tags"]), each["inertia"], _found(each["description"], started))
         sources.append(source)
         if each["digest"]:
             digests[source] = each["digest"]
     return Origin(
-        content["config"],
+        dict(content["config"]),
         content["config_file"],
         tuple(sources),
         digests,
-        content["versions"],
+        dict(content["versions"]),
         tuple(content["left_out"]),
     )
 

@@ -169,6 +169,7 @@ def _files(dataset: Dataset, directory: Path, common: Mapping[str, Any]) -> Iter
         "motion": dataset.motion.value if dataset.motion else None,
         "torque_constant": dataset.torque_constant,
         "runs": dataset.runs,
+        "gaps": dataset.gaps,
     }
     for paths in groups:
         own = paths[0].stem + (f" and {len(paths) - 1} more" if len(paths) > 1 else "")
@@ -254,6 +255,7 @@ def _read(files: list[str], values: Mapping[str, Any], name: str) -> Recording:
         name=name,
         reader=values["reader"],
         torque_constant=values["torque_constant"],
+        gaps=values.get("gaps"),
     )
     wanted = values["runs"]
     if wanted is None:

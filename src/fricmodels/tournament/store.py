@@ -58,8 +58,25 @@ class Store:
             part = wanted[start : start + 500]
             marks = ",".join("?" * len(part))
             query = f"SELECT key, row FROM results WHERE key IN ({marks})"
-            found.update({key: json.loads(row) for key, row in self._connection.execute(query, part)})
+            for key, text in self._connection.execute(query, part):
+                row = _row(text)
+                if row is not None:
+                    found[key] = row
         return found
+
+    def rows(self) -> list[dict[str, Any]]:
+        """Return all rows, those first that were put first."""
+        texts = self._connection.execute("SELECT row FROM results ORDER BY finished, rowid")
+        return [row for (text,) in texts if (row := _row(text)) is not None]
 
     def __len__(self) -> int:
         return int(self._connection.execute("SELECT COUNT(*) FROM results").fetchone()[0])
+
+
+def _row(text: Any) -> dict[str, Any] | None:
+    """Return a kept row, or ``None`` where it was spoilt since: its job is done again."""
+    try:
+        row = json.loads(text)
+    except (ValueError, TypeError, RecursionError):
+        return None
+    return row if isinstance(row, dict) and "status" in row else None

@@ -46,6 +46,8 @@ class Reversals:
 
     def common(self, values: Array) -> Mask:
         """Mark samples whose size is within what half of all reversals reach, so that a mean is not of a few only."""
+        if not len(values):
+            return np.zeros(0, dtype=np.bool_)
         size, reached = np.abs(values), np.zeros(self.count)
         np.maximum.at(reached, self.turn, size)
         return np.asarray(size <= np.median(reached[np.unique(self.turn)]))

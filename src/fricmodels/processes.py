@@ -1,0 +1,35 @@
+"""Processes that end with the one that started them, however that ends."""
+
+from __future__ import annotations
+
+import os
+import signal
+import sys
+import threading
+import time
+
+_LOOK = 1.0
+_PR_SET_PDEATHSIG = 1
+
+
+def end_with_parent(parent: int) -> None:
+    """Let this process be killed as soon as its parent is gone, even by ``kill -9``.
+
+    On Linux the kernel does it, also to a process that spins in compiled code; elsewhere a thread looks each second.
+
+    Args:
+        parent: its process id, taken before this process was started.
+    """
+    if sys.platform == "linux":
+        import ctypes
+
+        ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
+    if os.getppid() != parent:
+        os._exit(1)
+    threading.Thread(target=_watch, args=[parent], daemon=True).start()
+
+
+def _watch(parent: int) -> None:
+    while os.getppid() == parent:
+        time.sleep(_LOOK)
+    os._exit(1)
