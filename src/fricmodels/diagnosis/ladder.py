@@ -11,6 +11,7 @@ from fricmodels.diagnosis.diagnose import Diagnosis, Finding, examine, is_predic
 from fricmodels.diagnosis.look_alikes import separated_by
 from fricmodels.diagnosis.necessity import necessity
 from fricmodels.diagnosis.policy import POLICY, Policy
+from fricmodels.diagnosis.refits import Refits
 from fricmodels.display import Displayed
 from fricmodels.model import Model
 from fricmodels.recording import Recording
@@ -216,11 +217,16 @@ class _Search:
         for name in self._added if len(self._added) > 1 else []:
             smaller = self._without(self._here, name)
             self._say(f"looking again for what is missing without {name}")
-            seems = seems_missing(smaller, self._out, self._policy)
+            refused = self.diagnosis.refused
+            out = self._out if refused is None else self._out | {refused.name}  # it does not help the larger model
+            seems = seems_missing(smaller, out, self._policy)
             if seems is None:
                 continue
             if seems.first.name == name:
                 self._update_look_alikes(name, seems.names)
+                continue
+            trial = Refits(smaller).with_effect(seems.first)
+            if trial is None or not self._may_replace(trial):
                 continue
             diagnosis = self._examine(smaller)
             if not diagnosis.findings:

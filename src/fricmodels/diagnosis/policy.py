@@ -162,8 +162,8 @@ class Policy:
         0.97,
         "share",
         "An effect must explain this share of what a channel explains that predicts more in its place.",
-        "Of 101 effects of two challenges that a channel rivals, true ones lie above 0.97, but for one of 0.90; half of "
-        "the mimics of what is not listed lie between 0.90 and 0.97 (docs/decisions/unknown.md).",
+        "On 86 drives true effects lie above it, all but one; most mimics of what is on no list lie below it "
+        "(docs/decisions/unknown.md).",
         off=0.0,
     )
     description_gain: float = _rule(
