@@ -19,7 +19,7 @@ from fricmodels.plugins import load
 from fricmodels.recording import Recording
 from fricmodels.weakform.candidate import Candidate, within_recording
 from fricmodels.weakform.estimate import estimate
-from fricmodels.weakform.ranges import natural_size, scan_size
+from fricmodels.weakform.ranges import both_ways, natural_size, scan_size
 from fricmodels.weakform.search import is_at_an_end, search, starting_points
 
 Made = Callable[..., Recording]
@@ -349,3 +349,15 @@ LENGTH = Parameter("x", unit="rad", initial=1.0, lower=0.5, upper=2.0)
 )
 def test_the_end_of_a_parameter(parameter: Parameter, value: float, spacing: float, ended: bool) -> None:
     assert is_at_an_end([parameter], (value,), [spacing]) is ended
+
+
+def test_a_jump_is_sought_between_the_first_and_the_last_reversal(made: Made) -> None:
+    """Before and after both directions must be seen; where that leaves nothing, within the record."""
+    recording = made("coulomb-viscous", {})
+    first, last = both_ways(recording)
+    signs = np.sign(recording.velocity)
+    assert recording.time[0] < first < last < recording.time[-1]
+    for part in (recording.time <= first, recording.time >= last):
+        assert {-1.0, 1.0} <= set(signs[part])
+    forward = recording.with_channels(velocity=np.abs(recording.velocity) + 1.0)
+    assert both_ways(forward) == (recording.time[0], recording.time[-1])

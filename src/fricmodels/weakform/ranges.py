@@ -7,6 +7,7 @@ import numpy as np
 from fricmodels.dimension import Dimension
 from fricmodels.parameter import Parameter
 from fricmodels.recording import Recording
+from fricmodels.signals.rest import smoothed_velocity
 
 _RECORD = 20_000
 """Samples of a record in which a time of the drive's own is counted."""
@@ -38,3 +39,18 @@ def scan_size(recording: Recording, parameter: Parameter) -> float:
         return size
     records = float(np.ptp(recording.time)) / (_RECORD * recording.interval)
     return float(size * max(records, 1.0) ** -float(parameter.dimension.time))
+
+
+def both_ways(recording: Recording) -> tuple[float, float]:
+    """Return the instants [s] before and after which the drive moves in both directions; else the record's ends.
+
+    What jumps before the first reversal, or after the last one, cannot be told from an offset and a single stroke.
+    """
+    velocity, error = smoothed_velocity(recording)
+    time, moving = recording.time, np.abs(velocity) > 3.0 * error
+    strokes = [np.flatnonzero(moving & (side * velocity > 0.0)) for side in (1.0, -1.0)]
+    if all(len(stroke) for stroke in strokes):
+        first, last = max(stroke[0] for stroke in strokes), min(stroke[-1] for stroke in strokes)
+        if first < last:
+            return float(time[first]), float(time[last])
+    return float(np.min(time)), float(np.max(time))

@@ -19,7 +19,7 @@ from fricmodels.term import Effect
 from fricmodels.weakform.candidate import Candidate, NonlinearOptimum, Point
 from fricmodels.weakform.optimise import coordinate_search, multistart_nelder_mead, refine
 from fricmodels.weakform.problem import WeakFormProblem
-from fricmodels.weakform.ranges import scan_size
+from fricmodels.weakform.ranges import both_ways, scan_size
 from fricmodels.weakform.regression import Regression
 
 Array = NDArray[np.float64]
@@ -172,13 +172,17 @@ def starting_points(
             lower = max(parameter.lower, 2 * waves.resolution)
             bounded.append(replace(parameter, lower=lower, initial=max(parameter.initial, lower)))
             continue
+        if parameter.instant:
+            first, last = both_ways(problem.recording)
+            first, last = max(parameter.lower, first), min(parameter.upper, last)
+            parameter = replace(parameter, lower=first, upper=last, initial=min(max(parameter.initial, first), last))
         bounded.append(parameter)
         size = scan_size(problem.recording, parameter)
         tried = [value * size for value in parameter.scan] or [parameter.initial]
         scan = list(dict.fromkeys(min(max(value, parameter.lower), parameter.upper) for value in tried))
         choices.append(scan)
         trials *= len(scan)
-        if parameter.lower < 0 or scan[0] <= 0:
+        if parameter.lower < 0 or parameter.instant or scan[0] <= 0:
             spacing.append(-(scan[1] - scan[0]) if len(scan) > 1 else -_SIGNED * size)
         else:
             spacing.append(scan[1] / scan[0] if len(scan) > 1 else 2.0)
