@@ -359,5 +359,6 @@ def test_a_jump_is_sought_between_the_first_and_the_last_reversal(made: Made) ->
     assert recording.time[0] < first < last < recording.time[-1]
     for part in (recording.time <= first, recording.time >= last):
         assert {-1.0, 1.0} <= set(signs[part])
-    forward = recording.with_channels(velocity=np.abs(recording.velocity) + 1.0)
+    channels = {"time": recording.time, "torque": recording.torque, "velocity": np.abs(recording.velocity) + 1.0}
+    forward = Recording("forward", recording.motion, channels, recording.run)
     assert both_ways(forward) == (recording.time[0], recording.time[-1])
