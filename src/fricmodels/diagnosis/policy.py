@@ -162,7 +162,7 @@ class Policy:
         0.97,
         "share",
         "An effect must explain this share of what a channel explains that predicts more in its place.",
-        "On 86 drives true effects lie above it, all but one; most mimics of what is on no list lie below it "
+        "Judgement: on 86 drives true effects lie above it, all but one, and most mimics of what is on no list below "
         "(docs/decisions/unknown.md).",
         off=0.0,
     )
