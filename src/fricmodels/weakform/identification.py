@@ -37,7 +37,8 @@ def identified(found: Solved) -> Solved:
     held: dict[str, str] = {}
     refused: set[str] = set()
     while True:
-        undetermined = now.solution.normal.null[now.places]
+        null = now.solution.normal.null
+        undetermined = (null / np.max(np.abs(null), axis=0))[now.places]
         reasons = not_identified(drive, now.values, now.covariance, undetermined, searched)
         reasons = {**lost_in_noise(noisy), **reasons, **held}
         choice = to_hold(drive, now.values, now.covariance, searched, set(reasons) - set(held) - refused, noisy)
@@ -71,7 +72,8 @@ def not_identified(
     Args:
         drive: gives keys and units.
         values, covariance: the estimate, in the order of the drive's parameters.
-        undetermined: directions along which nothing changes, in columns of unit length, shape (n, any number).
+        undetermined: directions along which nothing changes, in columns of unit length and of largest entry 1, which
+            may be that of a nuisance; shape (n, any number).
         searched: least and greatest value that the data can tell apart, infinite for linear parameters.
     """
     keys = drive.keys
@@ -81,7 +83,7 @@ def not_identified(
         contains_zero[pair] = np.all(contains_zero[pair])
     found: dict[str, str] = {}
     for direction in undetermined.T:
-        members = [keys[i] for i in np.flatnonzero(np.abs(direction) > 0.05 * np.max(np.abs(direction)))]
+        members = [keys[i] for i in np.flatnonzero(np.abs(direction) > 0.05)]
         for key in members:
             others = [other for other in members if other != key]
             found[key] = (
