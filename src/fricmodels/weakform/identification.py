@@ -37,8 +37,7 @@ def identified(found: Solved) -> Solved:
     held: dict[str, str] = {}
     refused: set[str] = set()
     while True:
-        null = now.solution.normal.null
-        undetermined = (null / np.max(np.abs(null), axis=0))[now.places]
+        undetermined = now.solution.normal.null[now.places]
         reasons = not_identified(drive, now.values, now.covariance, undetermined, searched)
         reasons = {**lost_in_noise(noisy), **reasons, **held}
         choice = to_hold(drive, now.values, now.covariance, searched, set(reasons) - set(held) - refused, noisy)
@@ -72,8 +71,8 @@ def not_identified(
     Args:
         drive: gives keys and units.
         values, covariance: the estimate, in the order of the drive's parameters.
-        undetermined: directions along which nothing changes, in columns of unit length and of largest entry 1, which
-            may be that of a nuisance; shape (n, any number).
+        undetermined: directions of length 1 along which nothing changes, in columns of unit length, shape (n, any
+            number). One of a nuisance alone has nothing here.
         searched: least and greatest value that the data can tell apart, infinite for linear parameters.
     """
     keys = drive.keys
