@@ -56,6 +56,17 @@ class ModelParameter:
     at_least: str | None
 
 
+class NoFriction(Law):
+    """No friction at all: the law on which an effect stands alone."""
+
+    name = "no-friction"
+    formula = "τ_F = 0"
+
+    def torque(self, s: Signals, p: Parameters) -> float:
+        """Return 0."""
+        return 0.0
+
+
 class Model:
     """A law and the effects added to it: ``asymmetric-coulomb-viscous+cogging+stribeck``.
 
@@ -85,6 +96,11 @@ class Model:
         """Return a model as it is, or the one that a name says; see :meth:`parse`."""
         return cls.parse(model) if isinstance(model, str) else model
 
+    @classmethod
+    def only(cls, term: Law | Effect) -> Model:
+        """Return the model that has nothing but a term."""
+        return cls(term) if isinstance(term, Law) else cls(NoFriction(), [term])
+
     def on(self, recording: Recording) -> Model:
         """Return the model as it is for a recording: see :meth:`fricmodels.term.Effect.on`."""
         effects = [effect.on(recording, [t for t in self.terms if t is not effect]) for effect in self.effects]
@@ -104,7 +120,7 @@ class Model:
         return "+".join(term.name for term in self.terms)
 
     @property
-    def terms(self) -> tuple[Term, ...]:
+    def terms(self) -> tuple[Law | Effect, ...]:
         """The law, then the effects."""
         return (self.law, *self.effects)
 

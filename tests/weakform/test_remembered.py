@@ -21,9 +21,22 @@ def test_an_array_is_computed_once_while_there_is_room() -> None:
     remembered = Remembered(room=8 * 10)
     for _ in range(2):
         np.testing.assert_array_equal(compute("a", 6), np.ones(6))
-        np.testing.assert_array_equal(compute("too large", 5), np.full(5, 9.0))
+        np.testing.assert_array_equal(compute("too large", 11), np.full(11, 9.0))
         np.testing.assert_array_equal(compute("bb", 4), np.full(4, 2.0))
     assert calls == ["a", "too large", "bb", "too large"]
+
+
+def test_what_was_not_asked_for_longest_makes_room() -> None:
+    calls: list[str] = []
+
+    def array(key: str) -> np.ndarray:
+        calls.append(key)
+        return np.ones(4)
+
+    remembered = Remembered(room=8 * 10)
+    for key in ("a", "b", "a", "c", "a", "b"):
+        remembered(key, lambda key=key: array(key))
+    assert calls == ["a", "b", "c", "b"]
 
 
 def test_what_is_remembered_cannot_be_changed() -> None:

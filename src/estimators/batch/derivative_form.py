@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
 from fricmodels.drive import Drive
 from fricmodels.errors import EstimationError
+from fricmodels.model import Model
 from fricmodels.recording import Recording
 from fricmodels.signals import Preparation
 from fricmodels.weakform.inference import covariance
 from fricmodels.weakform.nonlinear import Outcome, Plan, linear_constraints, nonlinear_search
-from fricmodels.weakform.separable import separable
+from fricmodels.weakform.separable import SeparableTerm, separable
 from fricmodels.weakform.test_functions import segments
 from fricmodels.weakform.variable_projection import Equations, Projection
 
@@ -41,7 +44,13 @@ def derivative_equations(drive: Drive, recording: Recording, preparation: Prepar
     split = separable(drive.model)
 
     def moving(alpha: Array, slopes: bool) -> Array:
-        return seen(split.moving_rows(filtered, alpha, lambda p: drive.states(filtered, p), slopes=slopes))
+        def rows(term: SeparableTerm, own: tuple[float, ...]) -> Array:
+            return seen(term.moving_rows(filtered, np.array(own), states, slopes=slopes))
+
+        return split.moving_rows(alpha, rows, slopes=slopes)
+
+    def states(model: Model, parameters: Array) -> Sequence[Array]:
+        return Drive(model, None, drive.motion).states(filtered, parameters)
 
     driving = seen((filtered.torque - filtered.load_torque)[None])[0]
     acceleration = seen(filtered["acceleration"][None])[0]

@@ -70,9 +70,8 @@ class CandidateTest:
     @property
     def _linear_symbols(self) -> list[str]:
         from fricmodels.model import Model
-        from fricmodels.weakform.problem import NoFriction
 
-        flags = Model(NoFriction(), [self.effect]).linear
+        flags = Model.only(self.effect).linear
         return [p.symbol for p, is_linear in zip(self.effect.parameters, flags, strict=True) if is_linear]
 
 

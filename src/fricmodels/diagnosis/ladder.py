@@ -85,7 +85,6 @@ def improve(
     pruned, exchanged, simplified = search.prune(), search.exchange(), search.simplify()
     if pruned or exchanged or simplified:
         search.diagnose()
-    if exchanged:
         search.extend()
     if search.steps and not first.findings:  # two effects together
         first = replace(search.steps[0], verdict="missing-effect")
@@ -198,7 +197,7 @@ class _Search:
             if tested[weakest].gain > policy.superfluous_gain and tested[weakest].p_value < policy.significance:
                 break
             simpler = self._without(comparison, weakest)
-            if _test_error(simpler) > (1 + policy.removal_loss) * _test_error(comparison):
+            if _rises(simpler, comparison, policy.removal_loss):
                 break
             comparison = simpler
             removed.append(weakest)
@@ -269,9 +268,10 @@ class _Search:
         Its test error is as low, or clearly lower where it has more parameters. Or it leaves nothing that could be
         predicted where the present one does, with nearly the same test error.
         """
-        share, policy = _test_error(other) / _test_error(self._here), self._policy
-        larger = len(other.drive.model.parameters) > len(self._here.drive.model.parameters)
-        if share <= 1 + (-policy.exchange_margin if larger else policy.exchange_margin):
+        here, policy = self._here, self._policy
+        share = _test_error(other) / _test_error(here)
+        larger = len(other.drive.model.parameters) > len(here.drive.model.parameters)
+        if not (larger and share > 1 - policy.exchange_margin) and not _rises(other, here, policy.exchange_margin):
             return True
         if self.diagnosis.verdict != "unknown-effect" or share > policy.exchange_for_adequate:
             return False
@@ -294,6 +294,14 @@ class _Search:
 
 def _test_error(comparison: Comparison) -> float:
     return comparison.sliding.held_out_percent
+
+
+def _rises(simpler: Comparison, comparison: Comparison, share: float) -> bool:
+    """Whether the test error of the simpler model is larger by more than a share, in any window."""
+    pairs = zip(simpler.errors.bands, comparison.errors.bands, strict=True)
+    windows = [(one.held_out_percent, other.held_out_percent) for one, other in pairs]
+    windows.append((_test_error(simpler), _test_error(comparison)))
+    return any(one > (1 + share) * other for one, other in windows)
 
 
 def added(ladder: Ladder) -> list[Finding]:

@@ -111,9 +111,8 @@ def evidence(comparison: Comparison, effect: Effect) -> Picture:
     from fricmodels.model import Model
     from fricmodels.recording import channel_of
     from fricmodels.report import figures
-    from fricmodels.weakform.problem import NoFriction
 
-    model = Model(NoFriction(), [effect])
+    model = Model.only(effect)
     name = comparison.drive.model.name
     if any(p.periodic for p in effect.parameters):
         spectrum = figures.residual_spectrum(comparison)

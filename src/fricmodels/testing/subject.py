@@ -21,7 +21,6 @@ from fricmodels.model import Model
 from fricmodels.parameter import Parameter
 from fricmodels.term import SIGNALS, Effect, Law, Parameters, Signals, Term
 from fricmodels.testing.faults import Fault
-from fricmodels.weakform.problem import NoFriction
 
 VELOCITY_PLACE = list(SIGNALS).index("velocity")
 _LARGEST = 1e6
@@ -109,7 +108,7 @@ def subject(cls: type[Term]) -> Subject:
     term = _made(cls)
     signals = {name: casadi.SX.sym(name) for name in (*SIGNALS, *term.channels)}
     _check_equations(term, signals)
-    model = Model(term) if isinstance(term, Law) else Model(NoFriction(), [_effect(term)])
+    model = Model.only(_declared(term))
     try:
         e, smooth = model.expression(), model.expression(smooth=True)
     except FricmodelsError as error:
@@ -156,8 +155,8 @@ def _made(cls: type[Term]) -> Term:
         ) from None
 
 
-def _effect(term: Term) -> Effect:
-    if not isinstance(term, Effect):
+def _declared(term: Term) -> Law | Effect:
+    if not isinstance(term, (Law, Effect)):
         raise Fault(f"{type(term).__name__} is neither a Law nor an Effect; derive it from one of them")
     return term
 

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from fricmodels.weakform.nonlinear import Plan, linear_constraints, nonlinear_search
 from fricmodels.weakform.problem import WeakFormProblem
-from fricmodels.weakform.separable import separable
+from fricmodels.weakform.separable import SeparableTerm, separable
 from fricmodels.weakform.variable_projection import Equations, Nonlinear, Projection
 
 Array = NDArray[np.float64]
@@ -25,7 +25,13 @@ def equations(problem: WeakFormProblem, *, timing: bool) -> Equations:
     points = problem.points
 
     def moving(alpha: Array, slopes: bool) -> Array:
-        return problem.integrals(split.moving_rows(points, alpha, problem.states_at, slopes=slopes))
+        def rows(term: SeparableTerm, own: tuple[float, ...]) -> Array:
+            def compute() -> Array:
+                return problem.integrals(term.moving_rows(points, np.array(own), problem.states_of, slopes=slopes))
+
+            return problem.integrated((term.model, own, slopes), compute)
+
+        return split.moving_rows(alpha, rows, slopes=slopes)
 
     nuisances, limits = timing_nuisances(problem) if timing else (np.zeros((0, problem.rows)), np.zeros((0, 2)))
     return Equations(
@@ -33,7 +39,7 @@ def equations(problem: WeakFormProblem, *, timing: bool) -> Equations:
         problem.driving,
         problem.target,
         problem.momentum if problem.drive.inertia is None else None,
-        problem.integrals(split.fixed_rows(points)),
+        problem.integrated((problem.drive.model,), lambda: problem.integrals(split.fixed_rows(points))),
         moving,
         nuisances,
         limits,

@@ -85,6 +85,10 @@ def estimate(
     Raises:
         InputError: when the recording moves too little to fit the model.
     """
+
+    def left(found: Solved) -> float:
+        return _left(drive, recording, found.parameters)
+
     start = _started(drive, recording, start or {})
     first = WeakFormProblem.of(drive, recording, _guess(drive, recording, start), width)
     carriers = carriers_of(first, start)
@@ -102,11 +106,17 @@ def estimate(
     if drive.model.states or drive.model.delay:
         # A memory or a delay has most to say where it is not certain how the drive moved; that may mislead it, too.
         other = _solved(problem.including_uncertain_motion, {**start, **found.parameters})
-        found = min(found, other, key=lambda e: _left(drive, recording, e.parameters))
+        found = min(found, other, key=left)
     elif model_velocity:
         found = at_model_velocity(found)
-        found = clear_of_reversals(found, lambda e: _left(drive, recording, e.parameters))
+        found = clear_of_reversals(found, left)
     final = identified(found)
+    if model_velocity and final.plan.held and not drive.model.delay and not drive.model.states:
+        # With less to find, the rows clear of reversals may say more than all of them.
+        held = replace(final, free=None, other=None)
+        clear = clear_of_reversals(held, left)
+        if clear is not held:
+            final = identified(solve(clear.problem, found.plan, timing=found.timing))
     rows = replace(plain, friction_limits=plain.limits_of_friction(final.parameters), estimated=dict(final.parameters))
     return rows, Estimate(
         final.parameters,
@@ -146,12 +156,13 @@ def _solved(problem: WeakFormProblem, start: Mapping[str, float], found: Mapping
         )
     nonlinear = {p.key for p in drive.parameters if not p.linear}
 
-    def fit(begin: Mapping[str, float]) -> Solved:
-        return solve(problem, Plan(start={key: value for key, value in begin.items() if key in nonlinear}))
+    def fit(begin: Mapping[str, float], nearly: bool = False) -> Solved:
+        known = {key: value for key, value in begin.items() if key in nonlinear}
+        return solve(problem, Plan(start=known, nearly=nearly))
 
     if found is None:
         return fit(start)
-    again = fit({**start, **found})
+    again = fit({**start, **found}, nearly=True)
     if drive.model.states or nonlinear <= set(start):
         return again
     return min((again, fit(start)), key=lambda solved: solved.solution.cost)

@@ -33,7 +33,7 @@ def identified(found: Solved) -> Solved:
     recording = problem.recording
     searched = searched_range(drive, recording)
     noisy = {} if drive.model.states or not sign_is_hidden(recording) else drowned(drive, recording, found.parameters)
-    free = now = with_or_without_shift(found, found.plan)
+    free = now = with_or_without_shift(found, found.again)
     held: dict[str, str] = {}
     refused: set[str] = set()
     while True:

@@ -69,16 +69,18 @@ class Plan:
     Attributes:
         start: values of nonlinear parameters to start from, by key.
         held: values at which parameters are held that the recording does not determine, by key.
+        nearly: whether the start is the optimum of nearly the same rows.
     """
 
     start: Mapping[str, float] = field(default_factory=dict)
     held: Mapping[str, float] = field(default_factory=dict)
+    nearly: bool = False
 
 
 def nonlinear_search(drive: Drive, recording: Recording, plan: Plan = Plan()) -> Nonlinear:
     """Return where to look for the nonlinear parameters: their scans in the recording's own sizes."""
     chosen = [p for p in drive.parameters if not p.linear]
-    starts, logarithmic, reach = [], [], []
+    starts, logarithmic, reach, lower = [], [], [], []
     for p in chosen:
         size = scan_size(recording, p.declared)
         first = plan.held.get(p.key, plan.start.get(p.key))
@@ -88,9 +90,11 @@ def nonlinear_search(drive: Drive, recording: Recording, plan: Plan = Plan()) ->
         logarithmic.append(ratio)
         span = natural_size(recording, p.dimension**-1) if p.declared.periodic else 0.0
         reach.append(LARGEST_RATIO if ratio else np.pi / span if span > 0.0 else np.inf)
+        # A wave of which less than a period is passed is any slow shape, and stands for the Coulomb friction as well.
+        lower.append(max(p.declared.lower, 2 * reach[-1] if span > 0.0 else 0.0))
     return Nonlinear(
         starts,
-        np.array([p.declared.lower for p in chosen], dtype=float),
+        np.array(lower, dtype=float),
         np.array([p.declared.upper for p in chosen], dtype=float),
         np.array(logarithmic, dtype=bool),
         np.array(reach, dtype=float),

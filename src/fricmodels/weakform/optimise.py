@@ -12,7 +12,7 @@ Array = NDArray[np.float64]
 Point = tuple[float, ...]
 Bounds = tuple[float, float]
 
-_ROUNDS = 7
+ROUNDS = 7
 """Rounds of a coordinate search; each halves the steps."""
 _LONGEST_WALK = 12
 """Most steps in one direction."""
@@ -39,7 +39,11 @@ _SHORTENED = (1.0, 0.25, 0.0625)
 
 
 def coordinate_search(
-    value: Callable[[Point], float], point: Point, bounds: Sequence[Bounds], spacing: Sequence[float]
+    value: Callable[[Point], float],
+    point: Point,
+    bounds: Sequence[Bounds],
+    spacing: Sequence[float],
+    rounds: int = ROUNDS,
 ) -> Point:
     """Climb from a point, each parameter in turn, by steps that halve each round, and then along what a round moved.
 
@@ -48,10 +52,11 @@ def coordinate_search(
         point: where to begin.
         bounds: of each parameter.
         spacing: first step of each parameter: a ratio if positive, a difference if negative.
+        rounds: how often the steps are tried; they are halved in between.
     """
     steps = list(spacing)
     best = value(point)
-    for _ in range(_ROUNDS):
+    for _ in range(rounds):
         begin = point
         for i, (lower, upper) in enumerate(bounds):
             for direction in (-1, 1):

@@ -22,7 +22,7 @@ from fricmodels.model import Model
 from fricmodels.parameter import Parameter
 from fricmodels.recording import Recording
 from fricmodels.signals import lanczos_derivative
-from fricmodels.term import Effect, Law, Parameters, Signals
+from fricmodels.term import Effect
 from fricmodels.weakform.carriers import CarrierFunctions
 from fricmodels.weakform.regression import Regression
 from fricmodels.weakform.remembered import Remembered
@@ -33,17 +33,6 @@ from fricmodels.weakform.unclear import creeping, direction_unclear
 
 _ROOM = 2**28
 """Bytes of integrals that a problem remembers."""
-
-
-class NoFriction(Law):
-    """No friction at all: the law on which the columns of an effect stand alone."""
-
-    name = "no-friction"
-    formula = "τ_F = 0"
-
-    def torque(self, s: Signals, p: Parameters) -> float:
-        """Return 0."""
-        return 0.0
 
 
 @dataclass(frozen=True)
@@ -293,28 +282,29 @@ class WeakFormProblem:
         points = self.quadrature.recording
         return points.with_channels(torque=self.motor_torque) if "motor_torque" in self.drive.model.needs else points
 
-    def states_at(self, parameters: Array) -> list[Array]:
-        """Return the internal states of the problem's own drive at the quadrature's samples.
+    def states_of(self, model: Model, parameters: Array) -> list[Array]:
+        """Return the internal states of a model at the quadrature's samples.
 
         Args:
+            model: the whole one, or a term of it.
             parameters: all of the model's, in order.
         """
-        return [state[self._places] for state in self._memory(self.drive)(parameters)]
+        return [state[self._places] for state in self._memory(model)(parameters)]
 
     def _regressors(self, drive: Drive, nonlinear: Sequence[float], points: Recording) -> tuple[Array, Array]:
         if not drive.model.states:
             return drive.regressors(points, nonlinear)
         given = iter(nonlinear)
         parameters = [0.0 if is_linear else next(given) for is_linear in drive.model.linear]
-        states = [state[self._places] for state in self._memory(drive)(parameters)]
+        states = [state[self._places] for state in self._memory(drive.model)(parameters)]
         return drive.regressors(points, nonlinear, states=states)
 
     @cached_property
-    def _memory(self) -> Callable[[Drive], Memory]:
-        """What integrates a drive's internal states along the smooth motion, or the whole of which it is a part."""
+    def _memory(self) -> Callable[[Model], Memory]:
+        """What integrates a model's internal states along the smooth motion, or the whole of which it is a part."""
         along = replace(self.recording, channels={**self.recording.channels, "velocity": self.smooth})
         whole, width = along.whole(), rest_width(along)
-        return cache(lambda drive: drive.memory(whole, width))
+        return cache(lambda model: Drive(model, None, self.drive.motion).memory(whole, width))
 
     @cached_property
     def _places(self) -> NDArray[np.int64]:
@@ -386,7 +376,7 @@ class WeakFormProblem:
 
 @lru_cache(maxsize=256)
 def _alone(effect: Effect, motion: Motion) -> Drive:
-    return Drive(Model(NoFriction(), [effect]), 1.0, motion)
+    return Drive(Model.only(effect), 1.0, motion)
 
 
 def _rows(recording: Recording, smooth: Array, width: int, unclear: Mask) -> tuple[Quadrature, TestFunctions]:

@@ -16,26 +16,22 @@ from fricmodels.model import Model
 from fricmodels.recording import Recording
 
 Array = NDArray[np.float64]
-Memory: TypeAlias = Callable[[Array], Sequence[Array]]
+Memory: TypeAlias = Callable[[Model, Array], Sequence[Array]]
+"""A model of one term and its parameters → internal states at every sample."""
 
 
 @dataclass(frozen=True)
-class Separable:
-    r"""The friction torque as :math:`\tau_F = \sum_k A_k(\alpha)\,\theta_k + b(\alpha)`.
-
-    Rows that do not depend on :math:`\alpha` are *fixed* and evaluated once; the others are *moving* and come with
-    their derivatives by :math:`\alpha`, as far as these are not zero everywhere.
+class SeparableTerm:
+    """One term of a model, split; the attributes are as of :class:`Separable`, rows and α counted as there.
 
     Attributes:
-        model: the friction model.
-        linear, nonlinear: indices of the parameters :math:`\theta` and :math:`\alpha` among the model's.
-        fixed: rows evaluated once, by index into :math:`(A, b)`; b has the index ``len(linear)``.
-        moving: rows evaluated for every :math:`\alpha`.
-        slopes: pairs (row, index into α) of the derivatives that are not zero everywhere.
+        model: the term alone.
+        own: indices of the term's nonlinear parameters among its own.
+        nonlinear: indices into α of these.
     """
 
     model: Model
-    linear: tuple[int, ...]
+    own: tuple[int, ...]
     nonlinear: tuple[int, ...]
     fixed: tuple[int, ...]
     moving: tuple[int, ...]
@@ -46,17 +42,16 @@ class Separable:
 
     def fixed_rows(self, recording: Recording) -> Array:
         """Return the fixed rows at every sample, shape (len(fixed), N)."""
-        none = [0.0] * len(self.model.states)
-        return self._evaluate(self._fixed, len(self.fixed), recording, (), none)
+        return self._evaluate(self._fixed, len(self.fixed), recording, (), [0.0] * len(self.model.states))
 
     def moving_rows(self, recording: Recording, alpha: Array, memory: Memory, *, slopes: bool = True) -> Array:
         """Return the moving rows, then the slopes if wanted, at every sample, shape (rows, N).
 
         Args:
             recording: gives the signals.
-            alpha: the nonlinear parameters.
-            memory: all parameters → internal states at every sample. The slopes of a model with internal states are
-                by differences, because the states change with the parameters too.
+            alpha: the term's nonlinear parameters.
+            memory: gives the internal states. The slopes of a term with internal states are by differences, because the
+                states change with the parameters too.
         """
         if not self.model.states:
             function, rows = (self._moving, len(self.slopes)) if slopes else (self._values, 0)
@@ -64,17 +59,17 @@ class Separable:
         here = self._remembered(recording, alpha, memory)
         if not slopes:
             return here
-        differences = []
+        found = [here]
         for j in range(len(alpha)):
             moved = alpha.copy()
             moved[j] += 1e-4 * (abs(alpha[j]) or 1.0)
-            differences.append((self._remembered(recording, moved, memory) - here) / (moved[j] - alpha[j]))
-        return np.concatenate([here, *([differences[j][self.moving.index(row)]] for row, j in self.slopes)])
+            found.append((self._remembered(recording, moved, memory) - here) / (moved[j] - alpha[j]))
+        return np.concatenate(found)
 
     def _remembered(self, recording: Recording, alpha: Array, memory: Memory) -> Array:
         parameters = np.zeros(len(self.model.parameters))
-        parameters[list(self.nonlinear)] = alpha
-        return self._evaluate(self._moving, len(self.moving), recording, tuple(alpha), memory(parameters))
+        parameters[list(self.own)] = alpha
+        return self._evaluate(self._values, len(self.moving), recording, tuple(alpha), memory(self.model, parameters))
 
     def _evaluate(
         self, function: ArrayFunction, rows: int, recording: Recording, alpha: tuple[float, ...], states: Sequence[Any]
@@ -86,45 +81,116 @@ class Separable:
         return np.broadcast_to(values, (rows, len(recording)))
 
 
+@dataclass(frozen=True)
+class Separable:
+    r"""The friction torque as :math:`\tau_F = \sum_k A_k(\alpha)\,\theta_k + b(\alpha)`.
+
+    Rows that do not depend on :math:`\alpha` are *fixed* and evaluated once; the others are *moving* and come with
+    their derivatives by :math:`\alpha`, as far as these are not zero everywhere. A model is the sum of its terms; each
+    is split by itself, so that a row is evaluated again only where a parameter of its own term moved. Several terms
+    may add to b.
+
+    Attributes:
+        terms: the law and the effects.
+        linear, nonlinear: indices of the parameters :math:`\theta` and :math:`\alpha` among the model's.
+        fixed: rows evaluated once, by index into :math:`(A, b)`; b has the index ``len(linear)``.
+        moving: rows evaluated for every :math:`\alpha`.
+        slopes: pairs (row, index into α) of the derivatives that are not zero everywhere.
+    """
+
+    terms: tuple[SeparableTerm, ...]
+    linear: tuple[int, ...]
+    nonlinear: tuple[int, ...]
+    fixed: tuple[int, ...]
+    moving: tuple[int, ...]
+    slopes: tuple[tuple[int, int], ...]
+
+    def fixed_rows(self, recording: Recording) -> Array:
+        """Return the fixed rows at every sample, shape (len(fixed), N)."""
+        return np.concatenate([term.fixed_rows(recording) for term in self.terms])
+
+    def moving_rows(
+        self, alpha: Array, rows: Callable[[SeparableTerm, tuple[float, ...]], Array], *, slopes: bool
+    ) -> Array:
+        """Return the moving rows, then the slopes if wanted, shape (rows, number of samples or of equations).
+
+        Args:
+            alpha: the nonlinear parameters.
+            rows: gives those of a term by its own nonlinear parameters, followed by its slopes if these are wanted.
+            slopes: whether they are.
+        """
+        moving = [term for term in self.terms if term.moving]
+        found = [rows(term, tuple(alpha[list(term.nonlinear)].tolist())) for term in moving]
+        values = [each[: len(term.moving)] for each, term in zip(found, moving, strict=True)]
+        if slopes:
+            values += [each[len(term.moving) :] for each, term in zip(found, moving, strict=True)]
+        return np.concatenate(values)
+
+
 @lru_cache(maxsize=128)
 def separable(model: Model) -> Separable:
     """Split a model; built once per model."""
+    linear = tuple(i for i, is_linear in enumerate(model.linear) if is_linear)
+    nonlinear = tuple(i for i, is_linear in enumerate(model.linear) if not is_linear)
+    terms, first = [], 0
+    for term in model.terms:
+        flags = model.linear[first : first + len(term.parameters)]
+        places = [i for i in range(first, first + len(flags)) if model.linear[i]]
+        rows = [*(linear.index(i) for i in places), len(linear)]
+        alphas = [nonlinear.index(i) for i in range(first, first + len(flags)) if not model.linear[i]]
+        terms.append(_split(Model.only(term), flags, rows, alphas))
+        first += len(flags)
+    return Separable(
+        tuple(terms),
+        linear,
+        nonlinear,
+        tuple(row for term in terms for row in term.fixed),
+        tuple(row for term in terms for row in term.moving),
+        tuple(slope for term in terms for slope in term.slopes),
+    )
+
+
+def _split(model: Model, flags: Sequence[bool], rows: Sequence[int], alphas: Sequence[int]) -> SeparableTerm:
+    """Split one term.
+
+    Args:
+        model: the term alone.
+        flags: which of its parameters are linear.
+        rows: row of each linear one in the whole model, then that of b.
+        alphas: place of each nonlinear one in α.
+    """
     import casadi
 
     e = model.expression()
-    linear = tuple(i for i, is_linear in enumerate(model.linear) if is_linear)
-    nonlinear = tuple(i for i, is_linear in enumerate(model.linear) if not is_linear)
-    theta = e.parameters[list(linear)] if linear else casadi.SX(0, 1)
-    alpha = e.parameters[list(nonlinear)] if nonlinear else casadi.SX(0, 1)
-    zero = casadi.SX.zeros(len(linear), 1)
+    own = tuple(i for i, is_linear in enumerate(flags) if not is_linear)
+    chosen = [i for i, is_linear in enumerate(flags) if is_linear]
+    theta = e.parameters[chosen] if chosen else casadi.SX(0, 1)
+    alpha = e.parameters[list(own)] if own else casadi.SX(0, 1)
+    zero = casadi.SX.zeros(len(chosen), 1)
     design = casadi.substitute(casadi.jacobian(e.torque, theta).T, theta, zero)
-    rows = casadi.vertcat(design, casadi.substitute(e.torque, theta, zero))
-    derivative = casadi.jacobian(rows, alpha)
-    present = set(rows.sparsity().row())
-    if model.states:
-        slopes = tuple((row, j) for row in sorted(present) for j in range(len(nonlinear)))
-        moving = tuple(sorted(present))
-        chosen = casadi.vertcat(*(rows[i] for i in moving))
+    every = casadi.vertcat(design, casadi.substitute(e.torque, theta, zero))
+    present = sorted(set(every.sparsity().row()))
+    derivative = casadi.jacobian(every, alpha)
+    moving = [row for row in present if casadi.depends_on(every[row], casadi.vertcat(alpha, e.states))]
+    if model.states:  # one parameter after the other, all rows of each: so they are by differences
+        slopes = [(row, j) for j in range(len(own)) for row in moving]
     else:
-        slopes = tuple(sorted(zip(*derivative.sparsity().get_triplet(), strict=True)))
-        moving = tuple(sorted({row for row, _ in slopes}))
-        chosen = casadi.vertcat(*(rows[i] for i in moving), *(derivative[i, j] for i, j in slopes))
-    fixed = tuple(i for i in range(rows.numel()) if i in present and i not in moving)
-    signals = list(e.signals.values())
-    return Separable(
+        slopes = sorted(zip(*derivative.sparsity().get_triplet(), strict=True))
+    fixed = [row for row in present if row not in moving]
+    inputs = [*e.signals.values(), alpha, e.states, e.width]
+
+    def function(name: str, arguments: list[Any], outputs: list[Any]) -> ArrayFunction:
+        return ArrayFunction(casadi.Function(name, arguments, [casadi.vertcat(*outputs)]))
+
+    values = [every[row] for row in moving]
+    return SeparableTerm(
         model,
-        linear,
-        nonlinear,
-        fixed,
-        moving,
-        slopes,
-        ArrayFunction(
-            casadi.Function("fixed", [*signals, e.states, e.width], [casadi.vertcat(*(rows[i] for i in fixed))])
-        ),
-        ArrayFunction(
-            casadi.Function(
-                "values", [*signals, alpha, e.states, e.width], [casadi.vertcat(*(rows[i] for i in moving))]
-            )
-        ),
-        ArrayFunction(casadi.Function("moving", [*signals, alpha, e.states, e.width], [chosen])),
+        own,
+        tuple(alphas),
+        tuple(rows[row] for row in fixed),
+        tuple(rows[row] for row in moving),
+        tuple((rows[row], alphas[j]) for row, j in slopes),
+        function("fixed", [*e.signals.values(), e.states, e.width], [every[row] for row in fixed]),
+        function("values", inputs, values),
+        function("moving", inputs, values if model.states else [*values, *(derivative[i, j] for i, j in slopes)]),
     )

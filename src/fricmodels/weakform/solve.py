@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from fricmodels.weakform.equations import projection
 from fricmodels.weakform.inference import covariance
 from fricmodels.weakform.nonlinear import Plan
-from fricmodels.weakform.optimise import coordinate_search, multistart_nelder_mead
+from fricmodels.weakform.optimise import ROUNDS, coordinate_search, multistart_nelder_mead
 from fricmodels.weakform.problem import WeakFormProblem
 from fricmodels.weakform.regression import cosine_terms
 from fricmodels.weakform.search import in_gap
@@ -21,8 +21,12 @@ from fricmodels.weakform.variable_projection import Nonlinear, Projection, Solut
 
 Array = NDArray[np.float64]
 
-_STARTED, _SCANNED = 1.3, 2.0
-"""First step of a nonlinear parameter, as a ratio: of one that has a start, and of one from a scan."""
+_NEARLY, _STARTED, _SCANNED = 1.05, 1.3, 2.0
+"""First step of a nonlinear parameter, as a ratio: of one that is nearly known, has a start, or comes from a scan."""
+_CLOSE = 0.25
+"""First step of a wave number that is nearly known, in resolutions; else it is one."""
+_FEWER_ROUNDS = 5
+"""Rounds of a search for what is nearly known: its last step is as short as that of the others."""
 
 
 STRONG = 3.0
@@ -134,6 +138,13 @@ class Solved:
         spread = np.sqrt(np.clip(np.diag(self.covariance), 0.0, None))
         return dict(zip(self.problem.drive.keys, spread.tolist(), strict=True))
 
+    @property
+    def again(self) -> Plan:
+        """The same plan, to begin from what was found."""
+        nonlinear = {p.key for p in self.problem.drive.parameters if not p.linear}
+        start = {key: value for key, value in self.parameters.items() if key in nonlinear}
+        return replace(self.plan, start=start, nearly=True)
+
     def with_shift(self) -> Solved:
         """Return the fit to the same rows with a small shift in time."""
         return solve(self.problem, self.plan)
@@ -236,9 +247,14 @@ def _searched(problem: WeakFormProblem, least_squares: Projection, search: Nonli
     points = [search.clip(point) for point in search.combinations()]
     begin = min(points, key=least_squares.cost) if len(points) > 1 else points[0]
     bounds = list(zip(search.lower.tolist(), search.upper.tolist(), strict=True))
-    ratios = [
-        1.0 if held else 1.02 if p.declared.periodic else _STARTED if p.key in plan.start else _SCANNED
-        for p, held in zip(chosen, search.held, strict=True)
+    started = _NEARLY if plan.nearly else _STARTED
+    spacing = [
+        1.0
+        if held
+        else -(_CLOSE if plan.nearly else 1.0) * reach
+        if p.declared.periodic
+        else (started if p.key in plan.start else _SCANNED)
+        for p, held, reach in zip(chosen, search.held, search.reach.tolist(), strict=True)
     ]
 
     @cache
@@ -249,8 +265,9 @@ def _searched(problem: WeakFormProblem, least_squares: Projection, search: Nonli
     if len(points) > 1 and len(chosen) > 2:  # many summits: from several of the values that are tried first
         hopeful = sorted((tuple(point.tolist()) for point in points), key=value, reverse=True)
         scanned = all(values[0] > 0.0 for values in search.starts)
-        start = multistart_nelder_mead(value, hopeful, bounds, ratios, patience=1) if scanned else start
-    best = coordinate_search(value, start, bounds, ratios)
+        start = multistart_nelder_mead(value, hopeful, bounds, spacing, patience=1) if scanned else start
+    rounds = _FEWER_ROUNDS if plan.nearly else ROUNDS
+    best = coordinate_search(value, start, bounds, spacing, rounds)
     time, resolution = np.sort(problem.recording.time), problem.bumps.width * problem.recording.interval
     return np.array(
         [

@@ -87,10 +87,9 @@ class Samples:
         """The part of the model that is friction: the law, and the effects whose equation has the velocity in it."""
         from fricmodels.drive import Drive
         from fricmodels.model import Model
-        from fricmodels.weakform.problem import NoFriction
 
         model = self.drive.model
-        kept = [effect for effect in model.effects if "velocity" in Model(NoFriction(), [effect]).needs]
+        kept = [effect for effect in model.effects if "velocity" in Model.only(effect).needs]
         return Drive(Model(model.law, kept), self.drive.inertia, self.drive.motion)
 
     @cached_property
