@@ -12,7 +12,6 @@ from fricmodels.dimension import Motion
 from fricmodels.model import Model
 from fricmodels.recording import channel_of
 from fricmodels.term import Effect
-from fricmodels.weakform.problem import NoFriction
 
 DOCS = Path(__file__).parent
 BEGIN, END = "<!-- generated: begin -->", "<!-- generated: end -->"
@@ -31,7 +30,7 @@ def cell(text: str) -> str:
 
 def channels(effect: Effect) -> str:
     """Return the channels that an effect needs besides time, torque and velocity."""
-    touched = {channel_of(signal) for signal in Model(NoFriction(), [effect]).needs}
+    touched = {channel_of(signal) for signal in Model.only(effect).needs}
     return ", ".join(sorted(touched - {"time", "torque", "torque_rate", "velocity", "acceleration"}))
 
 
@@ -40,7 +39,7 @@ def generated() -> str:
     effects = built_in()
     lines = ["| name | torque | leaves in the residual | needs | searched for |", "|---|---|---|---|---|"]
     for effect in effects:
-        flags = Model(NoFriction(), [effect]).linear
+        flags = Model.only(effect).linear
         searched = ", ".join(f"`{p.symbol}`" for p, linear in zip(effect.parameters, flags, strict=True) if not linear)
         needs = "; ".join(text for text in (channels(effect), effect.needs_motion) if text)
         lines.append(f"| `{effect.name}` | {cell(effect.formula)} | {effect.signature} | {needs} | {searched} |")

@@ -86,13 +86,12 @@ def test_the_navigation_names_pages_that_exist() -> None:
 def test_the_plugin_of_the_page_is_an_effect(tmp_path: Path) -> None:
     from fricmodels.dimension import Motion
     from fricmodels.model import Model
-    from fricmodels.weakform.problem import NoFriction
 
     files = dict(FILE.findall((DOCS / "plugins.md").read_text(encoding="utf-8")))
     module = tmp_path / "my_effects.py"
     module.write_text(files["my_effects.py"], encoding="utf-8")
     (effect,) = runpy.run_path(str(module))["fricmodels_effects"]()
-    model = Model(NoFriction(), [effect()])
+    model = Model.only(effect())
     assert model.needs == {"position", "velocity"}
     assert model.linear == (True,)
     assert model.parameters[0].declared.unit_for(Motion.LINEAR) == "N/m"

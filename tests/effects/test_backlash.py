@@ -14,7 +14,6 @@ from fricmodels.recording import Recording
 from fricmodels.rig import Rig
 from fricmodels.signals import lanczos_derivative
 from fricmodels.simulation import simulate
-from fricmodels.weakform.problem import NoFriction
 
 Array = NDArray[np.float64]
 
@@ -23,7 +22,7 @@ VALUES = {"J_l": J_L, "w": WIDTH, "a": BRAKING, "omega_v": SPEED, "F": DRY, "b":
 
 
 def drive(inertia: float = 4.5) -> Drive:
-    return Drive(Model(NoFriction(), [load().effects["backlash"]()]), inertia)
+    return Drive(Model.only(load().effects["backlash"]()), inertia)
 
 
 def values(**changed: float) -> dict[str, float]:

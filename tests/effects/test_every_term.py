@@ -23,7 +23,6 @@ from fricmodels.kernels import ArrayFunction, Scan
 from fricmodels.model import Model
 from fricmodels.parameter import Parameter
 from fricmodels.term import SIGNALS, Term
-from fricmodels.weakform.problem import NoFriction
 
 Array = NDArray[np.float64]
 
@@ -61,7 +60,7 @@ def modelled(name: str) -> Model:
     registered = plugins.load()
     if name in registered.laws:
         return Model(registered.laws[name]())
-    return Model(NoFriction(), [registered.effects[name]()])
+    return Model.only(registered.effects[name]())
 
 
 def first_signals(term: Term) -> list[str]:

@@ -15,7 +15,6 @@ from fricmodels.drive import Drive
 from fricmodels.model import Model
 from fricmodels.plugins import load
 from fricmodels.recording import Recording
-from fricmodels.weakform.problem import NoFriction
 
 Array = NDArray[np.float64]
 
@@ -30,7 +29,7 @@ def recorded(samples: int = 500, **channels: Array) -> Recording:
 
 
 def torque(effect: str, parameters: dict[str, float], recording: Recording) -> Array:
-    drive = Drive(Model(NoFriction(), [load().effects[effect]()]), 1.0)
+    drive = Drive(Model.only(load().effects[effect]()), 1.0)
     values = {p.key: parameters.get(p.declared.symbol, 0.0) for p in drive.model_parameters}
     return drive.friction(recording, values)
 

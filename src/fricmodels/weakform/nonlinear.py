@@ -91,7 +91,7 @@ def nonlinear_search(drive: Drive, recording: Recording, plan: Plan = Plan()) ->
         span = natural_size(recording, p.dimension**-1) if p.declared.periodic else 0.0
         reach.append(LARGEST_RATIO if ratio else np.pi / span if span > 0.0 else np.inf)
         # A wave of which less than a period is passed is any slow shape, and stands for the Coulomb friction as well.
-        lower.append(max(p.declared.lower, 2 * reach[-1] if span > 0.0 else 0.0))
+        lower.append(max(p.declared.lower, 2 * reach[-1]) if span > 0.0 else p.declared.lower)
     return Nonlinear(
         starts,
         np.array(lower, dtype=float),
