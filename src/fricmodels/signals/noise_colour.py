@@ -48,6 +48,8 @@ _UNTOLD = 0.05
 so much is always reckoned with, and an exact signal is not taken to be exact to its last digit."""
 _MOSTLY_MOTION = 20.0
 """Scales are of use until the mean square is so many times what a random walk would make of that of the finest one."""
+_BLOCK, _QUIET = 16, 0.2
+"""Where motion comes and goes, noise is told by the quietest fifth of all stretches of so many fourth differences."""
 _FEWEST = 5
 _COLOURED = 20.0
 """Autoregressive noise is there if it lowers n ln(sum of squares) by so much. With white noise it was below 15, with
@@ -197,15 +199,19 @@ def _staircase(course: Array, step: float, offset: float) -> Array:
     return np.asarray(step * np.floor(course / step + offset) + step * (0.5 - offset) - course)
 
 
-def coloured_noise(parts: Sequence[tuple[Array, Array]], *, moving: bool = True, least: bool = False) -> Noise:
+def coloured_noise(
+    parts: Sequence[tuple[Array, Array]], *, moving: bool = True, least: bool = False, quiet: bool = False
+) -> Noise:
     """Estimate the noise of a channel from what no motion does.
 
     Args:
         parts: time stamps and values of stretches without a gap.
         moving: whether there is motion in them.
         least: whether the shortest T that fits is taken, a lower bound, in place of the longest.
+        quiet: whether only the quietest stretches count. Strokes of a few samples have fourth differences larger than
+            those of the noise; where a drive rests or keeps its speed in between, that shows the noise.
     """
-    squares = _squares(parts, _SCALES if moving else _ALL_SCALES)
+    squares = _squares(parts, _SCALES if moving else _ALL_SCALES, quiet)
     if not squares:
         return Noise(0.0)
     scales, measured = np.array(list(squares)), np.array(list(squares.values()))
@@ -230,8 +236,22 @@ def coloured_noise(parts: Sequence[tuple[Array, Array]], *, moving: bool = True,
     return Noise(max(math.sqrt(chosen[0]), untold), math.sqrt(chosen[1]), math.sqrt(chosen[-1]), _LASTING[i])
 
 
-def _squares(parts: Sequence[tuple[Array, Array]], scales: Sequence[int]) -> dict[int, float]:
-    """Return the mean square of fourth differences of means over s samples, by s, without the largest."""
+def most_noise(parts: Sequence[tuple[Array, Array]]) -> float:
+    """Return the standard deviation of noise if all that happens from sample to sample in quiet stretches is noise.
+
+    Args:
+        parts: time stamps and values of stretches without a gap.
+    """
+    squares = _squares(parts, (1,), quiet=True)
+    return math.sqrt(squares.get(1, 0.0)) / float(np.linalg.norm(_DIFFERENCE))
+
+
+def _squares(parts: Sequence[tuple[Array, Array]], scales: Sequence[int], quiet: bool) -> dict[int, float]:
+    """Return the mean square of fourth differences of means over s samples, by s, without the largest.
+
+    Or, if ``quiet``, what it is by the quietest stretches, were all of them as quiet; stretches in which nothing changes
+    tell nothing.
+    """
     found: dict[int, float] = {}
     even = [is_even(time) for time, _ in parts]
     sums = [_sums(*part) for part in parts]
@@ -245,11 +265,31 @@ def _squares(parts: Sequence[tuple[Array, Array]], scales: Sequence[int]) -> dic
         kept = int(_KEPT * len(every))
         if kept < 40:
             break
-        value = float(np.partition(every, kept)[:kept].mean()) / _KEPT_SQUARE
-        if len(found) >= _FEWEST and value > _MOSTLY_MOTION * found[1] * scale:
+        value = _of_quietest(each, scale) if quiet else float(np.partition(every, kept)[:kept].mean()) / _KEPT_SQUARE
+        if value <= 0.0 or len(found) >= _FEWEST and value > _MOSTLY_MOTION * found[1] * scale:
             break
         found[scale] = value
     return found
+
+
+def _of_quietest(squares: Sequence[Array], scale: int) -> float:
+    """Return the mean square that noise has whose quietest stretches are as quiet as those of a signal."""
+    means = [_stretch_means(each) for each in squares if len(each) >= _BLOCK]
+    every = np.concatenate(means) if means else np.zeros(0)
+    every = every[every > 0.0]
+    return float(np.quantile(every, _QUIET)) / _quietest_of_noise(scale) if len(every) else 0.0
+
+
+def _stretch_means(squares: Array) -> Array:
+    return np.convolve(squares, np.full(_BLOCK, 1.0 / _BLOCK), "valid")
+
+
+@lru_cache(maxsize=len(_ALL_SCALES))
+def _quietest_of_noise(scale: int) -> float:
+    """Return the mean square of the quietest stretches of white noise, of that of all."""
+    noise = np.random.default_rng(0).standard_normal(40 * _BLOCK * scale + 4000)
+    squares = _fourth_differences(*_sums(np.arange(float(len(noise))), noise), scale, True) ** 2
+    return float(np.quantile(_stretch_means(squares), _QUIET) / squares.mean())
 
 
 def _sums(time: Array, values: Array) -> tuple[Array, Array]:

@@ -19,7 +19,7 @@ import numpy as np
 from fricmodels.arrays import Array, Mask
 from fricmodels.recording import Recording
 from fricmodels.signals.lanczos import even_weights, lanczos_derivative
-from fricmodels.signals.noise_colour import Noise, coloured_noise
+from fricmodels.signals.noise_colour import Noise, coloured_noise, most_noise
 from fricmodels.signals.noise_level import best_half_width, best_smoothing, noise_of, quantum
 from fricmodels.signals.segments import stretches
 
@@ -29,6 +29,10 @@ _BAND = 3.0
 _LOOKS, _SAME = 4, 0.9
 """Rests are looked for so many times again, the noise being smaller by a tenth at least: in a band that is too wide
 they begin before the drive has come to rest, and seem to show a larger noise."""
+_ENOUGH = 100
+"""Samples from which noise can be told."""
+_CLEARLY = 1.5
+"""Ratio of standard deviations at which one noise is clearly more than another."""
 _SHORT = 2.0
 """Noise that lasts so many samples is nearly white; it is not halved again."""
 _LONG = 20.0
@@ -119,10 +123,18 @@ def _found(recording: Recording) -> _Motion:
     by_position = _from_position(recording)
     values = recording["position"] if by_position else recording.velocity
     noise = noise_of(recording.time, values, recording.run)
-    if by_position or not noise.lasting:
+    if by_position:
         return _seen(recording, noise)
+    noise = _not_less(noise, _where_quiet(recording))
     if "position" in recording and "position" not in recording.derived:
-        noise = noise.lasting_as(_square_beside_position(recording))
+        noise = _not_less(noise.lasting_as(_square_beside_position(recording)), _beside_position(recording))
+    if not noise.lasting:
+        found = _seen(recording, noise)
+        if not found.resting.any():
+            found = _seen(recording, Noise(max(most_noise(_parts(recording)), noise.white)))
+        noise = _not_less(noise, _at_rest(recording, found.resting))
+        if not noise.lasting:
+            return found if noise is found.noise else _seen(recording, noise)
     found = _in_some_band(recording, noise)
     for _ in range(_LOOKS):
         if not found.resting.any():
@@ -148,6 +160,58 @@ def _in_some_band(recording: Recording, noise: Noise) -> _Motion:
         noise = noise.lasting_as(noise.white**2 + 2.0 * noise.difference**2 + 0.5 * noise.lasting**2)
         found = _seen(recording, noise)
     return found if np.count_nonzero(found.resting) >= _LONG * noise.samples else first
+
+
+def _not_less(noise: Noise, beside: Noise | None) -> Noise:
+    """Return the noise that velocity and position differ by, where it is clearly more than what shows beside motion.
+
+    Strokes of a few samples hide the noise of a velocity; and where it was computed from the same encoder, the position
+    hides its noise.
+    """
+    return beside if beside is not None and beside.deviation > _CLEARLY * noise.deviation else noise
+
+
+def _where_quiet(recording: Recording) -> Noise:
+    """Return the noise of the velocity where least happens."""
+    return coloured_noise(_parts(recording), quiet=True)
+
+
+def _parts(recording: Recording) -> list[tuple[Array, Array]]:
+    return [(recording.time[p], recording.velocity[p]) for p in stretches(recording.time, recording.run)]
+
+
+def _at_rest(recording: Recording, resting: Mask) -> Noise | None:
+    """Return the noise of the velocity at rest; ``None`` where there is too little of it."""
+    parts = [(recording.time[a:b], recording.velocity[a:b]) for a, b in _borders(recording, resting)]
+    return coloured_noise(parts, moving=False) if sum(len(time) for time, _ in parts) > _ENOUGH else None
+
+
+def _beside_position(recording: Recording) -> Noise | None:
+    """Return the noise of the velocity by what it and the slope of the position differ by: no motion is in that.
+
+    Velocity behind position makes a difference, too: what goes with the acceleration is taken out. ``None`` where the
+    noise of the position is a quarter of it or more.
+    """
+    parts: list[tuple[Array, Array]] = []
+    accelerations: list[Array] = []
+    for part in stretches(recording.time, recording.run):
+        if part.stop - part.start < 8:
+            continue
+        time, velocity, position = recording.time[part], recording.velocity[part], recording["position"][part]
+        steps = time[2:] - time[:-2]
+        parts.append((time[1:-1], velocity[1:-1] - (position[2:] - position[:-2]) / steps))
+        accelerations.append((velocity[2:] - velocity[:-2]) / steps)
+    if not parts:
+        return None
+    acceleration, apart = np.concatenate(accelerations), np.concatenate([values for _, values in parts])
+    square = float(acceleration @ acceleration)
+    behind = float(acceleration @ apart) / square if square > 0.0 else 0.0
+    found = coloured_noise(
+        [(time, values - behind * own) for (time, values), own in zip(parts, accelerations, strict=True)], moving=False
+    )
+    of_position = noise_of(recording.time, recording["position"], recording.run).deviation
+    of_position = max(of_position, quantum(recording["position"]) / np.sqrt(12.0)) / recording.interval
+    return found if found.deviation**2 > 4.0 * 0.5 * of_position**2 else None
 
 
 def _square_beside_position(recording: Recording) -> float:

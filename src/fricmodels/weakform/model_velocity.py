@@ -20,6 +20,7 @@ from fricmodels.recording import Recording
 from fricmodels.signals import Noise, velocity_noise
 from fricmodels.signals.lanczos import even_weights
 from fricmodels.weakform.hidden import drowned, sign_is_hidden
+from fricmodels.weakform.nonlinear import Plan
 from fricmodels.weakform.solve import STRONG, Solved, solve
 
 Array = NDArray[np.float64]
@@ -33,6 +34,10 @@ MOST_FEEDBACK = 0.8
 """Rounds that converge more slowly than by this factor are not told from such that do not."""
 _REACH = 4096
 """Lags up to which a covariance is summed."""
+_CONTRADICTED = 2.0
+"""A fit that leaves so many times the sum of squares of the rows at the smoothed velocity is contradicted by them. One
+that is right, where noise makes the fit to these rows wrong by ten standard errors, leaves less than that of 100 rows.
+"""
 WORSE = 1.1
 """A round whose squared error of prediction is larger than the best by this factor has gone astray."""
 
@@ -91,7 +96,15 @@ def at_model_velocity(found: Solved) -> Solved:
             best, predicted = solve(other.problem, found.plan, timing=False), velocity
     if best.with_shift().log_odds_of_a_shift() > STRONG:
         return found  # simulated with the torque at another time, the velocity would be another
+    if _left_by(best.values, found) > _CONTRADICTED * found.solution.cost:
+        return found  # what the rows at the measured velocity contradict is not more certain than they are
     return best if risk(predicted) <= smooth else found
+
+
+def _left_by(values: Array, found: Solved) -> float:
+    """Return the sum of squares that other parameters leave of the rows of a fit, with the best nuisances."""
+    held = dict(zip(found.problem.drive.keys, values.tolist(), strict=True))
+    return solve(found.problem, Plan(held=held), timing=found.timing).solution.cost
 
 
 def _rounds(begin: Solved, parameters: Mapping[str, float]) -> tuple[Solved, ModelVelocity | None, bool]:
