@@ -249,7 +249,7 @@ def most_noise(parts: Sequence[tuple[Array, Array]]) -> float:
 def _squares(parts: Sequence[tuple[Array, Array]], scales: Sequence[int], quiet: bool) -> dict[int, float]:
     """Return the mean square of fourth differences of means over s samples, by s, without the largest.
 
-    Or, if ``quiet``, what it is by the quietest stretches, were all of them as quiet; stretches in which nothing changes
+    Or, if ``quiet``, what it is by the quietest stretches, were all of them as quiet; those in which nothing changes
     tell nothing.
     """
     found: dict[int, float] = {}
@@ -266,7 +266,7 @@ def _squares(parts: Sequence[tuple[Array, Array]], scales: Sequence[int], quiet:
         if kept < 40:
             break
         value = _of_quietest(each, scale) if quiet else float(np.partition(every, kept)[:kept].mean()) / _KEPT_SQUARE
-        if value <= 0.0 or len(found) >= _FEWEST and value > _MOSTLY_MOTION * found[1] * scale:
+        if value <= 0.0 or (len(found) >= _FEWEST and value > _MOSTLY_MOTION * found[1] * scale):
             break
         found[scale] = value
     return found
@@ -331,7 +331,8 @@ def _division(columns: Array, measured: Array) -> tuple[Array, float]:
     """Return the parts that explain what was measured, each relative to it, and the sum of squares that is left."""
     from scipy.optimize import nnls
 
-    relative = columns / measured[:, None]
+    unit = float(measured[0])
+    relative = columns / (measured / unit)[:, None]
     size = np.linalg.norm(relative, axis=0)
     found, left = nnls(relative / size, np.ones(len(measured)))
-    return found / size, left**2 + 1e-3
+    return found / size * unit, left**2 + 1e-3
