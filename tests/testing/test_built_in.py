@@ -23,10 +23,6 @@ EXAMS: dict[str, tuple[type[Any], str]] = {
 TAKES_LONG = {"test_compiled", "test_recovered", "test_coverage", "test_terms_with_memory"}
 QUICK = {"coulomb-viscous", "exponential-stick-slip", "cogging", "stribeck", "batch", "rls"}
 """Those that do the long checks in every run; the others do them in the long one."""
-KNOWN: dict[tuple[str, str], str] = {
-    ("constant-velocity", "test_coverage"): "Kubo's regression counts only the scatter about its plateaus",
-}
-"""What a built-in one is known not to pass, and why."""
 
 
 def sitting(kind: str, name: str, **attributes: Any) -> type[Any]:
@@ -41,9 +37,7 @@ def cases(*, long: bool) -> list[Any]:
         for name in names:
             for check in checks(EXAMS[kind][0]):
                 if (check in TAKES_LONG and name not in QUICK) is long:
-                    known = KNOWN.get((name, check))
-                    marks = [pytest.mark.xfail(reason=known, strict=True)] if known else []
-                    listed.append(pytest.param(kind, name, check, id=f"{name}-{check}", marks=marks))
+                    listed.append(pytest.param(kind, name, check, id=f"{name}-{check}"))
     return listed
 
 
