@@ -32,13 +32,13 @@ def sitting(kind: str, name: str, **attributes: Any) -> type[Any]:
 
 
 def cases(*, long: bool) -> list[Any]:
-    listed = []
-    for kind, names in BUILT_IN.items():
-        for name in names:
-            for check in checks(EXAMS[kind][0]):
-                if (check in TAKES_LONG and name not in QUICK) is long:
-                    listed.append(pytest.param(kind, name, check, id=f"{name}-{check}"))
-    return listed
+    return [
+        pytest.param(kind, name, check, id=f"{name}-{check}")
+        for kind, names in BUILT_IN.items()
+        for name in names
+        for check in checks(EXAMS[kind][0])
+        if (check in TAKES_LONG and name not in QUICK) is long
+    ]
 
 
 @pytest.mark.parametrize(("kind", "name", "check"), cases(long=False))
