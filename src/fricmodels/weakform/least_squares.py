@@ -9,6 +9,8 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
+_NOTHING = 1e-280
+"""Columns whose square is less have no digits left: they are zero."""
 RANK_TOLERANCE = 1e-11
 """Eigenvalues of the scaled normal matrix below this are rounding: the direction is not in the data."""
 
@@ -33,8 +35,8 @@ class NormalEquations:
     @classmethod
     def of(cls, gram: Array, right: Array) -> NormalEquations:
         """Scale and decompose."""
-        size = np.sqrt(np.clip(np.diag(gram), 0.0, None))
-        size = np.where(size > 0.0, size, 1.0)
+        square = np.diag(gram)
+        size = np.sqrt(np.where(square > _NOTHING, square, 1.0))
         scaled = gram / np.outer(size, size)
         values, vectors = np.linalg.eigh(scaled)
         return cls(size, scaled, values, vectors, right / size)

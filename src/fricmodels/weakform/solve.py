@@ -31,6 +31,8 @@ _FEWER_ROUNDS = 5
 
 STRONG = 3.0
 """Logarithm of 20 to 1: strong evidence on the scale of Kass and Raftery (1995)."""
+_NO_FRICTION = 1e-9
+"""A Coulomb torque of less than this share of the largest torque is none."""
 _TRUE_TO = 0.025
 """A twentieth of a sample, in units of two samples: how true instants are if there is no shift."""
 
@@ -177,8 +179,11 @@ class Solved:
         """
         nuisances = self._nuisances
         sizes = np.full(len(nuisances), 2 * self.problem.recording.interval)
-        if len(nuisances):
-            sizes[0] = 2 * max(self.problem.friction_limits[1], 1e-300)  # in samples, times the Coulomb torque
+        if len(nuisances):  # in samples, times the Coulomb torque: without that no reversal can be shifted
+            sizes[0] = 2 * self.problem.friction_limits[1]
+            torque = float(np.max(np.abs(self.problem.recording.torque)))
+            some = np.append(sizes[:1] > _NO_FRICTION * torque, np.ones(len(sizes) - 1, dtype=bool))
+            nuisances, sizes = nuisances[some], sizes[some]
         own = self._spread[np.ix_(nuisances, nuisances)] / np.outer(sizes, sizes)
         estimate = self.solution.theta[nuisances] / sizes
         seen = np.diag(own) > 0.0
