@@ -145,3 +145,43 @@ def test_false_stamps_make_noise_where_the_drive_accelerates() -> None:
     found = noise_of(stamps, SINE)
     assert found.deviation == pytest.approx(acceleration * 0.0002 / np.sqrt(3), rel=0.3)
     assert not found.lasting
+
+
+def strokes(rate: float, noise: Array) -> tuple[Recording, NDArray[np.bool_]]:
+    """Record a drive that goes to and fro in strokes of a tenth of a second, faster than their noise shows."""
+    time = np.arange(len(noise)) / rate
+    phase = (time % 0.5) / 0.5
+    side = np.where(np.floor(time / 0.5) % 2 == 0, 1.0, -1.0)
+    velocity = side * 5.0 * np.sin(np.pi * np.clip(phase / 0.4, 0.0, 1.0)) ** 2
+    run = np.zeros(len(time), dtype=np.int64)
+    channels = {"time": time, "torque": np.ones(len(time)), "velocity": velocity + noise}
+    return Recording("strokes", Motion.ROTARY, channels, run), phase > 0.4
+
+
+@pytest.mark.parametrize("lasts", [0.0, 20.0], ids=["white", "lasting"])
+def test_rests_between_strokes_are_found_whose_motion_hides_the_noise(lasts: float) -> None:
+    """Fourth differences of the strokes are larger than those of the noise: it is told where little happens."""
+    draws = lasting(lasts, seed=3, count=1500) if lasts else np.random.default_rng(3).standard_normal(1500)
+    recording, rests = strokes(125.0, 0.02 * draws)
+    found = resting(recording)
+    assert np.mean(found[rests]) > 0.85
+    assert np.mean(found[~rests]) < 0.1
+    assert velocity_noise(recording).deviation == pytest.approx(0.02, rel=0.4)
+
+
+def test_rests_are_the_same_in_other_units_and_the_other_direction() -> None:
+    recording, _ = strokes(125.0, 0.02 * lasting(20.0, seed=5, count=1500))
+    other = recording.with_channels(velocity=-57.3 * recording.velocity)
+    np.testing.assert_array_equal(resting(other), resting(recording))
+
+
+def test_noise_of_a_velocity_shows_beside_the_position() -> None:
+    """The drive never rests nor goes steadily, and the encoder is finer than the velocity."""
+    time = np.arange(3000) / 200.0
+    moving = np.sin(2 * np.pi * 3.0 * time) + 0.7 * np.sin(2 * np.pi * 11.0 * time)
+    position = np.cumsum(moving) / 200.0
+    noise = 0.05 * np.random.default_rng(1).standard_normal(len(time))
+    run = np.zeros(len(time), dtype=np.int64)
+    channels = {"time": time, "torque": moving, "velocity": moving + noise, "position": position}
+    found = velocity_noise(Recording("both", Motion.ROTARY, channels, run))
+    assert found.deviation == pytest.approx(0.05, rel=0.35)

@@ -31,6 +31,10 @@ _LOOKS, _SAME = 4, 0.9
 they begin before the drive has come to rest, and seem to show a larger noise."""
 _ENOUGH = 100
 """Samples from which noise can be told."""
+_WIDER = (2.0, 4.0, 8.0)
+"""Bands about zero in which rests are sought again, in those of white noise."""
+_MORE, _AS_LARGE = 1.25, 0.5
+"""Rests are more if they are longer by a quarter; noise in them is as large as supposed if it is half of that."""
 _CLEARLY = 1.5
 """Ratio of standard deviations at which one noise is clearly more than another."""
 _SHORT = 2.0
@@ -133,6 +137,8 @@ def _found(recording: Recording) -> _Motion:
         if not found.resting.any():
             found = _seen(recording, Noise(max(most_noise(_parts(recording)), noise.white)))
         noise = _not_less(noise, _at_rest(recording, found.resting))
+        if not noise.lasting and found.resting.any():
+            noise = _in_wider_bands(recording, replace(found, noise=noise))
         if not noise.lasting:
             return found if noise is found.noise else _seen(recording, noise)
     found = _in_some_band(recording, noise)
@@ -184,6 +190,25 @@ def _at_rest(recording: Recording, resting: Mask) -> Noise | None:
     """Return the noise of the velocity at rest; ``None`` where there is too little of it."""
     parts = [(recording.time[a:b], recording.velocity[a:b]) for a, b in _borders(recording, resting)]
     return coloured_noise(parts, moving=False) if sum(len(time) for time, _ in parts) > _ENOUGH else None
+
+
+def _in_wider_bands(recording: Recording, found: _Motion) -> Noise:
+    """Return white noise as it is, or lasting noise that changes as fast, if rests show that.
+
+    Where noise lasts as long as the rests, its band seems narrow and rests fall into pieces. In a band twice as wide
+    they are whole, and the noise in them is as large as was supposed. A drive that rests in white noise shows no more
+    of it in a wider band.
+    """
+    noise, best = found.noise, found
+    for factor in _WIDER:
+        lasting = factor * noise.white
+        # The fourth differences of a random walk are those of white noise if its steps have 3.5 times the variance.
+        trial = _seen(recording, Noise(0.0, noise.difference, lasting, max(2.0 * factor**2 / 3.5, 1.0)))
+        more = np.count_nonzero(trial.resting) > _MORE * np.count_nonzero(best.resting)
+        if not more or float(np.mean(recording.velocity[trial.resting] ** 2)) < (_AS_LARGE * lasting) ** 2:
+            break
+        best = trial
+    return best.noise
 
 
 def _beside_position(recording: Recording) -> Noise | None:
