@@ -11,6 +11,7 @@ from fricmodels import plugins
 from fricmodels.dimension import Motion
 from fricmodels.model import Model
 from fricmodels.parameter import Parameter
+from fricmodels.report.figures.style import EXPONENT
 
 NORMAL_95 = 1.959964
 """Standard errors on either side of a 95 % interval."""
@@ -65,7 +66,7 @@ def small(p_value: float | None) -> str:
 
 def unit(text: str) -> str:
     """Return a unit as it is printed: ``kg m²`` for ``kg m^2``; nothing for ``1``."""
-    printed = re.sub(r"\^\(?(-?[\d/.]+)\)?", lambda match: match[1].translate(_SUPERSCRIPT), text)
+    printed = re.sub(EXPONENT, lambda match: (match[1] or match[2]).translate(_SUPERSCRIPT), text)
     return "" if printed == "1" else printed
 
 

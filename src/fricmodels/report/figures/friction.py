@@ -89,13 +89,15 @@ def friction_curve(comparison: Comparison) -> Figure:
         )
     drawn = {"x": curve.velocity, "y": curve.torque.astype(np.float32), "mode": "lines"}
     rim = {"color": LIGHT["surface"], "width": 3.8}
-    figure.add_trace(go.Scatter(**drawn, line=rim, showlegend=False, hoverinfo="skip"))
+    figure.add_trace(go.Scatter(**drawn, line=rim, name="", showlegend=False, hoverinfo="skip"))
     figure.add_trace(
         go.Scatter(
             **drawn,
             line={"color": LIGHT["vermillion"], "width": 2.2},
             name="modelled" if curve.spread is None else "modelled (mean)",
-            hovertemplate=f"model: %{{y:.4g}} {samples.torque_unit}<br>at %{{x:.4g}}<extra></extra>",
+            hovertemplate=(
+                f"model: %{{y:.4g}} {samples.torque_unit}<br>at %{{x:.4g}} {samples.unit('velocity')}<extra></extra>"
+            ),
         )
     )
     figure.update_xaxes(title_text=samples.axis("velocity"))
@@ -127,7 +129,10 @@ def _density(samples: Samples, curve: _Curve, name: str) -> Figure:
         showscale=False,
         hoverongaps=False,
         name=name,
-        hovertemplate=f"%{{customdata:.0f}} samples<br>%{{x:.4g}}, %{{y:.4g}} {samples.torque_unit}<extra></extra>",
+        hovertemplate=(
+            f"%{{customdata:.0f}} samples<br>{name} %{{y:.4g}} {samples.torque_unit}<br>"
+            f"at %{{x:.4g}} {samples.unit('velocity')}<extra></extra>"
+        ),
     )
 
 
