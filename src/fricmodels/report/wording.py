@@ -17,6 +17,7 @@ NORMAL_95 = 1.959964
 """Standard errors on either side of a 95 % interval."""
 _SUPERSCRIPT = str.maketrans("-0123456789/.", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹ᐟ·")
 _UNCERTAIN_DIGITS = 2
+_AT_BOUND = 1e-9
 _SIGNALS = {
     "ω(?!_)": "ω: velocity",
     "q": "q: position",
@@ -45,6 +46,11 @@ def number(value: float | None, digits: int = 3) -> str:
     if -4 <= exponent < 5:
         return f"{value:.{max(0, digits - 1 - exponent)}f}".replace("-", "−")
     return f"{mantissa.replace('-', '−')}×10{str(exponent).translate(_SUPERSCRIPT)}"
+
+
+def count(value: int) -> str:
+    """Return a whole number with thin spaces between thousands."""
+    return f"{value:,}".replace(",", "\u202f")
 
 
 def interval(value: float | None, error: float | None) -> tuple[str, str]:
@@ -76,11 +82,11 @@ def listed(names: Iterable[str], joint: str = "and") -> str:
     return parts[0] if len(parts) == 1 else f"{', '.join(parts[:-1])} {joint} {parts[-1]}" if parts else ""
 
 
-def counted(count: int, one: str, many: str = "") -> str:
+def counted(number_of: int, one: str, many: str = "") -> str:
     """Return a count with its noun, small numbers in words."""
     small_numbers = ("no", "one", "two", "three", "four", "five", "six")
-    word = small_numbers[count] if count < len(small_numbers) else f"{count:,}".replace(",", "\u202f")
-    return f"{word} {one if count == 1 else many or one + 's'}"
+    word = small_numbers[number_of] if number_of < len(small_numbers) else count(number_of)
+    return f"{word} {one if number_of == 1 else many or one + 's'}"
 
 
 def declared(model: str) -> dict[str, Parameter]:
@@ -98,6 +104,20 @@ def known_model(name: str) -> Model | None:
     if registered.laws.danger(law) or any(registered.effects.danger(effect) for effect in effects):
         return None
     return Model.parse(name)
+
+
+def at_bound(model: str, values: Mapping[str, float | None]) -> list[str]:
+    """Return the keys of parameters that stand at the end of what is physical."""
+    found = []
+    for key, parameter in declared(model).items():
+        value = values.get(key)
+        if value is None:
+            continue
+        ends = [end for end in (parameter.lower, parameter.upper) if math.isfinite(end)]
+        free = parameter.lower < parameter.upper
+        if free and any(abs(value - end) <= _AT_BOUND * max(abs(end), _AT_BOUND) for end in ends):
+            found.append(key)
+    return found
 
 
 def unit_of(key: str, known: Mapping[str, Parameter], motion: Motion) -> str:

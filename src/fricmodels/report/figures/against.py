@@ -14,7 +14,7 @@ from fricmodels.report.figures.grid import even_edges
 from fricmodels.report.figures.hysteresis import reversals
 from fricmodels.report.figures.residuals import correlation_length
 from fricmodels.report.figures.samples import Samples
-from fricmodels.report.figures.style import LIGHT, Figure, graph_objects, label, styled, unit_of, words
+from fricmodels.report.figures.style import LIGHT, Figure, graph_objects, label, logarithmic, styled, unit_of, words
 
 if TYPE_CHECKING:
     from fricmodels.diagnosis.comparison import Comparison
@@ -123,7 +123,7 @@ def error_against(
     figure.update_xaxes(title_text=title)
     figure.update_yaxes(title_text=label(what, unit))
     name = f"Error against {title.partition(' [')[0]}"
-    return styled(figure, name, samples.subtitle, height=400)
+    return styled(figure, name, samples.subtitle, height=350)
 
 
 def _points(shown: Means, name: str, unit: str, colour: str, symbol: str) -> Figure:
@@ -206,6 +206,6 @@ def stribeck(before: Comparison, after: Comparison | None = None) -> Figure:
                     hovertemplate=f"{named}: %{{y:.3g}} {unit}<extra></extra>",
                 )
             )  # fmt: skip
-    figure.update_xaxes(title_text=label("speed", samples.unit("velocity")), type="log", exponentformat="power")
+    figure.update_xaxes(title_text=label("speed", samples.unit("velocity")), **logarithmic(edges[[0, -1]].tolist()))
     figure.update_yaxes(title_text=samples.torque_axis("friction torque, opposing motion"))
-    return styled(figure, "Friction at low speed, both directions", samples.subtitle, height=440)
+    return styled(figure, "Friction at low speed, both directions", samples.subtitle, height=380)

@@ -24,6 +24,7 @@ _BINS = 80
 _OUTER = 0.002
 """Share of samples that may lie beyond the axis, so that a few outliers do not flatten all the rest."""
 _EVALUATED = 20_000
+_GAP_BINS, _LEAST_IN_BIN = 40, 10
 
 
 @dataclass(frozen=True)
@@ -100,9 +101,22 @@ def friction_curve(comparison: Comparison) -> Figure:
             ),
         )
     )
+    figure.update_layout(meta=_largest_gap(samples))
     figure.update_xaxes(title_text=samples.axis("velocity"))
     figure.update_yaxes(title_text=samples.torque_axis("friction torque"))
     return styled(figure, f"{torque.capitalize()} against velocity", samples.subtitle, height=460)
+
+
+def _largest_gap(samples: Samples) -> dict[str, float]:
+    """Return where the means of measured and of modelled friction over a velocity differ most, and by how much."""
+    moving = ~samples.resting
+    velocity, error = samples.velocity[moving], samples.smoothed_error[moving]
+    if len(velocity) < _GAP_BINS * _LEAST_IN_BIN:
+        return {}
+    parts = np.array_split(np.argsort(velocity), _GAP_BINS)
+    gaps = np.array([error[part].mean() for part in parts])
+    worst = int(np.argmax(np.abs(gaps)))
+    return {"gap": float(gaps[worst]), "at": float(np.median(velocity[parts[worst]]))}
 
 
 def _density(samples: Samples, curve: _Curve, name: str) -> Figure:

@@ -7,7 +7,7 @@ from typing import Any
 
 from fricmodels.report.figures.style import LIGHT, Figure, escaped, graph_objects, styled
 
-MOST = 10
+MOST = 8
 """Candidates that are drawn; the table has all."""
 
 
