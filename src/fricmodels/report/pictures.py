@@ -6,8 +6,6 @@ from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from fricmodels.diagnosis.where import grouped
 from fricmodels.dimension import Motion
 from fricmodels.errors import InputError
@@ -20,7 +18,9 @@ from fricmodels.report.captions import (
     where_words,
     words_of,
 )
+from fricmodels.report.channels import shown_over
 from fricmodels.report.figure_tables import cells_of, points_of
+from fricmodels.report.figures.residuals import changing
 from fricmodels.report.page import Picture, Table, table
 from fricmodels.report.wording import count, number, percent
 
@@ -110,7 +110,7 @@ def marks(comparison: Comparison) -> list[Picture]:
     """Return the residual over pairs of channels, its spectrum and the reversals; what was not recorded is left out."""
     from fricmodels.report import figures
 
-    found = [mark(comparison, channel) for channel in figures.residual_maps(comparison)]
+    found = [mark(comparison, channel) for channel in changing(comparison)]
     spectrum = figures.residual_spectrum(comparison)
     words = spectrum_words(spectrum)
     found.append(Picture("Spectrum of the residual", words, spectrum, points_of(spectrum), "spectrum"))
@@ -142,7 +142,7 @@ def evidence(
     """
     from fricmodels.report import figures
 
-    channel, period = _shown_over(before, effect, parameters or {})
+    channel, period = shown_over(before, effect, parameters or {})
     if channel == "velocity":
         return low_speed(before, after)
     try:
@@ -152,25 +152,6 @@ def evidence(
     over = words_of(channel, before)
     title = f"What it looks like: the error against {over}"
     return Picture(title, against_words(figure, effect.name), figure, points_of(figure), f"evidence-{effect.name}")
-
-
-def _shown_over(comparison: Comparison, effect: Effect, parameters: Mapping[str, Any]) -> tuple[str, float | None]:
-    """Return the channel over which an effect shows, and its period in it, if it has one."""
-    from fricmodels.model import Model
-    from fricmodels.recording import channel_of
-    from fricmodels.report import figures
-
-    model = Model.only(effect)
-    periodic = next((p.symbol for p in effect.parameters if p.periodic), None)
-    number_of_waves = parameters.get(periodic) if periodic else (1.0 if effect.angular else None)
-    period = 2 * np.pi / abs(number_of_waves) if number_of_waves else None
-    if model.states:
-        return figures.SINCE_REVERSAL, None
-    mapped = [*figures.residual_maps(comparison)]
-    for signal in sorted(model.needs - {"velocity"}):
-        if channel_of(signal) in mapped:
-            return channel_of(signal), period
-    return "velocity", None
 
 
 def covered(comparison: Comparison) -> Picture:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from fricmodels import plugins
 from fricmodels.diagnosis.policy import POLICY
 from fricmodels.dimension import Motion
-from fricmodels.parameter import Parameter
+from fricmodels.parameter import Parameter, at_bound
 from fricmodels.report.page import (
     Block,
     Equations,
@@ -37,7 +37,6 @@ from fricmodels.report.pictures import (
 )
 from fricmodels.report.wording import (
     NORMAL_95,
-    at_bound,
     counted,
     declared,
     interval,
@@ -153,7 +152,8 @@ def parameters(
     truth: Mapping[str, float] | None = None,
 ) -> Table:
     """Return parameters with 95 % intervals, units and meaning; beside them the truth, where it is known."""
-    known, held = declared(model), at_bound(model, values)
+    known = declared(model)
+    held = at_bound(known, values)
     rows = []
     effects = len({key.rpartition(".")[0] for key in values})
     for key, value in values.items():
@@ -366,7 +366,7 @@ def _identified(data: Data) -> list[Block]:
     points = []
     if loose:
         points.append(f"Not determined by this recording: {listed(loose)}.")
-    held = at_bound(last["model"], last["parameters"])
+    held = at_bound(declared(last["model"]), last["parameters"])
     if held:
         points.append(f"At the end of what is physical: {listed(held)}; the data alone would go beyond it.")
     if weak:

@@ -17,7 +17,6 @@ NORMAL_95 = 1.959964
 """Standard errors on either side of a 95 % interval."""
 _SUPERSCRIPT = str.maketrans("-0123456789/.", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹ᐟ·")
 _UNCERTAIN_DIGITS = 2
-_AT_BOUND = 1e-9
 _SIGNALS = {
     "ω(?!_)": "ω: velocity",
     "q": "q: position",
@@ -104,20 +103,6 @@ def known_model(name: str) -> Model | None:
     if registered.laws.danger(law) or any(registered.effects.danger(effect) for effect in effects):
         return None
     return Model.parse(name)
-
-
-def at_bound(model: str, values: Mapping[str, float | None]) -> list[str]:
-    """Return the keys of parameters that stand at the end of what is physical."""
-    found = []
-    for key, parameter in declared(model).items():
-        value = values.get(key)
-        if value is None:
-            continue
-        ends = [end for end in (parameter.lower, parameter.upper) if math.isfinite(end)]
-        free = parameter.lower < parameter.upper
-        if free and any(abs(value - end) <= _AT_BOUND * max(abs(end), _AT_BOUND) for end in ends):
-            found.append(key)
-    return found
 
 
 def unit_of(key: str, known: Mapping[str, Parameter], motion: Motion) -> str:

@@ -75,6 +75,41 @@ def means(x: Array, values: Array, other: Array, piece: Index, edges: Array) -> 
     return Means(((edges[:-1] + edges[1:]) / 2)[shown], mean[shown], half[shown], second[shown])
 
 
+@dataclass(frozen=True)
+class ErrorOver:
+    """The mean error over a channel.
+
+    Attributes:
+        before: means of the error without an effect; beside them what the effect adds to the modelled torque.
+        left: means of the error with it; ``None`` where no larger model is given.
+        axis: title of the channel, with its unit.
+        opposes: whether the error is counted along the motion, as it turns its sign with that.
+    """
+
+    before: Means
+    left: Means | None
+    axis: str
+    opposes: bool
+
+
+def error_over(
+    before: Comparison, channel: str, after: Comparison | None = None, period: float | None = None
+) -> ErrorOver:
+    """Return the mean error over a channel; see :func:`error_against`."""
+    samples = Samples.of(before)
+    index, x, title, folded = _place(samples, channel, period)
+    error = samples.error[index]
+    added = error - Samples.of(after).error[index] if after is not None else np.zeros(len(error))
+    along = np.sign(samples.velocity[index])
+    low, high = (float(q) for q in np.quantile(x, [_OUTER / 2, 1 - _OUTER / 2]))
+    edges = even_edges(*((0.0, folded) if folded else (low, high)), _BINS)
+    piece = samples.recording.run[index]
+    plain, turned = (means(x, side * error, side * added, piece, edges) for side in (np.ones(len(x)), along))
+    opposes = bool(_strength(turned, after is not None) > _strength(plain, after is not None))
+    left = means(x, (along if opposes else 1.0) * (error - added), added, piece, edges) if after is not None else None
+    return ErrorOver(turned if opposes else plain, left, title, opposes)
+
+
 def error_against(
     before: Comparison, channel: str, after: Comparison | None = None, period: float | None = None
 ) -> Figure:
@@ -91,38 +126,26 @@ def error_against(
     Raises:
         InputError: when the recording has no such channel, it never changes, or the drive never reverses.
     """
-    samples = Samples.of(before)
-    index, x, title, folded = _place(samples, channel, period)
-    error = samples.error[index]
-    added = error - Samples.of(after).error[index] if after is not None else np.zeros(len(error))
-    along = np.sign(samples.velocity[index])
-    low, high = (float(q) for q in np.quantile(x, [_OUTER / 2, 1 - _OUTER / 2]))
-    edges = even_edges(*((0.0, folded) if folded else (low, high)), _BINS)
-    piece = samples.recording.run[index]
-    plain, turned = (means(x, side * error, side * added, piece, edges) for side in (np.ones(len(x)), along))
-    opposes = _strength(turned, after is not None) > _strength(plain, after is not None)
-    shown = turned if opposes else plain
+    samples, over = Samples.of(before), error_over(before, channel, after, period)
     torque = words("torque error", samples.motion)
-    what = f"{torque}, opposing motion" if opposes else torque
-    go = graph_objects()
+    what = f"{torque}, opposing motion" if over.opposes else torque
+    go, unit = graph_objects(), samples.torque_unit
     figure = go.Figure()
-    unit = samples.torque_unit
-    figure.add_trace(_points(shown, f"mean error of {_short(before)}", unit, "measured", "circle"))
-    if after is not None:
+    figure.add_trace(_points(over.before, f"mean error of {_short(before)}", unit, "measured", "circle"))
+    if over.left is not None:
         figure.add_trace(
             go.Scatter(
-                x=shown.at, y=shown.other, name="what the effect adds to the model", mode="lines",
+                x=over.before.at, y=over.before.other, name="what the effect adds to the model", mode="lines",
                 line={"color": LIGHT["vermillion"], "width": 2.4},
                 hovertemplate=f"the effect: %{{y:.3g}} {unit}<extra></extra>",
             )
         )  # fmt: skip
-        left = means(x, (along if opposes else 1.0) * (error - added), added, piece, edges)
-        figure.add_trace(_points(left, "mean error with it", unit, "blue", "square-open"))
-        figure.update_layout(meta={"left": left.rms})
-    figure.update_layout(meta={**(figure.layout.meta or {}), "means": shown.rms, "opposes": bool(opposes)})
-    figure.update_xaxes(title_text=title)
+        figure.add_trace(_points(over.left, "mean error with it", unit, "blue", "square-open"))
+        figure.update_layout(meta={"left": over.left.rms})
+    figure.update_layout(meta={**(figure.layout.meta or {}), "means": over.before.rms, "opposes": over.opposes})
+    figure.update_xaxes(title_text=over.axis)
     figure.update_yaxes(title_text=label(what, unit))
-    name = f"Error against {title.partition(' [')[0]}"
+    name = f"Error against {over.axis.partition(' [')[0]}"
     return styled(figure, name, samples.subtitle, height=350)
 
 

@@ -210,9 +210,13 @@ def _held(edges: Array, visited: Mask) -> list[float]:
 
 def residual_maps(comparison: Comparison, unit: Unit = "torque") -> dict[str, Figure]:
     """Return the maps of the residual over velocity and every other channel that changes, by name of the channel."""
+    return {name: residual_map(comparison, "velocity", name, unit) for name in changing(comparison)}
+
+
+def changing(comparison: Comparison) -> list[str]:
+    """Return the channels beside the velocity that change."""
     recording = Samples.of(comparison).recording
-    changing = [name for name in AGAINST if name in recording and float(np.ptp(recording[name])) > 0]
-    return {name: residual_map(comparison, "velocity", name, unit) for name in changing}
+    return [name for name in AGAINST if name in recording and float(np.ptp(recording[name])) > 0]
 
 
 def _channel(samples: Samples, name: str) -> Array:
