@@ -46,6 +46,16 @@ def print_table(columns: Sequence[Column], title: str = "") -> None:
     show_table(console(otherwise=_NO_TERMINAL_NAMES if names else _NO_TERMINAL), columns, title)
 
 
+def print_line(text: str) -> None:
+    """Print one sentence, folded to the width; text from files is not taken for markup."""
+    from rich.text import Text
+
+    from fricmodels.terminal.tables import fold
+
+    shown = console()
+    shown.print(Text(fold(" ".join(text.split()), shown.width)))
+
+
 def warn(lines: Iterable[object]) -> None:
     """Print one line each on standard error."""
     from fricmodels.cli.boundary import one_line

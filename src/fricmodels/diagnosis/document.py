@@ -10,10 +10,9 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from fricmodels import plugins
 from fricmodels.diagnosis.comparison import Comparison
+from fricmodels.diagnosis.correlation import correlation
 from fricmodels.diagnosis.diagnose import Diagnosis, Finding
 from fricmodels.diagnosis.explain import explain, sentence, unknown
 from fricmodels.diagnosis.ladder import Ladder, added
@@ -140,15 +139,8 @@ def _candidates(diagnosis: Diagnosis) -> list[dict[str, Any]]:
 
 
 def _correlation(comparison: Comparison) -> dict[str, Any] | None:
-    """Return how the estimates of the final model's parameters are correlated; ``None`` where that is not known."""
-    estimate = comparison.estimate
-    if estimate.covariance is None:
-        return None
-    spread = np.sqrt(np.diag(estimate.covariance))
-    keys = [key for key, own in zip(estimate.standard_errors, spread, strict=True) if own > 0]
-    kept = spread > 0
-    matrix = estimate.covariance[np.ix_(kept, kept)] / np.outer(spread[kept], spread[kept])
-    return {"parameters": keys, "matrix": np.clip(matrix, -1.0, 1.0).tolist()}
+    known = correlation(comparison)
+    return None if known is None else {"parameters": list(known[0]), "matrix": known[1].tolist()}
 
 
 def _remaining(diagnosis: Diagnosis) -> dict[str, Any] | None:

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fricmodels.diagnosis.comparison import Comparison
+from fricmodels.diagnosis.correlation import correlation
 from fricmodels.diagnosis.diagnose import Diagnosis, Finding
 from fricmodels.diagnosis.explain import explain
 from fricmodels.diagnosis.ladder import Ladder, Rung, added
@@ -166,9 +167,38 @@ def show_diagnosis(console: Console, diagnosis: Diagnosis, ladder: Ladder | None
         console.print()
         _show_found(console, findings, motion)
         console.print()
+    show_candidates(console, diagnosis)
     final = diagnosis if ladder is None else ladder.last
     show_remaining(console, final)
     _show_visibility(console, final.visibility, motion)
+
+
+def show_candidates(console: Console, diagnosis: Diagnosis) -> None:
+    """Print every effect that was tested on the given model, the one with the least error on test blocks first."""
+    if diagnosis.result is None or not diagnosis.result.tested:
+        return
+    tested, passing = diagnosis.result.tested, {one.name for one in diagnosis.passing}
+    columns = [
+        Column("effect", tuple(t.name for t in tested)),
+        Column("lowers test error", tuple(f"{100 * t.evidence.gain:.3g} %" for t in tested), True),
+        Column("explains", tuple(f"{100 * t.evidence.explained:.3g} %" for t in tested), True),
+        Column("p value, corrected", tuple(f"{t.adjusted:.3g}" for t in tested), True),
+        Column("all tests", tuple("passed" if t.name in passing else "failed" for t in tested)),
+    ]
+    show_table(console, columns, f"All candidates beside {diagnosis.comparison.drive.model.name}")
+    console.print()
+
+
+def show_correlation(console: Console, comparison: Comparison) -> None:
+    """Print how the estimates of the parameters are correlated; nothing where that is not known."""
+    known = correlation(comparison)
+    if known is None:
+        return
+    keys, matrix = known
+    columns = [Column("correlation of", keys)]
+    columns += [Column(key, tuple(f"{row[place]:.3g}" for row in matrix), True) for place, key in enumerate(keys)]
+    show_table(console, columns, f"Correlation of the parameters of {comparison.drive.model.name}")
+    console.print()
 
 
 def show_remaining(console: Console, diagnosis: Diagnosis) -> None:
@@ -285,6 +315,7 @@ def show_ladder(console: Console, ladder: Ladder) -> None:
         columns.append(Column(f"step {number}", cells, number=True))
     show_table(console, columns, "Parameters from step to step, ± standard error")
     console.print()
+    show_correlation(console, rungs[-1].comparison)
 
 
 def _change(rung: Rung) -> str:

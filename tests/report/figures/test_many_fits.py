@@ -40,10 +40,10 @@ def test_the_ladder_shows_every_error_and_the_noise(compared):
     diagnosis = Diagnosis(poor, "missing-effect", (), None, {})
     rungs = (Rung(poor), Rung(good, added="cogging"), Rung(poor, removed="cogging"))
     figure = figures.ladder(Ladder(diagnosis, rungs, diagnosis, (diagnosis,)))
-    assert list(trace(figure, "fitted").y) == [rung.comparison.errors.percent for rung in rungs]
-    assert list(trace(figure, "kept back").y) == [rung.comparison.errors.held_out_percent for rung in rungs]
-    assert list(trace(figure, "sensor noise alone").y) == [rung.comparison.noise_floor_percent for rung in rungs]
-    assert list(figure.layout.xaxis.ticktext) == ["as given", "+ cogging", "− cogging"]
+    assert list(trace(figure, "fit error").x) == [rung.comparison.errors.percent for rung in rungs]
+    assert list(trace(figure, "test error").x) == [rung.comparison.errors.held_out_percent for rung in rungs]
+    assert list(trace(figure, "sensor noise alone").x) == [rung.comparison.noise_floor_percent for rung in rungs]
+    assert list(figure.layout.yaxis.ticktext) == ["as given", "+ cogging", "− cogging"]
 
 
 def test_the_leaderboard_shows_median_and_quartiles():

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from fricmodels.diagnosis.where import grouped
 from fricmodels.dimension import FORCE
 from fricmodels.report.figures.style import LIGHT, Figure, escaped, graph_objects, label, styled, unit_of, words
 
@@ -17,6 +16,8 @@ def error_shares(comparison: Comparison) -> Figure:
 
     The regimes of a group do not overlap. Where one lies well to the right of the line, the model fails there.
     """
+    from fricmodels.diagnosis.where import grouped
+
     go = graph_objects()
     motion, whole = comparison.drive.motion, comparison.errors.SI
     groups = grouped(comparison.where)
