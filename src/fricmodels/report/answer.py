@@ -177,11 +177,22 @@ def _next(data: Data, options: Sequence[str]) -> tuple[str, str]:
             best = better[0]
             fall = f"{percent(here)} → {percent(best['held_out_percent'])}"
             text = f"{best['name']} comes nearest to what remains ({fall}), though it does not pass. To try it anyway:"
-            return text, command_line(data, "compare", best["model"], options)
-        text = "Record what this log lacks (another joint, a temperature, a load), or look where the error lies:"
-        return text, command_line(data, "report", data["model"], options)
+            return text, command_line(data, "compare", best["model"], _common(options))
+        text = "Record what this log lacks (another joint, a temperature, a load). To see where the error lies:"
+        return text, command_line(data, "compare", model, [*_common(options), "--report", "error.html"])
     text = "Use the model. This keeps its parameters, standard errors and provenance:"
     return text, command_line(data, "improve", model, [*options, "--out", f"{Path(data['dataset']).name}-model"])
+
+
+def _common(options: Sequence[str]) -> list[str]:
+    """Return the options that every command on a recording has: not the effects that are left out."""
+    kept, skip = [], False
+    for option in options:
+        if skip or option == "--leave-out":
+            skip = not skip
+        else:
+            kept.append(option)
+    return kept
 
 
 def _details(data: Data) -> tuple[str, ...]:

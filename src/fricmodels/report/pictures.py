@@ -184,7 +184,7 @@ def correlated(known: Mapping[str, Any]) -> Picture | None:
     if abs(value) > _ALIKE:
         words += " This recording hardly tells them apart: only a combination of them is certain."
     rows = [(name, *(number(each, 2) for each in row)) for name, row in zip(names, matrix, strict=True)]
-    shown = table("Correlation of the parameters", {"": False, **dict.fromkeys(names, True)}, rows)
+    shown = table("Correlation of the parameters", {"parameter": False, **dict.fromkeys(names, True)}, rows)
     return Picture("Correlation of the parameters", words, figures.correlation(names, matrix), shown, "correlation")
 
 
@@ -207,18 +207,29 @@ def ranked(rows: Sequence[Mapping[str, Any]], model: str) -> Picture:
     if len(best) > 1:
         words += f"; the runner-up is {best[1]['name']} with {percent(100 * best[1]['held_out_gain'])}"
     passing = sum(row["gates"] for row in best)
-    words += f". {count(passing)} of them pass all three tests by themselves; most of these only resemble the first."
+    if passing == 0:
+        words += ". None of them passes all three tests."
+    elif passing == 1:
+        words += ". One passes all three tests."
+    else:
+        words += f". {count(passing)} pass all three tests by themselves; most of these only resemble the first."
     cells = [
         (
             row["name"],
             percent(-100 * row["held_out_gain"]),
             percent(100 * row["share_of_residual"]),
             small(row["p_value"]),
-            "passes" if row["gates"] else "–",
+            "passed" if row["gates"] else "failed",
         )
         for row in best
     ]
-    titles = {"effect": False, "test error": True, "explains of the error": True, "p, corrected": True, "": False}
+    titles = {
+        "effect": False,
+        "test error": True,
+        "explains of the error": True,
+        "p, corrected": True,
+        "all tests": False,
+    }
     shown = table("Candidates: change of the error on test blocks", titles, cells)
     return Picture("All candidates", f"{words}", figures.candidates(rows, model), shown, "candidates")
 

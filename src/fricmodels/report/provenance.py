@@ -27,7 +27,7 @@ def recording_section(data: Data, command: str, options: Sequence[str] = ()) -> 
     blocks: list[Block] = [Words(words), Fold("Recording, channels and versions of programs", [recording(data)])]
     if known := data["recording"].get("findings"):
         rows = [(one["kind"], one["severity"], "; ".join(filter(None, (one["text"], one["remedy"])))) for one in known]
-        blocks.append(table("What is the matter with it", {"what": False, "": False, "seen": False}, rows))
+        blocks.append(table("What is the matter with it", {"what": False, "severity": False, "seen": False}, rows))
     if data["recording"]["source"]:
         blocks.append(Code("To do it again", commands(data, command, options)))
     return Section("provenance", "Data, versions, how to reproduce", blocks)

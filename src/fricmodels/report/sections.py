@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
@@ -61,7 +62,7 @@ Data = Mapping[str, Any]
 """A diagnosis as plain data; see :mod:`fricmodels.diagnosis.document`."""
 
 _OPEN = 2
-"""Effects that are shown unfolded; those found later matter less."""
+"""Effects that are all shown unfolded; of more only the first: those found later matter less."""
 
 
 def found(data: Data, rungs: Sequence[Rung]) -> Section:
@@ -77,7 +78,8 @@ def found(data: Data, rungs: Sequence[Rung]) -> Section:
     if not data["effects"]:
         blocks.append(Words(data["explanation"]))
     for number_of, effect in enumerate(data["effects"]):
-        blocks += _effect(effect, data, steps.get(effect["name"], alone), number_of < _OPEN)
+        still = number_of == 0 or len(data["effects"]) <= _OPEN
+        blocks += _effect(effect, data, steps.get(effect["name"], alone), still)
     if data.get("candidates"):
         blocks.append(ranked(data["candidates"], data["model"]))
     return Section("missing", "What is missing" if data["effects"] else "The verdict", blocks)
@@ -207,8 +209,8 @@ def ladder(data: Data, picture: Picture | None) -> Section:
             "the error falls on data that took no part in finding it."
         )
     ]
-    blocks += [picture] if picture is not None else []
-    return Section("ladder", "The ladder", [*blocks, shown])
+    blocks.append(shown if picture is None else replace(picture, table=shown))
+    return Section("ladder", "The ladder", blocks)
 
 
 def _step(rung: Data) -> str:

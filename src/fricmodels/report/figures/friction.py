@@ -104,7 +104,7 @@ def friction_curve(comparison: Comparison) -> Figure:
     figure.update_layout(meta=_largest_gap(samples))
     figure.update_xaxes(title_text=samples.axis("velocity"))
     figure.update_yaxes(title_text=samples.torque_axis("friction torque"))
-    return styled(figure, f"{torque.capitalize()} against velocity", samples.subtitle, height=460)
+    return styled(figure, f"{torque.capitalize()} against velocity", samples.subtitle, height=380)
 
 
 def _largest_gap(samples: Samples) -> dict[str, float]:

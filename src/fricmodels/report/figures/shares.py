@@ -60,4 +60,4 @@ def error_shares(comparison: Comparison) -> Figure:
     figure.update_xaxes(title_text=label(f"RMS {words('torque', motion)} error", unit), rangemode="tozero")
     figure.update_yaxes(title_text="", showgrid=True, autorange="reversed", dtick=1)
     subtitle = f"{comparison.train.name}: {comparison.drive.model.name}"
-    return styled(figure, "Where the error lies", subtitle, height=130 + 20 * len(rows))
+    return styled(figure, "Where the error lies", subtitle, height=120 + 19 * len(rows))

@@ -201,6 +201,8 @@ def residual_spectrum(comparison: Comparison) -> Figure:
         top = int(np.argmax(best[0].amplitude))
         line = [best[1][0], best[0].top(top), best[0].resolution, float(best[0].amplitude[top])]
         figure.update_layout(meta={"strongest": line})
-    figure.update_xaxes(title_text=axis, **logarithmic(float(x) for trace in figure.data for x in trace.x[[0, -1]]))
+    figure.update_xaxes(
+        title_text=axis, tickangle=0, **logarithmic(float(x) for trace in figure.data for x in trace.x[[0, -1]])
+    )
     figure.update_yaxes(title_text=samples.torque_axis("amplitude of the residual"), rangemode="tozero")
     return styled(figure, f"Periodic parts of the residual, {name}", samples.subtitle, height=420)

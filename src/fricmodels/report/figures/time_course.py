@@ -99,7 +99,7 @@ def overlay(comparison: Comparison, between: tuple[float, float] | None = None) 
     figure.update_yaxes(title_text=samples.torque_axis("residual"), row=2, col=1)
     figure.update_xaxes(title_text=samples.time_axis, row=2, col=1)
     figure.update_layout(hovermode="x unified")
-    return styled(figure, f"{torque.capitalize()} over time, measured and modelled", samples.subtitle, height=430)
+    return styled(figure, f"{torque.capitalize()} over time, measured and modelled", samples.subtitle, height=400)
 
 
 def _borders(figure: Figure, place: Array, run: Array) -> None:
