@@ -45,15 +45,8 @@ def step(model: str, error: float, added: str = "") -> dict[str, Any]:
 
 def rest(percent: float, nearest: float) -> dict[str, Any]:
     near = [{"name": "cogging", "model": "coulomb-viscous+gravity+cogging", "held_out_percent": nearest}]
-    return {
-        "percent": percent,
-        "SI": 1.0,
-        "channel": "position",
-        "where": "",
-        "place": None,
-        "nearest": near,
-        "text": ".",
-    }
+    left = {"percent": percent, "SI": 1.0, "channel": "position", "where": "", "place": None, "text": "."}
+    return {**left, "nearest": near}
 
 
 @pytest.mark.parametrize("verdict", [*RECORDS])
