@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from fricmodels.diagnosis.document import document
+from fricmodels.diagnosis.ladder import added
 from fricmodels.diagnosis.present import say, show_overlay, show_parameters, spoken
 from fricmodels.dimension import Motion
 from fricmodels.errors import InputError
@@ -20,7 +21,7 @@ if TYPE_CHECKING:
     from rich.console import Console
 
     from fricmodels.diagnosis.comparison import Comparison
-    from fricmodels.diagnosis.diagnose import Diagnosis
+    from fricmodels.diagnosis.diagnose import Diagnosis, Finding
     from fricmodels.diagnosis.ladder import Ladder
 
 Data = Mapping[str, Any]
@@ -28,13 +29,15 @@ _BAR = 24
 _ROWS = 9
 _RANKED = 4
 _WORST = 3
+_EXPLAINED = 3
+"""Effects that are explained in a line each."""
 
 
 def show_answer_of_ladder(console: Console, ladder: Ladder, options: Sequence[str] = ()) -> None:
     """Print what ``improve`` found: the answer, the ladder, the final parameters, how sure, what next, the verdict."""
     data = document(ladder.first, ladder)
     found = answer(data, options)
-    _first(console, data, found)
+    _first(console, data, found, added(ladder) if data["effects"] else ())
     _ladder(console, data)
     last = ladder.rungs[-1].comparison
     show_parameters(console, last, f"Parameters of {last.drive.model.name}")
@@ -47,7 +50,7 @@ def show_answer_of_diagnosis(console: Console, diagnosis: Diagnosis, options: Se
     """Print what ``diagnose`` found: the answer, the error against its channel, the candidates, how sure, what next."""
     data = document(diagnosis)
     found = answer(data, options)
-    _first(console, data, found)
+    _first(console, data, found, diagnosis.findings)
     _evidence(console, diagnosis)
     _candidates(console, data)
     _rest(console, data, found)
@@ -76,8 +79,10 @@ def show_answer_of_comparison(console: Console, comparison: Comparison) -> None:
     say(console, "What is missing in it: fricmodels diagnose, with the same options. More: --verbose.")
 
 
-def _first(console: Console, data: Data, found: Answer) -> None:
+def _first(console: Console, data: Data, found: Answer, findings: Sequence[Finding]) -> None:
     _bold(console, f"{data['dataset']}: {found.sentence}")
+    for finding in findings[:_EXPLAINED]:
+        say(console, f"{finding.tested.name}: {finding.tested.effect.physics}.")
     say(console, found.error)
     console.print()
 
@@ -91,7 +96,9 @@ def _rest(console: Console, data: Data, found: Answer) -> None:
         console.print(plain(spoken(console, f"  {found.command}")), markup=False, highlight=False, soft_wrap=True)
     blind = [name for name, row in data["could_have_been_seen"].items() if row["missing"]]
     if blind:
-        say(console, f"This recording cannot show {counted(len(blind), 'effect')}: {listed(blind)}. More: --verbose.")
+        say(
+            console, f"This recording cannot show {counted(len(blind), 'effect')}; --verbose lists them, with the rest."
+        )
 
 
 def _last(console: Console, data: Data) -> None:
