@@ -91,8 +91,7 @@ def test_the_site_needs_no_network() -> None:
 
 def test_the_plugin_of_the_page_is_an_effect(tmp_path: Path) -> None:
     from fricmodels.dimension import Motion
-    from fricmodels.model import Model
-    from fricmodels.weakform.problem import NoFriction
+    from fricmodels.model import Model, NoFriction
 
     files = dict(FILE.findall((DOCS / "plugins.md").read_text(encoding="utf-8")))
     module = tmp_path / "my_effects.py"
