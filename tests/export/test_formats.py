@@ -84,7 +84,7 @@ def test_html_shows_names_as_text() -> None:
 
 def test_markdown_keeps_its_columns() -> None:
     parts = [part.splitlines() for part in export(board(), "md").decode().split("\n\n")]
-    assert [title for (title,) in parts[::2]] == ["Over seeds: held out rms torque error percent:", "Leaderboard:"], (
+    assert [title for (title,) in parts[::2]] == ["Over seeds: test error:", "Leaderboard:"], (
         "the medians over seeds come first"
     )
     for lines in parts[1::2]:

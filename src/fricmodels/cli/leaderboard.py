@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 if TYPE_CHECKING:
+    from fricmodels.export.columns import Titled
+    from fricmodels.terminal import Column
     from fricmodels.tournament.leaderboard import Leaderboard
 
 
@@ -88,12 +90,36 @@ def show(board: Leaderboard, rank_by: str | None = None, top: int | None = None)
     from fricmodels.cli.printing import print_line, print_table
     from fricmodels.export.columns import NOT_SURE, tables
 
-    found = tables(board, top, rank_by)
-    for each in found:
-        print_table([column for column in each.columns if column.title != "reason"], title=each.title)
-    if any(column.title == "not sure of" for each in found for column in each.columns):
-        print_line(NOT_SURE)
+    for each in tables(board, top, rank_by):
+        print_table(_compact(each), title=f"{each.title}: torque errors{each.window}, in % of the RMS motor torque")
+        print_line("")
+    if any(row.get("not_identified") for row in board.rows):
+        print_line(f"after ok: {NOT_SURE}; --format md names them")
     for row in board.failures[:_MOST_REASONS]:
         print_line(f"{row['status']}: {row['model']} with {row['estimator']} on {row['dataset']}: {row['message']}")
     if len(board.failures) > _MOST_REASONS:
         print_line(f"… and {len(board.failures) - _MOST_REASONS} more without a result; --format csv has every reason")
+
+
+def _compact(each: Titled) -> list[Column]:
+    """Return the columns of a leaderboard as 80 characters hold them; how many parameters are not sure follows ok."""
+    from fricmodels.terminal import Column
+
+    kept, over = {column.title: column for column in each.columns}, each.window
+    if len({*kept.get("dataset", Column("", ())).cells}) == 1:
+        del kept["dataset"]
+    marks = kept.pop("not sure of", None)
+    kept.pop("reason", None)
+    test, sample = kept.get(f"test error %{over}"), kept.get("per sample %")
+    if test is not None and sample is not None and test.cells == sample.cells:
+        del kept["per sample %"]
+    if marks is not None:
+        pairs = zip(kept["status"].cells, marks.cells, strict=True)
+        kept["status"] = Column("status", tuple(f"{status}{_counts(mark)}" for status, mark in pairs))
+    shorter = {f"test error %{over}": "test", f"fit error %{over}": "fit", "per sample %": "per sample"}
+    return [Column(shorter.get(title, title), column.cells, column.number) for title, column in kept.items()]
+
+
+def _counts(mark: str) -> str:
+    """Return how many parameters are not determined, and how many are at their bounds: `` 2? 1|``."""
+    return "".join(f" {mark.count(sign)}{sign}" for sign in "?|" if sign in mark)

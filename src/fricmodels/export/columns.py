@@ -18,16 +18,18 @@ _BANDS = "rms_torque_error_bands"
 _NESTED = ("tags", "parameters", "standard_errors", "true_parameters", "not_identified", "no_interval", "settings")
 
 
+_NAMES = {"held_out_rms_torque_error_percent": "test error", "rms_torque_error_percent": "fit error"}
 NOT_SURE = "? cannot be determined from this recording; | at the end of what is physical"
 """What the marks of a leaderboard mean."""
 
 
 @dataclass(frozen=True)
 class Titled:
-    """A table with its title."""
+    """A table with its title, and the window over which its errors are averaged, in words."""
 
     title: str
     columns: list[Column]
+    window: str = ""
 
 
 def concise(board: Leaderboard, *, dataset: bool = True) -> list[Column]:
@@ -107,8 +109,9 @@ def summary(rows: Sequence[Row], *, dataset: bool = True) -> list[Column]:
     for tag in dict.fromkeys(tag for row in rows for tag in row["tags"]):
         title = tag.replace("_percent", " %").replace("_", " ")
         columns.append(Column(title, tuple(_plain(row["tags"].get(tag)) for row in rows), number=True))
-    for key in ("median", "lower_quartile", "upper_quartile"):
-        columns.append(Column(key.replace("_", " "), tuple(_figure(row[key]) for row in rows), number=True))
+    columns.append(Column("median", tuple(_figure(row["median"]) for row in rows), number=True))
+    ends = ((_figure(row["lower_quartile"]), _figure(row["upper_quartile"])) for row in rows)
+    columns.append(Column("quartiles", tuple(f"{low} to {high}" if low else "" for low, high in ends), number=True))
     return columns
 
 
@@ -125,7 +128,8 @@ def tables(board: Leaderboard, top: int | None = None, rank_by: str | None = Non
     several = len({row["tags"].get("seed") for row in board.rows}) > 1
     datasets = list(dict.fromkeys(str(row["dataset"]) for row in board.rows))
     medians = board.summary(rank_by) if several else []
-    figure = (rank_by or board.figure).replace("_", " ")
+    by = rank_by or board.figure
+    figure = _NAMES.get(by, by.replace("_", " "))
     found = []
     for what in ("medians", "fits"):
         for name in datasets:
@@ -134,12 +138,14 @@ def tables(board: Leaderboard, top: int | None = None, rank_by: str | None = Non
                 rows = [row for row in medians if row["dataset"] == name]
                 ranked = [{**row, "rank": rank} for rank, row in enumerate(rows, start=1)]
                 title = f"Over seeds: {figure}{on}{_first(top, len(ranked))}"
-                found.append(Titled(title, summary(ranked[:top], dataset=not on)))
+                window = window_words(Leaderboard(tuple(row for row in board.rows if row["dataset"] == name)))
+                found.append(Titled(title, summary(ranked[:top], dataset=not on), window))
             elif what == "fits":
                 own = [row for row in board.rows if row["dataset"] == name]
                 part = Leaderboard(tuple({**row, "rank": rank} for rank, row in enumerate(own, start=1)))
                 title = f"Leaderboard{on}{_first(top, len(own))}"
-                found.append(Titled(title, concise(Leaderboard(part.rows[:top]), dataset=not on)))
+                shown = Leaderboard(part.rows[:top])
+                found.append(Titled(title, concise(shown, dataset=not on), window_words(shown)))
     return found or [Titled("Leaderboard", concise(board))]
 
 

@@ -230,5 +230,5 @@ def stribeck(before: Comparison, after: Comparison | None = None) -> Figure:
                 )
             )  # fmt: skip
     figure.update_xaxes(title_text=label("speed", samples.unit("velocity")), **logarithmic(edges[[0, -1]].tolist()))
-    figure.update_yaxes(title_text=samples.torque_axis("friction torque, opposing motion"))
+    figure.update_yaxes(title_text=samples.torque_axis("friction torque"))
     return styled(figure, "Friction at low speed, both directions", samples.subtitle, height=380)
