@@ -90,10 +90,14 @@ def show(board: Leaderboard, rank_by: str | None = None, top: int | None = None)
     from fricmodels.cli.printing import print_line, print_table
     from fricmodels.export.columns import NOT_SURE, tables
 
-    for each in tables(board, top, rank_by):
-        print_table(_compact(each), title=f"{each.title}: torque errors{each.window}, in % of the RMS motor torque")
+    found = tables(board, top, rank_by)
+    datasets = {str(row["dataset"]) for row in board.rows}
+    only = f" on {datasets.pop()}" if len(datasets) == 1 else ""
+    for each in found:
+        title = f"{each.title}{only}: torque errors{each.window}, in % of the RMS motor torque"
+        print_table(_compact(each), title=title)
         print_line("")
-    if any(row.get("not_identified") for row in board.rows):
+    if any(column.title == "not sure of" for each in found for column in each.columns):
         print_line(f"after ok: {NOT_SURE}; --format md names them")
     for row in board.failures[:_MOST_REASONS]:
         print_line(f"{row['status']}: {row['model']} with {row['estimator']} on {row['dataset']}: {row['message']}")

@@ -75,7 +75,7 @@ def test_a_table_is_as_good_as_rows():
 def test_without_held_out_errors_those_of_the_fit_are_shown():
     figure = figures.leaderboard([row(error=2.0, held_out_rms_torque_error_percent=None)])
     assert list(figure.data[0].x) == [2.0]
-    assert "fitted" in figure.layout.xaxis.title.text
+    assert "fit error" in figure.layout.xaxis.title.text
 
 
 def test_an_empty_leaderboard_is_refused():
