@@ -127,13 +127,11 @@ def sure(data: Data) -> str:
     parts = []
     if data["effects"]:
         least = max(effect["p_value"] for effect in data["effects"])
-        whom = "it" if len(data["effects"]) == 1 else "each of them"
-        p = small(least)
-        chance = f"is {p}" if p.startswith("below") else f"is p = {p}"
-        parts.append(f"The chance of such evidence without {whom} {chance}, corrected for all effects tested.")
+        whom = "" if len(data["effects"]) == 1 else " for each of them"
+        parts.append(f"p {_equals(small(least))}{whom}, corrected for all effects tested.")
     elif data.get("unknown"):
         chance = small(data["unknown"]["p_value"])
-        parts.append(f"That {data['unknown']['channels']} predicts the error by chance has p {_equals(chance)}.")
+        parts.append(f"That {data['unknown']['channels']} predicts the error is no chance: p {_equals(chance)}.")
     known = RECORDS.get(data["verdict"])
     if known is not None:
         parts.append(known.said)
@@ -141,7 +139,7 @@ def sure(data: Data) -> str:
 
 
 def _equals(chance: str) -> str:
-    return chance if chance.startswith("below") else f"= {chance}"
+    return f"is {chance}" if chance.startswith("below") else f"= {chance}"
 
 
 def _remains(data: Data) -> str:

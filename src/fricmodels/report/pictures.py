@@ -29,19 +29,19 @@ if TYPE_CHECKING:
     from fricmodels.term import Effect
 
 
-def over_time(comparison: Comparison, *, kept_back: bool = True) -> Picture:
+def over_time(comparison: Comparison, *, kept_back: bool = True, before: Comparison | None = None) -> Picture:
     """Return torque over time, measured and modelled.
 
     Args:
         comparison: a model and a recording.
+        before: the model as given, whose residual is drawn behind.
         kept_back: whether part of the recording took no part in fitting; where not, its second part is the first again.
     """
     from fricmodels.report import figures
 
     errors, what = comparison.errors, words_of("torque", comparison)
-    drawn, total = figures.drawn_samples(comparison)
     if kept_back:
-        figure = figures.overlay(comparison)
+        figure = figures.overlay(comparison, before=before)
         words = f"Test error {errors.averaged}: {percent(errors.held_out_percent)} of the RMS {what} on the shaded part"
         words += f" (fit error {percent(errors.percent)})"
     else:
@@ -51,9 +51,7 @@ def over_time(comparison: Comparison, *, kept_back: bool = True) -> Picture:
         first = samples.place[~samples.kept_back]
         figure = figures.overlay(comparison, (float(first[0]), float(first[-1])))
         words = f"Fit error {errors.averaged}: {percent(errors.percent)} of the RMS {what}"
-        total = len(first)
-        drawn = min(drawn, total)
-    words = f"{words}. {_drawn(drawn, total)} {where_words(comparison)}"
+    words = f"{words}. {_drawn(*figures.drawn_samples(figure))} {where_words(comparison)}"
     return Picture(f"{what.capitalize()} over time", words, figure, points_of(figure), "over-time")
 
 
@@ -67,7 +65,7 @@ def excerpt(comparison: Comparison) -> Picture | None:
     """Return the stretch with the largest error, every sample of it; ``None`` where all samples are drawn anyway."""
     from fricmodels.report import figures
 
-    drawn, total = figures.drawn_samples(comparison)
+    drawn, total = figures.drawn_samples(figures.overlay(comparison))
     if drawn >= total:
         return None
     begin, end = figures.worst_stretch(comparison)

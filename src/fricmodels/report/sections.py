@@ -232,7 +232,7 @@ def ladder_words(data: Data) -> str:
 def measured(comparisons: Sequence[Comparison]) -> Section:
     """Show the last model against the measurement, beside the first; on demand, the first by itself."""
     last, first = comparisons[-1], comparisons[0]
-    blocks: list[Block] = [over_time(last)]
+    blocks: list[Block] = [over_time(last, before=first if len(comparisons) > 1 else None)]
     close = excerpt(last)
     blocks += [] if close is None else [Fold("Every sample where the error is largest", [close])]
     blocks.append(Gallery([curve(last), low_speed(last)]))

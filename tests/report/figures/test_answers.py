@@ -52,6 +52,18 @@ def test_modelled_and_residual_make_up_the_measured_torque(rotary):
     assert rms == pytest.approx(rotary.errors.SI, rel=1e-9)
 
 
+def test_the_residual_before_stands_on_the_same_axis(compared):
+    recording = moved()
+    poor, good = compared(recording), compared(recording, "coulomb-viscous+cogging", {"cogging.k": ORDER})
+    figure = figures.overlay(good, before=poor)
+    before, after = trace(figure, "residual of the model as given"), trace(figure, "residual")
+    assert before.yaxis == after.yaxis
+    shown = ~np.isnan(before.y)
+    at = np.searchsorted(Samples.of(poor).place, before.x[shown])
+    assert before.y[shown] == pytest.approx(Samples.of(poor).error[at], abs=1e-5)
+    assert after.y[shown] == pytest.approx(Samples.of(good).error[at], abs=1e-5)
+
+
 def test_a_peak_of_one_sample_is_seen(compared):
     recording = moved()
     torque = recording.torque.copy()

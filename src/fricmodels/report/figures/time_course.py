@@ -32,14 +32,14 @@ def worst_stretch(comparison: Comparison, count: int = POINTS) -> tuple[float, f
     return float(samples.place[first]), float(samples.place[first + count - 1])
 
 
-def drawn_samples(comparison: Comparison) -> tuple[int, int]:
-    """Return how many samples :func:`overlay` draws, and of how many."""
-    samples = Samples.of(comparison)
-    thin = together(samples.place, (samples.recording.torque, samples.error), samples.recording.run)
-    return thin.drawn, len(samples.place)
+def drawn_samples(figure: Figure) -> tuple[int, int]:
+    """Return how many samples an :func:`overlay` draws, and of how many."""
+    return int(figure.layout.meta["drawn"]), int(figure.layout.meta["total"])
 
 
-def overlay(comparison: Comparison, between: tuple[float, float] | None = None) -> Figure:
+def overlay(
+    comparison: Comparison, between: tuple[float, float] | None = None, before: Comparison | None = None
+) -> Figure:
     """Draw the torque as measured and as modelled over time, and the residual below it.
 
     What was kept back from the fit is shaded. The dotted lines about zero are two standard deviations of what the
@@ -48,6 +48,7 @@ def overlay(comparison: Comparison, between: tuple[float, float] | None = None) 
     Args:
         comparison: a model and a recording.
         between: first and last time [s] to show; everything if not given.
+        before: a smaller model of the same recording, whose residual is drawn behind, on the same axis.
     """
     go, samples = graph_objects(), Samples.of(comparison)
     torque = words("torque", samples.motion)
@@ -57,13 +58,16 @@ def overlay(comparison: Comparison, between: tuple[float, float] | None = None) 
         chosen = slice(*np.searchsorted(samples.place, between).tolist())
     place, piece = samples.place[chosen], samples.recording.run[chosen]
     measured, error = samples.recording.torque[chosen], samples.error[chosen]
-    thin = together(place, (measured, error), piece)
+    signals = [measured, error] + ([] if before is None else [Samples.of(before).error[chosen]])
+    thin = together(place, signals, piece)
     whole = thin.drawn == len(place)
-    drawn = (
+    drawn = [
         (1, f"{torque} measured", thin.values[0], "measured", "solid", 1.6 if whole else 2.2),
         (1, f"{torque} modelled", thin.values[0] - thin.values[1], "vermillion", "4px,2px", 1.4 if whole else 0.8),
         (2, "residual", thin.values[1], "blue", "solid", 1.0),
-    )
+    ]
+    if before is not None:
+        drawn.insert(2, (2, "residual of the model as given", thin.values[2], "faint", "solid", 1.0))
     for row, name, values, colour, dash, width in drawn:
         figure.add_trace(
             go.Scatter(
@@ -77,6 +81,7 @@ def overlay(comparison: Comparison, between: tuple[float, float] | None = None) 
             row=row,
             col=1,
         )
+    figure.update_layout(meta={"drawn": thin.drawn, "total": len(place)})
     _shade(figure, samples, between)
     _borders(figure, place, samples.recording.signal(RUN)[chosen])
     noise = 2 * comparison.noise_floor_percent / 100 * float(np.sqrt(np.mean(comparison.train.torque**2)))
