@@ -183,7 +183,7 @@ def show_candidates(console: Console, diagnosis: Diagnosis) -> None:
         Column("lowers test error", tuple(f"{100 * t.evidence.gain:.3g} %" for t in tested), True),
         Column("explains", tuple(f"{100 * t.evidence.explained:.3g} %" for t in tested), True),
         Column("p value, corrected", tuple(f"{t.adjusted:.3g}" for t in tested), True),
-        Column("all tests", tuple("passed" if t.name in passing else "failed" for t in tested)),
+        Column("passes all tests", tuple("yes" if t.name in passing else "no" for t in tested)),
     ]
     show_table(console, columns, f"All candidates beside {diagnosis.comparison.drive.model.name}")
     console.print()

@@ -30,3 +30,13 @@ def shown_over(comparison: Comparison, effect: Effect, parameters: Mapping[str, 
         if channel_of(signal) in mapped:
             return channel_of(signal), period
     return "velocity", None
+
+
+def channel_of_rest(rest: Mapping[str, Any]) -> str:
+    """Return the channel over which to show what remains: that of its place, or the one that predicts it.
+
+    Args:
+        rest: ``remaining`` of a diagnosis as plain data.
+    """
+    named = rest["place"]["channel"] if rest.get("place") else str(rest["channel"]).partition(",")[0]
+    return {"position": "position", "load torque": "load_torque", "load_torque": "load_torque"}.get(named, "velocity")

@@ -12,7 +12,7 @@ from fricmodels.dimension import Motion
 from fricmodels.errors import InputError
 from fricmodels.report.answer import Answer, answer
 from fricmodels.report.captions import where_words
-from fricmodels.report.channels import shown_over
+from fricmodels.report.channels import channel_of_rest, shown_over
 from fricmodels.report.figures.against import error_over
 from fricmodels.report.wording import counted, listed, percent, small
 from fricmodels.terminal import Band, Column, Marks, bar, plain, show_plot, show_table
@@ -51,7 +51,7 @@ def show_answer_of_diagnosis(console: Console, diagnosis: Diagnosis, options: Se
     data = document(diagnosis)
     found = answer(data, options)
     _first(console, data, found, diagnosis.findings)
-    _evidence(console, diagnosis)
+    _evidence(console, data, diagnosis)
     _candidates(console, data)
     _rest(console, data, found)
     _last(console, data)
@@ -147,13 +147,13 @@ def _candidates(console: Console, data: Data) -> None:
         Column("candidate", tuple(row["name"] for row in rows)),
         Column("error on test blocks", tuple(_figure(console, -100 * row["held_out_gain"]) for row in rows), True),
         Column("p, corrected", tuple(small(row["p_value"]) for row in rows), True),
-        Column("all tests", tuple("passed" if row["gates"] else "failed" for row in rows)),
+        Column("passes all tests", tuple("yes" if row["gates"] else "no" for row in rows)),
     ]
     show_table(console, columns, f"The best of {len(data['candidates'])} candidates")
     console.print()
 
 
-def _evidence(console: Console, diagnosis: Diagnosis) -> None:
+def _evidence(console: Console, data: Data, diagnosis: Diagnosis) -> None:
     """Plot the mean error against the channel that shows what is missing, and what the effect says there."""
     comparison = diagnosis.comparison
     channel, period, after, name = "velocity", None, None, ""
@@ -162,10 +162,8 @@ def _evidence(console: Console, diagnosis: Diagnosis) -> None:
         name = tested.name
         channel, period = shown_over(comparison, tested.effect, tested.parameters)
         after = None if diagnosis.refits is None else diagnosis.refits.with_effect(tested)
-    elif diagnosis.place is not None:
-        channel = {"speed": "velocity"}.get(diagnosis.place.channel, diagnosis.place.channel)
-    elif diagnosis.view is not None and diagnosis.view.channels.startswith("position"):
-        channel = "position"
+    elif data.get("remaining"):
+        channel = channel_of_rest(data["remaining"])
     try:
         over = error_over(comparison, channel, after, period)
     except InputError:

@@ -18,8 +18,8 @@ from fricmodels.report.captions import (
     where_words,
     words_of,
 )
-from fricmodels.report.channels import shown_over
-from fricmodels.report.figure_tables import cells_of, points_of
+from fricmodels.report.channels import channel_of_rest, shown_over
+from fricmodels.report.figure_tables import axis_title, cells_of, points_of
 from fricmodels.report.figures.residuals import changing
 from fricmodels.report.page import Picture, Table, table
 from fricmodels.report.wording import count, number, percent
@@ -150,6 +150,26 @@ def evidence(
     over = words_of(channel, before)
     title = f"What it looks like: the error against {over}"
     return Picture(title, against_words(figure, effect.name), figure, points_of(figure), f"evidence-{effect.name}")
+
+
+def left_over(comparison: Comparison, rest: Mapping[str, Any]) -> Picture:
+    """Return what remains that no effect was named for, against the channel that shows it.
+
+    Args:
+        comparison: the last model.
+        rest: ``remaining`` of a diagnosis as plain data.
+    """
+    from fricmodels.report import figures
+
+    channel = channel_of_rest(rest)
+    try:
+        figure = figures.error_against(comparison, channel)
+    except InputError:
+        figure = figures.error_against(comparison, "velocity")
+    over = axis_title(figure.layout.xaxis)
+    return Picture(
+        f"What remains: the error against {over}", against_words(figure, ""), figure, points_of(figure), "rest"
+    )
 
 
 def covered(comparison: Comparison) -> Picture:

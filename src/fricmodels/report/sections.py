@@ -31,6 +31,7 @@ from fricmodels.report.pictures import (
     curve,
     evidence,
     excerpt,
+    left_over,
     low_speed,
     marks,
     over_time,
@@ -65,21 +66,24 @@ _OPEN = 2
 """Effects that are all shown unfolded; of more only the first: those found later matter less."""
 
 
-def found(data: Data, rungs: Sequence[Rung]) -> Section:
+def found(data: Data, rungs: Sequence[Rung], after: Mapping[str, Comparison] | None = None) -> Section:
     """Say which effects are missing: the physics, the equation, the size, the evidence, and what looks alike.
 
     Args:
         data: the diagnosis.
         rungs: the models on the way, for the pictures; empty where the recording is no longer there.
+        after: the model with one effect more, by its name, where no rung has it.
     """
     steps = {rung.added: (earlier.comparison, rung.comparison) for earlier, rung in pairwise(rungs)}
-    alone = (rungs[0].comparison, None) if rungs else None
     blocks: list[Block] = []
-    if not data["effects"]:
+    if not data["effects"] and not data.get("remaining"):
         blocks.append(Words(data["explanation"]))
     for number_of, effect in enumerate(data["effects"]):
         still = number_of == 0 or len(data["effects"]) <= _OPEN
+        alone = (rungs[0].comparison, (after or {}).get(effect["name"])) if rungs else None
         blocks += _effect(effect, data, steps.get(effect["name"], alone), still)
+    if data.get("remaining") and rungs:
+        blocks.append(left_over(rungs[-1].comparison, data["remaining"]))
     if data.get("candidates"):
         blocks.append(ranked(data["candidates"], data["model"]))
     return Section("missing", "What is missing" if data["effects"] else "The verdict", blocks)

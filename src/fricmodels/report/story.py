@@ -34,7 +34,11 @@ def of_diagnosis(diagnosis: Diagnosis, options: Sequence[str] = ()) -> Page:
     from fricmodels.diagnosis.document import document
     from fricmodels.diagnosis.ladder import Rung
 
-    return page(document(diagnosis), [Rung(diagnosis.comparison)], "diagnose", options)
+    refits, after = diagnosis.refits, {}
+    for tested in [] if refits is None else [finding.tested for finding in diagnosis.findings]:
+        larger = refits.with_effect(tested) if refits is not None else None
+        after.update({} if larger is None else {tested.name: larger})
+    return page(document(diagnosis), [Rung(diagnosis.comparison)], "diagnose", options, after)
 
 
 def of_comparison(comparison: Comparison, options: Sequence[str] = ()) -> Page:
@@ -61,7 +65,13 @@ def of_comparison(comparison: Comparison, options: Sequence[str] = ()) -> Page:
     return _page(data, Verdict(sentence, "plain", details), found)
 
 
-def page(data: Data, rungs: Sequence[Rung], command: str, options: Sequence[str] = ()) -> Page:
+def page(
+    data: Data,
+    rungs: Sequence[Rung],
+    command: str,
+    options: Sequence[str] = (),
+    after: Mapping[str, Comparison] | None = None,
+) -> Page:
     """Return the report on a diagnosis as plain data.
 
     Args:
@@ -69,8 +79,9 @@ def page(data: Data, rungs: Sequence[Rung], command: str, options: Sequence[str]
         rungs: the models on the way, for the figures; empty where the recording is no longer there.
         command: that made it.
         options: of that command.
+        after: the model with one effect more, by its name, where no rung has it.
     """
-    return _page(data, verdict(data, options), story(data, rungs, command, options))
+    return _page(data, verdict(data, options), story(data, rungs, command, options, after))
 
 
 def _page(data: Data, answer: Verdict, found: Sequence[Section]) -> Page:
@@ -84,10 +95,16 @@ def _page(data: Data, answer: Verdict, found: Sequence[Section]) -> Page:
     )
 
 
-def story(data: Data, rungs: Sequence[Rung], command: str, options: Sequence[str] = ()) -> list[Section]:
+def story(
+    data: Data,
+    rungs: Sequence[Rung],
+    command: str,
+    options: Sequence[str] = (),
+    after: Mapping[str, Comparison] | None = None,
+) -> list[Section]:
     """Return the sections in reading order."""
     ends = _ends([rung.comparison for rung in rungs])
-    found = [sections.found(data, rungs)]
+    found = [sections.found(data, rungs, after)]
     if len(data["ladder"]) > 1:
         found.append(sections.ladder(data, _ladder_picture(data, rungs)))
     if ends:
