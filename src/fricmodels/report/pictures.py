@@ -237,7 +237,7 @@ def ranked(rows: Sequence[Mapping[str, Any]], model: str) -> Picture:
             percent(-100 * row["held_out_gain"]),
             percent(100 * row["share_of_residual"]),
             small(row["p_value"]),
-            "passed" if row["gates"] else "failed",
+            "yes" if row["gates"] else "no",
         )
         for row in best
     ]
@@ -246,7 +246,7 @@ def ranked(rows: Sequence[Mapping[str, Any]], model: str) -> Picture:
         "test error": True,
         "explains of the error": True,
         "p, corrected": True,
-        "all tests": False,
+        "passes all tests": False,
     }
     shown = table("Candidates: change of the error on test blocks", titles, cells)
     return Picture("All candidates", f"{words}", figures.candidates(rows, model), shown, "candidates")
