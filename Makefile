@@ -29,6 +29,8 @@ lint: $(VENV)/.installed
 	$(BIN)/mypy $(addsuffix /src,$(PLUGINS))
 
 test: lint
+	@command -v chromium >/dev/null || command -v chromium-browser >/dev/null || command -v google-chrome >/dev/null \
+		|| echo "there is no Chromium: the tests of the report in a browser are skipped (apt-get install chromium)"
 	$(ONE_THREAD) $(BIN)/pytest -n 2 --dist worksteal -m "not long" tests plugins
 
 test-long: $(VENV)/.installed

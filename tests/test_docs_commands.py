@@ -79,8 +79,14 @@ def test_the_tables_are_those_of_the_code(name: str) -> None:
 
 def test_the_navigation_names_pages_that_exist() -> None:
     listed = re.findall(r"([\w/-]+\.md)$", (ROOT / "mkdocs.yml").read_text(encoding="utf-8"), re.MULTILINE)
-    assert len(listed) > 10
     assert all((DOCS / page).exists() for page in listed)
+    assert sorted(listed) == sorted(map(name, PAGES)), "every page stands in the navigation"
+
+
+def test_the_site_needs_no_network() -> None:
+    text = (ROOT / "mkdocs.yml").read_text(encoding="utf-8")
+    assert "://" not in text
+    assert re.search(r"^  font: false$", text, re.MULTILINE)
 
 
 def test_the_plugin_of_the_page_is_an_effect(tmp_path: Path) -> None:

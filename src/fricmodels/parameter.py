@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Literal
@@ -92,3 +93,24 @@ class State:
     def dimension(self) -> Dimension:
         """Dimension that the unit stands for."""
         return parse_unit(self.unit)
+
+
+_AT_BOUND = 1e-9
+
+
+def at_bound(declared: Mapping[str, Parameter], values: Mapping[str, float | None]) -> list[str]:
+    """Return the keys of estimates that stand at the end of what is physical.
+
+    Args:
+        declared: parameters by key.
+        values: estimates by key.
+    """
+    found = []
+    for key, parameter in declared.items():
+        value = values.get(key)
+        if value is None or not parameter.lower < parameter.upper:
+            continue
+        ends = [end for end in (parameter.lower, parameter.upper) if math.isfinite(end)]
+        if any(abs(value - end) <= _AT_BOUND * max(abs(end), _AT_BOUND) for end in ends):
+            found.append(key)
+    return found

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import re
+import shutil
+import subprocess
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
-VIEWS = [(1280, "light"), (1280, "dark"), (400, "light"), (400, "dark")]
+VIEWS = [(1280, "light"), (1280, "dark"), (400, "light"), (400, "dark"), (1920, "light")]
 CHECKED = VIEWS[1:3]
 PAGES = [("story_page", *view) for view in VIEWS] + [("tournament_page", *view) for view in CHECKED]
 
@@ -71,14 +74,17 @@ def test_the_keyboard_reaches_everything_in_reading_order(look: Callable[..., An
         stops.append(
             seen.page.evaluate(
                 "[document.activeElement.textContent.trim().slice(0, 30),"
-                " document.activeElement.getBoundingClientRect().top + scrollY]"
+                " document.activeElement.getBoundingClientRect().top + scrollY,"
+                " document.activeElement.closest('main') !== null]"
             )
         )
     assert stops[0][0] == "Skip to the report"
     assert stops[1][0] == "Dark colours"
     assert stops[2][0] == "Leaderboard"
-    tops = [top for _, top in stops[1:]]
-    assert tops == sorted(tops)
+    for inside in (False, True):  # the contents stand beside the report on a wide screen
+        tops = [top for _, top, within in stops[1:] if within is inside]
+        assert len(tops) > 2
+        assert tops == sorted(tops)
     seen.page.keyboard.press("Shift+Tab")
     seen = look(tournament_page)
     seen.page.keyboard.press("Tab")
@@ -96,14 +102,15 @@ def test_without_scripts_the_words_and_tables_are_there(look: Callable[..., Any]
 
 
 def test_hostile_names_stay_names(look: Callable[..., Any], hostile_pages: list[Path]) -> None:
-    for path in hostile_pages:
+    names = ("<script>window.hurt = 1</script>", "<script>window.hurt = 1<script>")
+    for path, name in zip(hostile_pages, names, strict=True):
         seen = look(path)
         assert seen.draw_everything() > 5
         assert seen.page.evaluate("window.hurt === undefined")
         assert seen.page.locator("img").count() == 0
         assert seen.console == []
         assert seen.requests == []
-        assert "<script>window.hurt = 1</script>" in seen.page.locator("h1").inner_text()
+        assert name in seen.page.locator("h1").inner_text()
         assert re.search(r"\$\{1\}.*\{\{7\*7\}\}", seen.page.title())
 
 
@@ -114,3 +121,85 @@ def test_the_picture_can_be_saved(look: Callable[..., Any], tournament_page: Pat
         seen.page.locator("[data-save]").first.click()
     waiting.value.save_as(tmp_path / "figure.svg")
     assert "<svg" in (tmp_path / "figure.svg").read_text(encoding="utf-8")
+
+
+INK = """place => {
+  const box = place.getBoundingClientRect();
+  const svg = place.querySelector("svg.main-svg");
+  const marks = svg ? svg.querySelectorAll("path, image, rect").length : 0;
+  return {name: place.id, left: box.left, right: box.right, wide: svg ? svg.getBoundingClientRect().right : 0, marks};
+}"""
+A4_WIDTH = round((210 - 2 * 14) / 25.4 * 96)
+
+
+def test_every_figure_prints_uncut(look: Callable[..., Any], story_page: Path) -> None:
+    """What `beforeprint` leaves is what the printer gets: a PDF that is made at once is no exception."""
+    seen = look(story_page, A4_WIDTH)
+    seen.page.emulate_media(media="print")
+    seen.page.evaluate("dispatchEvent(new Event('beforeprint'))")
+    found = seen.page.evaluate(f"[...document.querySelectorAll('.plot')].map({INK})")
+    assert len(found) > 15
+    for each in found:
+        assert each["marks"] > 10, f"{each['name']} is blank"
+        assert each["wide"] <= A4_WIDTH + 1, f"{each['name']} is cut"
+    tables = seen.page.evaluate(
+        "[...document.querySelectorAll('main table')].map(e => e.getBoundingClientRect().right)"
+    )
+    assert max(tables) <= A4_WIDTH + 1
+    seen.page.evaluate("dispatchEvent(new Event('afterprint'))")
+    assert seen.page.locator("main details[open]").count() == 0, "what was folded is folded again"
+    assert seen.console == []
+
+
+def test_a_pdf_has_every_figure_on_full_pages(look: Callable[..., Any], story_page: Path, tmp_path: Path) -> None:
+    """Printed before anything was scrolled to, in the dark scheme: the pages are white and none is half empty."""
+    pdftoppm = shutil.which("pdftoppm")
+    seen = look(story_page, 1280, "dark")
+    data = seen.page.pdf(format="A4", print_background=True, path=tmp_path / "report.pdf")
+    pages = data.count(b"/Type /Page\n") or len(re.findall(rb"/Type\s*/Page\b(?!s)", data))
+    assert 8 < pages < 26
+    assert data.count(b"/Subtype /Image") + data.count(b"/Subtype/Image") >= 8, "maps are pictures"
+    if pdftoppm is None:
+        return
+    subprocess.run([pdftoppm, "-r", "20", "-gray", tmp_path / "report.pdf", tmp_path / "page"], check=True)
+    used = []
+    for file in sorted(tmp_path.glob("page*.pgm")):
+        content = file.read_bytes()
+        width, height = (int(part) for part in content.split(maxsplit=3)[1:3])
+        grey = np.frombuffer(content[-width * height :], dtype=np.uint8).reshape(height, width)
+        assert np.median(grey) > 250, "paper is white"
+        inked = np.flatnonzero((grey < 245).any(axis=1))
+        used.append(float(inked[-1]) / height)
+    assert len(used) == pages
+    assert min(used[:-1]) > 0.5, f"half-empty pages: {used}"
+
+
+def test_the_page_is_short_and_small(look: Callable[..., Any], story_page: Path) -> None:
+    seen = look(story_page)
+    assert seen.page.evaluate("document.documentElement.scrollHeight") <= 8000
+    assert story_page.stat().st_size <= 3_000_000
+
+
+def test_figures_answer_to_the_keyboard_and_can_be_reset(look: Callable[..., Any], story_page: Path) -> None:
+    seen = look(story_page)
+    place = seen.page.locator(".plot").first
+    place.scroll_into_view_if_needed()
+    seen.page.locator(".plot[data-drawn]").first.wait_for()
+    name = place.get_attribute("id")
+    reset = seen.page.locator(f"[data-reset='{name}']")
+    ends = f"document.getElementById('{name}')._fullLayout.xaxis.range.map(Number)"
+    place.focus()
+    assert seen.page.evaluate("document.activeElement.id") == name
+    words = seen.page.evaluate(
+        "document.getElementById(document.activeElement.getAttribute('aria-labelledby')).innerText"
+    )
+    assert len(words) > 40
+    whole = seen.page.evaluate(ends)
+    assert not reset.is_visible()
+    seen.page.keyboard.press("+")
+    closer = seen.page.evaluate(ends)
+    assert closer[1] - closer[0] == pytest.approx(0.8 * (whole[1] - whole[0]))
+    assert reset.is_visible()
+    reset.click()
+    assert seen.page.evaluate(ends) == pytest.approx(whole)
+    assert not reset.is_visible()

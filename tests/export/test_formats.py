@@ -13,6 +13,7 @@ import pytest
 
 from fricmodels.errors import InputError
 from fricmodels.export import FORMATS, export
+from fricmodels.export.columns import tables
 from fricmodels.tournament.leaderboard import Leaderboard
 
 NASTY = '=cmd|"<b>&_%|`$'
@@ -82,8 +83,11 @@ def test_html_shows_names_as_text() -> None:
 
 
 def test_markdown_keeps_its_columns() -> None:
-    rows, medians = (part.splitlines() for part in export(board(), "md").decode().split("\n\n"))
-    for lines in (rows, medians):
+    parts = [part.splitlines() for part in export(board(), "md").decode().split("\n\n")]
+    assert [title for (title,) in parts[::2]] == ["Over seeds: test error:", "Leaderboard:"], (
+        "the medians over seeds come first"
+    )
+    for lines in parts[1::2]:
         assert len({len(line.replace("\\|", "").split("|")) for line in lines}) == 1
         assert len(lines) == 2 + 3
 
@@ -92,12 +96,47 @@ def test_latex_escapes_names() -> None:
     text = export(board(), "latex").decode()
     assert r"=cmd|\"" not in text
     assert r"<b>\&\_\%|`\$" in text
-    body = [line for line in text.split("\n\n")[0].splitlines() if line.endswith(r"\\")]
+    body = [line for line in text.split(r"\end{table}")[1].splitlines() if line.endswith(r"\\")]
     assert len({line.replace(r"\&", "").count("&") for line in body}) == 1
 
 
+def test_latex_has_rules_caption_and_label() -> None:
+    text = export(board(), "latex").decode()
+    assert text.count(r"\toprule") == text.count(r"\midrule") == text.count(r"\bottomrule") == 2
+    assert r"\caption{Leaderboard}\label{tab:leaderboard-2}" in text
+    assert r"\hline" not in text
+
+
+def test_a_long_table_in_latex_goes_over_pages() -> None:
+    rows = [{**board().rows[0], "model": f"m{i}", "tags": {}} for i in range(60)]
+    text = export(Leaderboard.ranked(rows), "latex").decode()
+    assert r"\begin{longtable}" in text
+    assert r"\endfirsthead" in text
+    assert len([line for line in text.splitlines() if line.endswith(r"\\") and "batch" in line]) == 60
+
+
+def test_each_dataset_is_ranked_by_itself() -> None:
+    own = board().rows[0]
+    rows = [{**own, "tags": {}, "dataset": name, "held_out_rms_torque_error_percent": error, "model": model}
+            for name, error, model in (("a", 1.0, "x"), ("b", 2.0, "x"), ("b", 1.5, "y"), ("a", 3.0, "y"))]  # fmt: skip
+    found = tables(Leaderboard.ranked(rows))
+    assert [each.title for each in found] == ["Leaderboard on a", "Leaderboard on b"]
+    assert [(c.cells[0], c.cells[1]) for each in found for c in each.columns if c.title in ("rank", "model")] == [
+        ("1", "2"), ("x", "y"), ("1", "2"), ("y", "x")
+    ]  # fmt: skip
+    assert next(each.title for each in tables(Leaderboard.ranked(rows), top=1)) == "Leaderboard on a, the best 1 of 2"
+
+
+def test_what_is_not_sure_is_marked_and_the_status_stands_beside_the_model() -> None:
+    row = {**board().rows[0], "model": "coulomb-viscous", "parameters": {"K_v": 0.0, "K_c": 1.0}, "tags": {}}
+    (shown,) = tables(Leaderboard.ranked([{**row, "not_identified": {"K_c": "it does not move"}}]))
+    titles = [column.title for column in shown.columns]
+    assert titles[:3] == ["rank", "model", "status"]
+    assert shown.columns[titles.index("not sure of")].cells == ("K_c? K_v|",)
+
+
 def test_table_is_aligned_and_ranked() -> None:
-    lines = export(board(), "table").decode().split("\n\n")[0].splitlines()
+    lines = export(board(), "table").decode().split("\n\n")[1].splitlines()
     assert lines[0].startswith("rank")
     assert [line.split()[1] for line in lines[2:]] == ["a", "b", "c"]
     assert lines[-1].endswith("why\nnot".replace("\n", " ")) or "why" in lines[-1]

@@ -32,7 +32,7 @@ from fricmodels.report.page import (
     Words,
     table,
 )
-from fricmodels.report.render import asset, plotly_script, render
+from fricmodels.report.render import asset, figure_names, fragment, plotly_script, render
 
 SCRIPTS = re.compile(r"<script([^>]*)>(.*?)</script>", re.DOTALL)
 
@@ -132,3 +132,18 @@ def test_text_in_figures_has_the_contrast_of_WCAG_AA(scheme: str) -> None:
     for part in ("text", "muted"):
         brighter, darker = sorted([luminance(colours[part]), ground], reverse=True)
         assert (brighter + 0.05) / (darker + 0.05) >= 4.5, part
+
+
+def test_a_fragment_is_a_piece_of_a_page_with_its_figures() -> None:
+    figure = go.Figure(go.Scatter(x=[1.0], y=[2.0], name="a"))
+    text, figures = fragment([Words("a < b"), Picture("one", "two", figure, name="spectrum")])
+    assert text.startswith("<p>a &lt; b</p>")
+    assert 'id="spectrum"' in text
+    assert "<html" not in text
+    assert json.loads(figures["spectrum"])["data"][0]["name"] == "a"
+
+
+def test_figures_keep_their_names_wherever_they_stand() -> None:
+    figure = go.Figure()
+    listed = [Picture("a", "b", figure, name=name) for name in ("spectrum", "Load torque", "spectrum")]
+    assert [*figure_names(listed).values()] == ["spectrum", "load-torque", "spectrum-2"]

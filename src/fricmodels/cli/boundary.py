@@ -51,7 +51,7 @@ def explain(error: BaseException) -> int:
     if callable(usage):
         say(f"{usage()} (see --help)")
         return int(getattr(error, "exit_code", 2))
-    if isinstance(error, BrokenPipeError):
+    if isinstance(error, BrokenPipeError) or isinstance(error.__context__, BrokenPipeError):
         return 1
     known = _from_outside(error)
     if known is not None:

@@ -14,6 +14,7 @@ from fricmodels.cli.measurement import (
     Report,
     TorqueConstant,
     Trust,
+    Verbose,
     check,
     gaps_option,
     load,
@@ -32,26 +33,30 @@ def command(
     gaps: GapsOption = None,
     out: Out = None,
     report: Report = None,
+    verbose: Verbose = False,
 ) -> None:
     """Fit a model to a recording and show where it fails."""
     recording, chosen = load(data, model, column, torque_constant, reader, linear, None, inertia, trust, gaps)
     check(report)
-    from rich.console import Console
-
     from fricmodels.cli.answers import answered
+    from fricmodels.cli.printing import console, working
     from fricmodels.diagnosis import compare
     from fricmodels.diagnosis.overlay import write_overlay
     from fricmodels.diagnosis.present import show_comparison
+    from fricmodels.report.console import show_answer_of_comparison
 
     with answered(recording, chosen):
-        comparison = compare(recording, chosen, inertia)
-        console = Console()
-        show_comparison(console, comparison)
+        shown = console()
+        with working(f"fitting {chosen.name}"):
+            comparison = compare(recording, chosen, inertia)
+        if verbose:
+            show_comparison(shown, comparison)
+        show_answer_of_comparison(shown, comparison)
         if out is not None:
-            console.print(f"wrote {write_overlay(comparison, out)}")
+            shown.print(f"wrote {write_overlay(comparison, out)}", markup=False, soft_wrap=True)
         if report is not None:
             from fricmodels.report import story
             from fricmodels.report import write as write_report
 
             page = story.of_comparison(comparison, ["--trust"] * trust + gaps_option(gaps))
-            console.print(f"wrote {write_report(page, report)}")
+            shown.print(f"wrote {write_report(page, report)}", markup=False, soft_wrap=True)

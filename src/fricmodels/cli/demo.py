@@ -42,15 +42,13 @@ def _tournament(out: Path, jobs: int | None) -> None:
 
 
 def _hidden_effects(out: Path, jobs: int | None) -> None:
-    from rich.console import Console
-
     from fricmodels.cli.leaderboard import show
-    from fricmodels.cli.printing import progress_of_fits
+    from fricmodels.cli.printing import console, progress_of_fits, working
     from fricmodels.diagnosis import improve
     from fricmodels.diagnosis.document import document, write
-    from fricmodels.diagnosis.present import show_comparison, show_diagnosis, show_ladder
     from fricmodels.model import Model
     from fricmodels.readers import read
+    from fricmodels.report.console import show_answer_of_ladder
     from fricmodels.rig import write as write_recording
     from fricmodels.rig.demonstration import hidden
     from fricmodels.tournament import run
@@ -61,12 +59,9 @@ def _hidden_effects(out: Path, jobs: int | None) -> None:
     rig = hidden()
     data, truth = write_recording(rig.simulate(), out / "joint.csv")
     recording = read(data, name=rig.name)
-    console = Console()
-    with console.status("looking for what is missing") as status:
-        ladder = improve(recording, Model.parse("coulomb-viscous"), rig.inertia, progress=status.update)
-    show_comparison(console, ladder.first.comparison)
-    show_diagnosis(console, ladder.first, ladder)
-    show_ladder(console, ladder)
+    with working("looking for what is missing") as say:
+        ladder = improve(recording, Model.parse("coulomb-viscous"), rig.inertia, progress=say)
+    show_answer_of_ladder(console(), ladder)
     print(f"   The truth was {rig.true_model} ({truth.name}).")
     models = [rung.model for rung in ladder.rungs]
     print("3. The leaderboard with and without what was found, on data that took no part in fitting:")

@@ -8,21 +8,23 @@ from fricmodels.cli.measurement import Measurement, measured
 @measured
 def command(given: Measurement) -> None:
     """Name the effect that a model is missing, with its evidence, or say that the data cannot tell."""
-    from rich.console import Console
-
+    from fricmodels.cli.printing import console, working
     from fricmodels.diagnosis import diagnose
     from fricmodels.diagnosis.document import document, write
-    from fricmodels.diagnosis.present import show_comparison, show_diagnosis
+    from fricmodels.diagnosis.present import show_diagnosis
+    from fricmodels.report.console import show_answer_of_diagnosis
 
-    console = Console()
-    with console.status("testing effects"):
+    shown = console()
+    with working("testing effects"):
         diagnosis = diagnose(given.recording, given.model, given.inertia, leave_out=given.leave_out)
-    show_comparison(console, diagnosis.comparison)
-    show_diagnosis(console, diagnosis)
+    if given.verbose:
+        show_diagnosis(shown, diagnosis)
+    show_answer_of_diagnosis(shown, diagnosis, given.options)
     if given.out is not None:
-        console.print(f"wrote {write(document(diagnosis), given.out)}")
+        shown.print(f"wrote {write(document(diagnosis), given.out)}", markup=False, soft_wrap=True)
     if given.report is not None:
         from fricmodels.report import story
         from fricmodels.report import write as write_report
 
-        console.print(f"wrote {write_report(story.of_diagnosis(diagnosis, given.options), given.report)}")
+        page = write_report(story.of_diagnosis(diagnosis, given.options), given.report)
+        shown.print(f"wrote {page}", markup=False, soft_wrap=True)

@@ -8,23 +8,26 @@ from fricmodels.cli.measurement import Measurement, measured
 @measured
 def command(given: Measurement) -> None:
     """Add the missing effect, refit everything, and repeat until nothing is missing: the ladder."""
-    from rich.console import Console
-
+    from fricmodels.cli.printing import console, working
     from fricmodels.diagnosis import improve
     from fricmodels.diagnosis.document import document, write
     from fricmodels.diagnosis.present import show_comparison, show_diagnosis, show_ladder
+    from fricmodels.report.console import show_answer_of_ladder
 
-    console = Console()
-    with console.status("improving") as status:
-        ladder = improve(given.recording, given.model, given.inertia, leave_out=given.leave_out, progress=status.update)
-    show_comparison(console, ladder.first.comparison)
-    show_diagnosis(console, ladder.first, ladder)
-    show_ladder(console, ladder)
-    show_comparison(console, ladder.rungs[-1].comparison)
+    shown = console()
+    with working("improving") as say:
+        ladder = improve(given.recording, given.model, given.inertia, leave_out=given.leave_out, progress=say)
+    if given.verbose:
+        show_comparison(shown, ladder.first.comparison)
+        show_diagnosis(shown, ladder.first, ladder)
+        show_ladder(shown, ladder)
+        show_comparison(shown, ladder.rungs[-1].comparison)
+    show_answer_of_ladder(shown, ladder, given.options)
     if given.out is not None:
-        console.print(f"wrote {write(document(ladder.first, ladder), given.out)}")
+        shown.print(f"wrote {write(document(ladder.first, ladder), given.out)}", markup=False, soft_wrap=True)
     if given.report is not None:
         from fricmodels.report import story
         from fricmodels.report import write as write_report
 
-        console.print(f"wrote {write_report(story.of_ladder(ladder, given.options), given.report)}")
+        page = write_report(story.of_ladder(ladder, given.options), given.report)
+        shown.print(f"wrote {page}", markup=False, soft_wrap=True)

@@ -9,24 +9,34 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 if TYPE_CHECKING:
+    from fricmodels.export.columns import Titled
+    from fricmodels.terminal import Column
     from fricmodels.tournament.leaderboard import Leaderboard
+
+
+_MOST_REASONS = 10
+"""Reasons that are printed below a leaderboard."""
 
 
 def command(
     run: Annotated[Path, typer.Argument(help="Directory of a run.", show_default=False)],
     form: Annotated[str, typer.Option("--format", help="table, md, csv, json, parquet, html or latex")] = "table",
     out: Annotated[Path | None, typer.Option(help="File to write instead of printing.")] = None,
+    top: Annotated[int | None, typer.Option(min=1, help="Rows of each table; all by default.")] = None,
 ) -> None:
     """Show or export the leaderboard of a run."""
+    from fricmodels.errors import InputError
     from fricmodels.export import export
     from fricmodels.files import write_bytes
     from fricmodels.stored import as_written
     from fricmodels.tournament.leaderboard import AGAIN, Leaderboard
 
+    if top is not None and (form != "table" or out is not None):
+        raise InputError("--top shortens what is printed; leave it out to export a leaderboard, which is whole")
     board = Leaderboard.read(run) if not unfinished(run) else _so_far(run)
     with as_written(run, AGAIN):
         if form == "table" and out is None:
-            show(board)
+            show(board, top=top)
             return
         content = export(board, form)
     if out is not None:
@@ -69,12 +79,51 @@ def _print(content: bytes, form: str) -> None:
         sys.stdout.buffer.write(plain(content.decode("utf-8", errors="replace")).encode("utf-8", errors="replace"))
 
 
-def show(board: Leaderboard, rank_by: str | None = None) -> None:
-    """Print a leaderboard, and the medians over seeds where there are several."""
-    from fricmodels.cli.printing import print_table
-    from fricmodels.export.columns import concise, summary
+def show(board: Leaderboard, rank_by: str | None = None, top: int | None = None) -> None:
+    """Print medians over seeds where there are several, then the fits, each dataset by itself; reasons stand below.
 
-    print_table(concise(board), title="Leaderboard")
-    if len({row["tags"].get("seed") for row in board.rows}) > 1:
-        figure = (rank_by or board.figure).replace("_", " ")
-        print_table(summary(board.summary(rank_by)), title=f"Over seeds: {figure}")
+    Args:
+        board: the leaderboard.
+        rank_by: the column by which it is ranked.
+        top: rows of each table; all if not given.
+    """
+    from fricmodels.cli.printing import print_line, print_table
+    from fricmodels.export.columns import NOT_SURE, tables
+
+    found = tables(board, top, rank_by)
+    datasets = {str(row["dataset"]) for row in board.rows}
+    only = f" on {datasets.pop()}" if len(datasets) == 1 else ""
+    for each in found:
+        title = f"{each.title}{only}: torque errors{each.window}, in % of the RMS motor torque"
+        print_table(_compact(each), title=title)
+        print_line("")
+    if any(column.title == "not sure of" for each in found for column in each.columns):
+        print_line(f"after ok: {NOT_SURE}; --format md names them")
+    for row in board.failures[:_MOST_REASONS]:
+        print_line(f"{row['status']}: {row['model']} with {row['estimator']} on {row['dataset']}: {row['message']}")
+    if len(board.failures) > _MOST_REASONS:
+        print_line(f"… and {len(board.failures) - _MOST_REASONS} more without a result; --format csv has every reason")
+
+
+def _compact(each: Titled) -> list[Column]:
+    """Return the columns of a leaderboard as 80 characters hold them; how many parameters are not sure follows ok."""
+    from fricmodels.terminal import Column
+
+    kept, over = {column.title: column for column in each.columns}, each.window
+    if len({*kept.get("dataset", Column("", ())).cells}) == 1:
+        del kept["dataset"]
+    marks = kept.pop("not sure of", None)
+    kept.pop("reason", None)
+    test, sample = kept.get(f"test error %{over}"), kept.get("per sample %")
+    if test is not None and sample is not None and test.cells == sample.cells:
+        del kept["per sample %"]
+    if marks is not None:
+        pairs = zip(kept["status"].cells, marks.cells, strict=True)
+        kept["status"] = Column("status", tuple(f"{status}{_counts(mark)}" for status, mark in pairs))
+    shorter = {f"test error %{over}": "test", f"fit error %{over}": "fit", "per sample %": "per sample"}
+    return [Column(shorter.get(title, title), column.cells, column.number) for title, column in kept.items()]
+
+
+def _counts(mark: str) -> str:
+    """Return how many parameters are not determined, and how many are at their bounds: `` 2? 1|``."""
+    return "".join(f" {mark.count(sign)}{sign}" for sign in "?|" if sign in mark)

@@ -50,6 +50,7 @@ GapsOption = Annotated[
     Gaps | None,
     typer.Option("--gaps", help="Leave out rows without numbers: drop them, or split, a new run after each gap."),
 ]
+Verbose = Annotated[bool, typer.Option("--verbose", "-v", help="Print all that was found, not only the answer.")]
 LeaveOut = Annotated[
     list[str] | None, typer.Option("--leave-out", metavar="EFFECT", help="Do not consider; repeatable.")
 ]
@@ -147,6 +148,7 @@ class Measurement:
     report: Path | None
     trust: bool = False
     gaps: Gaps | None = None
+    verbose: bool = False
 
     @property
     def options(self) -> list[str]:
@@ -176,6 +178,7 @@ def measured(work: Callable[[Measurement], None]) -> Callable[..., None]:
         gaps: GapsOption = None,
         out: Out = None,
         report: Report = None,
+        verbose: Verbose = False,
     ) -> None:
         from fricmodels.cli.answers import answered
 
@@ -183,7 +186,7 @@ def measured(work: Callable[[Measurement], None]) -> Callable[..., None]:
         check(report)
         left_out = (*(leave_out or ()), *unusable_effects(leave_out or ()))
         with answered(recording, chosen):
-            work(Measurement(recording, chosen, inertia, left_out, out, report, trust, gaps))
+            work(Measurement(recording, chosen, inertia, left_out, out, report, trust, gaps, verbose))
 
     command.__doc__ = work.__doc__
     return command

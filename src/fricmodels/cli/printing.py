@@ -4,9 +4,13 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Iterable, Iterator, Sequence
+import threading
+import time
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
+
+from fricmodels.terminal import plain
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -15,6 +19,10 @@ if TYPE_CHECKING:
     from fricmodels.tournament.running import Report
 
 
+_EVERY = 10.0
+"""Seconds between two lines where there is no terminal."""
+_SOON, _REFRESH = 2.0, 0.5
+"""Seconds after which a terminal shows what is being done, and between two looks at the clock."""
 _NO_TERMINAL = 80
 _NO_TERMINAL_NAMES = 180
 
@@ -38,6 +46,16 @@ def print_table(columns: Sequence[Column], title: str = "") -> None:
     show_table(console(otherwise=_NO_TERMINAL_NAMES if names else _NO_TERMINAL), columns, title)
 
 
+def print_line(text: str) -> None:
+    """Print one sentence, folded to the width; text from files is not taken for markup."""
+    from rich.text import Text
+
+    from fricmodels.terminal.tables import fold
+
+    shown = console()
+    shown.print(Text(fold(" ".join(text.split()), shown.width)))
+
+
 def warn(lines: Iterable[object]) -> None:
     """Print one line each on standard error."""
     from fricmodels.cli.boundary import one_line
@@ -47,8 +65,47 @@ def warn(lines: Iterable[object]) -> None:
 
 
 @contextmanager
+def working(what: str) -> Iterator[Callable[[str], None]]:
+    """Say what is being done, and for how long, on standard error; yield what takes the present step.
+
+    A terminal has a line that changes. Elsewhere a line is printed every ten seconds, none before the first ten.
+    """
+    where = console(errors=True)
+    begin, step = time.monotonic(), [what]
+
+    def line() -> str:
+        return f"{plain(step[0])} … {time.monotonic() - begin:.0f} s"
+
+    def say(text: str) -> None:
+        step[0] = text
+
+    done = threading.Event()
+    status = where.status("") if where.is_terminal else None
+
+    def tell() -> None:
+        while not done.wait(_REFRESH if status is not None else _EVERY):
+            if status is None:
+                print(line(), file=sys.stderr, flush=True)
+            elif time.monotonic() - begin > _SOON:
+                from rich.text import Text
+
+                status.update(Text(line()))
+                status.start()
+
+    teller = threading.Thread(target=tell, daemon=True)
+    teller.start()
+    try:
+        yield say
+    finally:
+        done.set()
+        teller.join()
+        if status is not None:
+            status.stop()
+
+
+@contextmanager
 def progress_of_fits() -> Iterator[Report]:
-    """Show a bar with the number of fits, their rate and the time that is left."""
+    """Show the number of fits, their rate and the time that is left; every ten seconds where there is no terminal."""
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
     columns = (
@@ -59,12 +116,24 @@ def progress_of_fits() -> Iterator[Report]:
         TimeRemainingColumn(),
     )
     where = console(errors=True)
+    begin = time.monotonic()
+    told = [begin]
     with Progress(*columns, console=where, transient=True, disable=not where.is_terminal) as progress:
         task = progress.add_task("fits", total=None, rate="")
 
         def report(done: int, total: int, job: Any, row: Any) -> None:
-            speed = progress.tasks[0].speed
-            rate = f"{speed:.1f}/s" if speed else ""
-            progress.update(task, completed=done, total=total, rate=rate, description=f"{job.model} · {job.title}")
+            now = time.monotonic()
+            speed = done / max(now - begin, 1e-3)
+            progress.update(
+                task, completed=done, total=total, rate=f"{speed:.2g}/s", description=f"{job.model} · {job.title}"
+            )
+            if not where.is_terminal and now - told[0] >= _EVERY and done < total:
+                told[0] = now
+                print(progress_line(done, total, speed), file=sys.stderr, flush=True)
 
         yield report
+
+
+def progress_line(done: int, total: int, speed: float) -> str:
+    """Return how far a tournament is, in one line."""
+    return f"{done} of {total} fits, {speed:.2g}/s, {(total - done) / speed:.0f} s left"

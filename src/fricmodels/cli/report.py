@@ -62,15 +62,14 @@ def command(
     page = out or Path(f"{first.stem}.html")
     check(page)
     recording, chosen = load(target, model, column, torque_constant, reader, linear, leave_out, inertia, trust, gaps)
-    from rich.console import Console
-
     from fricmodels.cli.answers import answered
+    from fricmodels.cli.printing import working
     from fricmodels.diagnosis import improve
 
     left_out = [*(leave_out or ()), *unusable_effects(leave_out or ())]
     with answered(recording, chosen):
-        with Console(stderr=True).status("improving") as status:
-            ladder = improve(recording, chosen, inertia, leave_out=left_out, progress=status.update)
+        with working("improving") as say:
+            ladder = improve(recording, chosen, inertia, leave_out=left_out, progress=say)
         options = [part for name in left_out for part in ("--leave-out", name)] + ["--trust"] * trust
         options += gaps_option(gaps)
         print(f"wrote {write(story.of_ladder(ladder, options), page)}")

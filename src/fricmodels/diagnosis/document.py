@@ -12,6 +12,7 @@ from typing import Any
 
 from fricmodels import plugins
 from fricmodels.diagnosis.comparison import Comparison
+from fricmodels.diagnosis.correlation import correlation
 from fricmodels.diagnosis.diagnose import Diagnosis, Finding
 from fricmodels.diagnosis.explain import explain, sentence, unknown
 from fricmodels.diagnosis.ladder import Ladder, added
@@ -38,6 +39,8 @@ def document(diagnosis: Diagnosis, ladder: Ladder | None = None) -> dict[str, An
         if view is None
         else {"channels": view.channels, "p_value": view.p_value, "held_out_gain": view.evidence.gain},
         "remaining": _remaining(diagnosis if ladder is None else ladder.last),
+        "candidates": _candidates(diagnosis),
+        "correlation": _correlation(comparison if ladder is None else ladder.rungs[-1].comparison),
         "coloured_noise": _coloured_noise(diagnosis if ladder is None else ladder.last),
         "could_have_been_seen": {
             name: {
@@ -113,6 +116,31 @@ def described(comparison: Comparison) -> dict[str, Any]:
         "true_model": known.get("true_model"),
         "findings": list(known.get("findings", ())),
     }
+
+
+def _candidates(diagnosis: Diagnosis) -> list[dict[str, Any]]:
+    """Return every effect that was tested on the given model, the one with the least error on held-out blocks first.
+
+    ``gates`` says whether it passes all three by itself; most that do only resemble the first.
+    """
+    if diagnosis.result is None:
+        return []
+    passing = {tested.name for tested in diagnosis.passing}
+    return [
+        {
+            "name": tested.name,
+            "p_value": tested.adjusted,
+            "share_of_residual": tested.evidence.explained,
+            "held_out_gain": tested.evidence.gain,
+            "gates": tested.name in passing,
+        }
+        for tested in diagnosis.result.tested
+    ]
+
+
+def _correlation(comparison: Comparison) -> dict[str, Any] | None:
+    known = correlation(comparison)
+    return None if known is None else {"parameters": list(known[0]), "matrix": known[1].tolist()}
 
 
 def _remaining(diagnosis: Diagnosis) -> dict[str, Any] | None:

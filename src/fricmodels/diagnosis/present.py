@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import re
 import textwrap
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fricmodels.diagnosis.comparison import Comparison
+from fricmodels.diagnosis.correlation import correlation
 from fricmodels.diagnosis.diagnose import Diagnosis, Finding
 from fricmodels.diagnosis.explain import explain
 from fricmodels.diagnosis.ladder import Ladder, Rung, added
@@ -18,6 +19,7 @@ from fricmodels.diagnosis.places import profile
 from fricmodels.diagnosis.power import Visibility
 from fricmodels.diagnosis.remaining import Remaining
 from fricmodels.dimension import Motion
+from fricmodels.parameter import at_bound
 from fricmodels.recording import Recording
 from fricmodels.score import Errors, headline_window, torque_error_over
 from fricmodels.signals import stretches
@@ -42,10 +44,10 @@ def show_comparison(console: Console, comparison: Comparison) -> None:
     drive = comparison.drive
     unit = "N m" if drive.motion is Motion.ROTARY else "N"
     _heading(console, f"{drive.model.name} on {comparison.train.name}")
-    _say(
+    say(
         console,
-        f"{len(comparison.train)} samples fitted, {len(comparison.test)} kept back, one each "
-        f"{comparison.train.interval:.4g} s. {comparison.errors.in_words(unit)}",
+        f"{len(comparison.train)} samples fitted, {len(comparison.test)} for the test error, sampled every "
+        f"{1000 * comparison.train.interval:.4g} ms. {comparison.errors.in_words(unit)}",
     )
     console.print()
     show_parameters(console, comparison)
@@ -74,8 +76,8 @@ def show_bands(console: Console, errors: Errors, unit: str) -> None:
     show_table(console, columns, "RMS torque error by window, in % of the RMS motor torque")
 
 
-def show_parameters(console: Console, comparison: Comparison) -> None:
-    """Print the parameters with their standard errors and units."""
+def show_parameters(console: Console, comparison: Comparison, title: str = "Parameters") -> None:
+    """Print the parameters with their standard errors and units; what stands at its bound is marked."""
     drive, estimate = comparison.drive, comparison.estimate
     units = {p.key: p.declared.unit_for(drive.motion) for p in drive.parameters}
     units.setdefault(drive.inertia_key, "kg m^2" if drive.motion is Motion.ROTARY else "kg")
@@ -86,7 +88,17 @@ def show_parameters(console: Console, comparison: Comparison) -> None:
         Column("± standard error", tuple(_spread(estimate.standard_errors.get(key)) for key in keys), number=True),
         Column("unit", tuple(units.get(key, "") for key in keys)),
     ]
-    show_table(console, columns, "Parameters")
+    held = at_bound({p.key: p.declared for p in drive.parameters}, estimate.parameters)
+    remarks = tuple(_remark(key, held, estimate) for key in keys)
+    if any(remarks):
+        columns.append(Column("remark", remarks))
+    show_table(console, columns, title)
+
+
+def _remark(key: str, held: Sequence[str], estimate: Estimate) -> str:
+    if key in held:
+        return "at its bound"
+    return "not identified" if key in estimate.not_identified else ""
 
 
 def _spread(error: float | None) -> str:
@@ -95,17 +107,18 @@ def _spread(error: float | None) -> str:
     return f"{error:.2g}" if error > 0 else _NO_SPREAD[1]
 
 
-def show_overlay(console: Console, comparison: Comparison) -> None:
+def show_overlay(console: Console, comparison: Comparison, rows: int = 13) -> None:
     """Plot the torque, measured and modelled, over a few reversals of the data kept back."""
     part = _stretch(comparison.test)
     modelled = part.torque - _error(comparison, part)
     unit = "N m" if comparison.drive.motion is Motion.ROTARY else "N"
+    quantity = "torque" if comparison.drive.motion is Motion.ROTARY else "force"
     series = [
         Band("measured", ".", part.time, part.torque),
         Band("modelled", "o", part.time, modelled),
     ]
-    _title(console, "Motor torque, measured and modelled, over a stretch of data kept back")
-    show_plot(console, series, "time [s]", f"[{unit}]")
+    _title(console, f"Motor {quantity}, measured and modelled, over a stretch of test data")
+    show_plot(console, series, "time [s]", f"[{unit}]", rows)
 
 
 def show_friction(console: Console, comparison: Comparison) -> None:
@@ -145,7 +158,7 @@ def show_where(console: Console, comparison: Comparison) -> None:
 def show_diagnosis(console: Console, diagnosis: Diagnosis, ladder: Ladder | None = None) -> None:
     """Print the verdict in words, the evidence and parameters of what was found, and what could not have been seen."""
     _heading(console, f"Verdict: {diagnosis.verdict}")
-    _say(console, explain(diagnosis, ladder))
+    say(console, explain(diagnosis, ladder))
     console.print()
     findings = list(diagnosis.findings) if ladder is None else added(ladder)
     motion = diagnosis.comparison.drive.motion
@@ -154,9 +167,38 @@ def show_diagnosis(console: Console, diagnosis: Diagnosis, ladder: Ladder | None
         console.print()
         _show_found(console, findings, motion)
         console.print()
+    show_candidates(console, diagnosis)
     final = diagnosis if ladder is None else ladder.last
     show_remaining(console, final)
     _show_visibility(console, final.visibility, motion)
+
+
+def show_candidates(console: Console, diagnosis: Diagnosis) -> None:
+    """Print every effect that was tested on the given model, the one with the least error on test blocks first."""
+    if diagnosis.result is None or not diagnosis.result.tested:
+        return
+    tested, passing = diagnosis.result.tested, {one.name for one in diagnosis.passing}
+    columns = [
+        Column("effect", tuple(t.name for t in tested)),
+        Column("lowers test error", tuple(f"{100 * t.evidence.gain:.3g} %" for t in tested), True),
+        Column("explains", tuple(f"{100 * t.evidence.explained:.3g} %" for t in tested), True),
+        Column("p value, corrected", tuple(f"{t.adjusted:.3g}" for t in tested), True),
+        Column("passes all tests", tuple("yes" if t.name in passing else "no" for t in tested)),
+    ]
+    show_table(console, columns, f"All candidates beside {diagnosis.comparison.drive.model.name}")
+    console.print()
+
+
+def show_correlation(console: Console, comparison: Comparison) -> None:
+    """Print how the estimates of the parameters are correlated; nothing where that is not known."""
+    known = correlation(comparison)
+    if known is None:
+        return
+    keys, matrix = known
+    columns = [Column("correlation of", keys)]
+    columns += [Column(key, tuple(f"{row[place]:.3g}" for row in matrix), True) for place, key in enumerate(keys)]
+    show_table(console, columns, f"Correlation of the parameters of {comparison.drive.model.name}")
+    console.print()
 
 
 def show_remaining(console: Console, diagnosis: Diagnosis) -> None:
@@ -195,7 +237,7 @@ def _show_evidence(console: Console, findings: list[Finding]) -> None:
     columns = [
         Column("effect", tuple(t.name for t in tested)),
         Column("explains of the residual", tuple(f"{100 * t.evidence.explained:.3g} %" for t in tested), True),
-        Column("lowers error kept back", tuple(f"{100 * t.evidence.gain:.3g} %" for t in tested), True),
+        Column("lowers test error", tuple(f"{100 * t.evidence.gain:.3g} %" for t in tested), True),
         Column("p value, corrected", tuple(f"{t.adjusted:.3g}" for t in tested), True),
     ]
     if any(len(finding.names) > 1 for finding in findings):
@@ -239,7 +281,7 @@ def _show_visibility(console: Console, visibility: Mapping[str, Visibility], mot
         if any(row.band for row in seen.values()):
             unit = "1/rad" if motion is Motion.ROTARY else "1/m"
             columns.append(Column(f"waves [{unit}]", tuple(_band(row) for row in seen.values())))
-        show_table(console, columns, "Not found, though it would have been from this size on")
+        show_table(console, columns, "Tested and not found; smallest size we would have detected")
         console.print()
     if blind:
         columns = [Column("effect", tuple(blind)), Column("why", tuple(blind.values()))]
@@ -273,6 +315,7 @@ def show_ladder(console: Console, ladder: Ladder) -> None:
         columns.append(Column(f"step {number}", cells, number=True))
     show_table(console, columns, "Parameters from step to step, ± standard error")
     console.print()
+    show_correlation(console, rungs[-1].comparison)
 
 
 def _change(rung: Rung) -> str:
@@ -333,10 +376,21 @@ def _title(console: Console, text: str) -> None:
     console.print(Text(text, style="bold"))
 
 
-def _say(console: Console, text: str) -> None:
+def say(console: Console, text: str, style: str = "") -> None:
+    """Print sentences, folded to the width; a number stays beside its unit."""
     from rich.text import Text
 
-    # A number stays on one line with its percent sign, and with what it is the value of.
-    whole = re.sub(r" (?=%)|(?<=[=±]) | (?=[=±])", "\N{NO-BREAK SPACE}", plain(text))
-    lines = textwrap.wrap(whole, console.width, break_on_hyphens=False)
-    console.print(Text("\n".join(lines).replace("\N{NO-BREAK SPACE}", " ")))
+    # A number stays on one line with its unit, and with what it is the value of.
+    plainer = plain(spoken(console, text)).replace("N m", "N\N{NO-BREAK SPACE}m")
+    whole = re.sub(r" (?=%|N\b|ms\b)|(?<=[=±]) | (?=[=±])", "\N{NO-BREAK SPACE}", plainer)
+    lines = textwrap.wrap(whole, console.width, break_on_hyphens=False, break_long_words=False)
+    console.print(Text("\n".join(lines).replace("\N{NO-BREAK SPACE}", " "), style=style))
+
+
+_ASCII = str.maketrans({"−": "-", "→": "->", "–": "-", "×": "x", "·": "*", "±": "+-"})
+
+
+def spoken(console: Console, text: str) -> str:
+    """Return a text with plain spaces; with signs of ASCII where the terminal has no others."""
+    plainer = text.replace("\N{NO-BREAK SPACE}", " ").replace("\N{NARROW NO-BREAK SPACE}", " ")
+    return plainer.translate(_ASCII) if console.options.ascii_only else plainer

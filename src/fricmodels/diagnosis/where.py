@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -29,6 +30,42 @@ class Regime:
     samples: int
     share_of_samples: float
     rms_torque_error: float
+
+
+_GROUPS = {
+    "rest": "motion", "breakaway": "motion", "reversal": "motion",
+    "low speed": "speed", "mid speed": "speed", "high speed": "speed",
+    "accelerating": "acceleration", "decelerating": "acceleration",
+    "forward": "direction", "backward": "direction",
+}  # fmt: skip
+_WORDS = {
+    "rest": "at rest", "breakaway": "right after breakaway", "reversal": "right after reversals",
+    "low speed": "at low speed", "mid speed": "at medium speed", "high speed": "at high speed",
+    "accelerating": "while accelerating", "decelerating": "while decelerating",
+    "forward": "in forward motion", "backward": "in backward motion",
+    "position: low": "at low positions", "position: middle": "at middle positions",
+    "position: high": "at high positions",
+    "load: light": "under light load", "load: medium": "under medium load", "load: heavy": "under heavy load",
+    "temperature: cold": "in the cold", "temperature: warm": "when warm", "temperature: hot": "when hot",
+    "time: early": "early in the record", "time: middle": "in the middle of the record",
+    "time: late": "late in the record",
+}  # fmt: skip
+
+
+def in_words(regime: str) -> str:
+    """Return where a regime is, as in a sentence."""
+    return _WORDS.get(regime, f"in {regime.replace(': ', ' ')}")
+
+
+def grouped(rows: Iterable[Regime]) -> dict[str, list[Regime]]:
+    """Return regimes by what divides them (direction, speed, position, …), the group with the largest spread first.
+
+    The regimes of a group do not overlap; those of different groups do.
+    """
+    groups: dict[str, list[Regime]] = {}
+    for row in rows:
+        groups.setdefault(_GROUPS.get(row.regime, row.regime.partition(":")[0]), []).append(row)
+    return dict(sorted(groups.items(), key=lambda item: -max(row.rms_torque_error for row in item[1])))
 
 
 def where(error: Array, prepared: Recording) -> list[Regime]:

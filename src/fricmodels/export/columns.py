@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from fricmodels.terminal import Column as Column
@@ -17,11 +18,32 @@ _BANDS = "rms_torque_error_bands"
 _NESTED = ("tags", "parameters", "standard_errors", "true_parameters", "not_identified", "no_interval", "settings")
 
 
-def concise(board: Leaderboard) -> list[Column]:
-    """Return the columns that are worth reading, as text."""
+_NAMES = {"held_out_rms_torque_error_percent": "test error", "rms_torque_error_percent": "fit error"}
+NOT_SURE = "? cannot be determined from this recording; | at the end of what is physical"
+"""What the marks of a leaderboard mean."""
+
+
+@dataclass(frozen=True)
+class Titled:
+    """A table with its title, and the window over which its errors are averaged, in words."""
+
+    title: str
+    columns: list[Column]
+    window: str = ""
+
+
+def concise(board: Leaderboard, *, dataset: bool = True) -> list[Column]:
+    """Return the columns that are worth reading, as text; the status stands beside the model.
+
+    Args:
+        board: the leaderboard.
+        dataset: whether the dataset is a column.
+    """
     rows = board.rows
     columns = [Column("rank", tuple(str(row["rank"]) for row in rows), number=True)]
-    columns += [Column(key, _texts(rows, key)) for key in ("model", "estimator", "dataset")]
+    columns += [Column(key, _texts(rows, key)) for key in ("model", "status", "estimator")]
+    if dataset:
+        columns.append(Column("dataset", _texts(rows, "dataset")))
     columns += [
         Column(
             tag.replace("_percent", " %").replace("_", " "), tuple(_plain(row["tags"].get(tag)) for row in rows), True
@@ -41,11 +63,25 @@ def concise(board: Leaderboard) -> list[Column]:
         )
         if any(cells := tuple(_figure(figures.get(key)) for figures in figured))
     ]
-    columns.append(Column("status", tuple(str(row["status"]) for row in rows)))
+    marks = tuple(_marks(row) for row in rows)
+    if any(marks):
+        columns.append(Column("not sure of", marks))
     reasons = tuple("" if row["status"] == "ok" else " ".join(str(row["message"]).split()) for row in rows)
     if any(reasons):
         columns.append(Column("reason", reasons))
     return columns
+
+
+def _marks(row: Row) -> str:
+    """Return the parameters that are not identified, or at their bounds; see :data:`NOT_SURE`."""
+    from fricmodels.parameter import at_bound
+    from fricmodels.report.wording import declared
+
+    if row["status"] != "ok":
+        return ""
+    loose = [f"{key}?" for key in row.get("not_identified") or ()]
+    held = at_bound(declared(str(row["model"])), row["parameters"] or {})
+    return " ".join([*loose, *(f"{key}|" for key in held if f"{key}?" not in loose)])
 
 
 def window_words(board: Leaderboard) -> str:
@@ -64,23 +100,57 @@ def _per_sample(row: Row) -> float | None:
     return bands[0]["percent"] if held_out is None else held_out
 
 
-def summary(rows: Sequence[Row]) -> list[Column]:
+def summary(rows: Sequence[Row], *, dataset: bool = True) -> list[Column]:
     """Return the table of medians over seeds."""
     columns = [Column("rank", tuple(str(row["rank"]) for row in rows), number=True)]
-    columns += [Column(key, _texts(rows, key)) for key in ("model", "estimator", "dataset")]
+    columns.append(Column("model", _texts(rows, "model")))
+    columns.append(Column("ok", tuple(f"{row['ok']}/{row['seeds']}" for row in rows), number=True))
+    columns += [Column(key, _texts(rows, key)) for key in ("estimator", "dataset")[: 1 + dataset]]
     for tag in dict.fromkeys(tag for row in rows for tag in row["tags"]):
         title = tag.replace("_percent", " %").replace("_", " ")
         columns.append(Column(title, tuple(_plain(row["tags"].get(tag)) for row in rows), number=True))
-    for key in ("median", "lower_quartile", "upper_quartile"):
-        columns.append(Column(key.replace("_", " "), tuple(_figure(row[key]) for row in rows), number=True))
-    columns.append(Column("ok", tuple(f"{row['ok']}/{row['seeds']}" for row in rows), number=True))
+    columns.append(Column("median", tuple(_figure(row["median"]) for row in rows), number=True))
+    ends = ((_figure(row["lower_quartile"]), _figure(row["upper_quartile"])) for row in rows)
+    columns.append(Column("quartiles", tuple(f"{low} to {high}" if low else "" for low, high in ends), number=True))
     return columns
 
 
-def tables(board: Leaderboard) -> list[list[Column]]:
-    """Return the leaderboard, and the medians over seeds where there are several."""
+def tables(board: Leaderboard, top: int | None = None, rank_by: str | None = None) -> list[Titled]:
+    """Return medians over seeds where there are several, then the fits; each dataset is ranked by itself.
+
+    Args:
+        board: the leaderboard.
+        top: rows of each table; all if not given.
+        rank_by: the column by which medians are ranked; the torque error if not given.
+    """
+    from fricmodels.tournament.leaderboard import Leaderboard
+
     several = len({row["tags"].get("seed") for row in board.rows}) > 1
-    return [concise(board), summary(board.summary())] if several else [concise(board)]
+    datasets = list(dict.fromkeys(str(row["dataset"]) for row in board.rows))
+    medians = board.summary(rank_by) if several else []
+    by = rank_by or board.figure
+    figure = _NAMES.get(by, by.replace("_", " "))
+    found = []
+    for what in ("medians", "fits"):
+        for name in datasets:
+            on = f" on {name}" if len(datasets) > 1 else ""
+            if what == "medians" and several:
+                rows = [row for row in medians if row["dataset"] == name]
+                ranked = [{**row, "rank": rank} for rank, row in enumerate(rows, start=1)]
+                title = f"Over seeds: {figure}{on}{_first(top, len(ranked))}"
+                window = window_words(Leaderboard(tuple(row for row in board.rows if row["dataset"] == name)))
+                found.append(Titled(title, summary(ranked[:top], dataset=not on), window))
+            elif what == "fits":
+                own = [row for row in board.rows if row["dataset"] == name]
+                part = Leaderboard(tuple({**row, "rank": rank} for rank, row in enumerate(own, start=1)))
+                title = f"Leaderboard{on}{_first(top, len(own))}"
+                shown = Leaderboard(part.rows[:top])
+                found.append(Titled(title, concise(shown, dataset=not on), window_words(shown)))
+    return found or [Titled("Leaderboard", concise(board))]
+
+
+def _first(top: int | None, count: int) -> str:
+    return f", the best {top} of {count}" if top is not None and top < count else ""
 
 
 def frame(board: Leaderboard) -> pd.DataFrame:

@@ -15,7 +15,7 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from fricmodels.errors import InputError, suggestion
-from fricmodels.export.columns import Column, frame, tables
+from fricmodels.export.columns import Column, Titled, frame, tables
 
 if TYPE_CHECKING:
     from fricmodels.tournament.leaderboard import Leaderboard
@@ -32,6 +32,8 @@ _LATEX = {
     "~": r"\textasciitilde{}",
     "^": r"\textasciicircum{}",
 }
+_LONG = 40
+"""Rows of a table in LaTeX that fit a page."""
 _MARKDOWN = set("\\`*_{}[]<>#|~$")
 
 
@@ -47,7 +49,7 @@ def export(board: Leaderboard, form: str) -> bytes:
 
 
 def _table(board: Leaderboard) -> bytes:
-    return "\n".join(map(_aligned, tables(board))).encode()
+    return "\n".join(_aligned(each.columns) for each in tables(board)).encode()
 
 
 def _aligned(columns: Sequence[Column]) -> str:
@@ -64,7 +66,10 @@ def _aligned(columns: Sequence[Column]) -> str:
 
 
 def _markdown(board: Leaderboard) -> bytes:
-    return "\n".join(map(markdown, tables(board))).encode()
+    found = tables(board)
+    if len(found) == 1:
+        return markdown(found[0].columns).encode()
+    return "\n".join(f"{_in_markdown(each.title)}:\n\n{markdown(each.columns)}" for each in found).encode()
 
 
 def markdown(columns: Sequence[Column]) -> str:
@@ -127,15 +132,17 @@ def _html(board: Leaderboard) -> bytes:
         "th,td{padding:.25rem .75rem;border-bottom:1px solid #ccc;text-align:left}",
         "td.number{text-align:right;font-variant-numeric:tabular-nums}",
         "</style></head><body><h1>Leaderboard</h1>",
-        *(line for columns in tables(board) for line in _html_table(columns)),
+        *(line for each in tables(board) for line in _html_table(each)),
         "</body></html>",
     ]
     return _text(lines).encode()
 
 
-def _html_table(columns: Sequence[Column]) -> list[str]:
+def _html_table(each: Titled) -> list[str]:
+    columns = each.columns
     titles = "".join(f"<th>{html.escape(_one_line(column.title))}</th>" for column in columns)
-    lines = [f"<table><thead><tr>{titles}</tr></thead><tbody>"]
+    caption = f"<caption>{html.escape(_one_line(each.title))}</caption>"
+    lines = [f"<table>{caption}<thead><tr>{titles}</tr></thead><tbody>"]
     for cells in _rows(columns):
         inside = "".join(
             f"{'<td class=number>' if column.number else '<td>'}{html.escape(_one_line(cell))}</td>"
@@ -146,16 +153,32 @@ def _html_table(columns: Sequence[Column]) -> list[str]:
 
 
 def _latex(board: Leaderboard) -> bytes:
-    return "\n".join(map(latex, tables(board))).encode()
+    head = "% \\usepackage{booktabs,longtable}\n"
+    found = tables(board)
+    labels = ["tab:leaderboard", *(f"tab:leaderboard-{number}" for number in range(2, len(found) + 1))]
+    texts = (latex(each.columns, each.title, label) for each, label in zip(found, labels, strict=True))
+    return (head + "\n".join(texts)).encode()
 
 
-def latex(columns: Sequence[Column]) -> str:
-    """Return a table in LaTeX."""
+def latex(columns: Sequence[Column], title: str = "Leaderboard", label: str = "tab:leaderboard") -> str:
+    """Return a table in LaTeX with the rules of ``booktabs``; a long one as ``longtable``, which goes over pages.
+
+    Args:
+        columns: of the table.
+        title: its caption.
+        label: by which a text refers to it.
+    """
     layout = "".join("r" if column.number else "l" for column in columns)
-    lines = [rf"\begin{{tabular}}{{{layout}}}", r"\hline"]
-    lines.append(" & ".join(_in_latex(column.title) for column in columns) + r" \\ \hline")
-    lines.extend(" & ".join(map(_in_latex, cells)) + r" \\" for cells in _rows(columns))
-    return _text([*lines, r"\hline", r"\end{tabular}"])
+    head = " & ".join(_in_latex(column.title) for column in columns) + r" \\"
+    body = [" & ".join(map(_in_latex, cells)) + r" \\" for cells in _rows(columns)]
+    caption = rf"\caption{{{_in_latex(title)}}}\label{{{label}}}"
+    if len(body) > _LONG:
+        again = [r"\toprule", head, r"\midrule"]
+        lines = [rf"\begin{{longtable}}{{{layout}}}", caption + r" \\", *again, r"\endfirsthead", *again, r"\endhead"]
+        lines += [r"\bottomrule", r"\endfoot", *body, r"\end{longtable}"]
+        return _text(lines)
+    lines = [r"\begin{table}", r"\centering", caption, rf"\begin{{tabular}}{{{layout}}}"]
+    return _text([*lines, r"\toprule", head, r"\midrule", *body, r"\bottomrule", r"\end{tabular}", r"\end{table}"])
 
 
 def _in_latex(text: str) -> str:

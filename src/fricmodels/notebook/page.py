@@ -86,7 +86,7 @@ def _story(result: object) -> Story:
 def _(recording: Recording) -> Story:
     runs = len(np.unique(recording.run))
     duration = sum(float(np.ptp(part.time)) for part in recording.runs())
-    rate = f", one each {recording.interval:.4g} s" if np.isfinite(recording.interval) else ""
+    rate = f", sampled every {1000 * recording.interval:.4g} ms" if np.isfinite(recording.interval) else ""
     said = (
         f"{len(recording)} samples in {runs} run{'s' * (runs > 1)}, {duration:.4g} s{rate}; {recording.motion.value}."
     )

@@ -144,14 +144,14 @@ def _of_diagnosis(findings: Sequence[Finding], final: Diagnosis) -> Tables:
     found = {
         finding.tested.name: {
             "explains of the residual [%]": 100 * finding.tested.evidence.explained,
-            "lowers error kept back [%]": 100 * finding.tested.evidence.gain,
+            "lowers test error [%]": 100 * finding.tested.evidence.gain,
             "p value, corrected": finding.tested.adjusted,
             "cannot be told from": ", ".join(finding.names[1:]),
             "equation": finding.tested.effect.formula,
         }
         for finding in findings
     }
-    headings = ("explains of the residual [%]", "lowers error kept back [%]", "p value, corrected")
+    headings = ("explains of the residual [%]", "lowers test error [%]", "p value, corrected")
     sizes = {
         f"{finding.tested.name}.{p.symbol}": {
             "value": finding.tested.parameters[p.symbol],
@@ -170,7 +170,7 @@ def _of_diagnosis(findings: Sequence[Finding], final: Diagnosis) -> Tables:
     return {
         "What was found": _frame(found, "effect", headings),
         **({"Its size on the residual": _frame(sizes, "parameter")} if sizes else {}),
-        **({"Not found, though it would have been from this size on": _frame(seen, "effect")} if seen else {}),
+        **({"Tested and not found; smallest size we would have detected": _frame(seen, "effect")} if seen else {}),
         **({"Could not have been seen in this recording": _frame(blind, "effect")} if blind else {}),
     }
 

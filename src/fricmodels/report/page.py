@@ -63,6 +63,7 @@ class Picture:
         message: what it shows, in words: caption and name for screen readers.
         figure: of plotly.
         table: the same in numbers, or ``None`` where a table of the report says it already.
+        name: of the figure in the page, the same in every page that has it; a number follows where there are several.
     """
 
     kind: ClassVar[str] = "picture"
@@ -70,6 +71,7 @@ class Picture:
     message: str
     figure: Figure
     table: Table | None = None
+    name: str = ""
 
 
 @dataclass(frozen=True)
@@ -130,11 +132,21 @@ class Tile:
 
 @dataclass(frozen=True)
 class Verdict:
-    """The answer in one sentence, and what follows from it."""
+    """The answer in one sentence, and what follows from it.
+
+    Attributes:
+        sentence: the answer.
+        tone: good, warn or bad.
+        details: more sentences; they fold where there are lines.
+        lines: what a reader asks next, each with its answer: how large, how sure, what remains, what to do.
+        command: that does the next thing.
+    """
 
     sentence: str
     tone: Tone
     details: Sequence[str] = ()
+    lines: Sequence[tuple[str, str]] = ()
+    command: str = ""
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,9 @@ import shlex
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from fricmodels.report.page import Block, Code, Section, Table, table
+from fricmodels.report.answer import command_line
+from fricmodels.report.page import Block, Code, Fold, Section, Table, Words, table
+from fricmodels.report.wording import count
 
 Data = Mapping[str, Any]
 
@@ -19,13 +21,16 @@ def recording_section(data: Data, command: str, options: Sequence[str] = ()) -> 
         command: ``compare``, ``diagnose`` or ``improve``.
         options: more options of that command.
     """
-    blocks: list[Block] = [recording(data)]
+    known = data["recording"]
+    total = known["samples"]["fitted"] + known["samples"]["kept_back"]
+    words = f"{count(total)} samples of {data['dataset']}, sampled every {1000 * known['interval']:.6g} ms."
+    blocks: list[Block] = [Words(words), Fold("Recording, channels and versions of programs", [recording(data)])]
     if known := data["recording"].get("findings"):
         rows = [(one["kind"], one["severity"], "; ".join(filter(None, (one["text"], one["remedy"])))) for one in known]
-        blocks.append(table("What is the matter with it", {"what": False, "": False, "seen": False}, rows))
+        blocks.append(table("What is the matter with it", {"what": False, "severity": False, "seen": False}, rows))
     if data["recording"]["source"]:
         blocks.append(Code("To do it again", commands(data, command, options)))
-    return Section("provenance", "Where this comes from", blocks)
+    return Section("provenance", "Data, versions, how to reproduce", blocks)
 
 
 def recording(data: Data) -> Table:
@@ -38,8 +43,8 @@ def recording(data: Data) -> Table:
         rows.append(("columns", ", ".join(known["columns"])))
     rows += [
         ("channels", ", ".join(name.replace("_", " ") for name in known["channels"])),
-        ("derived", ", ".join(name.replace("_", " ") for name in known["derived"]) or "none"),
-        ("samples", f"{samples['fitted']} fitted, {samples['kept_back']} kept back"),
+        ("derived", ", ".join(_derived(name, known) for name in known["derived"]) or "none"),
+        ("samples", f"{samples['fitted']} fitted, {samples['kept_back']} for the test error"),
         ("sampling", f"every {1000 * known['interval']:.6g} ms"),
         ("motion", data["motion"]),
         ("inertia", f"{data['inertia']['value']:.6g} {data['inertia']['unit'].replace('^2', '²')}, "
@@ -56,17 +61,15 @@ def versions(known: Mapping[str, str]) -> str:
     return ", ".join(f"{name} {version}" for name, version in known.items())
 
 
+def _derived(name: str, known: Data) -> str:
+    """Return the name of a derived channel, and why where it was measured too."""
+    if name == "velocity" and any(column.partition("=")[0] == "velocity" for column in known["columns"]):
+        return "velocity (the change of the position is more certain here than the measured velocity)"
+    return name.replace("_", " ")
+
+
 def commands(data: Data, command: str, options: Sequence[str] = ()) -> str:
     """Return the commands that reproduce a result and its report."""
-    known = data["recording"]
-    files = list(known.get("files") or [known["source"]])
-    parts = ["fricmodels", command, *files, "--model", data["model"]]
-    if not data["inertia"]["estimated"]:
-        parts += ["--inertia", repr(data["inertia"]["value"])]
-    for column in known["columns"]:
-        parts += ["--column", column]
-    if known["torque_constant"] is not None:
-        parts += ["--torque-constant", repr(known["torque_constant"])]
-    if data["motion"] == "linear":
-        parts.append("--linear")
-    return "\n".join([shlex.join(["sha256sum", *files]), shlex.join([*parts, *options, "--report", "report.html"])])
+    files = list(data["recording"].get("files") or [data["recording"]["source"]])
+    again = command_line(data, command, data["model"], [*options, "--report", "report.html"])
+    return "\n".join([shlex.join(["sha256sum", *files]), again])

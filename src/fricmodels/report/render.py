@@ -10,7 +10,8 @@ import base64
 import gzip
 import hashlib
 import json
-from collections.abc import Iterable, Iterator
+import re
+from collections.abc import Iterable, Iterator, Sequence
 from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -28,29 +29,68 @@ _LONG_WORD = 44
 
 def render(page: Page) -> str:
     """Return a page as HTML; equal pages give equal text."""
-    from jinja2 import Environment, StrictUndefined
     from markupsafe import Markup
 
     pictures = [*_pictures(block for section in page.sections for block in section.blocks)]
-    names = {id(picture): f"figure-{number}" for number, picture in enumerate(pictures, start=1)}
+    names = figure_names(pictures)
     program, style = asset("report.js"), asset("report.css")
+    html: str = (
+        _environment()
+        .from_string(asset("report.html"))
+        .render(
+            page=page,
+            names=names,
+            loop_key=id,
+            style=Markup(style),
+            program=Markup(program),
+            policy=_policy([program, *([plotly_script()] if pictures else [])]),
+            plotly=_packed_plotly() if pictures else "",
+            looks=_packed(_style()) if pictures else "",
+            figures=[(names[id(picture)], _packed(_content(picture.figure))) for picture in pictures],
+        )
+    )
+    return html.strip() + "\n"
+
+
+def _environment() -> Any:
+    from jinja2 import Environment, StrictUndefined
+    from markupsafe import Markup
+
     environment = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
     environment.filters["mathml"] = lambda text: [Markup(line) for line in mathml(text)]
     environment.filters["symbol"] = lambda text: Markup(symbol(text))
     environment.filters["height"] = lambda picture: int(picture.figure.layout.height or _HEIGHT)
     environment.filters["one_word"] = lambda text: len(text) <= _LONG_WORD and not any(map(str.isspace, text))
-    html = environment.from_string(asset("report.html")).render(
-        page=page,
-        names=names,
-        loop_key=id,
-        style=Markup(style),
-        program=Markup(program),
-        policy=_policy([program, *([plotly_script()] if pictures else [])]),
-        plotly=_packed_plotly() if pictures else "",
-        looks=_packed(_style()) if pictures else "",
-        figures=[(names[id(picture)], _packed(_content(picture.figure))) for picture in pictures],
+    return environment
+
+
+def fragment(blocks: Iterable[Block]) -> tuple[str, dict[str, str]]:
+    """Return blocks as a piece of HTML without a page around it, and the figures in it as JSON by name.
+
+    Args:
+        blocks: of a page; an application shows them and draws the figures itself.
+    """
+    listed = list(blocks)
+    pictures = [*_pictures(listed)]
+    names = figure_names(pictures)
+    macros: Any = (
+        _environment()
+        .from_string(asset("report.html").partition("<!DOCTYPE")[0])
+        .make_module({"names": names, "loop_key": id})
     )
-    return html.strip() + "\n"
+    text = "\n".join(str(macros.block_of(block, 3)).strip() for block in listed)
+    return text, {names[id(picture)]: _content(picture.figure) for picture in pictures}
+
+
+def figure_names(pictures: Sequence[Picture]) -> dict[int, str]:
+    """Return the name of each picture's figure in a page: its own, with a number from the second on."""
+    names: dict[int, str] = {}
+    taken: dict[str, int] = {}
+    for picture in pictures:
+        own = re.sub(r"[^a-z0-9]+", "-", picture.name.lower()).strip("-") or "figure"
+        taken[own] = taken.get(own, 0) + 1
+        names[id(picture)] = own if taken[own] == 1 and picture.name else f"{own}-{taken[own]}"
+    return names
 
 
 @lru_cache(maxsize=8)

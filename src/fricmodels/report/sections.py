@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 from fricmodels import plugins
+from fricmodels.diagnosis.policy import POLICY
 from fricmodels.dimension import Motion
-from fricmodels.parameter import Parameter
+from fricmodels.parameter import Parameter, at_bound
 from fricmodels.report.page import (
     Block,
     Equations,
@@ -21,6 +23,19 @@ from fricmodels.report.page import (
     Table,
     Words,
     table,
+)
+from fricmodels.report.pictures import (
+    by_regime,
+    correlated,
+    covered,
+    curve,
+    evidence,
+    excerpt,
+    left_over,
+    low_speed,
+    marks,
+    over_time,
+    ranked,
 )
 from fricmodels.report.wording import (
     NORMAL_95,
@@ -47,48 +62,71 @@ if TYPE_CHECKING:
 Data = Mapping[str, Any]
 """A diagnosis as plain data; see :mod:`fricmodels.diagnosis.document`."""
 
+_OPEN = 2
+"""Effects that are all shown unfolded; of more only the first: those found later matter less."""
 
-def found(data: Data, rungs: Sequence[Rung]) -> Section:
+
+def found(data: Data, rungs: Sequence[Rung], after: Mapping[str, Comparison] | None = None) -> Section:
     """Say which effects are missing: the physics, the equation, the size, the evidence, and what looks alike.
 
     Args:
         data: the diagnosis.
         rungs: the models on the way, for the pictures; empty where the recording is no longer there.
+        after: the model with one effect more, by its name, where no rung has it.
     """
-    before = {rung.added: earlier.comparison for earlier, rung in pairwise(rungs)}
+    steps = {rung.added: (earlier.comparison, rung.comparison) for earlier, rung in pairwise(rungs)}
     blocks: list[Block] = []
-    if not data["effects"]:
+    if not data["effects"] and not data.get("remaining"):
         blocks.append(Words(data["explanation"]))
-    for effect in data["effects"]:
-        blocks += _effect(effect, data, before.get(effect["name"], rungs[0].comparison if rungs else None))
-    if data.get("remaining") and data["effects"]:
-        blocks += [Heading("What remains"), Words(data["remaining"]["text"])]
+    for number_of, effect in enumerate(data["effects"]):
+        still = number_of == 0 or len(data["effects"]) <= _OPEN
+        alone = (rungs[0].comparison, (after or {}).get(effect["name"])) if rungs else None
+        blocks += _effect(effect, data, steps.get(effect["name"], alone), still)
+    if data.get("remaining") and rungs:
+        blocks.append(left_over(rungs[-1].comparison, data["remaining"]))
+    if data.get("candidates"):
+        blocks.append(ranked(data["candidates"], data["model"]))
     return Section("missing", "What is missing" if data["effects"] else "The verdict", blocks)
 
 
-def _effect(effect: Data, data: Data, before: Comparison | None) -> list[Block]:
-    from fricmodels.report.pictures import evidence
-
+def _effect(effect: Data, data: Data, steps: tuple[Comparison, Comparison | None] | None, still: bool) -> list[Block]:
+    """Say what an effect is, by how much the test error falls with it, and show it; ``still`` leaves all of it open."""
     known = plugins.load().effects
     term = known[effect["name"]] if effect["name"] in known else None  # noqa: SIM401
-    blocks: list[Block] = [Heading(effect["name"], remark="" if term is None else physics(term))]
-    share, gain = percent(100 * effect["share_of_residual"]), percent(100 * effect["held_out_gain"])
-    mark = f"Its mark in the residual: {term.signature}. " if term is not None and term.signature else ""
-    blocks += [
-        Equations([(effect["equation"], "" if term is None else symbols_in(term))]),
-        Words(
-            f"{mark}It explains {share} of what the model before it leaves over, and lowers that by {gain} on blocks "
-            f"that were not used for fitting. The chance of this without such an effect is {small(effect['p_value'])}, "
-            "corrected for all effects tested."
-        ),
-    ]
+    inner: list[Block] = [Equations([(effect["equation"], "" if term is None else symbols_in(term))])]
+    mark = f" In the error it looks like this: {term.signature}." if term is not None and term.signature else ""
+    inner.append(Words(f"{_matters(effect, data)}{mark}"))
     if len(effect["class"]) > 1:
         others = listed(name for name in effect["class"] if name != effect["name"])
-        blocks.append(
+        inner.append(
             Words(f"This recording cannot tell it from {others}. What would tell them apart: {effect['separated_by']}.")
         )
+    values = {
+        key.partition(".")[2]: value
+        for key, value in data["ladder"][-1].get("parameters", {}).items()
+        if key.startswith(f"{effect['name']}.")
+    }
+    if term is not None and steps is not None:
+        inner.append(evidence(steps[0], term(), steps[1], values or effect["parameters"]))
+    inner.append(Fold(f"Parameters and statistics of {effect['name']}", _statistics(effect, data)))
+    heading = Heading(effect["name"], remark="" if term is None else physics(term))
+    return [heading, *inner] if still else [Fold(f"{effect['name']}: {_matters(effect, data)}", inner)]
+
+
+def _matters(effect: Data, data: Data) -> str:
+    """Say by how much the test error falls with an effect, the one number for how much it matters."""
+    for before, after in pairwise(data["ladder"]):
+        if after["added"] == effect["name"]:
+            pair = (percent(before["held_out_rms_percent"]), percent(after["held_out_rms_percent"]))
+            return f"With it the test error falls from {pair[0]} to {pair[1]}."
+    return f"It lowers the error on blocks that took no part in fitting by {percent(100 * effect['held_out_gain'])}."
+
+
+def _statistics(effect: Data, data: Data) -> list[Block]:
+    """Return the parameters of an effect and the statistics of its tests."""
     last = data["ladder"][-1]
     values = {key: value for key, value in last.get("parameters", {}).items() if key.startswith(f"{effect['name']}.")}
+    blocks: list[Block] = []
     if values:
         motion = Motion(data["motion"])
         blocks.append(
@@ -100,8 +138,14 @@ def _effect(effect: Data, data: Data, before: Comparison | None) -> list[Block]:
         ]
         titles = {"parameter": False, "value": True, "unit": False}
         blocks.append(table("Its parameters, as far as the test found them", titles, rows, symbols=True))
-    if term is not None and before is not None:
-        blocks.append(evidence(before, term()))
+    share, gain = percent(100 * effect["share_of_residual"]), percent(100 * effect["held_out_gain"])
+    blocks.append(
+        Words(
+            f"It explains {share} of the squared error remaining before this step in the rows of the weak form, and "
+            f"lowers that error by {gain} on blocks that were not used for fitting. The chance of this without such an "
+            f"effect is {small(effect['p_value'])}, corrected for all effects tested."
+        )
+    )
     return blocks
 
 
@@ -115,11 +159,14 @@ def parameters(
 ) -> Table:
     """Return parameters with 95 % intervals, units and meaning; beside them the truth, where it is known."""
     known = declared(model)
+    held = at_bound(known, values)
     rows = []
     effects = len({key.rpartition(".")[0] for key in values})
     for key, value in values.items():
         middle, half = interval(value, errors.get(key))
-        if not half:
+        if key in held:
+            half = f"{half or '–'}, at its bound"
+        elif not half:
             half = "given" if errors.get(key) is None and key in ("J", "M") else "not determined"
         own = (number(truth[key], 4) if key in truth else "–",) if truth else ()
         rows.append((key, middle, half, *own, unit_of(key, known, motion), _meaning(key, known, effects > 1)))
@@ -166,8 +213,8 @@ def ladder(data: Data, picture: Picture | None) -> Section:
             "the error falls on data that took no part in finding it."
         )
     ]
-    blocks += [picture] if picture is not None else []
-    return Section("ladder", "The ladder", [*blocks, shown])
+    blocks.append(shown if picture is None else replace(picture, table=shown))
+    return Section("ladder", "The ladder", blocks)
 
 
 def _step(rung: Data) -> str:
@@ -181,42 +228,34 @@ def ladder_words(data: Data) -> str:
     rungs = data["ladder"]
     parts = [f"to {percent(rung['held_out_rms_percent'])} with {rung['added']}" for rung in rungs[1:] if rung["added"]]
     return (
-        f"On data kept back the error falls from {percent(rungs[0]['held_out_rms_percent'])} {listed(parts, 'and')}. "
+        f"The test error falls from {percent(rungs[0]['held_out_rms_percent'])} {listed(parts, 'and')}. "
         f"Sensor noise alone would leave about {percent(data['noise_floor_percent'])}."
     )
 
 
 def measured(comparisons: Sequence[Comparison]) -> Section:
-    """Show each model against the measurement."""
-    from fricmodels.report.pictures import curve, over_time
-
-    blocks: list[Block] = []
-    for i, comparison in enumerate(comparisons):
-        if len(comparisons) > 1:
-            blocks.append(Heading(comparison.drive.model.name, remark=("as given", "with what was found")[min(i, 1)]))
-        blocks += [over_time(comparison), curve(comparison)]
+    """Show the last model against the measurement, beside the first; on demand, the first by itself."""
+    last, first = comparisons[-1], comparisons[0]
+    blocks: list[Block] = [over_time(last, before=first if len(comparisons) > 1 else None)]
+    close = excerpt(last)
+    blocks += [] if close is None else [Fold("Every sample where the error is largest", [close])]
+    blocks.append(Gallery([curve(last), low_speed(last)]))
+    if len(comparisons) > 1:
+        blocks.insert(0, Words(f"The figures show {last.drive.model.name}, the model with what was found."))
+        inner: list[Block] = [over_time(first), curve(first)]
+        blocks.append(Fold(f"The same of {first.drive.model.name}, the model as given", inner))
     return Section("measured", "Model against measurement", blocks)
 
 
 def fails(comparisons: Sequence[Comparison]) -> Section:
-    """Show where the first model fails; on demand, what is left of that in the last."""
-    from fricmodels.report.pictures import by_regime, marks
-
+    """Show where the first model fails; on demand, maps of its error, and what is left of that in the last."""
     first, last = comparisons[0], comparisons[-1]
-    blocks: list[Block] = [
-        Words(
-            f"What {first.drive.model.name} lacks leaves its mark in the residual, the measured torque less the "
-            "modelled: stripes over one quantity, a line at one order, a loop around reversals."
-        ),
-        bands(first),
-        by_regime(first),
-        Gallery(marks(first)),
-    ]
+    blocks: list[Block] = [by_regime(first), Fold("The error over other windows", [bands(first)])]
+    blocks.append(Fold(f"The error of {first.drive.model.name} by signal", [Gallery(marks(first))]))
     if len(comparisons) > 1:
-        blocks.append(
-            Fold(f"The same of {last.drive.model.name}", [bands(last), by_regime(last), Gallery(marks(last))])
-        )
-    return Section("fails", "Where the model fails", blocks)
+        inner: list[Block] = [by_regime(last), bands(last), Gallery(marks(last))]
+        blocks.append(Fold(f"The same of {last.drive.model.name}", inner))
+    return Section("fails", f"Where {first.drive.model.name} fails", blocks)
 
 
 def all_parameters(data: Data) -> Section:
@@ -229,6 +268,8 @@ def all_parameters(data: Data) -> Section:
         "model is right."
     )
     blocks: list[Block] = [*equations(last["model"], motion), *fitted(last, motion), Words(note)]
+    pair = correlated(data["correlation"]) if data.get("correlation") else None
+    blocks += [] if pair is None else [Fold("Correlation of the parameters", [pair])]
     if len(data["ladder"]) > 1:
         blocks.append(Fold(f"Parameters of the given model, {data['model']}", fitted(data, motion)))
     return Section("parameters", "Parameters", blocks)
@@ -258,9 +299,11 @@ def equations(model: str, motion: Motion) -> list[Block]:
     return [Equations(lines)]
 
 
-def limits(data: Data) -> Section:
-    """Say what is not identified, what would have been found, and what could not have been seen."""
+def limits(data: Data, comparisons: Sequence[Comparison] = ()) -> Section:
+    """Say what is not identified, where the drive was, what would have been found, what could not have been seen."""
     blocks: list[Block] = [*_identified(data)]
+    if comparisons:
+        blocks.append(Fold("Where the drive was: coverage of velocity and position", [covered(comparisons[-1])]))
     seen = {name: row for name, row in data["could_have_been_seen"].items() if not row["missing"]}
     blind = {name: row["missing"] for name, row in data["could_have_been_seen"].items() if row["missing"]}
     if seen:
@@ -271,10 +314,13 @@ def limits(data: Data) -> Section:
             sizes.setdefault(size, []).append(name)
         titles = {"of the RMS torque": True, f"RMS torque [{unit_text}]": True, "effects": False}
         blocks += [
-            Heading("Looked for and not found"),
-            Words(f"This recording would have shown {counted(len(seen), 'other effect')}, each from some size on."),
+            Heading("Tested and not found"),
+            Words(
+                f"{counted(len(seen), 'other effect').capitalize()} would have been detected from the size given here. "
+                f"{floor_words(row['smallest_percent'] for row in seen.values())}"
+            ),
             table(
-                "Smallest effect that would have been found",
+                "Smallest size that we would have detected",
                 titles,
                 [(*s, ", ".join(names)) for s, names in sizes.items()],
             ),
@@ -283,14 +329,30 @@ def limits(data: Data) -> Section:
         rows_blind = [(name, *_reason(text)) for name, text in blind.items()]
         blocks += [
             Heading("Could not have been seen"),
-            Words("These may act on the drive all the same; nothing here speaks for or against them."),
-            table(
-                "Effects that this recording cannot show",
-                {"effect": False, "why": False, "to see it, record": False},
-                rows_blind,
+            Words(
+                f"{listed(blind).capitalize()} may act on the drive all the same; nothing here speaks for or against "
+                f"{'them' if len(blind) > 1 else 'it'}."
+            ),
+            Fold(
+                "Why not, and what to record to see them",
+                [
+                    table(
+                        "Effects that this recording cannot show",
+                        {"effect": False, "why": False, "to see it, record": False},
+                        rows_blind,
+                    )
+                ],
             ),
         ]
     return Section("limits", "What cannot be known from this recording", blocks)
+
+
+def floor_words(sizes: Iterable[float | None]) -> str:
+    """Say once that the least size is a floor of ours, where some effect stands at it."""
+    floor = 100 * POLICY.least_torque
+    if not any(size is not None and abs(size - floor) < 1e-9 * floor for size in sizes):
+        return ""
+    return f"No effect below {percent(floor)} of the torque is named, however clearly it shows; that floor is ours."
 
 
 def _reason(text: str) -> tuple[str, str]:
@@ -310,8 +372,11 @@ def _identified(data: Data) -> list[Block]:
     points = []
     if loose:
         points.append(f"Not determined by this recording: {listed(loose)}.")
+    held = at_bound(declared(last["model"]), last["parameters"])
+    if held:
+        points.append(f"At the end of what is physical: {listed(held)}; the data alone would go beyond it.")
     if weak:
-        points.append(f"Not told from zero: {listed(weak)}; the 95 % interval includes it.")
+        points.append(f"{listed(weak)} cannot be distinguished from zero: the 95 % interval includes it.")
     points += [
         f"Not told apart: {listed(effect['class'])}. What would: {effect['separated_by']}."
         for effect in data["effects"]

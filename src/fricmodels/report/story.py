@@ -8,10 +8,11 @@ from typing import TYPE_CHECKING, Any, cast
 
 from fricmodels import plugins
 from fricmodels.report import sections
+from fricmodels.report.answer import answer, quantity, window
+from fricmodels.report.captions import where_words
 from fricmodels.report.page import Page, Picture, Section, Tile, Verdict
-from fricmodels.report.pictures import where_words
 from fricmodels.report.provenance import recording_section
-from fricmodels.report.wording import counted, listed, percent, physics
+from fricmodels.report.wording import count, listed, percent, physics
 
 if TYPE_CHECKING:
     from fricmodels.diagnosis.comparison import Comparison
@@ -33,7 +34,11 @@ def of_diagnosis(diagnosis: Diagnosis, options: Sequence[str] = ()) -> Page:
     from fricmodels.diagnosis.document import document
     from fricmodels.diagnosis.ladder import Rung
 
-    return page(document(diagnosis), [Rung(diagnosis.comparison)], "diagnose", options)
+    refits, after = diagnosis.refits, {}
+    for tested in [] if refits is None else [finding.tested for finding in diagnosis.findings]:
+        larger = refits.with_effect(tested) if refits is not None else None
+        after.update({} if larger is None else {tested.name: larger})
+    return page(document(diagnosis), [Rung(diagnosis.comparison)], "diagnose", options, after)
 
 
 def of_comparison(comparison: Comparison, options: Sequence[str] = ()) -> Page:
@@ -44,9 +49,12 @@ def of_comparison(comparison: Comparison, options: Sequence[str] = ()) -> Page:
     own = facts(comparison)
     errors = own["rms_torque_error"]
     step = {"model": own["model"], "rms_percent": errors["percent"], "held_out_rms_percent": errors["held_out_percent"]}
+    errors_of = quantity(own)
     data = {**own, "ladder": [step], "effects": [], "recording": described(comparison), "versions": versions()}
     advice = "What is missing in it is another question: fricmodels diagnose, with the same options, answers that."
-    sentence = f"The model {own['model']} leaves a torque error of {percent(errors['held_out_percent'])}."
+    sentence = (
+        f"The model {own['model']} leaves a test error of {percent(errors['held_out_percent'])} of the {errors_of}."
+    )
     found = [
         sections.measured([comparison]),
         sections.fails([comparison]),
@@ -57,7 +65,13 @@ def of_comparison(comparison: Comparison, options: Sequence[str] = ()) -> Page:
     return _page(data, Verdict(sentence, "plain", details), found)
 
 
-def page(data: Data, rungs: Sequence[Rung], command: str, options: Sequence[str] = ()) -> Page:
+def page(
+    data: Data,
+    rungs: Sequence[Rung],
+    command: str,
+    options: Sequence[str] = (),
+    after: Mapping[str, Comparison] | None = None,
+) -> Page:
     """Return the report on a diagnosis as plain data.
 
     Args:
@@ -65,8 +79,9 @@ def page(data: Data, rungs: Sequence[Rung], command: str, options: Sequence[str]
         rungs: the models on the way, for the figures; empty where the recording is no longer there.
         command: that made it.
         options: of that command.
+        after: the model with one effect more, by its name, where no rung has it.
     """
-    return _page(data, verdict(data), story(data, rungs, command, options))
+    return _page(data, verdict(data, options), story(data, rungs, command, options, after))
 
 
 def _page(data: Data, answer: Verdict, found: Sequence[Section]) -> Page:
@@ -80,10 +95,16 @@ def _page(data: Data, answer: Verdict, found: Sequence[Section]) -> Page:
     )
 
 
-def story(data: Data, rungs: Sequence[Rung], command: str, options: Sequence[str] = ()) -> list[Section]:
+def story(
+    data: Data,
+    rungs: Sequence[Rung],
+    command: str,
+    options: Sequence[str] = (),
+    after: Mapping[str, Comparison] | None = None,
+) -> list[Section]:
     """Return the sections in reading order."""
     ends = _ends([rung.comparison for rung in rungs])
-    found = [sections.found(data, rungs)]
+    found = [sections.found(data, rungs, after)]
     if len(data["ladder"]) > 1:
         found.append(sections.ladder(data, _ladder_picture(data, rungs)))
     if ends:
@@ -91,7 +112,7 @@ def story(data: Data, rungs: Sequence[Rung], command: str, options: Sequence[str
     return [
         *found,
         sections.all_parameters(data),
-        sections.limits(data),
+        sections.limits(data, ends),
         recording_section(data, command, options),
     ]
 
@@ -106,7 +127,8 @@ def _ladder_picture(data: Data, rungs: Sequence[Rung]) -> Picture | None:
 
     if not rungs:
         return None
-    return Picture("The error falls", sections.ladder_words(data), figures.ladder(cast("Ladder", _Steps(tuple(rungs)))))
+    figure = figures.ladder(cast("Ladder", _Steps(tuple(rungs))))
+    return Picture("The error falls", sections.ladder_words(data), figure, name="ladder")
 
 
 @dataclass(frozen=True)
@@ -116,33 +138,27 @@ class _Steps:
     rungs: tuple[Rung, ...]
 
 
-def verdict(data: Data) -> Verdict:
-    """Return the answer in one sentence, and what follows from it."""
-    model, rungs = data["model"], data["ladder"]
-    left = _left(data)
-    details = [sections.ladder_words(data)] if len(rungs) > 1 else [left]
-    if data.get("remaining") and data["effects"]:
-        details.append(data["remaining"]["text"])
-    if data["verdict"] == "adequate":
-        details.append("This does not exclude effects that the recording could not have shown; they are listed below.")
-        return Verdict(f"The model {model} is adequate: nothing that could be predicted is left.", "good", details)
-    if data["verdict"] == "unknown-effect":
-        return Verdict(
-            f"Something is missing from the model {model} that no known effect explains.",
-            "bad",
-            [left, data["remaining"]["text"]] if data.get("remaining") else [left],
-        )
-    names = [_named(effect) for effect in data["effects"]]
-    sentence = f"The model {model} lacks {counted(len(names), 'effect')}: {listed(names)}."
-    stopped = [f"The ladder ends there: {data['note']}."] if data.get("note") else []
-    return Verdict(sentence, "warn", [*details, *_physics(data), *stopped])
+def verdict(data: Data, options: Sequence[str] = ()) -> Verdict:
+    """Return the answer, how large, how sure, what remains and what to do next; the rest is folded."""
+    found = answer(data, options)
+    lines = [
+        ("How much it matters", found.error),
+        ("How sure", found.sure),
+        ("What remains", found.remains),
+        ("What to do next", found.next),
+    ]
+    details = [*_physics(data), *found.details]
+    if len(data["ladder"]) > 1:
+        details.insert(0, sections.ladder_words(data))
+    return Verdict(found.sentence, found.tone, details, [line for line in lines if line[1]], found.command)
 
 
 def _left(data: Data) -> str:
     errors = data["rms_torque_error"]
     held_out = percent(errors["held_out_percent"])
     text = (
-        f"On data that it was not fitted to the {sections.error_words(data)} is {held_out} of the RMS motor torque; "
+        f"On data that it was not fitted to the {sections.error_words(data)} is {held_out} of the RMS motor "
+        f"{quantity(data)}; "
         f"sensor noise alone would leave about {percent(data['noise_floor_percent'])}."
     )
     if len(errors.get("bands", ())) < 2:
@@ -154,11 +170,6 @@ def _left(data: Data) -> str:
     )
 
 
-def _named(effect: Data) -> str:
-    """Return an effect by name, with those that it cannot be told from."""
-    return listed(effect["class"], "or")
-
-
 def _physics(data: Data) -> list[str]:
     """Return each missing effect in one line of plain words."""
     known = plugins.load().effects
@@ -168,20 +179,18 @@ def _physics(data: Data) -> list[str]:
 def tiles(data: Data) -> list[Tile]:
     """Return the few figures that carry the verdict."""
     rungs = data["ladder"]
-    window = sections.error_words(data).removeprefix("RMS torque error").strip()
-    shown = [Tile(percent(rungs[0]["held_out_rms_percent"]), "torque error as given", data["model"])]
+    over = window(data)
+    shown = [Tile(percent(rungs[0]["held_out_rms_percent"]), "test error of the model as given", data["model"])]
     if len(rungs) > 1:
         last = rungs[-1]
         gained = [name for name in last["model"].split("+") if name not in data["model"].split("+")]
         shown.append(
-            Tile(percent(last["held_out_rms_percent"]), "torque error with what was found", f"+ {listed(gained)}")
+            Tile(percent(last["held_out_rms_percent"]), "test error with what was found", f"+ {listed(gained)}")
         )
     shown.append(
-        Tile(percent(data["noise_floor_percent"]), "sensor noise alone", window or "estimated from the channels")
+        Tile(percent(data["noise_floor_percent"]), "sensor noise alone", over or "estimated from the channels")
     )
     samples = data["recording"]["samples"]
     total = samples["fitted"] + samples["kept_back"]
-    shown.append(
-        Tile(f"{total:,}".replace(",", "\u202f"), "samples", f"{100 * samples['kept_back'] / total:.0f} % kept back")
-    )
+    shown.append(Tile(count(total), "samples", f"{100 * samples['kept_back'] / total:.0f} % for the test error"))
     return shown

@@ -11,6 +11,7 @@ from fricmodels import plugins
 from fricmodels.dimension import Motion
 from fricmodels.model import Model
 from fricmodels.parameter import Parameter
+from fricmodels.report.figures.style import EXPONENT
 
 NORMAL_95 = 1.959964
 """Standard errors on either side of a 95 % interval."""
@@ -46,6 +47,11 @@ def number(value: float | None, digits: int = 3) -> str:
     return f"{mantissa.replace('-', '−')}×10{str(exponent).translate(_SUPERSCRIPT)}"
 
 
+def count(value: int) -> str:
+    """Return a whole number with thin spaces between thousands."""
+    return f"{value:,}".replace(",", "\u202f")
+
+
 def interval(value: float | None, error: float | None) -> tuple[str, str]:
     """Return a value and half of its 95 % interval, both to the digit that the interval makes sense of."""
     if value is None or error is None or not math.isfinite(error) or error <= 0:
@@ -65,7 +71,7 @@ def small(p_value: float | None) -> str:
 
 def unit(text: str) -> str:
     """Return a unit as it is printed: ``kg m²`` for ``kg m^2``; nothing for ``1``."""
-    printed = re.sub(r"\^\(?(-?[\d/.]+)\)?", lambda match: match[1].translate(_SUPERSCRIPT), text)
+    printed = re.sub(EXPONENT, lambda match: (match[1] or match[2]).translate(_SUPERSCRIPT), text)
     return "" if printed == "1" else printed
 
 
@@ -75,11 +81,11 @@ def listed(names: Iterable[str], joint: str = "and") -> str:
     return parts[0] if len(parts) == 1 else f"{', '.join(parts[:-1])} {joint} {parts[-1]}" if parts else ""
 
 
-def counted(count: int, one: str, many: str = "") -> str:
+def counted(number_of: int, one: str, many: str = "") -> str:
     """Return a count with its noun, small numbers in words."""
     small_numbers = ("no", "one", "two", "three", "four", "five", "six")
-    word = small_numbers[count] if count < len(small_numbers) else f"{count:,}".replace(",", "\u202f")
-    return f"{word} {one if count == 1 else many or one + 's'}"
+    word = small_numbers[number_of] if number_of < len(small_numbers) else count(number_of)
+    return f"{word} {one if number_of == 1 else many or one + 's'}"
 
 
 def declared(model: str) -> dict[str, Parameter]:

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 _EIGHTHS = " ▏▎▍▌▋▊▉"
-_WIDEST, _ROWS = 100, 13
+_WIDEST, ROWS = 100, 13
 
 
 @dataclass(frozen=True)
@@ -44,13 +44,14 @@ def bar(share: float, width: int, *, ascii_only: bool = False) -> str:
     return "█" * whole + (_EIGHTHS[rest] if rest else "")
 
 
-def show_plot(console: Console, series: Sequence[Band], x_title: str, y_title: str) -> None:
+def show_plot(console: Console, series: Sequence[Band], x_title: str, y_title: str, rows: int = ROWS) -> None:
     """Print series over each other, with both axes; no wider than the console, peaks are kept.
 
     Args:
         console: where to print.
         series: what is drawn, the top one last.
         x_title, y_title: quantity and unit.
+        rows: of characters.
     """
     from rich.text import Text
 
@@ -61,18 +62,18 @@ def show_plot(console: Console, series: Sequence[Band], x_title: str, y_title: s
     ascii_only = console.options.ascii_only
     left, right = _limits([x for _, x, _ in drawn])
     low, high = _limits([y for _, _, y in drawn])
-    ticks = _ticks(low, high)
+    ticks = _ticks(low, high, rows)
     margin = max(len(tick) for tick in ticks.values())
     columns = max(min(console.width, _WIDEST) - margin - 2, 8)
-    cells = np.full((_ROWS, columns), " ")
+    cells = np.full((rows, columns), " ")
     if low < 0 < high:
-        cells[_row(0.0, low, high)] = "-" if ascii_only else "╌"
+        cells[_row(0.0, low, high, rows)] = "-" if ascii_only else "╌"
     for one, x, y in drawn:
         column = np.clip(((x - left) / (right - left) * columns).astype(int), 0, columns - 1)
         if isinstance(one, Marks):
-            cells[_rows(y, low, high), column] = one.mark
+            cells[_rows(y, low, high, rows), column] = one.mark
         else:
-            _draw_band(cells, one.mark, column, _rows(y, low, high))
+            _draw_band(cells, one.mark, column, _rows(y, low, high, rows))
     legend = "   ".join(f"{one.mark} {one.label}" for one, _, _ in drawn)
     console.print(Text(plain(f"{y_title}   {legend}")))
     upright, corner, across = ("|", "+", "-") if ascii_only else ("│", "└", "─")
@@ -113,19 +114,19 @@ def _limits(values: Sequence[Array]) -> tuple[float, float]:
     return low - pad, high + pad
 
 
-def _rows(y: Array, low: float, high: float) -> Index:
-    return np.asarray(np.rint((high - y) / (high - low) * (_ROWS - 1)), dtype=np.int64)
+def _rows(y: Array, low: float, high: float, rows: int) -> Index:
+    return np.asarray(np.rint((high - y) / (high - low) * (rows - 1)), dtype=np.int64)
 
 
-def _row(y: float, low: float, high: float) -> int:
-    return int(_rows(np.array([y]), low, high)[0])
+def _row(y: float, low: float, high: float, rows: int) -> int:
+    return int(_rows(np.array([y]), low, high, rows)[0])
 
 
-def _ticks(low: float, high: float) -> dict[int, str]:
+def _ticks(low: float, high: float, rows: int) -> dict[int, str]:
     """Return the numbers at the axis by row: both ends, and zero where it is between them, or the middle."""
     middle = 0.0 if low < 0 < high else (low + high) / 2
-    ticks = {_row(middle, low, high): _number(middle)}
-    return {**ticks, 0: _number(high), _ROWS - 1: _number(low)}
+    ticks = {_row(middle, low, high, rows): _number(middle)}
+    return {**ticks, 0: _number(high), rows - 1: _number(low)}
 
 
 def _number(value: float) -> str:

@@ -100,7 +100,7 @@ def _table(columns: Sequence[Column], width: int) -> Any:
         justify: Any = "right" if column.number else "left"
         table.add_column(Text(fold(column.title, own)), justify=justify, vertical="top", width=own)
     for cells in zip(*(column.cells for column in columns), strict=True):
-        failed = any(c.title == "status" and cell != "ok" for c, cell in zip(columns, cells, strict=True))
+        failed = any(c.title == "status" and cell.split()[:1] != ["ok"] for c, cell in zip(columns, cells, strict=True))
         folded = (Text(fold(cell, own)) for cell, own in zip(cells, widths, strict=True))
         table.add_row(*folded, style="dim" if failed else None)
     return table

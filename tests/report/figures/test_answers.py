@@ -52,6 +52,18 @@ def test_modelled_and_residual_make_up_the_measured_torque(rotary):
     assert rms == pytest.approx(rotary.errors.SI, rel=1e-9)
 
 
+def test_the_residual_before_stands_on_the_same_axis(compared):
+    recording = moved()
+    poor, good = compared(recording), compared(recording, "coulomb-viscous+cogging", {"cogging.k": ORDER})
+    figure = figures.overlay(good, before=poor)
+    before, after = trace(figure, "residual of the model as given"), trace(figure, "residual")
+    assert before.yaxis == after.yaxis
+    shown = ~np.isnan(before.y)
+    at = np.searchsorted(Samples.of(poor).place, before.x[shown])
+    assert before.y[shown] == pytest.approx(Samples.of(poor).error[at], abs=1e-5)
+    assert after.y[shown] == pytest.approx(Samples.of(good).error[at], abs=1e-5)
+
+
 def test_a_peak_of_one_sample_is_seen(compared):
     recording = moved()
     torque = recording.torque.copy()
@@ -270,12 +282,24 @@ def test_a_recording_that_never_reverses_has_no_loops(compared):
 
 def test_shares_are_those_of_the_comparison(comparison):
     figure = figures.error_shares(comparison)
-    squared, samples = trace(figure, "share of squared error"), trace(figure, "share of samples")
+    shown, whole = trace(figure, "RMS error in the regime"), trace(figure, "over all that was fitted")
     for row in comparison.where:
-        at = squared.y.index(row.regime)
-        assert squared.x[at] == pytest.approx(100 * row.share_of_squared_error)
-        assert samples.x[at] == pytest.approx(100 * row.share_of_samples)
-    assert squared.y[-1] == comparison.where[0].regime
+        at = shown.y.index(row.regime)
+        assert shown.x[at] == pytest.approx(row.rms_torque_error)
+        assert shown.customdata[at] == pytest.approx([100 * row.share_of_squared_error, 100 * row.share_of_samples])
+    assert set(whole.x) == {comparison.errors.SI}
+
+
+def test_the_regimes_of_a_group_stand_together_and_divide_the_motion(comparison):
+    from fricmodels.diagnosis.where import grouped
+
+    groups = grouped(comparison.where)
+    assert {row.regime for row in groups["direction"]} == {"forward", "backward"}
+    for name in ("position", "load", "temperature", "time"):
+        assert sum(row.share_of_squared_error for row in groups[name]) == pytest.approx(1.0)
+    shown = trace(figures.error_shares(comparison), "RMS error in the regime")
+    flat = [row.regime for group in groups.values() for row in sorted(group, key=lambda row: -row.rms_torque_error)]
+    assert list(shown.y) == flat
 
 
 def test_noise_alone_has_no_peaks_and_a_ripple_within_noise_has_one():

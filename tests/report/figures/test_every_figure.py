@@ -37,6 +37,10 @@ ROWS = [
         (m, e, d) for m in ("coulomb-viscous", HOSTILE) for e in ("batch", "ekf") for d in "ab"
     )
 ]
+CANDIDATES = [
+    {"name": name, "p_value": 0.01, "share_of_residual": 0.2, "held_out_gain": gain, "gates": gain > 0.1}
+    for name, gain in (("cogging", 0.4), (HOSTILE, -0.1), ("stribeck", 0.05))
+]
 TABLE = pd.DataFrame([[3, 1], [0, 4]], index=["cogging", HOSTILE], columns=["cogging", "nothing"])
 
 
@@ -55,6 +59,13 @@ def every(request, compared) -> dict[str, Any]:
         "overlay": figures.overlay(poor),
         "friction_curve": figures.friction_curve(poor),
         "friction_curve, no cogging left": figures.friction_curve(good),
+        "error_against": figures.error_against(poor, "position", good, 2 * np.pi / 5.0),
+        "error_against, without the larger model": figures.error_against(poor, "velocity"),
+        "error_against, since reversal": figures.error_against(poor, figures.SINCE_REVERSAL, good),
+        "stribeck": figures.stribeck(poor, good),
+        "coverage": figures.coverage(poor),
+        "correlation": figures.correlation(("K_v", HOSTILE), [[1.0, -0.5], [-0.5, 1.0]]),
+        "candidates": figures.candidates(CANDIDATES),
         "hysteresis": figures.hysteresis(poor),
         "residual_spectrum": figures.residual_spectrum(poor),
         "error_shares": figures.error_shares(poor),
@@ -71,7 +82,14 @@ def axes(figure: Any) -> dict[str, Any]:
     return {key: layout[key] for key in layout if re.fullmatch(r"[xy]axis\d*", key)}
 
 
-NAMES_ONLY = {("leaderboard", "yaxis"), ("error_shares", "yaxis"), ("confusion", "yaxis"), ("ladder", "xaxis")}
+NAMES_ONLY = {
+    ("leaderboard", "yaxis"),
+    ("error_shares", "yaxis"),
+    ("confusion", "yaxis"),
+    ("ladder", "yaxis"),
+    ("candidates", "yaxis"),
+}
+NAMES_ONLY |= {("correlation", "xaxis"), ("correlation", "yaxis")}
 
 
 def test_every_axis_has_a_unit(every):

@@ -40,10 +40,10 @@ def test_the_ladder_shows_every_error_and_the_noise(compared):
     diagnosis = Diagnosis(poor, "missing-effect", (), None, {})
     rungs = (Rung(poor), Rung(good, added="cogging"), Rung(poor, removed="cogging"))
     figure = figures.ladder(Ladder(diagnosis, rungs, diagnosis, (diagnosis,)))
-    assert list(trace(figure, "fitted").y) == [rung.comparison.errors.percent for rung in rungs]
-    assert list(trace(figure, "kept back").y) == [rung.comparison.errors.held_out_percent for rung in rungs]
-    assert list(trace(figure, "sensor noise alone").y) == [rung.comparison.noise_floor_percent for rung in rungs]
-    assert list(figure.layout.xaxis.ticktext) == ["as given", "+ cogging", "− cogging"]
+    assert list(trace(figure, "fit error").x) == [rung.comparison.errors.percent for rung in rungs]
+    assert list(trace(figure, "test error").x) == [rung.comparison.errors.held_out_percent for rung in rungs]
+    assert list(trace(figure, "sensor noise alone").x) == [rung.comparison.noise_floor_percent for rung in rungs]
+    assert list(figure.layout.yaxis.ticktext) == ["as given", "+ cogging", "− cogging"]
 
 
 def test_the_leaderboard_shows_median_and_quartiles():
@@ -75,7 +75,7 @@ def test_a_table_is_as_good_as_rows():
 def test_without_held_out_errors_those_of_the_fit_are_shown():
     figure = figures.leaderboard([row(error=2.0, held_out_rms_torque_error_percent=None)])
     assert list(figure.data[0].x) == [2.0]
-    assert "fitted" in figure.layout.xaxis.title.text
+    assert "fit error" in figure.layout.xaxis.title.text
 
 
 def test_an_empty_leaderboard_is_refused():

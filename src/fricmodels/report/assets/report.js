@@ -20,22 +20,92 @@
     button.textContent = scheme() === "dark" ? "Light colours" : "Dark colours";
   };
 
-  async function inflate(name) {
+  // Everything is unpacked without waiting, so that a page that is printed at once has its figures.
+  function unpacked(name) {
     const packed = atob(document.getElementById(name).textContent);
-    const bytes = Uint8Array.from(packed, (letter) => letter.charCodeAt(0));
-    const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("gzip"));
-    return new Response(stream).text();
+    return new TextDecoder().decode(inflated(Uint8Array.from(packed, (letter) => letter.charCodeAt(0))));
   }
 
-  let loading = null;
+  // RFC 1951 after the ten bytes of a gzip header without a name (RFC 1952); its last four bytes are the length.
+  function inflated(bytes) {
+    const end = bytes.length;
+    const out = new Uint8Array(new DataView(bytes.buffer).getUint32(end - 4, true));
+    let at = 10, held = 0, count = 0, filled = 0;
+    const bits = (need) => {
+      while (count < need) { held |= bytes[at++] << count; count += 8; }
+      const value = held & ((1 << need) - 1);
+      held >>>= need; count -= need;
+      return value;
+    };
+    const code = (lengths) => {
+      const counts = new Uint16Array(16), starts = new Uint16Array(16), symbols = new Uint16Array(lengths.length);
+      for (const length of lengths) counts[length] += 1;
+      counts[0] = 0;
+      for (let i = 1; i < 16; i += 1) starts[i] = starts[i - 1] + counts[i - 1];
+      lengths.forEach((length, symbol) => { if (length) { symbols[starts[length]] = symbol; starts[length] += 1; } });
+      return { counts, symbols };
+    };
+    const symbol = ({ counts, symbols }) => {
+      let value = 0, first = 0, index = 0;
+      for (let length = 1; ; length += 1) {
+        if (!count) { held = bytes[at++]; count = 8; }
+        value |= held & 1; held >>>= 1; count -= 1;
+        const own = counts[length];
+        if (value - first < own) return symbols[index + value - first];
+        index += own; first = (first + own) << 1; value <<= 1;
+      }
+    };
+    const size = [3, 4, 5, 6, 7, 8, 9, 10, 11, 13, 15, 17, 19, 23, 27, 31, 35, 43, 51, 59, 67, 83, 99, 115, 131, 163, 195, 227, 258];
+    const sizeBits = size.map((_, i) => (i < 8 || i === 28 ? 0 : (i - 4) >> 2));
+    const far = [1, 2, 3, 4, 5, 7, 9, 13, 17, 25, 33, 49, 65, 97, 129, 193, 257, 385, 513, 769, 1025, 1537, 2049, 3073, 4097, 6145, 8193, 12289, 16385, 24577];
+    const farBits = far.map((_, i) => (i < 4 ? 0 : (i - 2) >> 1));
+    for (let last = 0; !last;) {
+      last = bits(1);
+      const kind = bits(2);
+      if (kind === 0) {
+        held = 0; count = 0;
+        const length = bytes[at] | (bytes[at + 1] << 8);
+        out.set(bytes.subarray(at + 4, at + 4 + length), filled);
+        at += 4 + length; filled += length;
+        continue;
+      }
+      let letters = new Uint8Array(288).map((_, i) => (i < 144 ? 8 : i < 256 ? 9 : i < 280 ? 7 : 8));
+      let places = new Uint8Array(30).fill(5);
+      if (kind === 2) {
+        const most = bits(5) + 257, distances = bits(5) + 1, own = new Uint8Array(19);
+        const order = [16, 17, 18, 0, 8, 7, 9, 6, 10, 5, 11, 4, 12, 3, 13, 2, 14, 1, 15];
+        for (let i = 0, n = bits(4) + 4; i < n; i += 1) own[order[i]] = bits(3);
+        const lengths = new Uint8Array(most + distances), coded = code(own);
+        for (let i = 0; i < lengths.length;) {
+          const each = symbol(coded);
+          if (each < 16) { lengths[i++] = each; continue; }
+          const again = each === 16 ? lengths[i - 1] : 0;
+          for (let n = each === 16 ? 3 + bits(2) : each === 17 ? 3 + bits(3) : 11 + bits(7); n; n -= 1) lengths[i++] = again;
+        }
+        letters = lengths.subarray(0, most); places = lengths.subarray(most);
+      }
+      const text = code(letters), back = code(places);
+      for (;;) {
+        const each = symbol(text);
+        if (each < 256) { out[filled++] = each; continue; }
+        if (each === 256) break;
+        const length = size[each - 257] + bits(sizeBits[each - 257]);
+        const place = symbol(back);
+        const from = filled - far[place] - bits(farBits[place]);
+        for (let i = 0; i < length; i += 1) out[filled++] = out[from + i];
+      }
+    }
+    return out;
+  }
+
+  let looks = null;
   const library = () => {
-    loading ??= (async () => {
-      const program = document.createElement("script");
-      program.textContent = await inflate("plotly");
-      document.head.append(program);
-      return JSON.parse(await inflate("looks"));
-    })();
-    return loading;
+    if (looks) return looks;
+    const program = document.createElement("script");
+    program.textContent = unpacked("plotly");
+    document.head.append(program);
+    looks = JSON.parse(unpacked("looks"));
+    return looks;
   };
 
   // Colours are strings below any key that speaks of colour; a scheme says which stands for which.
@@ -49,44 +119,81 @@
     return coloured && typeof value === "string" && Object.hasOwn(colours, value) ? colours[value] : value;
   }
 
+  let paper = false;
+  const LOWEST = 250;
+  const PAPER = 0.72; // of the height on a screen: two figures and their captions fit a page
+
   function drawing(held, place) {
     const { data, layout } = recoloured(
       { data: held.figure.data, layout: { ...held.figure.layout, template: held.looks.template } },
-      held.looks[scheme()], false,
+      held.looks[paper ? "light" : scheme()], false,
     );
     const margin = { ...layout.margin };
     margin.r = Math.max(22, margin.r ?? 0); // half a label beyond the last tick
     margin.t = Math.max(12, (margin.t ?? 58) - 46); // the caption has the title
-    return [data, { ...layout, title: undefined, margin, autosize: true, height: place.clientHeight, dragmode: TOUCH ? false : "zoom" }];
+    const size = paper
+      ? { autosize: false, width: held.width, height: Math.max(LOWEST, Math.round(PAPER * held.height)) }
+      : { autosize: true, height: held.height };
+    return [data, { ...layout, title: undefined, margin, ...size, dragmode: TOUCH ? false : "zoom" }];
   }
 
   const TOUCH = window.matchMedia("(pointer: coarse)").matches;
   const settings = { displayModeBar: false, responsive: false, showTips: false, doubleClick: "reset" };
 
-  async function draw(place) {
+  function draw(place) {
     if (drawn.has(place)) return;
     drawn.set(place, null);
+    watcher.unobserve(place);
     try {
-      const looks = await library();
-      const held = { looks, figure: JSON.parse(await inflate(place.id + "-data")), width: place.clientWidth };
+      const figure = JSON.parse(unpacked(place.id + "-data"));
+      const held = { looks: library(), figure, width: place.clientWidth, height: place.clientHeight };
       drawn.set(place, held);
-      await Plotly.newPlot(place, ...drawing(held, place), settings);
+      Plotly.newPlot(place, ...drawing(held, place), settings);
       place.dataset.drawn = "yes";
-      const save = document.querySelector(`[data-save="${place.id}"]`);
-      save.hidden = false;
-      save.addEventListener("click", () => Plotly.downloadImage(place, {
-        format: "svg", filename: place.id, width: place.clientWidth, height: place.clientHeight,
-      }));
+      tools(place);
     } catch (error) {
       place.textContent = "This browser cannot draw the figure; its message stands above.";
       console.error(error);
     }
   }
 
+  function tools(place) {
+    const [save, reset] = ["save", "reset"].map((what) => document.querySelector(`[data-${what}="${place.id}"]`));
+    save.hidden = false;
+    save.addEventListener("click", () => Plotly.downloadImage(place, {
+      format: "svg", filename: place.id, width: place.clientWidth, height: place.clientHeight,
+    }));
+    const whole = () => { again((each) => each === place); reset.hidden = true; };
+    reset.addEventListener("click", () => { whole(); place.focus(); });
+    place.on("plotly_relayout", (change) => {
+      if (Object.keys(change).some((key) => key.includes("axis"))) reset.hidden = false;
+    });
+    place.on("plotly_doubleclick", () => { reset.hidden = true; });
+    place.addEventListener("keydown", (event) => {
+      const step = { "+": 0.8, "=": 0.8, "-": 1.25, ArrowLeft: -0.1, ArrowRight: 0.1 }[event.key];
+      if (event.key === "Escape" || event.key === "0") whole();
+      else if (step !== undefined) zoom(place, step);
+      else return;
+      event.preventDefault();
+    });
+  }
+
+  // By the keyboard: + and - zoom along the horizontal axes, the arrows move, 0 or Escape shows all.
+  function zoom(place, step) {
+    const change = {};
+    for (const [name, axis] of Object.entries(place._fullLayout)) {
+      if (!/^xaxis\d*$/.test(name) || axis.type === "category" || axis.matches) continue;
+      const [low, high] = axis.range.map(Number), middle = (low + high) / 2, half = (high - low) / 2;
+      change[`${name}.range`] = Math.abs(step) > 0.5
+        ? [middle - half * step, middle + half * step] : [low + 2 * half * step, high + 2 * half * step];
+    }
+    Plotly.relayout(place, change);
+  }
+
   function again(changed) {
     for (const [place, held] of drawn) {
       if (!held || !changed(place, held)) continue;
-      held.width = place.clientWidth;
+      if (!paper) held.width = place.clientWidth;
       Plotly.react(place, ...drawing(held, place), settings);
     }
   }
@@ -105,12 +212,31 @@
 
   const places = [...document.querySelectorAll(".plot")];
   const watcher = new IntersectionObserver((entries) => {
-    for (const entry of entries) {
-      if (entry.isIntersecting) { watcher.unobserve(entry.target); draw(entry.target); }
-    }
+    for (const entry of entries) if (entry.isIntersecting) draw(entry.target);
   }, { rootMargin: "400px" });
   places.forEach((place) => watcher.observe(place));
-  window.addEventListener("beforeprint", () => places.forEach(draw));
+
+  // On paper everything is unfolded, drawn at the width of the page (A4 or Letter), dark on white.
+  const WIDE = 668, NARROW = 322;
+  let unfolded = [];
+  window.addEventListener("beforeprint", () => {
+    unfolded = [...document.querySelectorAll("main details:not([open])")].filter((each) => !each.closest(".tools"));
+    unfolded.forEach((each) => { each.open = true; });
+    places.forEach(draw);
+    paper = true;
+    for (const [place, held] of drawn) {
+      if (!held) continue;
+      held.width = place.closest(".gallery") ? NARROW : WIDE;
+      place.style.height = `${Math.max(LOWEST, Math.round(PAPER * held.height))}px`;
+    }
+    again(() => true);
+  });
+  window.addEventListener("afterprint", () => {
+    paper = false;
+    for (const [place, held] of drawn) if (held) place.style.height = `${held.height}px`;
+    unfolded.forEach((each) => { each.open = false; });
+    again(() => true);
+  });
 
   const scrollers = () => document.querySelectorAll(".scroll").forEach((box) => {
     const hides = box.scrollWidth > box.clientWidth || box.scrollHeight > box.clientHeight;

@@ -6,22 +6,31 @@ trace, however long the recording. Plotly is imported when the first figure is d
 
 from __future__ import annotations
 
-from fricmodels.report.figures.downsample import extremes, line
+from fricmodels.report.figures.against import SINCE_REVERSAL, error_against, stribeck
+from fricmodels.report.figures.coverage import correlation, coverage
+from fricmodels.report.figures.downsample import extremes, line, together
 from fricmodels.report.figures.friction import friction_curve
 from fricmodels.report.figures.history import parameter_history
 from fricmodels.report.figures.hysteresis import hysteresis
+from fricmodels.report.figures.ranking import candidates
 from fricmodels.report.figures.residuals import residual_map, residual_maps
 from fricmodels.report.figures.shares import error_shares
 from fricmodels.report.figures.spectrum import residual_spectrum
 from fricmodels.report.figures.steps import ladder
 from fricmodels.report.figures.style import DARK, LIGHT, recoloured
-from fricmodels.report.figures.time_course import overlay
+from fricmodels.report.figures.time_course import drawn_samples, overlay, worst_stretch
 from fricmodels.report.figures.tournament import confusion, leaderboard
 
 __all__ = [
     "DARK",
     "LIGHT",
+    "SINCE_REVERSAL",
+    "candidates",
     "confusion",
+    "correlation",
+    "coverage",
+    "drawn_samples",
+    "error_against",
     "error_shares",
     "extremes",
     "friction_curve",
@@ -35,4 +44,7 @@ __all__ = [
     "residual_map",
     "residual_maps",
     "residual_spectrum",
+    "stribeck",
+    "together",
+    "worst_stretch",
 ]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -41,6 +42,50 @@ def extremes(x: Array, values: Array, points: int = POINTS) -> Index:
 
 
 @dataclass(frozen=True)
+class Together:
+    """Several signals at the same samples; where their pieces are not connected there is a NaN in each.
+
+    Attributes:
+        x: where the samples lie.
+        values: of each signal at them.
+        drawn: how many samples that are.
+    """
+
+    x: Array
+    values: tuple[NDArray[np.float32], ...]
+    drawn: int
+
+
+def together(x: Array, signals: Sequence[Array], piece: Index, points: int = POINTS) -> Together:
+    """Return signals at the same at most ``points`` samples, among them the extremes of each.
+
+    Signals that are thinned apart would differ where they do not.
+
+    Args:
+        x: not decreasing, shape (N,).
+        signals: shape (N,) each.
+        piece: number of the piece of each sample; see :func:`line`.
+        points: most points.
+    """
+    breaks = _breaks(piece, points)
+    room = points - len(breaks)
+    if len(x) <= room:
+        index = np.arange(len(x))
+    else:
+        index = np.unique(np.concatenate([extremes(x, each, room // len(signals)) for each in signals]))
+    at = np.searchsorted(index, breaks, side="right")
+    at = at[(at > 0) & (at < len(index))]
+    lines = tuple(np.insert(each[index].astype(np.float32), at, np.float32(np.nan)) for each in signals)
+    return Together(np.insert(x[index], at, x[index][at - 1]), lines, len(index))
+
+
+def _breaks(piece: Index, points: int) -> Index:
+    """Return after which samples a piece ends; none where there are more than can be told apart."""
+    breaks = np.flatnonzero(np.diff(piece))
+    return breaks if len(breaks) <= points // 4 else breaks[:0]
+
+
+@dataclass(frozen=True)
 class Line:
     """A thinned line; where its pieces are not connected there is a NaN in y."""
 
@@ -57,9 +102,7 @@ def line(x: Array, values: Array, piece: Index | None = None, points: int = POIN
         piece: number of the piece of each sample; where there are more pieces than can be told apart, all is joined.
         points: most points.
     """
-    breaks = np.array([], dtype=np.int64) if piece is None else np.flatnonzero(np.diff(piece))
-    if len(breaks) > points // 4:
-        breaks = breaks[:0]
+    breaks = np.array([], dtype=np.int64) if piece is None else _breaks(piece, points)
     index = extremes(x, values, points - len(breaks))
     at = np.searchsorted(index, breaks, side="right")
     across = (at > 0) & (at < len(index))

@@ -24,6 +24,7 @@ _BINS = 80
 _OUTER = 0.002
 """Share of samples that may lie beyond the axis, so that a few outliers do not flatten all the rest."""
 _EVALUATED = 20_000
+_GAP_BINS, _LEAST_IN_BIN = 40, 10
 
 
 @dataclass(frozen=True)
@@ -89,18 +90,33 @@ def friction_curve(comparison: Comparison) -> Figure:
         )
     drawn = {"x": curve.velocity, "y": curve.torque.astype(np.float32), "mode": "lines"}
     rim = {"color": LIGHT["surface"], "width": 3.8}
-    figure.add_trace(go.Scatter(**drawn, line=rim, showlegend=False, hoverinfo="skip"))
+    figure.add_trace(go.Scatter(**drawn, line=rim, name="", showlegend=False, hoverinfo="skip"))
     figure.add_trace(
         go.Scatter(
             **drawn,
             line={"color": LIGHT["vermillion"], "width": 2.2},
             name="modelled" if curve.spread is None else "modelled (mean)",
-            hovertemplate=f"model: %{{y:.4g}} {samples.torque_unit}<br>at %{{x:.4g}}<extra></extra>",
+            hovertemplate=(
+                f"model: %{{y:.4g}} {samples.torque_unit}<br>at %{{x:.4g}} {samples.unit('velocity')}<extra></extra>"
+            ),
         )
     )
+    figure.update_layout(meta=_largest_gap(samples))
     figure.update_xaxes(title_text=samples.axis("velocity"))
     figure.update_yaxes(title_text=samples.torque_axis("friction torque"))
-    return styled(figure, f"{torque.capitalize()} against velocity", samples.subtitle, height=460)
+    return styled(figure, f"{torque.capitalize()} against velocity", samples.subtitle, height=380)
+
+
+def _largest_gap(samples: Samples) -> dict[str, float]:
+    """Return where the means of measured and of modelled friction over a velocity differ most, and by how much."""
+    moving = ~samples.resting
+    velocity, error = samples.velocity[moving], samples.smoothed_error[moving]
+    if len(velocity) < _GAP_BINS * _LEAST_IN_BIN:
+        return {}
+    parts = np.array_split(np.argsort(velocity), _GAP_BINS)
+    gaps = np.array([error[part].mean() for part in parts])
+    worst = int(np.argmax(np.abs(gaps)))
+    return {"gap": float(gaps[worst]), "at": float(np.median(velocity[parts[worst]]))}
 
 
 def _density(samples: Samples, curve: _Curve, name: str) -> Figure:
@@ -127,7 +143,10 @@ def _density(samples: Samples, curve: _Curve, name: str) -> Figure:
         showscale=False,
         hoverongaps=False,
         name=name,
-        hovertemplate=f"%{{customdata:.0f}} samples<br>%{{x:.4g}}, %{{y:.4g}} {samples.torque_unit}<extra></extra>",
+        hovertemplate=(
+            f"%{{customdata:.0f}} samples<br>{name} %{{y:.4g}} {samples.torque_unit}<br>"
+            f"at %{{x:.4g}} {samples.unit('velocity')}<extra></extra>"
+        ),
     )
 
 

@@ -118,19 +118,23 @@ def hysteresis(comparison: Comparison) -> Figure:
             x, y = _branch(samples, near.select(near.leaving == leaves), torque)
             width = 1.8 if leaves else 1.2
             style = {"color": LIGHT[colour], "width": width, "dash": dash}
-            _add(figure, 1, x, y, f"{name}, {when}", style, "circle" if leaves else "circle-open")
+            _add(figure, 1, x, y, f"{name}, {when}", style, "circle" if leaves else "circle-open", samples.torque_unit)
         after = near.select(near.leaving)
         after = after.select(after.common(after.way))
         opposing = np.sign(samples.velocity[after.index]) * torque[after.index]
         style = {"color": LIGHT[colour], "width": 1.8, "dash": dash}
-        _add(figure, 2, *_binned(after.way, opposing), f"{name}, after", style, "circle")
+        _add(figure, 2, *_binned(after.way, opposing), f"{name}, after", style, "circle", samples.torque_unit)
     torque_name = words("friction torque", samples.motion)
     figure.update_xaxes(title_text=samples.axis("velocity"), row=1, col=1)
     figure.update_yaxes(title_text=samples.torque_axis("friction torque"), row=1, col=1)
     figure.update_xaxes(
-        title_text=label("way since reversal", unit_of(DISPLACEMENT, samples.motion)), rangemode="tozero", row=2, col=1
+        title_text=label("distance since reversal", unit_of(DISPLACEMENT, samples.motion)),
+        rangemode="tozero",
+        row=2,
+        col=1,
     )
-    figure.update_yaxes(title_text=samples.torque_axis("against the motion"), row=2, col=1)
+    figure.update_yaxes(title_text=samples.torque_axis("opposing motion"), row=2, col=1)
+    figure.update_layout(meta={"reversals": near.count})
     title = f"{torque_name.capitalize()} around {near.count} reversal{'s' if near.count > 1 else ''}"
     return styled(figure, title, samples.subtitle, height=620)
 
@@ -153,13 +157,16 @@ def _binned(x: Array, y: Array) -> tuple[Array, Array]:
     return np.array([x[part].mean() for part in parts]), np.array([y[part].mean() for part in parts])
 
 
-def _add(figure: Figure, row: int, x: Array, y: Array, name: str, style: Mapping[str, Any], symbol: str) -> None:
+def _add(
+    figure: Figure, row: int, x: Array, y: Array, name: str, style: Mapping[str, Any], symbol: str, unit: str
+) -> None:
     figure.add_trace(
         graph_objects().Scatter(
             x=x,
             y=y.astype(np.float32),
             name=name,
             showlegend=row == 1,
+            hovertemplate=f"{name}: %{{y:.4g}} {unit}<extra></extra>",
             mode="lines+markers",
             line=style,
             marker={"symbol": symbol, "size": 5, "color": style["color"]},

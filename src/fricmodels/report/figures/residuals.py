@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from fricmodels.arrays import Array, Index
+from fricmodels.arrays import Array, Index, Mask
 from fricmodels.errors import InputError
 from fricmodels.report.figures.grid import even_edges
 from fricmodels.report.figures.samples import Samples
@@ -20,6 +20,11 @@ Unit = Literal["torque", "standard errors"]
 
 CELLS = 48
 """Most cells along each axis."""
+_FEWER = (CELLS, 32, 24, 16, 12, 8)
+_ENOUGH = 0.6
+"""Share of the visited cells that are to hold an independent value; else the cells are larger."""
+_WEAK = 0.35
+"""Opacity of cells that hold less."""
 AGAINST = ("position", "acceleration", "load_torque", "temperature", "time")
 """Channels over which, with the velocity, the residual is mapped."""
 _EXCERPT = 2**16
@@ -114,7 +119,7 @@ def correlation_length(values: Array, piece: Index) -> float:
 def residual_map(comparison: Comparison, x: str = "velocity", y: str = "position", unit: Unit = "torque") -> Figure:
     """Draw the mean residual over two channels: blue where the model asks for too much torque, orange for too little.
 
-    Cells with less than one independent value are left empty.
+    The cells are as small as the data allow. Those with less than one independent value are pale.
 
     Args:
         comparison: a model and a recording.
@@ -126,21 +131,30 @@ def residual_map(comparison: Comparison, x: str = "velocity", y: str = "position
     """
     samples = Samples.of(comparison)
     places = [_channel(samples, name) for name in (x, y)]
-    cells = binned_mean(places[0], places[1], samples.error, samples.recording.run)
-    known = cells.independent >= 1
-    scattered = known & (cells.standard_error > 0)
+    cells = _as_fine_as_allowed(places[0], places[1], samples)
+    visited, known = cells.count > 0, cells.independent >= 1
+    scattered = visited & (cells.standard_error > 0)
     ratio = np.divide(cells.mean, cells.standard_error, out=np.full(known.shape, np.nan), where=scattered)
-    mean = np.where(known, cells.mean, np.nan)
+    mean = np.where(visited, cells.mean, np.nan)
     shown = mean if unit == "torque" else ratio
-    finite = np.abs(shown[np.isfinite(shown)])
+    sure = known if known.any() else visited
+    finite = np.abs(shown[sure & np.isfinite(shown)])
     limit = float(np.quantile(finite, _COLOURED)) if np.any(finite > 0) else 1.0
     title = samples.torque_axis("mean residual") if unit == "torque" else "mean residual [standard errors]"
-    figure = graph_objects().Figure(
-        graph_objects().Heatmap(
+    figure = graph_objects().Figure()
+    for some, opacity, named in ((sure, 1.0, "mean residual"), (visited & ~sure, _WEAK, "few samples")):
+        own = np.where(some, shown, np.nan).astype(np.float32)
+        held = np.where(some[..., None], np.dstack([mean, ratio, cells.count]), np.nan).astype(np.float32)
+        if opacity < 1 and not some.any():
+            continue
+        figure.add_heatmap(
             x=(cells.x_edges[:-1] + cells.x_edges[1:]) / 2,
             y=(cells.y_edges[:-1] + cells.y_edges[1:]) / 2,
-            z=shown.astype(np.float32),
-            customdata=np.dstack([mean, ratio, cells.count]).astype(np.float32),
+            z=own,
+            name=named,
+            opacity=opacity,
+            showscale=opacity == 1,
+            customdata=held,
             zmin=-limit,
             zmax=limit,
             colorscale=[
@@ -166,23 +180,43 @@ def residual_map(comparison: Comparison, x: str = "velocity", y: str = "position
             },
             hovertemplate=(
                 f"%{{customdata[0]:.3g}} {samples.torque_unit}<br>%{{customdata[1]:.1f}} standard errors<br>"
-                "%{customdata[2]:.0f} samples<extra></extra>"
+                f"%{{customdata[2]:.0f}} samples<br>{words(x, samples.motion)} %{{x:.3g}} {samples.unit(x)}<br>"
+                f"{words(y, samples.motion)} %{{y:.3g}} {samples.unit(y)}<extra></extra>"
             ),
         )
-    )
-    figure.update_xaxes(title_text=samples.axis(x))
-    figure.update_yaxes(title_text=samples.axis(y))
+    figure.update_xaxes(title_text=samples.axis(x), range=_held(cells.x_edges, visited.sum(axis=0) > 0))
+    figure.update_yaxes(title_text=samples.axis(y), range=_held(cells.y_edges, visited.sum(axis=1) > 0))
     name = f"Residual over {words(x, samples.motion)} and {words(y, samples.motion)}"
     styled(figure, name, samples.subtitle, height=480)
     figure.update_layout(margin_b=112)
     return figure
 
 
+def _as_fine_as_allowed(x: Array, y: Array, samples: Samples) -> Cells:
+    """Return the finest cells of which most hold an independent value."""
+    for count in _FEWER:
+        cells = binned_mean(x, y, samples.error, samples.recording.run, count)
+        visited = int(np.count_nonzero(cells.count))
+        if np.count_nonzero(cells.independent >= 1) >= _ENOUGH * visited:
+            break
+    return cells
+
+
+def _held(edges: Array, visited: Mask) -> list[float]:
+    """Return the range of an axis that the visited cells take."""
+    held = np.flatnonzero(visited)
+    return [float(edges[held[0]]), float(edges[held[-1] + 1])]
+
+
 def residual_maps(comparison: Comparison, unit: Unit = "torque") -> dict[str, Figure]:
     """Return the maps of the residual over velocity and every other channel that changes, by name of the channel."""
+    return {name: residual_map(comparison, "velocity", name, unit) for name in changing(comparison)}
+
+
+def changing(comparison: Comparison) -> list[str]:
+    """Return the channels beside the velocity that change."""
     recording = Samples.of(comparison).recording
-    changing = [name for name in AGAINST if name in recording and float(np.ptp(recording[name])) > 0]
-    return {name: residual_map(comparison, "velocity", name, unit) for name in changing}
+    return [name for name in AGAINST if name in recording and float(np.ptp(recording[name])) > 0]
 
 
 def _channel(samples: Samples, name: str) -> Array:

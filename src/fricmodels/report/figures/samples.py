@@ -122,6 +122,10 @@ class Samples:
         """Return the title of an axis that shows a channel."""
         return label(words(channel, self.motion), unit_of(channel, self.motion))
 
+    def unit(self, channel: str) -> str:
+        """Return the printed unit of a channel."""
+        return unit_of(channel, self.motion)
+
     def torque_axis(self, what: str) -> str:
         """Return the title of an axis that shows a torque: ``friction torque [N m]``, ``friction force [N]``."""
         return label(words(what, self.motion), self.torque_unit)

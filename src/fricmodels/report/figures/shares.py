@@ -4,49 +4,60 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from fricmodels.report.figures.style import LIGHT, Figure, escaped, graph_objects, styled
+from fricmodels.dimension import FORCE
+from fricmodels.report.figures.style import LIGHT, Figure, escaped, graph_objects, label, styled, unit_of, words
 
 if TYPE_CHECKING:
     from fricmodels.diagnosis.comparison import Comparison
 
 
 def error_shares(comparison: Comparison) -> Figure:
-    """Draw each regime's share of the squared error beside its share of the samples, the worst regime on top.
+    """Draw the RMS error in each regime beside that of the whole, in groups that divide the motion in different ways.
 
-    Where the error's share is well above the samples', the model fails there.
+    The regimes of a group do not overlap. Where one lies well to the right of the line, the model fails there.
     """
+    from fricmodels.diagnosis.where import grouped
+
     go = graph_objects()
-    rows = comparison.where[::-1]
-    names = [escaped(row.regime) for row in rows]
+    motion, whole = comparison.drive.motion, comparison.errors.SI
+    groups = grouped(comparison.where)
+    unit = unit_of(FORCE, motion)
     figure = go.Figure()
-    x = [each for row in rows for each in (100 * row.share_of_samples, 100 * row.share_of_squared_error, None)]
+    rows = [row for group in groups.values() for row in sorted(group, key=lambda row: -row.rms_torque_error)]
+    names = [escaped(row.regime) for row in rows]
+    x = [each for row in rows for each in (whole, row.rms_torque_error, None)]
     y = [each for name in names for each in (name, name, None)]
     figure.add_trace(
         go.Scatter(
-            x=x, y=y, mode="lines", line={"color": LIGHT["axis"], "width": 2}, hoverinfo="skip", showlegend=False
+            x=x, y=y, mode="lines", name="", line={"color": LIGHT["axis"], "width": 2}, hoverinfo="skip",
+            showlegend=False,
+        )
+    )  # fmt: skip
+    figure.add_trace(
+        go.Scatter(
+            x=[row.rms_torque_error for row in rows],
+            y=names,
+            name="RMS error in the regime",
+            mode="markers",
+            customdata=[[100 * row.share_of_squared_error, 100 * row.share_of_samples] for row in rows],
+            marker={"color": LIGHT["vermillion"], "symbol": "square", "size": 9},
+            hovertemplate=(
+                f"%{{y}}: %{{x:.3g}} {unit}<br>%{{customdata[0]:.1f}} % of the squared error<br>"
+                "in %{customdata[1]:.1f} % of the samples<extra></extra>"
+            ),
         )
     )
-    for title, values, colour, symbol in (
-        ("share of samples", [100 * row.share_of_samples for row in rows], "measured", "circle-open"),
-        ("share of squared error", [100 * row.share_of_squared_error for row in rows], "vermillion", "square"),
-    ):
-        figure.add_trace(
-            go.Scatter(
-                x=values,
-                y=names,
-                name=title,
-                mode="markers",
-                marker={
-                    "color": LIGHT[colour],
-                    "symbol": symbol,
-                    "size": 10,
-                    "line": {"width": 2, "color": LIGHT[colour]},
-                },
-                hovertemplate=f"%{{y}}: {title} %{{x:.1f}} %<extra></extra>",
-            )
+    figure.add_trace(
+        go.Scatter(
+            x=[whole, whole], y=[names[0], names[-1]], name="over all that was fitted", mode="lines",
+            line={"color": LIGHT["measured"], "width": 1.5, "dash": "dash"}, hoverinfo="skip",
         )
-    figure.update_xaxes(title_text="share [%]", rangemode="tozero")
-    figure.update_yaxes(title_text="", showgrid=True)
-    drive = comparison.drive
-    subtitle = f"{comparison.train.name}: {drive.model.name}"
-    return styled(figure, "Where the error lies", subtitle, height=150 + 24 * len(rows))
+    )  # fmt: skip
+    below = 0
+    for group in [*groups.values()][:-1]:
+        below += len(group)
+        figure.add_hline(y=below - 0.5, line={"color": LIGHT["axis"], "width": 1}, layer="below")
+    figure.update_xaxes(title_text=label(f"RMS {words('torque', motion)} error", unit), rangemode="tozero")
+    figure.update_yaxes(title_text="", showgrid=True, autorange="reversed", dtick=1)
+    subtitle = f"{comparison.train.name}: {comparison.drive.model.name}"
+    return styled(figure, "Where the error lies", subtitle, height=120 + 19 * len(rows))

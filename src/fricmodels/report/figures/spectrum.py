@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -36,10 +37,26 @@ class Spectrum:
     Attributes:
         order: periods per unit.
         amplitude: of the cosine of that order, in the signal's unit.
+        span: units of place that were seen; a line is known to half a period in these.
     """
 
     order: Array
     amplitude: Array
+    span: float = math.inf
+
+    @property
+    def resolution(self) -> float:
+        """How well the order of a line is known."""
+        return 0.5 / self.span
+
+    def top(self, peak: int) -> float:
+        """Return the order of a peak, from the parabola through it and its neighbours."""
+        if not 0 < peak < len(self.order) - 1:
+            return float(self.order[peak])
+        low, high, other = (float(value) for value in self.amplitude[peak - 1 : peak + 2])
+        bend = low - 2 * high + other
+        step = 0.5 * (low - other) / bend if bend < 0 else 0.0
+        return float(self.order[peak] + step * (self.order[peak + 1] - self.order[peak]))
 
     def level(self) -> Array:
         r"""Return the amplitude that noise alone exceeds anywhere with a probability of one percent.
@@ -91,11 +108,19 @@ def spectrum(place: Array, values: Array, finest: float) -> Spectrum:
     amplitude = 2 / np.count_nonzero(visited) * np.abs(np.fft.rfft(profile, _PADDING * bins))
     order = np.arange(len(amplitude)) / (_PADDING * span)
     inside = (order >= _LEAST_PERIODS / span) & (order <= min(finest, bins / (4 * span)))
-    return Spectrum(order[inside], amplitude[inside])
+    return Spectrum(order[inside], amplitude[inside], span)
 
 
 def _add(
-    figure: Figure, order: Array, amplitude: Array, name: str, samples: Samples, colour: str, dash: str, width: float
+    figure: Figure,
+    order: Array,
+    amplitude: Array,
+    name: str,
+    samples: Samples,
+    colour: str,
+    dash: str,
+    width: float,
+    unit: str,
 ) -> None:
     figure.add_trace(
         graph_objects().Scatter(
@@ -104,26 +129,37 @@ def _add(
             name=name,
             mode="lines",
             line={"color": LIGHT[colour], "width": width, "dash": dash},
-            hovertemplate=f"{name}: %{{y:.3g}} {samples.torque_unit} at %{{x:.4g}}<extra></extra>",
+            hovertemplate=f"{name}: %{{y:.3g}} {samples.torque_unit} at %{{x:.4g}} {unit}<extra></extra>",
         )
     )
 
 
 def _name_peaks(figure: Figure, found: Sequence[Spectrum]) -> None:
     """Write the order beside the highest peaks that noise does not explain, where there is room for it."""
-    peaks = [(each.amplitude[peak], each.order[peak]) for each in found for peak in each.peaks()]
+    peaks = [(each.amplitude[peak], each.top(peak), each.resolution) for each in found for peak in each.peaks()]
     named: list[float] = []
-    for amplitude, order in sorted(peaks, reverse=True):
+    for amplitude, order, resolution in sorted(peaks, reverse=True):
         if len(named) < _NAMED and all(abs(np.log2(order / other)) > _APART for other in named):
             named.append(order)
             figure.add_annotation(
                 x=np.log10(order),
                 y=amplitude,
-                text=f"{order:.{max(0, 2 - int(np.log10(order)))}f}",
+                text=f"{order:.{_digits(order, resolution)}f}",
                 showarrow=False,
                 yshift=9,
                 font={"size": 12, "color": LIGHT["text"]},
             )
+
+
+def _digits(order: float, resolution: float) -> int:
+    """Return the digits after the point that the resolution allows, and no more than three that count."""
+    return max(0, min(math.ceil(-math.log10(resolution)), 2 - math.floor(math.log10(order))))
+
+
+def strongest(figure: Figure) -> tuple[str, float, float, float] | None:
+    """Return name, order, resolution and amplitude of the strongest line; ``None`` where there is no spectrum."""
+    found = (figure.layout.meta or {}).get("strongest")
+    return None if found is None else tuple(found)
 
 
 def residual_spectrum(comparison: Comparison) -> Figure:
@@ -151,14 +187,22 @@ def residual_spectrum(comparison: Comparison) -> Figure:
         axis, name = label("frequency", "Hz"), "by frequency"
     finest = 0.25 / (speed * samples.comparison.train.interval)
     found = [spectrum(place, values, finest) for _, values in lines]
+    unit = axis.partition("[")[2].removesuffix("]")
     styles = (("blue", "solid"), ("vermillion", "4px,2px"))
     for (what, _), each, (colour, dash) in zip(lines, found, styles, strict=False):
         index = extremes(np.log(each.order), each.amplitude)
-        _add(figure, each.order[index], each.amplitude[index], what, samples, colour, dash, 1.4)
+        _add(figure, each.order[index], each.amplitude[index], what, samples, colour, dash, 1.4, unit)
     level = np.max([each.level() for each in found], axis=0)
     few = np.unique(np.linspace(0, len(level) - 1, _LEVEL_POINTS).astype(int))
-    _add(figure, found[0].order[few], level[few], "noise exceeds this once in 100", samples, "muted", "dot", 1.2)
+    _add(figure, found[0].order[few], level[few], "1 % noise threshold", samples, "muted", "dot", 1.2, unit)
     _name_peaks(figure, found)
-    figure.update_xaxes(title_text=axis, **logarithmic(float(x) for trace in figure.data for x in trace.x[[0, -1]]))
+    best = max(zip(found, lines, strict=True), key=lambda pair: float(pair[0].amplitude.max(initial=0.0)))
+    if len(best[0].order):
+        top = int(np.argmax(best[0].amplitude))
+        line = [best[1][0], best[0].top(top), best[0].resolution, float(best[0].amplitude[top])]
+        figure.update_layout(meta={"strongest": line})
+    figure.update_xaxes(
+        title_text=axis, tickangle=0, **logarithmic(float(x) for trace in figure.data for x in trace.x[[0, -1]])
+    )
     figure.update_yaxes(title_text=samples.torque_axis("amplitude of the residual"), rangemode="tozero")
     return styled(figure, f"Periodic parts of the residual, {name}", samples.subtitle, height=420)

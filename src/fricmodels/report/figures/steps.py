@@ -2,53 +2,64 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from fricmodels.report.figures.style import LIGHT, Figure, escaped, graph_objects, logarithmic, styled
+from fricmodels.report.figures.style import LIGHT, Figure, escaped, graph_objects, logarithmic, styled, words
 
 if TYPE_CHECKING:
     from fricmodels.diagnosis.ladder import Ladder, Rung
+    from fricmodels.score import Errors
+
+_LEAST_SHOWN = 1e-4
+"""Share of the largest error below which noise is not drawn: it would take the axis with it."""
 
 
 def ladder(ladder: Ladder) -> Figure:
     """Draw the torque error after each step, on what was fitted and on what was kept back, and the noise floor."""
     go = graph_objects()
     rungs = ladder.rungs
-    steps = list(range(len(rungs)))
     errors = [rung.comparison.errors for rung in rungs]
-    names = [escaped(rung.model) for rung in rungs]
+    names = [_step(rung) for rung in rungs]
+    steps = [f"{number} {name}" for number, name in enumerate(names)]
     figure = go.Figure()
-    for title, values, colour, dash, symbol in (
-        ("fitted", [each.percent for each in errors], "blue", "4px,2px", "circle-open"),
-        ("kept back", [each.held_out_percent for each in errors], "vermillion", "solid", "square"),
-        ("sensor noise alone", [rung.comparison.noise_floor_percent for rung in rungs], "muted", "dot", None),
+    for title, values, colour, symbol in (
+        ("sensor noise alone", [rung.comparison.noise_floor_percent for rung in rungs], "muted", "line-ns"),
+        ("fit error", [each.percent for each in errors], "blue", "circle-open"),
+        ("test error", [each.held_out_percent for each in errors], "vermillion", "square"),
     ):
         figure.add_trace(
             go.Scatter(
-                x=steps,
-                y=values,
+                x=values,
+                y=steps,
                 name=title,
-                mode="lines+markers" if symbol else "lines",
-                line={"color": LIGHT[colour], "width": 2, "dash": dash},
-                marker={"symbol": symbol, "size": 9},
-                customdata=names,
-                hovertemplate=f"%{{customdata}}<br>{title}: %{{y:.3g}} %<extra></extra>",
+                mode="markers",
+                marker={
+                    "symbol": symbol,
+                    "size": 10,
+                    "color": LIGHT[colour],
+                    "line": {"width": 2, "color": LIGHT[colour]},
+                },
+                customdata=[escaped(rung.model) for rung in rungs],
+                hovertemplate=f"%{{customdata}}<br>{title}: %{{x:.3g}} %<extra></extra>",
             )
         )
-    figure.update_xaxes(
-        title_text="step",
-        tickvals=steps,
-        ticktext=[_step(rung) for rung in rungs],
-        range=[-0.4, len(rungs) - 0.6],
-        zeroline=False,
-    )
-    shown = [value for trace in figure.data for value in trace.y]
-    figure.update_yaxes(title_text="torque error [% of the RMS torque]", **logarithmic(shown))
+    torque = words("torque", rungs[0].comparison.drive.motion)
+    shown = [value for trace in figure.data for value in trace.x if value > _LEAST_SHOWN * max(errors_of(errors))]
+    figure.update_xaxes(title_text=f"{torque} error [% of the RMS {torque}]", **logarithmic(shown))
+    figure.update_yaxes(title_text="", autorange="reversed", tickvals=steps, ticktext=names, showgrid=True)
     first = rungs[0].comparison
-    return styled(figure, "The error falls", f"{first.train.name}: {first.drive.model.name}", height=440)
+    return styled(
+        figure, "The error falls", f"{first.train.name}: {first.drive.model.name}", height=130 + 34 * len(rungs)
+    )
+
+
+def errors_of(errors: Sequence[Errors]) -> list[float]:
+    """Return the test errors of some models [%]."""
+    return [each.held_out_percent for each in errors]
 
 
 def _step(rung: Rung) -> str:
-    """Return what was added or removed, broken at its hyphens."""
+    """Return what was added or removed."""
     sign, name = ("+", rung.added) if rung.added else ("−", rung.removed) if rung.removed else ("", "as given")
-    return f"{sign} {escaped(name)}".strip().replace("-", "-<br>") if sign else name
+    return f"{sign} {escaped(name)}".strip()

@@ -95,6 +95,8 @@ POINTS = 2000
 """Most points of a trace."""
 _LONGEST_SUBTITLE = 52
 _SUPERSCRIPT = {"^2": "²", "^3": "³"}
+EXPONENT = r"\^(?:\((-?[\d./]+)\)|(-?\d+(?:\.\d+)?))"
+"""An exponent in a unit: a whole number, or a fraction in brackets; what follows it is not of it."""
 
 
 def graph_objects() -> Any:
@@ -142,7 +144,7 @@ def unit_text(unit: str) -> str:
     """Return a unit as it is printed: ``rad/s²`` for ``rad/s^2``."""
     for power, superscript in _SUPERSCRIPT.items():
         unit = unit.replace(power, superscript)
-    return re.sub(r"\^\(?(-?[0-9/.]+)\)?", r"<sup>\1</sup>", unit)
+    return re.sub(EXPONENT, lambda found: f"<sup>{found[1] or found[2]}</sup>", unit)
 
 
 def unit_of(quantity: str | Dimension, motion: Motion) -> str:

@@ -6,7 +6,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fricmodels.report.figures.downsample import line
+from fricmodels.arrays import Array
+from fricmodels.recording import RUN
+from fricmodels.report.figures.downsample import together
 from fricmodels.report.figures.samples import Samples
 from fricmodels.report.figures.style import LIGHT, POINTS, Figure, graph_objects, styled, subplots, words
 
@@ -17,7 +19,27 @@ _PIXEL = 1 / 500
 """Share of the axis by which two shaded spans must be apart to be shown apart."""
 
 
-def overlay(comparison: Comparison, between: tuple[float, float] | None = None) -> Figure:
+_MOST_BORDERS = 60
+"""More borders of runs than this would hide the curves."""
+
+
+def worst_stretch(comparison: Comparison, count: int = POINTS) -> tuple[float, float]:
+    """Return from when to when [s] so many samples are that hold the largest squared error."""
+    samples = Samples.of(comparison)
+    count = min(count, len(samples.place))
+    total = np.concatenate([[0.0], np.cumsum(np.nan_to_num(samples.error) ** 2)])
+    first = int(np.argmax(total[count:] - total[:-count]))
+    return float(samples.place[first]), float(samples.place[first + count - 1])
+
+
+def drawn_samples(figure: Figure) -> tuple[int, int]:
+    """Return how many samples an :func:`overlay` draws, and of how many."""
+    return int(figure.layout.meta["drawn"]), int(figure.layout.meta["total"])
+
+
+def overlay(
+    comparison: Comparison, between: tuple[float, float] | None = None, before: Comparison | None = None
+) -> Figure:
     """Draw the torque as measured and as modelled over time, and the residual below it.
 
     What was kept back from the fit is shaded. The dotted lines about zero are two standard deviations of what the
@@ -26,6 +48,7 @@ def overlay(comparison: Comparison, between: tuple[float, float] | None = None) 
     Args:
         comparison: a model and a recording.
         between: first and last time [s] to show; everything if not given.
+        before: a smaller model of the same recording, whose residual is drawn behind, on the same axis.
     """
     go, samples = graph_objects(), Samples.of(comparison)
     torque = words("torque", samples.motion)
@@ -35,26 +58,32 @@ def overlay(comparison: Comparison, between: tuple[float, float] | None = None) 
         chosen = slice(*np.searchsorted(samples.place, between).tolist())
     place, piece = samples.place[chosen], samples.recording.run[chosen]
     measured, error = samples.recording.torque[chosen], samples.error[chosen]
-    drawn = (
-        (1, f"{torque} measured", measured, "measured", "solid", 1.6),
-        (1, f"{torque} modelled", measured - error, "vermillion", "4px,2px", 1.4),
-        (2, "residual", error, "blue", "solid", 1.0),
-    )
+    signals = [measured, error] + ([] if before is None else [Samples.of(before).error[chosen]])
+    thin = together(place, signals, piece)
+    whole = thin.drawn == len(place)
+    drawn = [
+        (1, f"{torque} measured", thin.values[0], "measured", "solid", 1.6 if whole else 2.2),
+        (1, f"{torque} modelled", thin.values[0] - thin.values[1], "vermillion", "4px,2px", 1.4 if whole else 0.8),
+        (2, "residual", thin.values[1], "blue", "solid", 1.0),
+    ]
+    if before is not None:
+        drawn.insert(2, (2, "residual of the model as given", thin.values[2], "faint", "solid", 1.0))
     for row, name, values, colour, dash, width in drawn:
-        thin = line(place, values, piece, POINTS)
         figure.add_trace(
             go.Scatter(
                 x=thin.x,
-                y=thin.y,
+                y=values,
                 name=name,
                 mode="lines",
                 line={"color": LIGHT[colour], "width": width, "dash": dash},
-                hovertemplate=f"{name} %{{y:.4g}} {samples.torque_unit}<br>at %{{x:.4g}} s<extra></extra>",
+                hovertemplate=f"{name} %{{y:.4g}} {samples.torque_unit}<extra></extra>",
             ),
             row=row,
             col=1,
         )
+    figure.update_layout(meta={"drawn": thin.drawn, "total": len(place)})
     _shade(figure, samples, between)
+    _borders(figure, place, samples.recording.signal(RUN)[chosen])
     noise = 2 * comparison.noise_floor_percent / 100 * float(np.sqrt(np.mean(comparison.train.torque**2)))
     for i, level in enumerate((noise, -noise)):
         figure.add_trace(
@@ -74,7 +103,23 @@ def overlay(comparison: Comparison, between: tuple[float, float] | None = None) 
     figure.update_yaxes(title_text=samples.torque_axis("torque"), row=1, col=1)
     figure.update_yaxes(title_text=samples.torque_axis("residual"), row=2, col=1)
     figure.update_xaxes(title_text=samples.time_axis, row=2, col=1)
-    return styled(figure, f"{torque.capitalize()} over time, measured and modelled", samples.subtitle, height=520)
+    figure.update_layout(hovermode="x unified")
+    return styled(figure, f"{torque.capitalize()} over time, measured and modelled", samples.subtitle, height=400)
+
+
+def _borders(figure: Figure, place: Array, run: Array) -> None:
+    """Mark where one run ends and the next begins, and say so in the legend."""
+    borders = np.flatnonzero(np.diff(run))
+    if not 0 < len(borders) <= _MOST_BORDERS:
+        return
+    line = {"color": LIGHT["muted"], "width": 1, "dash": "dash"}
+    for border in borders.tolist():
+        for axis in ("y domain", "y2 domain"):
+            x = float(place[border] + place[border + 1]) / 2
+            figure.add_shape(type="line", x0=x, x1=x, y0=0, y1=1, xref="x", yref=axis, line=line)
+    figure.add_trace(
+        graph_objects().Scatter(x=[None], y=[None], name="border of runs", mode="lines", line=line), row=1, col=1
+    )
 
 
 def _shade(figure: Figure, samples: Samples, between: tuple[float, float] | None) -> None:
@@ -95,7 +140,7 @@ def _shade(figure: Figure, samples: Samples, between: tuple[float, float] | None
             go.Scatter(
                 x=[None],
                 y=[None],
-                name="kept back from the fit",
+                name="test data, not fitted",
                 mode="markers",
                 marker={"symbol": "square", "size": 14, "color": LIGHT["shade"], "line_width": 0},
             ),

@@ -146,8 +146,8 @@ def _measured(rows: Sequence[Mapping[Any, Any]], column: str) -> str:
     """Return the title of the axis: what the percentages are of."""
     measures = {row.get("measure") for row in rows} - {None}
     reference = "K_I" if measures == {"paper"} else "RMS torque"
-    part = "kept back" if column == HELD_OUT else "fitted"
-    return f"torque error, {part} [% of {reference}]"
+    part = "test error" if column == HELD_OUT else "fit error"
+    return f"{part} [% of {reference}]"
 
 
 def _quantile(ordered: Sequence[float], share: float) -> float:

@@ -1,0 +1,227 @@
+"""The answer to a diagnosis in a few sentences: what is missing, how sure, what remains, and what to do next."""
+
+from __future__ import annotations
+
+import shlex
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Literal
+
+from fricmodels.report.reliability import RECORDS
+from fricmodels.report.wording import counted, listed, percent, small
+from fricmodels.score.bands import averaged
+
+Data = Mapping[str, Any]
+"""A diagnosis as plain data; see :mod:`fricmodels.diagnosis.document`."""
+Tone = Literal["good", "warn", "bad", "plain"]
+
+_PLAIN = {
+    *("time=time_s", "torque=torque_Nm", "velocity=velocity_rad_s", "position=position_rad"),
+    *("acceleration=acceleration_rad_s2", "load_torque=load_torque_Nm", "temperature=temperature_degC"),
+}
+"""Columns that are found by their names, without an option."""
+_WORTH_A_TRY = 0.9
+"""Share of the test error to which an effect must lower it to be worth a try."""
+FAR_ABOVE = 2.0
+"""Times the noise above which the error that remains is said before what was found."""
+
+
+@dataclass(frozen=True)
+class Answer:
+    """What a user reads first.
+
+    Attributes:
+        sentence: the answer.
+        tone: good, warn or bad.
+        error: one number for how much it matters: the test error before and after, beside that of noise.
+        sure: the evidence, and how often such an answer was wrong where the truth was known.
+        remains: what is left that nothing explains.
+        next: what to do, in words.
+        command: that does it; empty where it is an experiment.
+        details: what else follows, to be folded.
+    """
+
+    sentence: str
+    tone: Tone
+    error: str
+    sure: str
+    remains: str
+    next: str
+    command: str
+    details: tuple[str, ...] = ()
+
+
+def answer(data: Data, options: Sequence[str] = ()) -> Answer:
+    """Return the answer of a diagnosis or a ladder.
+
+    Args:
+        data: the diagnosis as plain data.
+        options: more options of its command, for the next one.
+    """
+    following, command = _next(data, options)
+    return Answer(
+        _sentence(data), tone(data), error_words(data), sure(data), _remains(data), following, command, _details(data)
+    )
+
+
+def tone(data: Data) -> Tone:
+    """Return whether the answer is good news."""
+    if data["verdict"] == "adequate":
+        return "good"
+    return "bad" if data["verdict"] == "unknown-effect" or _much_remains(data) else "warn"
+
+
+def _sentence(data: Data) -> str:
+    model = data["model"]
+    if data["verdict"] == "adequate":
+        return f"The model {model} is adequate: nothing that could be predicted is left."
+    rest = data.get("remaining")
+    if data["verdict"] == "unknown-effect":
+        return f"Something is missing from the model {model} that no known effect explains."
+    names = [listed(effect["class"], "or") for effect in data["effects"]]
+    if _much_remains(data):
+        left = percent(data["ladder"][-1]["held_out_rms_percent"])
+        most = (
+            f"{left} of the motor {quantity(data)} remains, far above {percent(data['noise_floor_percent'])} of noise"
+        )
+        why = "that no known effect explains" if rest else "unexplained"
+        return f"{most}, {why}; {listed(names)} {'is' if len(names) == 1 else 'are'} part of what {model} lacks."
+    return f"The model {model} lacks {counted(len(names), 'effect')}: {listed(names)}."
+
+
+def _much_remains(data: Data) -> bool:
+    """Whether a ladder ends far above noise, and something is said to be missing still."""
+    end = data["ladder"][-1]["held_out_rms_percent"]
+    far = end is not None and end > FAR_ABOVE * data["noise_floor_percent"]
+    return len(data["ladder"]) > 1 and bool(data.get("remaining")) and far
+
+
+def quantity(data: Data) -> str:
+    """Return torque, or force on a linear axis."""
+    return "force" if data["motion"] == "linear" else "torque"
+
+
+def window(data: Data) -> str:
+    """Say over which window the errors are averaged; nothing where that is not known."""
+    errors = data["rms_torque_error"]
+    if "band_ms" not in errors:  # written by an earlier version
+        return ""
+    return averaged(errors["band_ms"], errors["bands"][0]["window_ms"])
+
+
+def error_words(data: Data) -> str:
+    """Say by how much the test error falls, or what it is, beside what noise alone would leave."""
+    steps = data["ladder"]
+    before, after = steps[0]["held_out_rms_percent"], steps[-1]["held_out_rms_percent"]
+    noise = f"noise alone would leave about {percent(data['noise_floor_percent'])}"
+    over = f", {window(data)}" if window(data) else ""
+    where = f"of the RMS motor {quantity(data)} on data that took no part in fitting{over}"
+    if len(steps) > 1:
+        return f"Test error {percent(before)} → {percent(after)} {where}; {noise}."
+    return f"Test error {percent(before)} {where}; {noise}."
+
+
+def sure(data: Data) -> str:
+    """Say what speaks for the answer, and how often such an answer was wrong where the truth was known."""
+    parts = []
+    if data["effects"]:
+        least = max(effect["p_value"] for effect in data["effects"])
+        whom = "" if len(data["effects"]) == 1 else " for each of them"
+        parts.append(f"p {_equals(small(least))}{whom}, corrected for all effects tested.")
+    elif data.get("unknown"):
+        chance = small(data["unknown"]["p_value"])
+        parts.append(f"That {data['unknown']['channels']} predicts the error is no chance: p {_equals(chance)}.")
+    known = RECORDS.get(data["verdict"])
+    if known is not None:
+        parts.append(known.said)
+    return " ".join(parts)
+
+
+def _equals(chance: str) -> str:
+    return f"is {chance}" if chance.startswith("below") else f"= {chance}"
+
+
+def _remains(data: Data) -> str:
+    rest = data.get("remaining")
+    if not rest:
+        last = data["ladder"][-1]["held_out_rms_percent"]
+        floor = data["noise_floor_percent"]
+        if data["verdict"] == "adequate" or len(data["ladder"]) > 1:
+            return f"{percent(last)}, of which noise makes about {percent(floor)}; nothing predicts the rest."
+        return ""
+    unit = "N" if data["motion"] == "linear" else "N m"
+    size = f"{percent(rest['percent'])} of the motor {quantity(data)} beyond noise ({rest['SI']:.2g} {unit} RMS)"
+    shown = f", predicted from {rest['channel']}" if rest["channel"] else ", predicted from no recorded channel"
+    place = f"; largest {rest['where']}" if rest.get("place") else f"; {rest['where']}" if rest["where"] else ""
+    return f"{size}{shown}{place}."
+
+
+def _next(data: Data, options: Sequence[str]) -> tuple[str, str]:
+    """Return what to do next, and the command that does it, if one does."""
+    alike = [effect for effect in data["effects"] if len(effect["class"]) > 1]
+    rest, improved = data.get("remaining"), len(data["ladder"]) > 1
+    model = data["ladder"][-1]["model"]
+    if alike and data["verdict"] == "undecided" and not rest:
+        first = alike[0]
+        return f"To tell {listed(first['class'], 'from')} apart: {first['separated_by']}.", ""
+    if data["effects"] and not improved:
+        text = "Add what is missing, refit, and see whether more is:"
+        return text, command_line(data, "improve", data["model"], options)
+    if rest:
+        here = data["ladder"][-1]["held_out_rms_percent"]
+        better = [one for one in rest["nearest"] if one["held_out_percent"] < _WORTH_A_TRY * here]
+        if better:
+            best = better[0]
+            fall = f"{percent(here)} → {percent(best['held_out_percent'])}"
+            text = f"{best['name']} comes nearest to what remains ({fall}), though it does not pass. To try it anyway:"
+            return text, command_line(data, "compare", best["model"], _common(options))
+        text = "Record what this log lacks (another joint, a temperature, a load). To see where the error lies:"
+        return text, command_line(data, "compare", model, [*_common(options), "--report", "error.html"])
+    text = "Use the model. This keeps its parameters, standard errors and provenance:"
+    return text, command_line(data, "improve", model, [*options, "--out", f"{Path(data['dataset']).name}-model"])
+
+
+def _common(options: Sequence[str]) -> list[str]:
+    """Return the options that every command on a recording has: not the effects that are left out."""
+    kept, skip = [], False
+    for option in options:
+        if skip or option == "--leave-out":
+            skip = not skip
+        else:
+            kept.append(option)
+    return kept
+
+
+def _details(data: Data) -> tuple[str, ...]:
+    details = []
+    if data["verdict"] == "adequate" and data.get("coloured_noise"):
+        details.append(data["explanation"])
+    if data.get("remaining"):
+        details.append(data["remaining"]["text"])
+    if data.get("note"):
+        details.append(f"The ladder ends there: {data['note']}.")
+    return tuple(details)
+
+
+def command_line(data: Data, command: str, model: str, options: Sequence[str] = ()) -> str:
+    """Return a command on the same recording, read in the same way.
+
+    Args:
+        data: a diagnosis as plain data.
+        command: of ``fricmodels``.
+        model: its ``--model``.
+        options: more of its options.
+    """
+    known = data["recording"]
+    files = list(known.get("files") or [known["source"] or "DATA"])
+    parts = ["fricmodels", command, *files, "--model", model]
+    if not data["inertia"]["estimated"]:
+        parts += ["--inertia", repr(data["inertia"]["value"])]
+    if not _PLAIN.issuperset(known["columns"]):
+        parts += [part for column in known["columns"] for part in ("--column", column)]
+    if known["torque_constant"] is not None:
+        parts += ["--torque-constant", repr(known["torque_constant"])]
+    if data["motion"] == "linear":
+        parts.append("--linear")
+    return shlex.join([*parts, *options])

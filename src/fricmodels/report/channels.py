@@ -1,0 +1,42 @@
+"""Over which channel an effect is seen best."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from fricmodels.model import Model
+from fricmodels.recording import channel_of
+from fricmodels.report.figures.against import SINCE_REVERSAL
+from fricmodels.report.figures.residuals import changing
+
+if TYPE_CHECKING:
+    from fricmodels.diagnosis.comparison import Comparison
+    from fricmodels.term import Effect
+
+
+def shown_over(comparison: Comparison, effect: Effect, parameters: Mapping[str, Any]) -> tuple[str, float | None]:
+    """Return the channel over which an effect shows, and its period in it, if it has one."""
+    model = Model.only(effect)
+    periodic = next((p.symbol for p in effect.parameters if p.periodic), None)
+    number_of_waves = parameters.get(periodic) if periodic else (1.0 if effect.angular else None)
+    period = 2 * np.pi / abs(number_of_waves) if number_of_waves else None
+    if model.states:
+        return SINCE_REVERSAL, None
+    mapped = changing(comparison)
+    for signal in sorted(model.needs - {"velocity"}):
+        if channel_of(signal) in mapped:
+            return channel_of(signal), period
+    return "velocity", None
+
+
+def channel_of_rest(rest: Mapping[str, Any]) -> str:
+    """Return the channel over which to show what remains: that of its place, or the one that predicts it.
+
+    Args:
+        rest: ``remaining`` of a diagnosis as plain data.
+    """
+    named = rest["place"]["channel"] if rest.get("place") else str(rest["channel"]).partition(",")[0]
+    return {"position": "position", "load torque": "load_torque", "load_torque": "load_torque"}.get(named, "velocity")

@@ -1,0 +1,234 @@
+"""The error against the channel that shows it: means with 95 % bars, and what an added effect says there."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from fricmodels.arrays import Array, Index
+from fricmodels.dimension import DISPLACEMENT
+from fricmodels.errors import InputError
+from fricmodels.report.figures.grid import even_edges
+from fricmodels.report.figures.hysteresis import reversals
+from fricmodels.report.figures.residuals import correlation_length
+from fricmodels.report.figures.samples import Samples
+from fricmodels.report.figures.style import LIGHT, Figure, graph_objects, label, logarithmic, styled, unit_of, words
+
+if TYPE_CHECKING:
+    from fricmodels.diagnosis.comparison import Comparison
+
+SINCE_REVERSAL = "distance since reversal"
+"""The channel of effects with a memory: how far the drive went since it last turned."""
+NORMAL_95 = 1.959964
+_BINS = 40
+_LEAST = 8
+"""Samples from which a mean is shown."""
+_OUTER = 0.002
+_PERIODS = 1.5
+"""A position is folded where it covers more periods than this."""
+
+
+@dataclass(frozen=True)
+class Means:
+    """Means of a signal in bins of a channel.
+
+    Attributes:
+        at: middle of each bin.
+        mean, half: mean and half of its 95 % interval, for residuals that are alike for a while.
+        other: mean of a second signal in the same bins.
+    """
+
+    at: Array
+    mean: Array
+    half: Array
+    other: Array
+
+    @property
+    def rms(self) -> float:
+        """RMS of the means."""
+        return float(np.sqrt(np.mean(self.mean**2))) if len(self.mean) else float("nan")
+
+
+def means(x: Array, values: Array, other: Array, piece: Index, edges: Array) -> Means:
+    """Return the means of two signals in bins.
+
+    Args:
+        x, values, other: in order of time, shape (N,).
+        piece: uninterrupted pieces of the samples.
+        edges: of the bins; what lies beyond them is left out.
+    """
+    place = np.searchsorted(edges, x, side="right") - 1
+    inside = (place >= 0) & (place < len(edges) - 1)
+    place, kept = place[inside], values[inside]
+    size = len(edges) - 1
+    count = np.bincount(place, minlength=size)
+    some = np.maximum(count, 1)
+    mean = np.bincount(place, kept, size) / some
+    rest = kept - mean[place]
+    deviation = np.sqrt(np.bincount(place, rest**2, size) / some)
+    alike = correlation_length(rest, piece[inside])
+    shown = count >= _LEAST
+    half = NORMAL_95 * deviation / np.sqrt(np.maximum(count / alike, 1.0))
+    second = np.bincount(place, other[inside], size) / some
+    return Means(((edges[:-1] + edges[1:]) / 2)[shown], mean[shown], half[shown], second[shown])
+
+
+@dataclass(frozen=True)
+class ErrorOver:
+    """The mean error over a channel.
+
+    Attributes:
+        before: means of the error without an effect; beside them what the effect adds to the modelled torque.
+        left: means of the error with it; ``None`` where no larger model is given.
+        axis: title of the channel, with its unit.
+        opposes: whether the error is counted along the motion, as it turns its sign with that.
+    """
+
+    before: Means
+    left: Means | None
+    axis: str
+    opposes: bool
+
+
+def error_over(
+    before: Comparison, channel: str, after: Comparison | None = None, period: float | None = None
+) -> ErrorOver:
+    """Return the mean error over a channel; see :func:`error_against`."""
+    samples = Samples.of(before)
+    index, x, title, folded = _place(samples, channel, period)
+    error = samples.error[index]
+    added = error - Samples.of(after).error[index] if after is not None else np.zeros(len(error))
+    along = np.sign(samples.velocity[index])
+    low, high = (float(q) for q in np.quantile(x, [_OUTER / 2, 1 - _OUTER / 2]))
+    edges = even_edges(*((0.0, folded) if folded else (low, high)), _BINS)
+    piece = samples.recording.run[index]
+    plain, turned = (means(x, side * error, side * added, piece, edges) for side in (np.ones(len(x)), along))
+    opposes = bool(_strength(turned, after is not None) > _strength(plain, after is not None))
+    left = means(x, (along if opposes else 1.0) * (error - added), added, piece, edges) if after is not None else None
+    return ErrorOver(turned if opposes else plain, left, title, opposes)
+
+
+def error_against(
+    before: Comparison, channel: str, after: Comparison | None = None, period: float | None = None
+) -> Figure:
+    """Draw the mean error over a channel, and what a larger model adds to the modelled torque there.
+
+    Where the error turns its sign with the motion, it is counted along the motion.
+
+    Args:
+        before: the model without the effect.
+        channel: of the recording, or :data:`SINCE_REVERSAL`.
+        after: the same recording with the effect in the model; without it only the error is shown.
+        period: over which a position is folded, where the recording covers several.
+
+    Raises:
+        InputError: when the recording has no such channel, it never changes, or the drive never reverses.
+    """
+    samples, over = Samples.of(before), error_over(before, channel, after, period)
+    torque = words("torque error", samples.motion)
+    what = f"{torque}, opposing motion" if over.opposes else torque
+    go, unit = graph_objects(), samples.torque_unit
+    figure = go.Figure()
+    figure.add_trace(_points(over.before, f"mean error of {_short(before)}", unit, "measured", "circle"))
+    if over.left is not None:
+        figure.add_trace(
+            go.Scatter(
+                x=over.before.at, y=over.before.other, name="what the effect adds to the model", mode="lines",
+                line={"color": LIGHT["vermillion"], "width": 2.4},
+                hovertemplate=f"the effect: %{{y:.3g}} {unit}<extra></extra>",
+            )
+        )  # fmt: skip
+        figure.add_trace(_points(over.left, "mean error with it", unit, "blue", "square-open"))
+        figure.update_layout(meta={"left": over.left.rms})
+    figure.update_layout(meta={**(figure.layout.meta or {}), "means": over.before.rms, "opposes": over.opposes})
+    figure.update_xaxes(title_text=over.axis)
+    figure.update_yaxes(title_text=label(what, unit))
+    name = f"Error against {over.axis.partition(' [')[0]}"
+    return styled(figure, name, samples.subtitle, height=350)
+
+
+def _points(shown: Means, name: str, unit: str, colour: str, symbol: str) -> Figure:
+    return graph_objects().Scatter(
+        x=shown.at,
+        y=shown.mean,
+        name=f"{name}, 95 % bars",
+        mode="markers",
+        marker={"color": LIGHT[colour], "symbol": symbol, "size": 6},
+        error_y={"type": "data", "array": shown.half, "thickness": 1.2, "width": 2, "color": LIGHT[colour]},
+        hovertemplate=f"{name}: %{{y:.3g}} {unit}<extra></extra>",
+    )
+
+
+def _strength(shown: Means, modelled: bool) -> float:
+    return float(np.mean((shown.other if modelled else shown.mean) ** 2)) if len(shown.at) else 0.0
+
+
+def _short(comparison: Comparison) -> str:
+    name = comparison.drive.model.name
+    return name if len(name) <= 32 else "the model before"
+
+
+def _place(samples: Samples, channel: str, period: float | None) -> tuple[Index, Array, str, float]:
+    """Return the samples, where they lie, the title of that axis, and the period over which they are folded, or 0."""
+    moving = np.flatnonzero(~samples.resting)
+    length = unit_of(DISPLACEMENT, samples.motion)
+    if channel == SINCE_REVERSAL:
+        near = reversals(samples)
+        after = near.select(near.leaving)
+        after = after.select(after.common(after.way))
+        return after.index, after.way, label(SINCE_REVERSAL, length), 0.0
+    if channel == "velocity":
+        return moving, samples.velocity[moving], samples.axis("velocity"), 0.0
+    if channel not in samples.recording or not float(np.ptp(samples.recording[channel])) > 0:
+        raise InputError(f"the channel '{channel}' of recording '{samples.recording.name}' never changes")
+    values = samples.recording[channel][moving]
+    if channel == "position" and period and float(np.ptp(values)) > _PERIODS * period:
+        return moving, np.mod(values, period), label("position within one period", length), period
+    return moving, values, samples.axis(channel), 0.0
+
+
+def stribeck(before: Comparison, after: Comparison | None = None) -> Figure:
+    """Draw friction torque over the speed on a logarithmic axis, both directions, as measured and as modelled.
+
+    Measured is the friction of the model before plus the error; see :attr:`Samples.measured_friction`.
+
+    Args:
+        before: a model and a recording.
+        after: a larger model of the same recording, drawn beside it.
+    """
+    samples, go = Samples.of(before), graph_objects()
+    moving = np.flatnonzero(~samples.resting & (samples.velocity != 0))
+    speed, side = np.abs(samples.velocity[moving]), np.sign(samples.velocity[moving])
+    measured = side * samples.measured_friction[moving]
+    modelled = side * samples.modelled_friction[moving]
+    larger = None
+    if after is not None:
+        larger = modelled + side * (samples.smoothed_error - Samples.of(after).smoothed_error)[moving]
+    low, high = float(np.quantile(speed, 0.01)), float(speed.max())
+    edges = np.geomspace(max(low, 1e-4 * high), high * (1 + 1e-9), _BINS // 2 + 1)
+    figure = go.Figure()
+    piece = samples.recording.run[moving]
+    unit = samples.torque_unit
+    for direction, name, colour, symbol in ((1, "forward", "blue", "circle"), (-1, "backward", "purple", "square")):
+        own = side == direction
+        if np.count_nonzero(own) < _LEAST:
+            continue
+        held = means(speed[own], measured[own], modelled[own], piece[own], edges)
+        figure.add_trace(_points(held, f"measured {name}", unit, colour, symbol))
+        lines = [(f"{_short(before)}, {name}", held.other, "4px,2px", 1.6)]
+        if larger is not None:
+            other = means(speed[own], measured[own], larger[own], piece[own], edges).other
+            lines.append((f"with what was found, {name}", other, "solid", 2.2))
+        for named, values, dash, width in lines:
+            figure.add_trace(
+                go.Scatter(
+                    x=held.at, y=values, name=named, mode="lines",
+                    line={"color": LIGHT[colour], "dash": dash, "width": width},
+                    hovertemplate=f"{named}: %{{y:.3g}} {unit}<extra></extra>",
+                )
+            )  # fmt: skip
+    figure.update_xaxes(title_text=label("speed", samples.unit("velocity")), **logarithmic(edges[[0, -1]].tolist()))
+    figure.update_yaxes(title_text=samples.torque_axis("friction torque"))
+    return styled(figure, "Friction at low speed, both directions", samples.subtitle, height=380)

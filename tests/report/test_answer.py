@@ -1,0 +1,123 @@
+"""The answer box: what comes first, how sure, what is left, and the next command; its figures are those of the docs."""
+
+from __future__ import annotations
+
+import re
+import shlex
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from fricmodels.report.answer import answer, command_line
+from fricmodels.report.reliability import RECORDS
+
+DOCS = Path(__file__).parents[2] / "docs"
+
+
+def data(**own: Any) -> dict[str, Any]:
+    """Return a diagnosis as plain data: gravity was found, and nothing is left."""
+    effect = {"name": "gravity", "class": ["gravity"], "p_value": 1e-12, "held_out_gain": 0.8, "separated_by": ""}
+    return {
+        "dataset": "joint",
+        "model": "coulomb-viscous",
+        "motion": "rotary",
+        "verdict": "missing-effect",
+        "effects": [effect],
+        "unknown": None,
+        "remaining": None,
+        "noise_floor_percent": 3.2,
+        "inertia": {"value": 1.8, "estimated": False},
+        "rms_torque_error": {"band_ms": 5.0, "bands": [{"window_ms": 2.0}, {"window_ms": 5.0}]},
+        "ladder": [step("coulomb-viscous", 60.0), step("coulomb-viscous+gravity", 4.0, "gravity")],
+        "recording": {"source": "my log.csv", "files": None, "columns": ["time=t:ms"], "torque_constant": 0.5},
+        "could_have_been_seen": {},
+        "explanation": "",
+        "note": "",
+        **own,
+    }
+
+
+def step(model: str, error: float, added: str = "") -> dict[str, Any]:
+    return {"model": model, "rms_percent": error, "held_out_rms_percent": error, "added": added}
+
+
+def rest(percent: float, nearest: float) -> dict[str, Any]:
+    near = [{"name": "cogging", "model": "coulomb-viscous+gravity+cogging", "held_out_percent": nearest}]
+    left = {"percent": percent, "SI": 1.0, "channel": "position", "where": "", "place": None, "text": "."}
+    return {**left, "nearest": near}
+
+
+@pytest.mark.parametrize("verdict", [*RECORDS])
+def test_how_often_an_answer_was_wrong_is_what_the_pages_say(verdict: str) -> None:
+    record = RECORDS[verdict]
+    for page, phrases in record.cited.items():
+        assert f"docs/{page}" in record.said
+        text = " ".join(re.sub(r"^> ?", "", (DOCS / page).read_text(encoding="utf-8"), flags=re.MULTILINE).split())
+        for phrase in phrases:
+            assert phrase in text, f"{page} says something else now: write {verdict} anew"
+
+
+def test_one_number_says_how_much_it_matters() -> None:
+    found = answer(data())
+    assert found.sentence == "The model coulomb-viscous lacks one effect: gravity."
+    assert "60.0\u00a0% → 4.00\u00a0%" in found.error
+    assert "noise alone would leave about 3.20\u00a0%" in found.error
+    assert "below one in a million" in found.sure
+    assert "docs/hidden_effects.md" in found.sure
+
+
+def test_what_remains_far_above_noise_is_said_before_what_was_found() -> None:
+    steps = [step("coulomb-viscous", 60.0), step("coulomb-viscous+gravity", 26.9, "gravity")]
+    found = answer(data(ladder=steps, remaining=rest(26.7, 26.0)))
+    assert found.sentence.startswith("26.9\u00a0% of the motor torque remains, far above 3.20\u00a0% of noise")
+    assert found.sentence.index("remains") < found.sentence.index("gravity")
+    assert found.tone == "bad"
+    assert "Record what this log lacks" in found.next
+    assert "--model coulomb-viscous+gravity " in found.command
+
+
+def test_an_effect_that_comes_near_is_offered_with_its_command() -> None:
+    steps = [step("coulomb-viscous", 60.0), step("coulomb-viscous+gravity", 26.9, "gravity")]
+    found = answer(data(ladder=steps, remaining=rest(26.7, 9.0)), ["--leave-out", "drift", "--trust"])
+    assert "26.9\u00a0% → 9.00\u00a0%" in found.next
+    assert shlex.split(found.command)[1] == "compare"
+    assert "coulomb-viscous+gravity+cogging" in found.command
+    assert "--leave-out" not in found.command
+    assert "--trust" in found.command
+
+
+def test_look_alikes_are_told_apart_by_an_experiment() -> None:
+    effect = {**data()["effects"][0], "class": ["gravity", "stiffness"], "separated_by": "a turn and more"}
+    found = answer(data(verdict="undecided", effects=[effect], ladder=[step("coulomb-viscous", 60.0)]))
+    assert "gravity or stiffness" in found.sentence
+    assert found.next == "To tell gravity from stiffness apart: a turn and more."
+    assert found.command == ""
+
+
+def test_a_force_is_called_so() -> None:
+    found = answer(data(motion="linear"))
+    assert "motor force" in found.error
+    assert found.command.endswith("--linear --out joint-model")
+
+
+def test_a_command_reads_the_recording_as_it_was_read() -> None:
+    words = shlex.split(command_line(data(), "improve", "square-root"))
+    assert words[:3] == ["fricmodels", "improve", "my log.csv"]
+    assert words[words.index("--column") + 1] == "time=t:ms"
+    assert words[words.index("--torque-constant") + 1] == "0.5"
+    plain: Mapping[str, Any] = {**data()["recording"], "columns": ["time=time_s", "torque=torque_Nm"]}
+    assert "--column" not in command_line(data(recording=plain), "improve", "square-root")
+
+
+def test_an_answer_without_effects_says_what_it_can() -> None:
+    one = [step("coulomb-viscous", 94.7)]
+    unknown = {"channels": "position", "p_value": 1e-9}
+    found = answer(data(verdict="unknown-effect", effects=[], ladder=one, unknown=unknown, remaining=rest(94.0, 94.0)))
+    assert "no known effect explains" in found.sentence
+    assert "position predicts the error is no chance: p is below" in found.sure
+    adequate = answer(data(verdict="adequate", effects=[], ladder=[step("coulomb-viscous", 3.3)]))
+    assert adequate.tone == "good"
+    assert "none was called adequate" in adequate.sure
+    assert adequate.next.startswith("Use the model")
