@@ -170,7 +170,7 @@ class Drive:
             width: width of rest [velocity].
         """
         given = [signals.get(name, 0.0) for name in self.model.signals]
-        return self._torque(*given, *parameters, *states, width)[0][0]
+        return np.asarray(self._torque(*given, *parameters, *states, width)[0][0])
 
     def states(self, recording: Recording, parameters: Sequence[float] | Array) -> tuple[Array, ...]:
         """Integrate the model's internal states along the recorded motion; empty for a model without memory.

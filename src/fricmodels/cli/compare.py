@@ -5,6 +5,7 @@ from __future__ import annotations
 from fricmodels.cli.measurement import (
     Column,
     Data,
+    Fixed,
     Format,
     GapsOption,
     Inertia,
@@ -30,11 +31,16 @@ def command(
     linear: Linear = False,
     trust: Trust = False,
     gaps: GapsOption = None,
+    fixed: Fixed = False,
     out: Out = None,
     report: Report = None,
 ) -> None:
-    """Fit a model to a recording and show where it fails."""
-    recording, chosen = load(data, model, column, torque_constant, reader, linear, None, inertia, trust, gaps)
+    """Fit a model to a recording and show where it fails.
+
+    The model of a file of `fit` is fitted anew from its numbers; with --fixed it is compared as it is.
+    """
+    given = load(data, model, column, torque_constant, reader, linear, None, inertia, trust, gaps, fixed)
+    recording, chosen = given.recording, given.model
     check(report)
     from rich.console import Console
 
@@ -44,7 +50,7 @@ def command(
     from fricmodels.diagnosis.present import show_comparison
 
     with answered(recording, chosen):
-        comparison = compare(recording, chosen, inertia)
+        comparison = compare(recording, chosen, given.inertia)
         console = Console()
         show_comparison(console, comparison)
         if out is not None:

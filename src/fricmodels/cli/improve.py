@@ -22,7 +22,10 @@ def command(given: Measurement) -> None:
     show_ladder(console, ladder)
     show_comparison(console, ladder.rungs[-1].comparison)
     if given.out is not None:
+        from fricmodels.saved import keep
+
         console.print(f"wrote {write(document(ladder.first, ladder), given.out)}")
+        console.print(f"wrote {keep(ladder).save(given.out / 'model.json')}")
     if given.report is not None:
         from fricmodels.report import story
         from fricmodels.report import write as write_report

@@ -1,0 +1,5 @@
+"""``fricmodels export``: a fitted model for another program."""
+
+
+def command() -> None:
+    """x."""
