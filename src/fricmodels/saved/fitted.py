@@ -183,7 +183,7 @@ class FittedModel:
             InputError: for a missing signal, a missing reference, or a width that is not positive.
         """
         check_at_rest(at_rest, reference, width)
-        call = given(self.model, data, {**signals, **(channels or {}), "velocity": signals.get("velocity")})
+        call = given(self.model, data, {**signals, **(channels or {})})
         if "velocity" not in call.values:
             raise InputError("a compensation needs the velocity; give it as velocity=…")
         z, velocity = self._states(call, states), call.values["velocity"]
@@ -224,7 +224,8 @@ class FittedModel:
     # ---- sample by sample -----------------------------------------------------------------------------------------
 
     @cached_property
-    def _memory(self) -> MemoryStep:
+    def memory(self) -> MemoryStep:
+        """What advances the internal states by a sample; see :meth:`follow`."""
         return MemoryStep(self.model, self.document.rest_width)
 
     def follow(self, before: Along | None, interval: float = 0.0, **signals: float) -> tuple[float, Along]:
@@ -238,7 +239,7 @@ class FittedModel:
             interval: time since the last sample [s].
             signals: the signals at this sample, as of :meth:`torque`.
         """
-        return along(self.model, self._memory, self.torque, self._values, before, interval, signals)
+        return along(self.model, self.memory, self.torque, self._values, before, interval, signals)
 
     def start(self, velocity: float = 0.0, position: float = 0.0, time: float = 0.0) -> Moving:
         """Return a drive at rest or in motion, its internal states as declared, for :meth:`step`."""

@@ -13,7 +13,7 @@ from fricmodels.arrays import Array
 from fricmodels.documents import first_problem
 from fricmodels.errors import InputError
 from fricmodels.model import Model
-from fricmodels.recording import Recording, channel_of
+from fricmodels.recording import RATE, Recording, channel_of
 from fricmodels.saved.document import SCHEMA, ModelDocument
 from fricmodels.stored import read_results
 
@@ -83,7 +83,9 @@ def _stand_in(document: ModelDocument) -> Recording:
     runs = np.repeat(np.array(document.runs, dtype=np.int64), _SAMPLES)
     count = len(runs)
     channels: dict[str, Array] = {"time": np.arange(count, dtype=float) * 1e-3, "torque": rng.uniform(-1.0, 1.0, count)}
-    wanted = {channel_of(name) for term in Model.parse(document.model).terms for name in term.channels}
+    wanted = {
+        channel_of(name).removeprefix(RATE) for term in Model.parse(document.model).terms for name in term.channels
+    }
     for name in {*document.range, *document.units, *wanted} - {"time", "run"}:
         seen = document.range.get(name)
         low, high = (seen.least, seen.greatest) if seen is not None and seen.least < seen.greatest else (-1.0, 1.0)

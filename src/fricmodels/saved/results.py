@@ -15,7 +15,7 @@ from fricmodels.drive import Drive, DriveParameter, rest_width
 from fricmodels.errors import InputError
 from fricmodels.fit import Fit
 from fricmodels.parameter import Parameter
-from fricmodels.recording import CHANNELS, Recording
+from fricmodels.recording import CHANNELS, RATE, Recording
 from fricmodels.saved.document import (
     ModelDocument,
     StoredCovariance,
@@ -57,6 +57,7 @@ def document_of(
     Raises:
         InputError: where a parameter is no number.
     """
+    channels = {signal.removeprefix(RATE) for signal in drive.model.signals}
     whole = [recording] if kept_back is None else [recording, kept_back]
     listed = {p.key: p for p in drive.model_parameters}
     declared = Parameter(drive.inertia_key, "kg m^2", lower=0.0, meaning="inertia")
@@ -86,7 +87,7 @@ def document_of(
         covariance=_covariance(covariance),
         rest_width=rest_width(recording),
         range=_ranges(whole, drive.motion),
-        units={name: unit for name, unit in recording.units.items() if name in drive.model.signals and unit},
+        units={name: unit for name, unit in recording.units.items() if name in channels and unit},
         runs=tuple(np.unique(recording.signal("run")).astype(int).tolist()),
         error=error,
         provenance=_provenance(recording, kept_back, estimator),
