@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 from typing import Annotated
 
@@ -42,6 +43,7 @@ def command(
     What the target cannot express is listed with what it costs, and the nearest model that it can is refitted to the
     recording of --data; without one it is projected over the range in which the model is valid.
     """
+    from fricmodels.cli.boundary import one_line
     from fricmodels.cli.printing import warn
     from fricmodels.dimension import Motion
     from fricmodels.errors import InputError
@@ -67,7 +69,11 @@ def command(
         except UnicodeDecodeError:
             raise InputError(f"{into}: is no text in UTF-8") from None
     done = export_model(kept, to, name=name, recording=recording, into=text, armature=armature)
-    warn(done.notes)
+    grave = [note for note in done.notes if note.startswith("NOT DETERMINED")]
+    for note in done.notes:
+        if note not in grave:
+            print(f"note: {one_line(note)}", file=sys.stderr)
+    warn(grave)
     if out is None:
         print(done.text, end="")
     else:

@@ -111,8 +111,8 @@ class Nearest:
             lines.append(f"'{self.drive.model.name}' was refitted to the recording, nothing was cut off")
         if self.how == "projected":
             lines.append(
-                f"'{self.drive.model.name}' was projected over the range of validity, not refitted: give the recording "
-                f"with --data to have it refitted"
+                f"'{self.drive.model.name}' was projected over the range of validity, not refitted: give the "
+                f"recording, and it will be"
             )
         share = 100 * self.cost / self.torque if self.torque > 0 else 0.0
         if self.how != "exact" or self.cost > 0:
@@ -257,13 +257,14 @@ def _motion(model: FittedModel, recording: Recording | None) -> tuple[Recording,
 
 def motion_over(model: FittedModel) -> Recording:
     """Return a motion that goes through the ranges that a model is valid in, evenly, each channel at its own pace."""
-    time = np.linspace(0.0, 40.0, _SAMPLES)
+    time = np.linspace(*model.ranges.get("time", (0.0, 40.0)), _SAMPLES)
+    passed = 40.0 * np.arange(_SAMPLES) / _SAMPLES
     channels: dict[str, Array] = {"time": time}
     paces = iter(np.sqrt([2.0, 3.0, 5.0, 7.0, 11.0, 13.0, 17.0, 19.0, 23.0, 29.0, 31.0, 37.0]))
     wanted = {*CHANNELS, *(n for n in model.document.units)} | {n for n in model.document.range if n.startswith(OTHER)}
     for name in sorted(wanted - {"time", "current", "torque_rate"}):
         low, high = model.ranges.get(name, (-1.0, 1.0))
-        phase = time * next(paces) / 2.0
+        phase = passed * next(paces) / 2.0
         channels[name] = low + (high - low) * np.abs(2 * (phase % 1.0) - 1)
     run = np.full(_SAMPLES, model.document.runs[0], dtype=np.int64)
     return Recording("range of validity", Motion(model.motion), channels, run, units=dict(model.document.units))
