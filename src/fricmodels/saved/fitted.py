@@ -22,6 +22,7 @@ from fricmodels.saved.document import ModelDocument
 from fricmodels.saved.read import model_of, read_document
 from fricmodels.saved.signals import Given, given
 from fricmodels.saved.states import Along, Moving, along, begun, moved
+from fricmodels.saved.words import described
 
 AtRest: TypeAlias = Literal["none", "reference", "smooth"]
 _TINY = 1e-9
@@ -336,9 +337,7 @@ class FittedModel:
         return hash(self.document.to_json())
 
     def __repr__(self) -> str:
-        from fricmodels.saved.words import described
-
-        return described(self)
+        return described(self.document)
 
 
 def check_at_rest(at_rest: str, reference: object, width: float | None) -> None:

@@ -2,17 +2,12 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
-if TYPE_CHECKING:
-    from fricmodels.saved.document import StoredParameter
-    from fricmodels.saved.fitted import FittedModel
+from fricmodels.saved.document import ModelDocument, StoredParameter
 
 
-def described(model: FittedModel) -> str:
+def described(document: ModelDocument) -> str:
     """Return name, equations, parameters, ranges and the test error of a model, one a line."""
-    document = model.document
-    lines = [f"{model.name}  ({document.motion.value})"]
+    lines = [f"{document.model}  ({document.motion.value})"]
     lines += [f"  {term.name}: {term.equation}" for term in document.terms]
     wide = max(len(key) for key in document.parameters)
     lines += [f"  {key.ljust(wide)} = {_value(p)}" for key, p in document.parameters.items()]
@@ -22,13 +17,13 @@ def described(model: FittedModel) -> str:
         if name != "time"
     ]
     if document.error is not None:
-        lines.append(f"  {error_in_words(model)}")
+        lines.append(f"  {error_in_words(document)}")
     return "\n".join(lines)
 
 
-def error_in_words(model: FittedModel) -> str:
+def error_in_words(document: ModelDocument) -> str:
     """Return the test error and the window over which it is averaged."""
-    error = model.document.error
+    error = document.error
     if error is None:
         return "test error unknown"
     test = "unknown" if error.test_percent is None else f"{error.test_percent:.4g} %"

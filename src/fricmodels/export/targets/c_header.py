@@ -72,7 +72,7 @@ class _Header:
         document = model.document
         lines = [f"{model.name}: friction of a {document.motion.value} drive, J dw/dt = tau_m - tau_L - tau_F.", ""]
         lines += [f"{term.name}: {term.equation}" for term in document.terms]
-        lines += ["", f"Fitted to {document.provenance.recording}; {error_in_words(model)}."]
+        lines += ["", f"Fitted to {document.provenance.recording}; {error_in_words(document)}."]
         lines += [
             f"  {seen_name}: {seen.least:.6g} to {seen.greatest:.6g} {seen.unit}"
             for seen_name, seen in document.range.items()
