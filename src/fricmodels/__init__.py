@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from fricmodels.parameter import Parameter, State
     from fricmodels.readers import read
     from fricmodels.recording import Recording
-    from fricmodels.saved import FittedModel, keep, keep_fit, load
+    from fricmodels.saved import FittedModel, keep, keep_fit, keep_row, load
     from fricmodels.term import Effect, Law
     from fricmodels.tournament import run
 
@@ -50,6 +50,7 @@ _HOMES = {
     "improve": "fricmodels.diagnosis",
     "keep": "fricmodels.saved",
     "keep_fit": "fricmodels.saved",
+    "keep_row": "fricmodels.saved",
     "load": "fricmodels.saved",
     "read": "fricmodels.readers",
     "run": "fricmodels.tournament",
@@ -73,6 +74,7 @@ __all__ = [
     "improve",
     "keep",
     "keep_fit",
+    "keep_row",
     "load",
     "read",
     "run",

@@ -192,6 +192,12 @@ def test_nothing_undetermined_goes_out_in_silence(kept: Callable[..., Any], targ
         ET.fromstring(f"<x xmlns:drake='d'>{done.text}</x>")
 
 
+def test_what_is_behind_a_projection_is_said_too(kept: Callable[..., Any]) -> None:
+    model = kept("coulomb-viscous+stribeck", not_identified={"stribeck.omega_s": "it is vague"})
+    for target in ("urdf", "isaac", "mjcf"):
+        assert "stribeck.omega_s" in " ".join(export_model(model, target, name="elbow").notes)
+
+
 def test_a_linear_axis_has_its_own_units(kept: Callable[..., Any]) -> None:
     model = kept("coulomb-viscous+cogging", motion=fricmodels.dimension.Motion.LINEAR)
     done = export_model(model, "urdf", name="x")

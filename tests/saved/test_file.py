@@ -82,6 +82,23 @@ def test_results_can_be_kept(made: Callable[..., Recording], kind: str) -> None:
     assert model.parameters == dict(last.estimate.parameters)
 
 
+def test_a_row_of_a_leaderboard_can_be_kept(made: Callable[..., Recording]) -> None:
+    recording = made(samples=2000)
+    row = {
+        "model": "coulomb-viscous", "estimator": "batch", "status": "ok",
+        "parameters": {"J": 2.0, "K_v": 0.5, "K_c": 3.0},
+        "standard_errors": {"K_v": 0.1}, "not_identified": {"K_v": "vague"}, "rms_torque_error_percent": 2.0,
+        "held_out_rms_torque_error_percent": 3.0, "rms_torque_error_band_ms": 20.0,
+    }  # fmt: skip
+    model = fricmodels.keep_row(row, recording, 2.0)
+    assert model.torque(velocity=2.0) == pytest.approx(4.0)
+    assert model.not_identified == {"K_v": "vague"}
+    assert model.document.error is not None
+    assert (model.document.error.test_percent, model.document.error.window_ms) == (3.0, 20.0)
+    with pytest.raises(InputError, match="diverged"):
+        fricmodels.keep_row({**row, "status": "diverged"}, recording)
+
+
 def test_what_has_no_model_cannot_be_kept() -> None:
     with pytest.raises(InputError, match="dict cannot be kept"):
         fricmodels.keep({})

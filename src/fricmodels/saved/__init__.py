@@ -7,9 +7,9 @@ from __future__ import annotations
 
 from fricmodels.saved.document import SCHEMA, ModelDocument
 from fricmodels.saved.fitted import FittedModel
-from fricmodels.saved.results import keep, keep_fit
+from fricmodels.saved.results import keep, keep_fit, keep_row
 from fricmodels.saved.states import Along, Moving
 
 load = FittedModel.load
 
-__all__ = ["SCHEMA", "Along", "FittedModel", "ModelDocument", "Moving", "keep", "keep_fit", "load"]
+__all__ = ["SCHEMA", "Along", "FittedModel", "ModelDocument", "Moving", "keep", "keep_fit", "keep_row", "load"]

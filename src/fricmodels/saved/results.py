@@ -164,6 +164,43 @@ def keep_fit(fit: Fit, drive: Drive, recording: Recording) -> FittedModel:
     )
 
 
+def keep_row(row: Mapping[str, Any], recording: Recording, inertia: float | None = None) -> FittedModel:
+    """Return the model of a row of a leaderboard.
+
+    Args:
+        row: of :attr:`fricmodels.tournament.leaderboard.Leaderboard.rows`, or of ``leaderboard.json``.
+        recording: what its parameters were fitted to. inertia: where it was given, not estimated.
+
+    Raises:
+        InputError: where the row has no result.
+    """
+    if row.get("status") != "ok":
+        raise InputError(f"the row of '{row.get('model')}' by {row.get('estimator')} is {row.get('status')}")
+    from fricmodels.model import Model
+
+    drive = Drive(Model.parse(row["model"]).on(recording), inertia, recording.motion)
+    figures = {key: row.get(f"{key}rms_torque_error_percent") for key in ("", "held_out_")}
+    size = 1e-2 * float(np.sqrt(np.mean(recording.torque**2)))
+    error = None
+    if row.get("rms_torque_error_band_ms") is not None and figures[""] is not None:
+        error = StoredError(
+            window_ms=row["rms_torque_error_band_ms"],
+            percent=figures[""],
+            SI=figures[""] * size,
+            test_percent=finite(figures["held_out_"]),
+        )
+    found = document_of(
+        drive,
+        row["parameters"],
+        row.get("standard_errors") or {},
+        recording,
+        not_identified=row.get("not_identified") or {},
+        error=error,
+        estimator=str(row.get("estimator")),
+    )
+    return FittedModel(found)
+
+
 def _at_bound(value: float, own: Parameter, p: DriveParameter | None, values: Mapping[str, float]) -> str:
     def close(bound: float) -> bool:
         return math.isfinite(bound) and abs(value - bound) <= _AT_BOUND * max(abs(bound), abs(value))

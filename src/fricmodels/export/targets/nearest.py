@@ -220,9 +220,15 @@ def _projected(
     values = {**held, **dict(zip((p.key for p in declared), found.tolist(), strict=True))}
     values[drive.inertia_key] = model.inertia
     kept = {k: why for k, why in model.not_identified.items() if k in values}
-    law = {p.symbol for p in drive.model.law.parameters}
-    behind = ", ".join(k for k in model.not_identified if "." not in k and k != drive.inertia_key)
-    return values, {**kept, **(dict.fromkeys(sorted(law), f"it was projected from {behind}") if behind else {})}, None
+    behind = ", ".join(k for k in undetermined(model) if "." not in k or k not in values)
+    law = sorted(p.symbol for p in drive.model.law.parameters)
+    return values, {**kept, **(dict.fromkeys(law, f"it was projected from {behind}") if behind else {})}, None
+
+
+def undetermined(model: FittedModel) -> list[str]:
+    """Return the keys of a model's friction that the recording did not determine; not of links, nor of a recording."""
+    aside = {*OF_RECORDING, *OF_LINKS, "J", "M"}
+    return [k for k in model.not_identified if k.partition(".")[0].partition("(")[0] not in aside]
 
 
 def _left_out(

@@ -11,7 +11,7 @@ from fricmodels.dimension import FORCE
 from fricmodels.errors import InputError, suggestion
 from fricmodels.export.targets import mjcf, simple
 from fricmodels.export.targets.c_header import c_header
-from fricmodels.export.targets.nearest import COULOMB_VISCOUS, MUJOCO, VISCOUS, Dialect, Nearest, nearest
+from fricmodels.export.targets.nearest import COULOMB_VISCOUS, MUJOCO, VISCOUS, Dialect, Nearest, nearest, undetermined
 from fricmodels.recording import Recording
 from fricmodels.saved import FittedModel
 
@@ -71,16 +71,17 @@ def export_model(
         raise InputError(f"unknown target '{target}'{suggestion(target, TARGETS)}")
     if into is not None and target not in _ROOTS:
         raise InputError(f"only {' and '.join(_ROOTS)} are written into a given file; leave --into out for '{target}'")
-    undetermined = tuple(f"NOT DETERMINED by the recording: {k}: {why}" for k, why in model.not_identified.items())
+    vague = tuple(f"NOT DETERMINED by the recording: {k}: {why}" for k, why in model.not_identified.items())
     if target == "c":
-        return Exported(c_header(model, name), undetermined)
+        return Exported(c_header(model, name), vague)
     if target == "json":
-        return Exported(_json(model), undetermined)
+        return Exported(_json(model), vague)
     found = nearest(model, _DIALECTS[target], recording)
     notes = [f"{model.name}, fitted to {model.document.provenance.recording}", *found.notes(FORCE.unit(model.motion))]
     if target == "mjcf":
         text = mjcf.snippet(found, notes, name) if into is None else mjcf.into_xml(into, found, notes, name, armature)
     elif target == "isaac":
+        notes += [f"NOT DETERMINED by the recording, behind 'friction': {key}" for key in undetermined(model)]
         text = simple.isaac(found, notes, name, model)
     elif into is not None:
         text = _into_urdf(into, found, notes, name)
