@@ -192,6 +192,20 @@ def test_nothing_undetermined_goes_out_in_silence(kept: Callable[..., Any], targ
         ET.fromstring(f"<x xmlns:drake='d'>{done.text}</x>")
 
 
+def test_a_constant_is_fitted_once(made: Callable[..., Recording]) -> None:
+    """An asymmetric law is a constant and a symmetric one: MuJoCo has both, whether or not an offset is named."""
+    values = {"K_v1": 0.5, "K_v2": 0.5, "K_c1": 3.5, "K_c2": 2.5}
+    recording = made("asymmetric-coulomb-viscous", values)
+    for name in ("asymmetric-coulomb-viscous", "asymmetric-coulomb-viscous+torque-offset"):
+        model = fricmodels.keep(fricmodels.compare(recording, name, 2.0))
+        for given in (recording, None):
+            found = nearest(model, MUJOCO, given)
+            assert found.parameters["tau_0"] == pytest.approx(0.5, abs=0.02)
+            assert found.parameters["K_c"] == pytest.approx(3.0, abs=0.05)
+            assert "torque-offset.tau_0" not in found.parameters
+            assert found.cost < 0.02 * found.torque
+
+
 def test_what_is_behind_a_projection_is_said_too(kept: Callable[..., Any]) -> None:
     model = kept("coulomb-viscous+stribeck", not_identified={"stribeck.omega_s": "it is vague"})
     for target in ("urdf", "isaac", "mjcf"):

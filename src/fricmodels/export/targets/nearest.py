@@ -153,8 +153,11 @@ def nearest(model: FittedModel, dialect: Dialect, recording: Recording | None = 
         unknown = {names.get(k, k): why for k, why in model.not_identified.items() if names.get(k, k) in values}
         errors = None
     else:
+        chosen = dialect.make()
+        constant = any(p.symbol == "tau_0" for p in chosen.parameters)  # the law has one: another would be the same
+        effects["written"] = [e for e in effects["written"] if not (constant and e.name == "torque-offset")]
         beside = [*effects["written"], *effects["links"], *effects["recording"]]
-        fitted = Drive(Model(dialect.make(), beside), model.drive.inertia, model.motion)
+        fitted = Drive(Model(chosen, beside), model.drive.inertia, model.motion)
         values, unknown, errors = (
             _projected(model, fitted, motion) if recording is None else _refitted(model, fitted, recording)
         )
