@@ -14,7 +14,8 @@ import pytest
 
 from fricmodels import plugins
 from fricmodels.errors import InputError
-from fricmodels.export.targets.c_header import ascii_text, c_header, c_names, comment
+from fricmodels.export.targets.c_header import c_header
+from fricmodels.export.targets.c_text import ascii_text, c_names, comment
 from fricmodels.saved import FittedModel
 
 COMPILER = shutil.which("cc") or shutil.which("gcc") or shutil.which("clang")

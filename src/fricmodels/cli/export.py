@@ -32,6 +32,9 @@ def command(
         float | None,
         typer.Option("--armature", min=0.0, help="Armature to write into that MJCF [kg m²]."),
     ] = None,
+    online: Annotated[
+        str | None, typer.Option("--online", metavar="ekf", help="In C, also a filter that runs beside the drive.")
+    ] = None,
     column: Column = None,
     torque_constant: TorqueConstant = None,
     reader: Format = None,
@@ -68,7 +71,7 @@ def command(
             raise InputError(f"{into}: there is no such file") from None
         except UnicodeDecodeError:
             raise InputError(f"{into}: is no text in UTF-8") from None
-    done = export_model(kept, to, name=name, recording=recording, into=text, armature=armature)
+    done = export_model(kept, to, name=name, recording=recording, into=text, armature=armature, online=online)
     grave = [note for note in done.notes if note.startswith("NOT DETERMINED")]
     for note in done.notes:
         if note not in grave:

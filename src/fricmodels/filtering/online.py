@@ -20,6 +20,11 @@ _RESTING = 0.01
 """Speed of rest over the peak speed: that below which recursive least squares takes a sample for standstill."""
 
 
+def resting_speed(problem: FilterProblem) -> float:
+    """Return the speed [rad/s or m/s] below which a sample is one of rest."""
+    return _RESTING / REST_WIDTH * float(problem.known[0])
+
+
 class ProblemOnline(OnlineFilter):
     """A filter beside the drive: the same compiled step, one sample at a time.
 
@@ -39,7 +44,7 @@ class ProblemOnline(OnlineFilter):
         self._memory = problem.initial_memory() if state is None else np.array(state["memory"], dtype=float)
         self._previous: dict[str, float] | None = None if state is None else state["previous"]
         self._rested = 0.0 if state is None else float(state["rested"])
-        self._resting_speed = _RESTING / REST_WIDTH * float(problem.known[0])
+        self._resting_speed = resting_speed(problem)
         self._constants = problem.constants
         self._at_rest = self._constants.copy()
         walks = len(problem.known) + 1
@@ -77,6 +82,11 @@ class ProblemOnline(OnlineFilter):
             self._memory, _, _ = problem.scan(self._memory, problem.rows(run), constants, stride=problem.substeps)
         self._previous = present
         return self.parameters
+
+    @property
+    def problem(self) -> FilterProblem:
+        """The filter: its step, its numbers, where it starts."""
+        return self._problem
 
     @property
     def state(self) -> dict[str, Any]:

@@ -8,23 +8,17 @@ from collections.abc import Callable, Iterable
 from typing import Any
 
 from fricmodels.errors import InputError
+from fricmodels.export.targets.c_filter import c_filter
+from fricmodels.export.targets.c_text import KEYWORDS, ascii_text, c_names, comment
+from fricmodels.filtering.problem import FilterProblem
 from fricmodels.kernels.c_source import c_lines, literal
 from fricmodels.memory import memory_step
 from fricmodels.recording import channel_of
 from fricmodels.saved import FittedModel
 from fricmodels.saved.words import error_in_words
 
-_KEYWORDS = frozenset(
-    re.findall(
-        r"\w+",
-        "auto break case char const continue default do double else enum extern float for goto if inline int long "
-        "register restrict return short signed sizeof static struct switch typedef union unsigned void volatile while",
-    )
-)
-_WIDTH = 110
 
-
-def c_header(model: FittedModel, name: str = "friction") -> str:
+def c_header(model: FittedModel, name: str = "friction", problem: FilterProblem | None = None) -> str:
     r"""Return a header that computes what :class:`fricmodels.FittedModel` does.
 
     ``NAME_torque`` is τ_F, ``NAME_follow`` the same with internal states advanced by a sample, ``NAME_compensation``
@@ -33,13 +27,14 @@ def c_header(model: FittedModel, name: str = "friction") -> str:
     Args:
         model: to write.
         name: what every name in the header begins with.
+        problem: of a filter that is to run beside the drive, see :func:`fricmodels.export.targets.c_filter.started`.
 
     Raises:
         InputError: for a name that is none in C.
     """
-    if not re.fullmatch(r"[A-Za-z_][A-Za-z0-9_]*", name) or name in _KEYWORDS:
+    if not re.fullmatch(r"[A-Za-z_][A-Za-z0-9_]*", name) or name in KEYWORDS:
         raise InputError(f"'{name}' is no name in C; use letters, digits and _")
-    return _Header(model, name).text()
+    return _Header(model, name).text([] if problem is None else [c_filter(problem, name)])
 
 
 class _Header:
@@ -51,7 +46,8 @@ class _Header:
         self.parameters = dict(zip(keys, c_names(keys), strict=True))
         self.states = bool(model.model.states)
 
-    def text(self) -> str:
+    def text(self, more: Iterable[str] = ()) -> str:
+        """Return the header; ``more`` stands at its end."""
         guard = f"{self.name.upper()}_H"
         parts = [
             self._opening(),
@@ -61,6 +57,7 @@ class _Header:
             self._torque(),
             *([self._follow()] if self.states else []),
             self._compensation(),
+            *more,
             f"#ifdef __cplusplus\n}}\n#endif\n\n#endif /* {guard} */",
         ]
         return "\n\n".join(parts) + "\n"
@@ -239,38 +236,6 @@ class _Header:
                 }}
                 return (above * (1.0 + direction) + below * (1.0 - direction)) / 2.0;
             }}""")
-
-
-def c_names(names: Iterable[str]) -> list[str]:
-    """Return names as C takes them, all different: ``gravity.a`` is ``gravity_a``."""
-    found: list[str] = []
-    for name in names:
-        text = re.sub(r"[^A-Za-z0-9_]+", "_", name).strip("_") or "x"
-        text = f"_{text}" if text[0].isdigit() else text
-        while text in found or text in _KEYWORDS:
-            text += "_"
-        found.append(text)
-    return found
-
-
-def comment(lines: Iterable[str]) -> str:
-    """Return lines as a comment of C, in ASCII, folded; nothing in them ends it."""
-    folded: list[str] = []
-    for line in lines:
-        text = ascii_text(line)
-        folded += textwrap.wrap(text, _WIDTH, subsequent_indent="    ") if text else [""]
-    return "/*\n" + "\n".join(f" * {line}".rstrip() for line in folded) + "\n */"
-
-
-_ASCII = {"ω": "w", "τ": "tau", "·": "*", "−": "-", "₁": "1", "₂": "2", "≥": ">=", "²": "^2", "…": "...", "δ": "delta",
-          "μ": "mu", "σ": "sigma", "α": "alpha", "∞": "inf", "√": "sqrt", "°": "deg", "ż": "dz/dt", "|": "|",
-          "≤": "<=", "∂": "d", "φ": "phi", "θ": "theta"}  # fmt: skip
-
-
-def ascii_text(text: str) -> str:
-    """Return a text in printable ASCII that can stand in a comment of C."""
-    plain = "".join(_ASCII.get(c, c if c.isascii() and c.isprintable() else "?") for c in text)
-    return plain.replace("*/", "* /").replace("/*", "/ *").replace("??", "? ?").replace("\\", "/")
 
 
 def _constant(text: str) -> Callable[[int], str]:

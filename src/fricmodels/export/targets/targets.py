@@ -12,6 +12,7 @@ from fricmodels.errors import InputError, suggestion
 from fricmodels.export.targets import mjcf, simple
 from fricmodels.export.targets.c_header import c_header
 from fricmodels.export.targets.nearest import COULOMB_VISCOUS, MUJOCO, VISCOUS, Dialect, Nearest, nearest, undetermined
+from fricmodels.filtering.problem import FilterProblem
 from fricmodels.recording import Recording
 from fricmodels.saved import FittedModel
 
@@ -50,6 +51,7 @@ def export_model(
     recording: Recording | None = None,
     into: str | None = None,
     armature: float | None = None,
+    online: str | None = None,
 ) -> Exported:
     """Return a fitted model for another program.
 
@@ -63,6 +65,7 @@ def export_model(
         recording: to refit to, as read.
         into: MJCF or URDF in which the joint of this name is changed; a snippet without it.
         armature: to write into that MJCF; the joint's own stays without it.
+        online: in C, a filter that runs beside the drive: ``ekf`` or ``detchmendy-sridhar``; the recording scales it.
 
     Raises:
         InputError: for an unknown target, or XML that has no such joint.
@@ -71,9 +74,11 @@ def export_model(
         raise InputError(f"unknown target '{target}'{suggestion(target, TARGETS)}")
     if into is not None and target not in _ROOTS:
         raise InputError(f"only {' and '.join(_ROOTS)} are written into a given file; leave --into out for '{target}'")
+    if online is not None and target != "c":
+        raise InputError(f"a filter on line is written in C only; leave --online out for '{target}'")
     vague = tuple(f"NOT DETERMINED by the recording: {k}: {why}" for k, why in model.not_identified.items())
     if target == "c":
-        return Exported(c_header(model, name), vague)
+        return Exported(c_header(model, name, _filter(model, online, recording)), vague)
     if target == "json":
         return Exported(_json(model), vague)
     found = nearest(model, _DIALECTS[target], recording)
@@ -89,6 +94,16 @@ def export_model(
         write: Callable[[Nearest, list[str], str], str] = getattr(simple, target)
         text = write(found, notes, name)
     return Exported(text, tuple(notes[1:]), found)
+
+
+def _filter(model: FittedModel, online: str | None, recording: Recording | None) -> FilterProblem | None:
+    if online is None:
+        return None
+    if recording is None:
+        raise InputError(f"'{online}' is scaled and started with a recording; give one with --data")
+    from fricmodels.export.targets.c_filter import started
+
+    return started(model, online, recording)
 
 
 def _into_urdf(text: str, found: Nearest, notes: list[str], joint: str) -> str:
