@@ -17,7 +17,9 @@ from fricmodels import plugins
 from fricmodels.drive import Drive
 from fricmodels.errors import InputError
 from fricmodels.model import Model
+from fricmodels.parameter import Parameter
 from fricmodels.recording import Recording
+from fricmodels.term import Law
 
 
 @pytest.fixture(scope="module")
@@ -172,6 +174,27 @@ def test_a_missing_plugin_is_named(kept: Callable[..., Any], tmp_path: Path) -> 
     message = "needs the effect 'wiper' of fricmodels-wiper 0.3, which is not installed"
     with pytest.raises(InputError, match=re.escape(message)):
         fricmodels.load(path)
+
+
+class Homemade(Law):
+    """A law of a notebook: τ = c ω³."""
+
+    name = "homemade"
+    formula = "τ_F = c·ω³"
+    c = Parameter("c", unit="N m s^3/rad^3")
+
+    def torque(self, s: Any, p: Any) -> Any:
+        """Return c ω³."""
+        return p.c * s.velocity**3
+
+
+def test_a_law_of_a_session_can_be_used_and_says_why_it_cannot_be_loaded(
+    made: Callable[..., Recording], tmp_path: Path
+) -> None:
+    kept = fricmodels.keep(fricmodels.compare(made(samples=3000), Model(Homemade()), 2.0))
+    assert kept.torque(velocity=2.0) == pytest.approx(8.0 * kept.parameters["c"])
+    with pytest.raises(InputError, match="defined in a session"):
+        fricmodels.load(kept.save(tmp_path / "x.model.json"))
 
 
 def test_a_later_version_may_add_keys(kept: Callable[..., Any], tmp_path: Path) -> None:

@@ -163,6 +163,8 @@ def test_outside_of_what_was_recorded(arm: Any) -> None:
         (lambda m: m.torque(velocity=1.0), "position"),
         (lambda m: m.torque(velocity=1.0, position=0.0, speed=2.0), "no signal 'speed'"),
         (lambda m: m.torque([1.0, 2.0]), "velocity=…"),
+        (lambda m: m.torque(velocity=np.zeros(3), position=np.zeros(2)), r"velocity \(3,\), position \(2,\)"),
+        (lambda m: m.torque(velocity="fast", position=0.0), "must be numbers"),
         (lambda m: m.compensation(velocity=0.0, position=0.0, at_rest="smooth"), "width"),
         (lambda m: m.compensation(velocity=0.0, position=0.0, at_rest="reference"), "reference"),
         (lambda m: m.compensation(velocity=0.0, position=0.0, at_rest="soft"), "'none'"),

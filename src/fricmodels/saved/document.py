@@ -26,7 +26,7 @@ class StoredTerm(_Part):
 
     Attributes:
         name: as in the model's name. kind: ``law`` or ``effect``.
-        equation: in plain text. distribution, version: what must be installed to use it.
+        equation: in plain text. distribution, version: what must be installed to use it; empty where nothing brings it.
     """
 
     name: str

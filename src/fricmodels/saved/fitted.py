@@ -39,14 +39,15 @@ class FittedModel:
     Args:
         document: what stands in its file.
         place: where it came from, for errors.
+        model: the model itself, where it is at hand; looked up by its name if not.
 
     Raises:
         InputError: where a law or an effect is not installed.
     """
 
-    def __init__(self, document: ModelDocument, place: str = "this model") -> None:
+    def __init__(self, document: ModelDocument, place: str = "this model", model: Model | None = None) -> None:
         self.document = document
-        self.model: Model = model_of(document, place)
+        self.model: Model = model_of(document, place) if model is None else model
         inertia = next(iter(document.parameters.values()))
         self.drive = Drive(self.model, inertia.value if inertia.given else None, document.motion)
 

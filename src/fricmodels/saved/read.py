@@ -14,7 +14,7 @@ from fricmodels.documents import first_problem
 from fricmodels.errors import InputError
 from fricmodels.model import Model
 from fricmodels.recording import RATE, Recording, channel_of
-from fricmodels.saved.document import SCHEMA, ModelDocument
+from fricmodels.saved.document import SCHEMA, ModelDocument, StoredTerm
 from fricmodels.stored import read_results
 
 AGAIN = "fricmodels fit DATA --model M --out FILE.model.json"
@@ -54,15 +54,11 @@ def model_of(document: ModelDocument, place: str = "this model") -> Model:
         registry = registered.laws if term.kind == "law" else registered.effects
         name = term.name.partition("(")[0]
         if name not in registry and name != "no-friction":
-            version = f" {term.version}" if term.version else ""
             try:
                 registry.entry(name)
             except InputError as error:
                 why = f" ({error})" if isinstance(error, plugins.LeftOut) else ""
-                raise InputError(
-                    f"{place}: needs the {term.kind} '{name}' of {term.distribution}{version}, which is not "
-                    f"installed; install it with: pip install {term.distribution}{why}"
-                ) from None
+                raise InputError(f"{place}: {_missing(term, name)}{why}") from None
         danger = registry.danger(name)
         if danger is not None:
             raise InputError(f"{place}: {term.kind} '{name}' of {term.distribution} cannot be used here: {danger}")
@@ -75,6 +71,19 @@ def model_of(document: ModelDocument, place: str = "this model") -> Model:
             f"'{missing[0]}'; fit it again with this version: {AGAIN}"
         )
     return model
+
+
+def _missing(term: StoredTerm, name: str) -> str:
+    if not term.distribution:
+        return (
+            f"needs the {term.kind} '{name}', which was defined in a session and is in no distribution; put it into a "
+            f"plugin, see docs/plugins.md"
+        )
+    version = f" {term.version}" if term.version else ""
+    return (
+        f"needs the {term.kind} '{name}' of {term.distribution}{version}, which is not installed; install it with: "
+        f"pip install {term.distribution}"
+    )
 
 
 def _stand_in(document: ModelDocument) -> Recording:

@@ -119,7 +119,8 @@ def keep(result: object) -> FittedModel:
     found, line = comparison.estimate, comparison.errors.headline
     keys = tuple(found.standard_errors)
     return FittedModel(
-        document_of(
+        model=comparison.drive.model,
+        document=document_of(
             comparison.drive,
             found.parameters,
             found.standard_errors,
@@ -135,7 +136,7 @@ def keep(result: object) -> FittedModel:
                 test_SI=finite(line.held_out_SI),
                 noise_floor_percent=finite(line.noise_floor_percent),
             ),
-        )
+        ),
     )
 
 
@@ -216,8 +217,8 @@ def _terms(drive: Drive) -> tuple[StoredTerm, ...]:
     for term in drive.model.terms:
         kind, registry = ("law", registered.laws) if term is drive.model.law else ("effect", registered.effects)
         name = term.name.partition("(")[0]
-        known = name in registry  # one of a notebook is not: it is asked for by name when the file is read
-        owner = registry.entry(name).distribution if known else type(term).__module__.partition(".")[0]
+        known = name in registry  # one of a notebook is not, and no other session will find it
+        owner = registry.entry(name).distribution if known else ""
         terms.append(
             StoredTerm(
                 name=term.name,

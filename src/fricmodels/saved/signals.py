@@ -74,7 +74,7 @@ def given(model: Model, data: object, named: Mapping[str, ArrayLike | None]) -> 
     for name, value in named.items():
         if name not in known and value is not None:
             raise InputError(f"'{model.name}' knows no signal '{name}'{suggestion(name, known)}")
-    values = {name: np.asarray(value, dtype=float) for name, value in named.items() if value is not None}
+    values = {name: _numbers(name, value) for name, value in named.items() if value is not None}
     index, run = None, None
     if isinstance(data, Recording):
         values = {**_of_recording(model, data), **values}
@@ -84,12 +84,23 @@ def given(model: Model, data: object, named: Mapping[str, ArrayLike | None]) -> 
         index = table.index
         values = {**_of_table(table, known - set(values)), **values}
     _check(model, values)
-    shape = np.broadcast_shapes(*(value.shape for value in values.values())) if values else ()
+    try:
+        shape = np.broadcast_shapes(*(value.shape for value in values.values()))
+    except ValueError:
+        sizes = ", ".join(f"{name} {value.shape}" for name, value in values.items() if value.ndim)
+        raise InputError(f"signals of one call have one shape, or are numbers; these differ: {sizes}") from None
     flat = {name: np.broadcast_to(v, shape).ravel() if v.ndim else v for name, v in values.items()}
     time = flat.get("time")
     if run is None and "run" in flat:
         run = np.broadcast_to(flat["run"], shape).ravel().astype(np.int64)
     return Given(flat, shape, index, None if time is None or time.ndim == 0 else time, run)
+
+
+def _numbers(name: str, value: ArrayLike) -> Array:
+    try:
+        return np.asarray(value, dtype=float)
+    except (TypeError, ValueError):
+        raise InputError(f"signal '{name}' must be numbers, got {type(value).__name__}") from None
 
 
 def _table(data: object) -> pd.DataFrame:
