@@ -136,6 +136,7 @@ def changed(text: str, **changes: Any) -> str:
         ({"motion": "spiral"}, "motion"),
         ({"rest_width": -1.0}, "rest_width"),
         ({"model": "square-root"}, "parameters|K_v"),
+        ({"motion": "linear"}, "'M'"),
         ({"covariance": {"keys": ["K_v"], "values": [[1.0, 2.0]]}}, "rows"),
     ],
 )

@@ -40,14 +40,13 @@ def command(
     """
     given = load(data, model, column, torque_constant, reader, linear, None, inertia, trust, gaps)
     from fricmodels.cli.answers import answered
+    from fricmodels.cli.printing import warn
     from fricmodels.diagnosis import compare
     from fricmodels.saved import keep
 
     with answered(given.recording, given.model):
         kept = keep(compare(given.recording, given.model, given.inertia))
     print(kept)
-    for key, reason in kept.not_identified.items():
-        from fricmodels.cli.printing import warn
-
-        warn([f"'{key}' is not determined by this recording: {reason}"])
+    warn([f"the fit did not end well: {message}"] if (message := kept.document.provenance.message) else [])
+    warn(f"'{key}' is not determined by this recording: {reason}" for key, reason in kept.not_identified.items())
     print(f"wrote {kept.save(out)}")

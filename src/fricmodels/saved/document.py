@@ -103,7 +103,8 @@ class StoredProvenance(_Part):
         recording: name of the recording. files: names of its files. sha256: of the file's bytes.
         checksum: of the channels that were fitted. reader: what read the file.
         samples_fitted, samples_kept_back: how many. interval: sampling interval [s].
-        estimator: what found the numbers. findings: what the log check said.
+        estimator: what found the numbers. message: why the fit did not end well; empty where it did.
+        findings: what the log check said.
         versions: of this package, what it computes with, and the plugins.
     """
 
@@ -116,6 +117,7 @@ class StoredProvenance(_Part):
     samples_kept_back: int = 0
     interval: Number | None = None
     estimator: str = "weak form"
+    message: str = ""
     findings: tuple[str, ...] = ()
     versions: dict[str, str] = Field(default_factory=dict)
 

@@ -11,6 +11,7 @@ from pydantic import ValidationError
 from fricmodels import plugins
 from fricmodels.arrays import Array
 from fricmodels.documents import first_problem
+from fricmodels.drive import Drive
 from fricmodels.errors import InputError
 from fricmodels.model import Model
 from fricmodels.recording import RATE, Recording, channel_of
@@ -63,7 +64,8 @@ def model_of(document: ModelDocument, place: str = "this model") -> Model:
         if danger is not None:
             raise InputError(f"{place}: {term.kind} '{name}' of {term.distribution} cannot be used here: {danger}")
     model = Model.parse(document.model).on(_stand_in(document))
-    known, stored = [p.key for p in model.parameters], list(document.parameters)[1:]
+    inertia = Drive(model, None, document.motion).inertia_key
+    known, stored = [inertia, *(p.key for p in model.parameters)], list(document.parameters)
     if known != stored:
         missing = [key for key in known if key not in stored] or [key for key in stored if key not in known] or known
         raise InputError(

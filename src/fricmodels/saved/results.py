@@ -42,6 +42,7 @@ def document_of(
     kept_back: Recording | None = None,
     error: StoredError | None = None,
     estimator: str = "weak form",
+    message: str = "",
 ) -> ModelDocument:
     """Return the document of a fitted model.
 
@@ -52,7 +53,7 @@ def document_of(
         not_identified: key → reason.
         covariance: keys and matrix, where it is known.
         error: how far off the model is.
-        estimator: what found the numbers.
+        estimator: what found the numbers. message: why the fit did not end well.
 
     Raises:
         InputError: where a parameter is no number.
@@ -90,7 +91,7 @@ def document_of(
         units={name: unit for name, unit in recording.units.items() if name in channels and unit},
         runs=tuple(np.unique(recording.signal("run")).astype(int).tolist()),
         error=error,
-        provenance=_provenance(recording, kept_back, estimator),
+        provenance=_provenance(recording, kept_back, estimator, message),
     )
 
 
@@ -128,6 +129,7 @@ def keep(result: object) -> FittedModel:
             not_identified=found.not_identified,
             covariance=None if found.covariance is None else (keys, found.covariance),
             kept_back=comparison.test,
+            message=found.message,
             error=StoredError(
                 window_ms=line.window_ms,
                 percent=line.percent,
@@ -249,7 +251,7 @@ def _ranges(parts: list[Recording], motion: Motion) -> dict[str, StoredRange]:
     return found
 
 
-def _provenance(recording: Recording, kept_back: Recording | None, estimator: str) -> StoredProvenance:
+def _provenance(recording: Recording, kept_back: Recording | None, estimator: str, message: str) -> StoredProvenance:
     known = recording.provenance
     files = list(known.get("files") or ([known["source"]] if known.get("source") else []))
     return StoredProvenance(
@@ -262,6 +264,7 @@ def _provenance(recording: Recording, kept_back: Recording | None, estimator: st
         samples_kept_back=0 if kept_back is None else len(kept_back),
         interval=finite(recording.interval),
         estimator=estimator,
+        message=message,
         findings=tuple(str(one.get("text", one)) for one in known.get("findings", ())),
         versions=plugins.versions(),
     )
