@@ -112,6 +112,16 @@ def test_a_bound_that_was_hit_is_said(kept: Callable[..., Any]) -> None:
     assert bounds == {"J": "", "K_v": "lower", "K_c": "at least C", "C": "", "B": ""}
 
 
+def test_what_changes_nothing_has_no_error_of_zero(made: Callable[..., Recording]) -> None:
+    recording = made(samples=2000)
+    row = {
+        "model": "coulomb-viscous", "estimator": "batch", "status": "ok",
+        "parameters": {"J": 2.0, "K_v": 0.5, "K_c": 3.0}, "standard_errors": {"K_v": 0.0, "K_c": 0.0},
+        "not_identified": {"K_v": "it changes nothing"},
+    }  # fmt: skip
+    assert fricmodels.keep_row(row, recording).standard_errors == {"K_c": 0.0}
+
+
 def changed(text: str, **changes: Any) -> str:
     content = json.loads(text)
     for path, value in changes.items():
@@ -189,12 +199,12 @@ class Homemade(Law):
         return p.c * s.velocity**3
 
 
-def test_a_law_of_a_session_can_be_used_and_says_why_it_cannot_be_loaded(
+def test_a_law_of_a_notebook_can_be_used_and_says_why_it_cannot_be_loaded(
     made: Callable[..., Recording], tmp_path: Path
 ) -> None:
     kept = fricmodels.keep(fricmodels.compare(made(samples=3000), Model(Homemade()), 2.0))
     assert kept.torque(velocity=2.0) == pytest.approx(8.0 * kept.parameters["c"])
-    with pytest.raises(InputError, match="defined in a session"):
+    with pytest.raises(InputError, match="defined in a notebook"):
         fricmodels.load(kept.save(tmp_path / "x.model.json"))
 
 

@@ -78,8 +78,8 @@ def model_of(document: ModelDocument, place: str = "this model") -> Model:
 def _missing(term: StoredTerm, name: str) -> str:
     if not term.distribution:
         return (
-            f"needs the {term.kind} '{name}', which was defined in a session and is in no distribution; put it into a "
-            f"plugin, see docs/plugins.md"
+            f"needs the {term.kind} '{name}', which was defined in a notebook or a script and is in no distribution; "
+            f"put it into a plugin, see docs/plugins.md"
         )
     version = f" {term.version}" if term.version else ""
     return (

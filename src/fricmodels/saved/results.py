@@ -69,11 +69,12 @@ def document_of(
             raise InputError(f"'{drive.model.name}' has no value for '{key}': this fit cannot be kept")
         own = listed[key].declared if key in listed else declared
         given = key == drive.inertia_key and drive.inertia is not None
+        spread = standard_errors.get(key)  # 0 of what changes nothing: it is not known, not certain
         stored[key] = StoredParameter(
             value=value,
             unit=own.unit_for(drive.motion),
             meaning=own.meaning,
-            standard_error=None if given else finite(standard_errors.get(key)),
+            standard_error=None if given or (key in not_identified and not spread) else finite(spread),
             given=given,
             identified=key not in not_identified,
             reason=str(not_identified.get(key, "")),
@@ -219,7 +220,7 @@ def _terms(drive: Drive) -> tuple[StoredTerm, ...]:
     for term in drive.model.terms:
         kind, registry = ("law", registered.laws) if term is drive.model.law else ("effect", registered.effects)
         name = term.name.partition("(")[0]
-        known = name in registry  # one of a notebook is not, and no other session will find it
+        known = name in registry  # one of a notebook is not, and nothing else will find it
         owner = registry.entry(name).distribution if known else ""
         terms.append(
             StoredTerm(

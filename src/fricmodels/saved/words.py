@@ -7,7 +7,7 @@ from fricmodels.saved.document import ModelDocument, StoredParameter
 
 def described(document: ModelDocument) -> str:
     """Return name, equations, parameters, ranges and the test error of a model, one a line."""
-    lines = [f"{document.model}  ({document.motion.value})"]
+    lines = [f"{document.model}  ({document.motion.value}; ± is half the 95 % interval)"]
     lines += [f"  {term.name}: {term.equation}" for term in document.terms]
     wide = max(len(key) for key in document.parameters)
     lines += [f"  {key.ljust(wide)} = {_value(p)}" for key, p in document.parameters.items()]
