@@ -9,7 +9,7 @@ from fricmodels import plugins
 from fricmodels.diagnosis.look_alikes import declared
 from fricmodels.diagnosis.policy import Policy
 from fricmodels.dimension import Motion
-from fricmodels.model import Model, NoFriction
+from fricmodels.model import Model
 from fricmodels.recording import channel_of
 from fricmodels.term import Effect
 

@@ -14,6 +14,7 @@ from fricmodels.dimension import Motion
 from fricmodels.drive import Drive
 from fricmodels.model import Model
 from fricmodels.recording import Recording
+from fricmodels.saved import FittedModel
 
 Made = Callable[..., Recording]
 
@@ -72,6 +73,53 @@ def made() -> Made:
         measured["position"] = measured["position"] + 0.01 * size * rng.standard_normal(samples)
         measured["torque"] = torque.reshape(samples, _FINE).mean(axis=1)
         return Recording("made", motion, measured, np.zeros(samples, dtype=np.int64))
+
+    return build
+
+
+Kept = Callable[..., FittedModel]
+
+
+@pytest.fixture(scope="session")
+def kept() -> Kept:
+    """``kept("coulomb-viscous+cogging", {"cogging.a": 0.5})`` returns a fitted model with these numbers, not fitted.
+
+    What is not given is as declared, in the middle of its scan, or a number between its bounds.
+    """
+    from fricmodels.saved.results import document_of
+
+    def build(
+        name: str,
+        values: Mapping[str, float] | None = None,
+        *,
+        inertia: float | None = INERTIA,
+        motion: Motion = Motion.ROTARY,
+        seed: int = 0,
+        not_identified: Mapping[str, str] | None = None,
+    ) -> FittedModel:
+        rng = np.random.default_rng(seed)
+        count = 400
+        channels = {c: rng.uniform(-5, 5, count) for c in ("velocity", "position", "acceleration", "torque")}
+        channels |= {"load_torque": rng.uniform(-2, 2, count), "temperature": rng.uniform(0, 40, count)}
+        channels |= {f"other.j2_{c}": rng.uniform(-3, 3, count) for c in ("position", "velocity", "acceleration")}
+        channels["time"] = np.arange(count) * 0.002
+        units = {"other.j2_position": "rad", "other.j2_velocity": "rad/s", "other.j2_acceleration": "rad/s^2"}
+        run = (np.arange(count) >= count // 2).astype(np.int64)
+        recording = Recording("made up", motion, channels, run, units=units)
+        drive = Drive(Model.parse(name).on(recording), inertia, motion)
+        chosen = {drive.inertia_key: INERTIA}
+        for p in reversed(drive.model.parameters):  # a stick torque comes before the slip torque that it is above
+            own = p.declared
+            low, high = max(own.lower, -1.0), min(own.upper, max(own.lower, -1.0) + 2.0)
+            drawn = own.scan[len(own.scan) // 2] if own.scan else own.initial or float(rng.uniform(low, high))
+            chosen[p.key] = max(drawn, chosen.get(p.at_least or "", -np.inf))
+        for p in drive.model.parameters:
+            if p.at_least:
+                chosen[p.key] = max(chosen[p.key], 1.3 * chosen[p.at_least])
+        chosen |= values or {}
+        return FittedModel(
+            document_of(drive, chosen, {}, recording, not_identified=not_identified or {}), "the model of a test"
+        )
 
     return build
 

@@ -25,8 +25,8 @@ def commands(page: Path) -> list[str]:
     return [line.removeprefix("$ ") for line in lines if line.removeprefix("$ ").startswith("fricmodels ")]
 
 
-ELSEWHERE = {"write-a-law.md"}
-"""The tutorial needs Python and a new distribution between its commands: tests/scaffold executes it."""
+ELSEWHERE = {"write-a-law.md", "models.md"}
+"""They need Python between their commands: tests/scaffold and tests/saved/test_page.py execute them."""
 WITH_COMMANDS = [page for page in PAGES if commands(page) and page.name not in ELSEWHERE]
 
 

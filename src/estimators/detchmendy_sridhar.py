@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any, Literal
 
 import numpy as np
@@ -17,6 +18,7 @@ from fricmodels.filtering.covariance import symbolic_covariance, symbolic_pack, 
 from fricmodels.filtering.normalisation import NormalisedSpace, normalised_space
 from fricmodels.filtering.preparation import REST_WIDTH, Hold, paper_scales, peak_speed, scanned_guess
 from fricmodels.filtering.problem import diverged, initial_states, unidentified
+from fricmodels.filtering.stored_problem import checked_state, problem_of
 from fricmodels.filtering.substeps import stable_substeps
 from fricmodels.kernels import Scan
 from fricmodels.recording import Recording
@@ -140,7 +142,12 @@ class DetchmendySridhar(SequentialEstimator):
 
     def start(self, drive: Drive, recording: Recording) -> OnlineFilter:
         """Return the filter before its first sample."""
-        return ProblemOnline(self._problem(drive, usable(drive, recording)))
+        return ProblemOnline(self._problem(drive, usable(drive, recording)), self.name)
+
+    def resume(self, state: Mapping[str, Any]) -> OnlineFilter:
+        """Return a filter that goes on where one was saved; the settings are the saved ones."""
+        saved = checked_state(state, self.name)
+        return ProblemOnline(problem_of(saved["problem"], detchmendy_sridhar_step), self.name, saved)
 
     def _problem(self, drive: Drive, recording: Recording) -> FilterProblem:
         settings = self.settings

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any, Literal
 
 import numpy as np
@@ -11,7 +12,9 @@ from fricmodels.arrays import Array
 from fricmodels.drive import Drive
 from fricmodels.estimator import OnlineFilter, SequentialEstimator, usable
 from fricmodels.filtering import FilterProblem, KalmanEstimator, KalmanSettings, ProblemOnline, Trajectory, transition
+from fricmodels.filtering.kalman import kalman_step
 from fricmodels.filtering.normalisation import NormalisedSpace
+from fricmodels.filtering.stored_problem import checked_state, problem_of
 from fricmodels.kernels import Scan
 from fricmodels.recording import Recording
 
@@ -41,7 +44,12 @@ class ExtendedKalman(KalmanEstimator, SequentialEstimator):
 
     def start(self, drive: Drive, recording: Recording) -> OnlineFilter:
         """Return the filter before its first sample; it runs compiled whatever the engine."""
-        return ProblemOnline(self.problem(drive, usable(drive, recording)))
+        return ProblemOnline(self.problem(drive, usable(drive, recording)), self.name)
+
+    def resume(self, state: Mapping[str, Any]) -> OnlineFilter:
+        """Return a filter that goes on where one was saved; the settings are the saved ones."""
+        saved = checked_state(state, self.name)
+        return ProblemOnline(problem_of(saved["problem"], kalman_step), self.name, saved)
 
 
 def prediction_step(space: NormalisedSpace) -> Any:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections import deque
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -25,6 +26,7 @@ from fricmodels.filtering.preparation import (
     velocity_noise,
 )
 from fricmodels.filtering.problem import HISTORY_ROWS
+from fricmodels.filtering.stored_problem import SCHEMA, checked_state, drive_document, drive_of
 from fricmodels.kernels import Scan
 from fricmodels.recording import Recording, channel_of
 
@@ -32,14 +34,20 @@ Array = NDArray[np.float64]
 
 _VAGUE = 1e6
 """Initial variance of the normalised parameters."""
+_MOST = 10 * _VAGUE
+"""Greatest variance with which anything is forgotten."""
 
 
-def recursive_step(order: int) -> Any:
+def recursive_step(order: int, most: float = math.inf) -> Any:
     r"""Build one step of recursive least squares for :class:`fricmodels.kernels.Scan`.
 
     .. math::
         k = \frac{P a}{\lambda + a^T P a},\quad \theta \leftarrow \theta + k (z - a^T\theta),\quad
-        P \leftarrow (P - k a^T P)/\lambda
+        P \leftarrow [(I - k a^T) P (I - k a^T)^T + \lambda k k^T]/\lambda
+
+    which is (P − k aᵀP)/λ, written such that rounding leaves P positive definite (Joseph). Where a parameter is not
+    excited for long, forgetting would let its variance grow without end (wind-up); while the greatest variance is above
+    ``most``, nothing is forgotten.
 
     A row with ``use`` zero changes nothing. State: ``[θ; lower triangle of P]``. Input: ``[a…, z, use]``.
     Constant: ``[λ]``. Output: ``[θ; diagonal of P]``.
@@ -50,9 +58,12 @@ def recursive_step(order: int) -> Any:
     z, use, forgetting = (casadi.SX.sym(name) for name in ("z", "use", "forgetting"))
     triangle, covariance = symbolic_covariance(order)
     reach = casadi.mtimes(covariance, a)
-    gain = reach / (forgetting + casadi.dot(a, reach))
+    wound_up = casadi.mmax(casadi.diag(covariance)) > most
+    kept = casadi.if_else(wound_up, 1, forgetting)
+    gain = reach / (kept + casadi.dot(a, reach))
     estimate = theta + use * gain * (z - casadi.dot(a, theta))
-    shrunk = (covariance - casadi.mtimes(gain, reach.T)) / forgetting
+    once = covariance - casadi.mtimes(gain, reach.T)
+    shrunk = (once - casadi.mtimes(casadi.mtimes(once, a), gain.T) + kept * casadi.mtimes(gain, gain.T)) / kept
     posterior = covariance + use * (shrunk - covariance)
     state = casadi.vertcat(estimate, symbolic_pack(posterior))
     return casadi.Function(
@@ -144,6 +155,20 @@ class RecursiveLeastSquares(SequentialEstimator):
         """Return the estimator before its first sample."""
         return _Online(self._problem(drive, usable(drive, recording)))
 
+    def resume(self, state: Mapping[str, Any]) -> OnlineFilter:
+        """Return an estimator that goes on where one was saved; the settings are the saved ones."""
+        saved = checked_state(state, self.name)
+        problem = saved["problem"]
+        names = ("window", "smoothing", "peak", "torque", "omega")
+        design = Design(
+            drive=drive_of(problem),
+            keys=tuple(problem["estimated"]),
+            fixed=dict(problem["fixed"]),
+            **{name: problem[name] for name in names},
+        )
+        step = Scan(recursive_step(len(design.keys), _MOST))
+        return _Online(_Problem(design.drive, design, step, float(problem["forgetting"])), saved)
+
     def _problem(self, drive: Drive, recording: Recording) -> _Problem:
         if drive.model.states:
             raise EstimationError(
@@ -170,7 +195,7 @@ class RecursiveLeastSquares(SequentialEstimator):
             omega=dominant_frequency(recording),
         )
         forgetting = float(np.exp(-1 / (self.settings.memory * per_cycle)))
-        return _Problem(drive, design, Scan(recursive_step(len(design.keys))), forgetting)
+        return _Problem(drive, design, Scan(recursive_step(len(design.keys), _MOST)), forgetting)
 
 
 def _window(recording: Recording, inertia: float, per_cycle: float) -> int:
@@ -192,10 +217,11 @@ def _smoothing(recording: Recording, change: float) -> int:
 
 
 class _Online(OnlineFilter):
-    def __init__(self, problem: _Problem) -> None:
+    def __init__(self, problem: _Problem, state: Mapping[str, Any] | None = None) -> None:
         self._problem = problem
-        self._memory = problem.initial_memory()
-        self._samples: deque[dict[str, float]] = deque(maxlen=problem.design.length)
+        self._memory = problem.initial_memory() if state is None else np.array(state["memory"], dtype=float)
+        before = () if state is None else (dict(sample) for sample in state["samples"])
+        self._samples: deque[dict[str, float]] = deque(before, maxlen=problem.design.length)
         needs = [channel_of(name) for name in problem.drive.model.needs - {"acceleration"}]
         self._channels = tuple(dict.fromkeys(["time", "torque", "velocity", "load_torque", *needs]))
 
@@ -219,6 +245,28 @@ class _Online(OnlineFilter):
             rows = self._problem.design.windows(Recording("online", self._problem.drive.motion, channels, run))
             self._memory, _, _ = self._problem.scan(self._memory, rows[-1:], [self._problem.forgetting])
         return self.parameters
+
+    @property
+    def state(self) -> dict[str, Any]:
+        """All that it knows and remembers, as plain data."""
+        design = self._problem.design
+        return {
+            "schema": SCHEMA,
+            "estimator": RecursiveLeastSquares.name,
+            "problem": {
+                **drive_document(design.drive),
+                "estimated": list(design.keys),
+                "fixed": dict(design.fixed),
+                "window": design.window,
+                "smoothing": design.smoothing,
+                "peak": float(design.peak),
+                "torque": float(design.torque),
+                "omega": float(design.omega),
+                "forgetting": self._problem.forgetting,
+            },
+            "memory": self._memory.tolist(),
+            "samples": [dict(sample) for sample in self._samples],
+        }
 
     @property
     def parameters(self) -> dict[str, float]:

@@ -1,7 +1,8 @@
 """Find out what friction really does in a drive: fit, rank and diagnose friction models on measured recordings.
 
 Five names do the whole loop: :func:`read` a recording, :func:`compare` a model with it, :func:`diagnose` what is
-missing, :func:`improve` the model, :func:`run` a tournament.
+missing, :func:`improve` the model, :func:`run` a tournament. Two more make it last: :func:`keep` the model of a result,
+:func:`load` it from its file.
 
 Names are imported when first used, so that ``import fricmodels`` is quick.
 """
@@ -26,6 +27,7 @@ if TYPE_CHECKING:
     from fricmodels.parameter import Parameter, State
     from fricmodels.readers import read
     from fricmodels.recording import Recording
+    from fricmodels.saved import FittedModel, keep, keep_fit, keep_row, load
     from fricmodels.term import Effect, Law
     from fricmodels.tournament import run
 
@@ -36,6 +38,7 @@ _HOMES = {
     "Effect": "fricmodels.term",
     "Estimator": "fricmodels.estimator",
     "Fit": "fricmodels.fit",
+    "FittedModel": "fricmodels.saved",
     "Law": "fricmodels.term",
     "Model": "fricmodels.model",
     "Parameter": "fricmodels.parameter",
@@ -45,6 +48,10 @@ _HOMES = {
     "compare": "fricmodels.diagnosis",
     "diagnose": "fricmodels.diagnosis",
     "improve": "fricmodels.diagnosis",
+    "keep": "fricmodels.saved",
+    "keep_fit": "fricmodels.saved",
+    "keep_row": "fricmodels.saved",
+    "load": "fricmodels.saved",
     "read": "fricmodels.readers",
     "run": "fricmodels.tournament",
 }
@@ -54,6 +61,7 @@ __all__ = [
     "Effect",
     "Estimator",
     "Fit",
+    "FittedModel",
     "Law",
     "Model",
     "Parameter",
@@ -64,6 +72,10 @@ __all__ = [
     "diagnose",
     "hookimpl",
     "improve",
+    "keep",
+    "keep_fit",
+    "keep_row",
+    "load",
     "read",
     "run",
 ]
@@ -82,3 +94,7 @@ def __getattr__(name: str) -> Any:
     if name in _HOMES:
         return getattr(importlib.import_module(_HOMES[name]), name)
     raise AttributeError(f"module 'fricmodels' has no attribute '{name}'")
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})

@@ -9,6 +9,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from fricmodels.arrays import Array
 from fricmodels.dimension import INERTIA, Dimension, Motion, Scales
@@ -145,13 +146,31 @@ class Drive:
             states: one array for each internal state of the model; by default they are integrated along the motion.
             width: width of rest [velocity]; see :func:`fricmodels.expressions.power`.
         """
-        signals = self._signals(recording, velocity)
+        signals = dict(zip(self.model.signals, self._signals(recording, velocity), strict=True))
         _, parameters = self.split(values)
         chosen = rest_width(recording) if width is None else width
         if states is None:
             states = self.states(recording, parameters)
-        (torque,) = self._torque(*signals, *parameters, *states, chosen)
-        return np.broadcast_to(torque[0], (len(recording),)).copy() if torque.shape[1] == 1 else torque[0]
+        torque = self.torque_of(signals, parameters, states, chosen)
+        return np.broadcast_to(torque, (len(recording),)).copy() if len(torque) == 1 else torque
+
+    def torque_of(
+        self,
+        signals: Mapping[str, ArrayLike],
+        parameters: Sequence[float] | Array,
+        states: Sequence[ArrayLike],
+        width: float,
+    ) -> Array:
+        """Return the friction torque τ_F at given signals, shape (N,), or (1,) where all of them are numbers.
+
+        Args:
+            signals: a number or an array of shape (N,) of every signal that the model needs.
+            parameters: of the model, in order.
+            states: a number or an array of each internal state.
+            width: width of rest [velocity].
+        """
+        given = [signals.get(name, 0.0) for name in self.model.signals]
+        return np.asarray(self._torque(*given, *parameters, *states, width)[0][0])
 
     def states(self, recording: Recording, parameters: Sequence[float] | Array) -> tuple[Array, ...]:
         """Integrate the model's internal states along the recorded motion; empty for a model without memory.

@@ -121,6 +121,18 @@ class SequentialEstimator(Estimator):
     def start(self, drive: Drive, recording: Recording) -> OnlineFilter:
         """Return a filter at its initial state, scaled for drives that move like this recording."""
 
+    def resume(self, state: Mapping[str, Any]) -> OnlineFilter:
+        """Return a filter that goes on where one was saved, to the last bit; no recording is needed.
+
+        Args:
+            state: what :attr:`OnlineFilter.state` gave, perhaps through JSON.
+
+        Raises:
+            InputError: where the state is of another estimator, or its model is not as it was.
+            EstimationError: where this estimator cannot.
+        """
+        raise EstimationError(f"'{self.name}' cannot go on from a saved state; start it from a recording")
+
 
 class OnlineFilter(ABC):
     """A sequential estimator at work: feed it samples, read its estimate. All values are SI."""
@@ -128,6 +140,15 @@ class OnlineFilter(ABC):
     @abstractmethod
     def update(self, sample: Mapping[str, float]) -> dict[str, float]:
         """Take one sample (``time``, ``torque``, ``velocity`` and what the model needs); return the parameters."""
+
+    @property
+    def state(self) -> dict[str, Any]:
+        """All that it knows and remembers, as plain data: ``json.dumps`` keeps every number to the last bit.
+
+        Raises:
+            EstimationError: where this filter cannot be saved.
+        """
+        raise EstimationError(f"a {type(self).__name__} cannot be saved")
 
     @property
     @abstractmethod

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from functools import lru_cache
 from typing import Any
 
@@ -94,6 +94,46 @@ def _needed(model: Model) -> list[str]:
 
 @lru_cache(maxsize=64)
 def _scan(model: Model) -> Scan:
+    return Scan(memory_step(model))
+
+
+class MemoryStep:
+    """The internal states of a model, one sample after the other: what :class:`Memory` does with a whole motion.
+
+    States that a term computes from a recording follow their rates here; see :attr:`approximate`.
+    """
+
+    def __init__(self, model: Model, width: float) -> None:
+        self.needs = tuple(_needed(model))
+        self.initial = tuple(state.initial for state in model.states)
+        self.approximate = tuple(term.name for term, _, _ in _from_recording(model))
+        self._scan, self._width = _scan(model), width
+
+    def __call__(
+        self,
+        states: ArrayLike,
+        begin: Mapping[str, float],
+        end: Mapping[str, float],
+        interval: float,
+        parameters: Sequence[float] | Array,
+    ) -> tuple[float, ...]:
+        """Return the states a sampling interval later.
+
+        Args:
+            states: before. begin, end: every needed signal at the beginning and at the end of the interval.
+            interval: its length [s]. parameters: of the model, in order.
+        """
+        row = [interval, *(begin[name] for name in self.needs), *(end[name] for name in self.needs)]
+        following, _, _ = self._scan(states, [row], [*parameters, self._width])
+        return tuple(following.tolist())
+
+
+def memory_step(model: Model) -> Any:
+    """Build a step of the internal states as a CasADi function for :class:`fricmodels.kernels.Scan`.
+
+    State: the internal states. Input: ``[h; signals at the beginning; signals at the end]``, those that the model
+    needs, in the order of :attr:`fricmodels.model.Model.signals`. Constant: ``[parameters; width]``.
+    """
     import casadi
 
     e = model.expression()
@@ -125,7 +165,6 @@ def _scan(model: Model) -> Scan:
     if not casadi.depends_on(slope, e.states):  # all but a product and a sum can then be done ahead of the states
         following = casadi.mtimes(slope, e.states) + casadi.substitute(following, e.states, 0)
     constants = casadi.vertcat(e.parameters, e.width)
-    step = casadi.Function(
+    return casadi.Function(
         "memory", [e.states, casadi.vertcat(h, begin, end), constants], [following, following], {"cse": True}
     )
-    return Scan(step)

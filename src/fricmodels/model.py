@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
 from typing import TYPE_CHECKING, Any
 
@@ -56,6 +56,20 @@ class ModelParameter:
     at_least: str | None
 
 
+@dataclass(frozen=True)
+class Known:
+    """What is known of a model's parameters before it is fitted.
+
+    Attributes:
+        values: by key, the inertia among them. standard_errors: by key.
+        fixed: whether they are held; a fit begins from them otherwise.
+    """
+
+    values: Mapping[str, float] = field(default_factory=dict)
+    standard_errors: Mapping[str, float] = field(default_factory=dict)
+    fixed: bool = False
+
+
 class NoFriction(Law):
     """No friction at all: the law on which an effect stands alone."""
 
@@ -79,6 +93,7 @@ class Model:
             raise InputError(f"model '{'+'.join([law.name, *names])}' has an effect twice")
         self.law = law
         self.effects = tuple(effects)
+        self.known = Known()
 
     @classmethod
     def parse(cls, name: str) -> Model:
@@ -105,6 +120,12 @@ class Model:
         """Return the model as it is for a recording: see :meth:`fricmodels.term.Effect.on`."""
         effects = [effect.on(recording, [t for t in self.terms if t is not effect]) for effect in self.effects]
         return self if effects == list(self.effects) else Model(self.law, effects)
+
+    def knowing(self, known: Known) -> Model:
+        """Return the model with what is known of its parameters; it stays equal to the one without."""
+        model = Model(self.law, self.effects)
+        model.known = known
+        return model
 
     def plus(self, effect: Effect) -> Model:
         """Return this model with one effect more."""

@@ -15,8 +15,8 @@ of stopping and of breakaway instead of a band of small velocities.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any, Literal, TypeAlias
+from collections.abc import Mapping, Sequence
+from typing import Literal, TypeAlias
 from weakref import WeakKeyDictionary
 
 import numpy as np
@@ -27,15 +27,12 @@ from fricmodels.drive import Drive
 from fricmodels.errors import InputError
 from fricmodels.kernels import Scan
 from fricmodels.recording import Recording
+from fricmodels.stick_slip import MOTION, phase_of_step, pushing_signals
 
 Between: TypeAlias = Literal["linear", "held"]
 
-_MOTION = ("velocity", "position", "acceleration")
-_NEWTON_STEPS = 2
 _PHASES = 2
 """Legs of a step: to a stop and on, or at rest and away. What a third would do in the same step waits for the next."""
-_AT_ONCE = 1e-9
-"""Share of a step within which leaving rest is leaving at once."""
 _scans: WeakKeyDictionary[Drive, Scan] = WeakKeyDictionary()
 
 
@@ -59,6 +56,8 @@ def simulate(
     hold: int = 1,
     seed: int = 0,
     with_position: bool | None = None,
+    initial_states: Sequence[float] | None = None,
+    width: float | None = None,
     name: str = "simulated",
 ) -> Recording:
     """Simulate the drive and measure its velocity.
@@ -81,6 +80,8 @@ def simulate(
         hold: the velocity sensor gives a new value only every so many samples.
         seed: of the noise.
         with_position: whether the recording has the position; as a rule, where the model needs it.
+        initial_states: internal states at the first sample of each run; as declared where not given.
+        width: width of rest [velocity]; a millionth of what the torque adds to the velocity in a sample if not given.
         name: of the recording.
 
     Returns:
@@ -102,8 +103,9 @@ def simulate(
     for number in np.unique(runs):
         mask = runs == number
         velocity[mask], position[mask] = _integrate(
-            drive, values, driven.select(mask), initial_velocity, initial_position, between_samples, substeps
-        )
+            drive, values, driven.select(mask), initial_velocity, initial_position, between_samples, substeps,
+            initial_states, width,
+        )  # fmt: skip
     channels["velocity"] = measure(velocity, noise=noise, quantisation=quantisation, hold=hold, seed=seed)
     if with_position or (with_position is None and "position" in drive.model.needs):
         channels["position"] = position
@@ -182,6 +184,8 @@ def _integrate(
     initial_position: float,
     between_samples: Between,
     substeps: int,
+    initial_states: Sequence[float] | None = None,
+    width: float | None = None,
 ) -> tuple[Array, Array]:
     """Return velocity and position at the samples of one run."""
     if substeps < 1:
@@ -189,19 +193,18 @@ def _integrate(
     intervals = np.diff(driven.time)
     if len(intervals) == 0 or not np.all(intervals > 0):
         raise InputError(f"recording '{driven.name}' needs at least two increasing sample times to be simulated")
-    driven.require(drive.model.required - {*_MOTION, "load_torque"}, drive.model.name)
+    driven.require(drive.model.required - {*MOTION, "load_torque"}, drive.model.name)
     inertia, parameters = _checked(drive, values)
     step_length = np.repeat(intervals / substeps, substeps)
     columns = [step_length]
-    for name in _inputs(drive):
+    for name in pushing_signals(drive):
         held = between_samples == "held" and name != "time"
         columns.extend(_ends(driven.signal(name), substeps, held=held))
-    push = float(np.max(np.abs(driven.torque - driven.load_torque)))
-    width = 1e-6 * float(np.median(intervals)) * push / inertia or 1e-9
-    scan = _scans.get(drive)
-    if scan is None:
-        scan = _scans[drive] = Scan(_step(drive))
-    states = [state.initial for state in drive.model.states]
+    if width is None:
+        push = float(np.max(np.abs(driven.torque - driven.load_torque)))
+        width = 1e-6 * float(np.median(intervals)) * push / inertia or 1e-9
+    scan = _scan(drive)
+    states = [state.initial for state in drive.model.states] if initial_states is None else initial_states
     start = [initial_velocity, initial_position, *states, 0.0]
     rows = np.repeat(np.column_stack([*columns, np.zeros(len(step_length))]), _PHASES, axis=0)
     rows[_PHASES - 1 :: _PHASES, -1] = 1.0
@@ -212,6 +215,39 @@ def _integrate(
     velocity = np.concatenate([[initial_velocity], outputs[:, 0]])
     position = np.concatenate([[initial_position], outputs[:, 1]])
     return velocity, position
+
+
+def advanced(
+    drive: Drive,
+    values: Mapping[str, float],
+    moving: Sequence[float],
+    begin: Mapping[str, float],
+    end: Mapping[str, float],
+    interval: float,
+    width: float,
+) -> tuple[float, ...]:
+    """Return a drive's velocity, position and internal states a sampling interval later, as :func:`simulate` does.
+
+    Args:
+        drive: the model and its motion.
+        values: parameters by key, the inertia unless the drive has one.
+        moving: velocity, position, internal states.
+        begin, end: the signals that push, at the beginning and the end of the interval: see :func:`pushing_signals`.
+        interval: its length [s].
+        width: width of rest [velocity].
+    """
+    inertia, parameters = _checked(drive, values)
+    row = [interval, *(x for name in pushing_signals(drive) for x in (begin[name], end[name]))]
+    rows = [[*row, float(phase == _PHASES - 1)] for phase in range(_PHASES)]
+    last, _, done = _scan(drive)([*moving, 0.0], rows, [inertia, *parameters, width])
+    return tuple(last[:-1].tolist()) if done == _PHASES else (float("nan"),) * len(moving)
+
+
+def _scan(drive: Drive) -> Scan:
+    scan = _scans.get(drive)
+    if scan is None:
+        scan = _scans[drive] = Scan(phase_of_step(drive))
+    return scan
 
 
 def _checked(drive: Drive, values: Mapping[str, float]) -> tuple[float, Array]:
@@ -234,151 +270,3 @@ def _ends(signal: Array, substeps: int, *, held: bool) -> tuple[Array, Array]:
     begin = (signal[:-1, None] + rise * fractions).ravel()
     end = (signal[:-1, None] + rise * (fractions + 1 / substeps)).ravel()
     return begin, end
-
-
-def _inputs(drive: Drive) -> tuple[str, ...]:
-    """Return the signals that drive the motion, in order."""
-    needed = {"motor_torque", "load_torque", *drive.model.needs} - set(_MOTION)
-    return tuple(name for name in drive.model.signals if name in needed)
-
-
-class _Motion:
-    """The drive's equations on one side of zero velocity, as expressions."""
-
-    def __init__(self, drive: Drive) -> None:
-        import casadi
-
-        e = drive.model.expression()
-        self.n_states = e.states.numel()
-        self.parameters, self.width = e.parameters, e.width
-        self.inertia = casadi.SX.sym("inertia")
-        acceleration = e.signals["acceleration"]
-        slope = casadi.jacobian(e.torque, acceleration)
-        if casadi.depends_on(slope, acceleration):
-            raise InputError(f"'{drive.model.name}' is not affine in the acceleration and cannot be simulated")
-        at_zero = casadi.substitute(e.torque, acceleration, 0)
-        applied = e.signals["motor_torque"] - e.signals["load_torque"]
-        rate = (applied - at_zero) / (self.inertia + slope)
-        arguments = [
-            e.signals["velocity"], e.signals["position"], e.states, *(e.signals[name] for name in _inputs(drive))
-        ]  # fmt: skip
-        given = [self.inertia, self.parameters, self.width]
-        self._rate = casadi.Function("rate", [*arguments, *given], [rate])
-        self._excess = casadi.Function("excess", [*arguments, *given], [applied - at_zero])
-        sliding = casadi.substitute(e.rates, acceleration, rate) if self.n_states else e.rates
-        resting = casadi.substitute(e.rates, acceleration, 0) if self.n_states else e.rates
-        self._sliding = casadi.Function("sliding", [*arguments, *given], [sliding])
-        self._resting = casadi.Function("resting", [*arguments, *given], [resting])
-        ends = [e.later["velocity"], e.later["position"], *(e.later[name] for name in _inputs(drive)), e.step]
-        self._stepped = list(e.discrete_step)
-        self._discrete_step = casadi.Function(
-            "discrete_step", [*arguments, *ends, *given], [casadi.vertcat(*e.discrete_step.values())]
-        )
-        self._given = given
-
-    def excess(self, direction: Any, position: Any, states: Any, inputs: list[Any]) -> Any:
-        """Applied torque beyond what friction holds as the velocity goes to zero from one side."""
-        tiny = 1e-9 * self.width
-        return self._excess(direction * tiny, position, states, *inputs, *self._given)
-
-    def _change(self, x: Any, direction: Any, position: Any, inputs: list[Any], *, moving: bool) -> Any:
-        import casadi
-
-        tiny = 1e-9 * self.width
-        speed = casadi.fmax(direction * x[0], tiny) if moving else tiny
-        states = x[1:]
-        arguments = [direction * speed, position, states, *inputs, *self._given]
-        if moving:
-            return casadi.vertcat(self._rate(*arguments), self._sliding(*arguments))
-        return casadi.vertcat(0, self._resting(*arguments))
-
-    def leg(
-        self,
-        x: Any,
-        position: Any,
-        direction: Any,
-        length: Any,
-        begin: list[Any],
-        end: list[Any],
-        *,
-        moving: bool,
-    ) -> tuple[Any, Any]:
-        """Advance ``x`` (velocity, internal states) and the position by the trapezium rule.
-
-        Newton's matrix takes no credit for friction that falls with speed: where the law pushes, an iteration is a
-        plain fixed-point one, and the rule is Heun's. States with a discrete step follow its formula.
-        """
-        import casadi
-
-        first = self._change(x, direction, position, begin, moving=moving)
-        solved = [0, *(1 + i for i in range(self.n_states) if i not in self._stepped)]
-        unknown = casadi.SX.sym("x", len(solved))
-        arrived = position + length / 2 * (x[0] + unknown[0])
-        following = casadi.SX(x)
-        following[solved] = unknown
-        if self._stepped:
-            speeds = [direction * casadi.fmax(direction * v, 0) if moving else 0 for v in (x[0], unknown[0])]
-            stepped = self._discrete_step(
-                speeds[0], position, x[1:], *begin, speeds[1], arrived, *end, length, *self._given
-            )
-            following[[1 + i for i in self._stepped]] = stepped
-        last = self._change(following, direction, arrived, end, moving=moving)
-        residual = (following - x - length / 2 * (first + last))[solved]
-        matrix = casadi.jacobian(residual, unknown)
-        matrix[0, 0] = casadi.fmax(matrix[0, 0], 1)
-        improved = unknown - casadi.solve(matrix, residual)
-        guess = (x + length * first)[solved]
-        for _ in range(_NEWTON_STEPS):
-            guess = casadi.substitute(improved, unknown, guess)
-        return casadi.substitute(following, unknown, guess), position + length / 2 * (x[0] + guess[0])
-
-
-def _step(drive: Drive) -> Any:
-    """Build one phase of a step: the drive rests, or slides in one direction, until that ends or the step does.
-
-    State: velocity, position, internal states, and how much of the step is done. Input: length of the step, each
-    signal at its beginning and its end, and whether this is the step's last phase, which goes to its end.
-    """
-    import casadi
-
-    motion = _Motion(drive)
-    state = casadi.SX.sym("state", 3 + motion.n_states)
-    count = len(_inputs(drive))
-    inputs = casadi.SX.sym("input", 2 + 2 * count)
-    constants = casadi.vertcat(motion.inertia, motion.parameters, motion.width)
-    x, position, done = casadi.vertcat(state[0], state[2:-1]), state[1], state[-1]
-    last_phase = inputs[-1] > 0
-    end = [inputs[2 + 2 * i] for i in range(count)]
-    begin = [inputs[1 + 2 * i] + done * (inputs[2 + 2 * i] - inputs[1 + 2 * i]) for i in range(count)]
-    left = (1 - done) * inputs[0]
-
-    # At rest: held while neither limit is passed; ``wait`` is the share of what is left until one of them is.
-    above = [motion.excess(1, position, x[1:], ends) for ends in (begin, end)]
-    below = [motion.excess(-1, position, x[1:], ends) for ends in (begin, end)]
-    within = casadi.logic_and(x[0] == 0, casadi.logic_and(above[0] <= 0, below[0] >= 0))
-    up = above[1] > 0
-    leaves = casadi.logic_or(up, below[1] < 0)
-    share = casadi.if_else(up, above[0] / (above[0] - above[1]), below[0] / (below[0] - below[1]))
-    at_once = casadi.logic_and(leaves, share <= _AT_ONCE)
-    rests = casadi.logic_and(within, casadi.logic_not(at_once))
-    wait = casadi.if_else(casadi.logic_and(leaves, casadi.logic_not(last_phase)), share, 1)
-    held, _ = motion.leg(x, position, 1, wait * left, begin, end, moving=False)
-
-    # Sliding, up to where the velocity passes zero.
-    leaving_up = casadi.if_else(within, up, above[0] > 0)
-    forward = casadi.if_else(x[0] == 0, leaving_up, x[0] > 0)
-    direction = casadi.if_else(forward, 1, -1)
-    slid, reached = motion.leg(x, position, direction, left, begin, end, moving=True)
-    stops = casadi.logic_and(direction * slid[0] <= 0, left > 0)
-    part = casadi.if_else(stops, x[0] / (x[0] - slid[0]), 1)
-    stopped = x + part * (slid - x)
-    stopped[0] = 0
-
-    def choose(yes: Any, no: Any, otherwise: Any) -> Any:
-        return casadi.if_else(rests, yes, casadi.if_else(stops, no, otherwise))
-
-    final = [choose(held[i], stopped[i], slid[i]) for i in range(x.numel())]
-    final_position = choose(position, position + part * left * x[0] / 2, reached)
-    final_done = casadi.if_else(last_phase, 0, done + (1 - done) * choose(wait, part, 1))
-    following = casadi.vertcat(final[0], final_position, *final[1:], final_done)
-    return casadi.Function("step", [state, inputs, constants], [following, following[:2]], {"cse": True})

@@ -24,6 +24,8 @@ COMMANDS = {
     "compare": "Compare a model with a recording: where does it fail?",
     "diagnose": "Name the effect that a model is missing.",
     "improve": "Add what is missing, refit, repeat: watch the error fall.",
+    "fit": "Fit a model and keep it in a file, to call, simulate and export.",
+    "export": "Write a fitted model for a program: C, MuJoCo, URDF, Isaac Lab, Drake, ROS 2.",
     "report": "Write it all as one HTML page: verdict, figures, parameters, provenance.",
     "simulate": "Make a recording with hidden effects from a rig file.",
     "new": "Write a plugin: a law, an effect, an estimator or a reader, ready to install.",

@@ -5,6 +5,7 @@ from __future__ import annotations
 from fricmodels.cli.measurement import (
     Column,
     Data,
+    Fixed,
     Format,
     GapsOption,
     Inertia,
@@ -31,12 +32,17 @@ def command(
     linear: Linear = False,
     trust: Trust = False,
     gaps: GapsOption = None,
+    fixed: Fixed = False,
     out: Out = None,
     report: Report = None,
     verbose: Verbose = False,
 ) -> None:
-    """Fit a model to a recording and show where it fails."""
-    recording, chosen = load(data, model, column, torque_constant, reader, linear, None, inertia, trust, gaps)
+    """Fit a model to a recording and show where it fails.
+
+    The model of a file of `fit` is fitted anew from its numbers; with --fixed it is compared as it is.
+    """
+    given = load(data, model, column, torque_constant, reader, linear, None, inertia, trust, gaps, fixed)
+    recording, chosen = given.recording, given.model
     check(report)
     from fricmodels.cli.answers import answered
     from fricmodels.cli.printing import console, working
@@ -48,7 +54,7 @@ def command(
     with answered(recording, chosen):
         shown = console()
         with working(f"fitting {chosen.name}"):
-            comparison = compare(recording, chosen, inertia)
+            comparison = compare(recording, chosen, given.inertia)
         if verbose:
             show_comparison(shown, comparison)
         show_answer_of_comparison(shown, comparison)

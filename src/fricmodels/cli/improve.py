@@ -24,7 +24,11 @@ def command(given: Measurement) -> None:
         show_comparison(shown, ladder.rungs[-1].comparison)
     show_answer_of_ladder(shown, ladder, given.options)
     if given.out is not None:
+        from fricmodels.saved import keep
+
         shown.print(f"wrote {write(document(ladder.first, ladder), given.out)}", markup=False, soft_wrap=True)
+        kept = keep(ladder).save(given.out / "model.json")
+        shown.print(f"wrote {kept}", markup=False, soft_wrap=True)
     if given.report is not None:
         from fricmodels.report import story
         from fricmodels.report import write as write_report

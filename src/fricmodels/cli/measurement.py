@@ -14,6 +14,7 @@ from fricmodels.gaps import Gaps
 if TYPE_CHECKING:
     from fricmodels.model import Model
     from fricmodels.recording import Recording
+    from fricmodels.saved import FittedModel
 
 Data = Annotated[
     list[Path],
@@ -21,7 +22,13 @@ Data = Annotated[
         metavar="DATA…", help="Recording: .csv, .parquet, .mat, .bag. Several files are one, each a run of it."
     ),
 ]
-ModelName = Annotated[str, typer.Option("--model", metavar="LAW+EFFECT+…", help="Model to compare with the recording.")]
+ModelName = Annotated[
+    str,
+    typer.Option(
+        "--model", metavar="LAW+EFFECT+…", help="Model to compare with the recording, or a file of `fit` to start from."
+    ),
+]
+Fixed = Annotated[bool, typer.Option("--fixed", help="Hold the numbers of a model's file: fit nothing.")]
 Inertia = Annotated[
     float | None,
     typer.Option("--inertia", help="Inertia [kg m²], or mass [kg] of a linear axis; estimated if left out."),
@@ -56,6 +63,16 @@ LeaveOut = Annotated[
 ]
 
 
+@dataclass(frozen=True)
+class Loaded:
+    """A recording, a model, and its inertia; and the model's file, where it came from one."""
+
+    recording: Recording
+    model: Model
+    inertia: float | None
+    file: FittedModel | None = None
+
+
 def load(
     data: Sequence[Path],
     model: str,
@@ -67,8 +84,11 @@ def load(
     inertia: float | None = None,
     trust: bool = False,
     gaps: Gaps | None = None,
-) -> tuple[Recording, Model]:
+    fixed: bool = False,
+) -> Loaded:
     """Read the recording and the model that the options name; warn of what is the matter with the recording.
+
+    A model that is a file's knows its numbers, and gives its inertia where none is given and the file's was.
 
     Raises:
         InputError: for anything that cannot be read or is not known, and where units, signs or columns look so wrong
@@ -84,7 +104,12 @@ def load(
     from fricmodels.readers import read_together
     from fricmodels.tournament.jobs import check_plugins
 
-    chosen = Model.parse(model)
+    file = of_file(model)
+    if fixed and file is None:
+        raise InputError(f"--fixed holds the numbers of a model's file, '{model}' is a name; give a file of `fit`")
+    chosen = Model.parse(model) if file is None else known(file, fixed)
+    if file is not None and inertia is None:
+        inertia = file.drive.inertia
     registered = plugins.load()
     for term in chosen.terms:
         registry = registered.laws if term is chosen.law else registered.effects
@@ -92,16 +117,38 @@ def load(
         if danger is not None:
             owner = registry.entry(term.name).distribution
             raise InputError(f"{registry.kind} '{term.name}' of {owner} cannot be used here: {danger}")
-    check_plugins(model)
+    check_plugins(chosen.name)
     for effect in leave_out or ():
         plugins.load().effects.entry(effect)
-    motion = Motion.LINEAR if linear else None
+    motion = Motion.LINEAR if linear or (file is not None and file.motion is Motion.LINEAR) else None
     recording = read_together(
         data, columns=columns or (), motion=motion, reader=reader, torque_constant=torque_constant, gaps=gaps
     )
     say_gaps(recording)
     check_computable(recording, inertia)
-    return checked(recording, inertia, trust=trust, warn=warn), chosen
+    if file is not None and file.motion is not recording.motion:
+        raise InputError(f"{model}: is of a {file.motion.value} drive, the recording of a {recording.motion.value} one")
+    return Loaded(checked(recording, inertia, trust=trust, warn=warn), chosen, inertia, file)
+
+
+def of_file(model: str) -> FittedModel | None:
+    """Return the model of a file, or ``None`` where a model's name was given.
+
+    Raises:
+        InputError: where the file is none of a model.
+    """
+    if not model.endswith(".json"):
+        return None
+    from fricmodels.saved import load
+
+    return load(model)
+
+
+def known(file: FittedModel, fixed: bool = False) -> Model:
+    """Return the model of a file that knows its numbers."""
+    from fricmodels.model import Known
+
+    return file.model.knowing(Known(file.parameters, file.standard_errors, fixed))
 
 
 def say_gaps(recording: Recording) -> None:
@@ -176,17 +223,18 @@ def measured(work: Callable[[Measurement], None]) -> Callable[..., None]:
         leave_out: LeaveOut = None,
         trust: Trust = False,
         gaps: GapsOption = None,
+        fixed: Fixed = False,
         out: Out = None,
         report: Report = None,
         verbose: Verbose = False,
     ) -> None:
         from fricmodels.cli.answers import answered
 
-        recording, chosen = load(data, model, column, torque_constant, reader, linear, leave_out, inertia, trust, gaps)
+        given = load(data, model, column, torque_constant, reader, linear, leave_out, inertia, trust, gaps, fixed)
         check(report)
         left_out = (*(leave_out or ()), *unusable_effects(leave_out or ()))
-        with answered(recording, chosen):
-            work(Measurement(recording, chosen, inertia, left_out, out, report, trust, gaps, verbose))
+        with answered(given.recording, given.model):
+            work(Measurement(given.recording, given.model, given.inertia, left_out, out, report, trust, gaps, verbose))
 
     command.__doc__ = work.__doc__
     return command

@@ -61,7 +61,8 @@ def command(
         return
     page = out or Path(f"{first.stem}.html")
     check(page)
-    recording, chosen = load(target, model, column, torque_constant, reader, linear, leave_out, inertia, trust, gaps)
+    given = load(target, model, column, torque_constant, reader, linear, leave_out, inertia, trust, gaps)
+    recording, chosen = given.recording, given.model
     from fricmodels.cli.answers import answered
     from fricmodels.cli.printing import working
     from fricmodels.diagnosis import improve
@@ -69,7 +70,7 @@ def command(
     left_out = [*(leave_out or ()), *unusable_effects(leave_out or ())]
     with answered(recording, chosen):
         with working("improving") as say:
-            ladder = improve(recording, chosen, inertia, leave_out=left_out, progress=say)
+            ladder = improve(recording, chosen, given.inertia, leave_out=left_out, progress=say)
         options = [part for name in left_out for part in ("--leave-out", name)] + ["--trust"] * trust
         options += gaps_option(gaps)
         print(f"wrote {write(story.of_ladder(ladder, options), page)}")

@@ -1,4 +1,4 @@
-"""``fricmodels simulate``: data with known truth and hidden effects."""
+"""``fricmodels simulate``: data with known truth and hidden effects, or the motion of a fitted model."""
 
 from __future__ import annotations
 
@@ -7,16 +7,40 @@ from typing import Annotated
 
 import typer
 
+from fricmodels.cli.measurement import Column
+
 
 def command(
-    rig: Annotated[Path, typer.Argument(metavar="RIG.yaml", help="Description of the simulated drive.")],
+    rig: Annotated[
+        Path,
+        typer.Argument(metavar="RIG.yaml|FILE.model.json", help="Description of a simulated drive, or a fitted model."),
+    ],
     out: Annotated[Path, typer.Option("--out", help="Recording to write: .csv or .parquet.")],
     seed: Annotated[int | None, typer.Option("--seed", min=0, help="Use another seed than the file's.")] = None,
+    torque: Annotated[
+        list[Path] | None,
+        typer.Option("--torque", metavar="DATA", help="Recording whose torque drives a fitted model; repeatable."),
+    ] = None,
+    column: Column = None,
 ) -> None:
     """Simulate a drive with hidden effects.
 
-    Writes the recording, and the truth beside it as DATA.truth.json.
+    Writes the recording, and the truth beside it as DATA.truth.json. A fitted model is driven by the torque of a
+    recording, open loop from its first sample; how far its motion goes from the recorded one is printed.
     """
+    from fricmodels.errors import InputError
+
+    if rig.suffix == ".json":
+        if not torque:
+            raise InputError(
+                f"{rig}: a fitted model needs a torque that drives it; give a recording with --torque DATA"
+            )
+        if seed is not None:
+            raise InputError("a fitted model has no noise, and no seed; leave --seed out")
+        _fitted(rig, torque, column, out)
+        return
+    if torque:
+        raise InputError("--torque drives a fitted model; a rig has its own excitation")
     from fricmodels.rig import load_rig, write
 
     chosen = load_rig(rig)
@@ -26,3 +50,17 @@ def command(
     data, truth = write(recording, out)
     print(f"{data}: {len(recording)} samples of {', '.join(recording.channels)}")
     print(f"{truth}: the truth, {chosen.true_model}")
+
+
+def _fitted(path: Path, torque: list[Path], column: list[str] | None, out: Path) -> None:
+    from fricmodels.readers import read_together
+    from fricmodels.saved import load
+    from fricmodels.saved.driven import driven, errors_in_words, write_recording
+
+    model = load(path)
+    recording = read_together(torque, columns=column or (), motion=model.motion)
+    simulated = driven(model, recording)
+    data = write_recording(simulated, out)
+    print(f"{data}: {len(simulated)} samples of {', '.join(simulated.channels)}")
+    for line in errors_in_words(simulated, recording):
+        print(line)

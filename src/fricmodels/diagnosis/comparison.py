@@ -197,7 +197,8 @@ def compare(
 
     Args:
         recording: as read.
-        model: law plus effects, or its name such as ``coulomb-viscous+cogging``.
+        model: law plus effects, or its name such as ``coulomb-viscous+cogging``; a fit begins from what it knows of its
+            parameters, and is none where that is fixed, see :class:`fricmodels.model.Known`.
         inertia: J [kg m²] or M [kg]; estimated if not given.
         how: what is kept back; blocks or runs spread over the record if not given.
 
@@ -205,4 +206,9 @@ def compare(
         InputError: for an unknown model, or a recording that lacks what it needs or does not move enough.
     """
     train, test = kept_back(ready(recording), how)
-    return compare_model(train, test, Drive(Model.of(model), inertia, recording.motion))
+    drive = Drive(Model.of(model), inertia, recording.motion)
+    known = drive.model.known
+    if not known.fixed:
+        return compare_model(train, test, drive, known.values)
+    given = {} if inertia is None else {drive.inertia_key: inertia}
+    return compare_fit(train, test, drive, {**known.values, **given}, known.standard_errors)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 
@@ -10,8 +11,18 @@ from fricmodels.arrays import Array
 from fricmodels.errors import InputError
 from fricmodels.estimator import OnlineFilter
 from fricmodels.filtering.covariance import unpack
+from fricmodels.filtering.preparation import REST_WIDTH
 from fricmodels.filtering.problem import FilterProblem
+from fricmodels.filtering.stored_problem import SCHEMA, problem_document
 from fricmodels.recording import CHANNELS, Recording, channel_of
+
+_RESTING = 0.01
+"""Speed of rest over the peak speed: that below which recursive least squares takes a sample for standstill."""
+
+
+def resting_speed(problem: FilterProblem) -> float:
+    """Return the speed [rad/s or m/s] below which a sample is one of rest."""
+    return _RESTING / REST_WIDTH * float(problem.known[0])
 
 
 class ProblemOnline(OnlineFilter):
@@ -19,12 +30,25 @@ class ProblemOnline(OnlineFilter):
 
     A sample has ``time``, ``torque``, ``velocity`` and the channels that the model needs, in SI; ``run`` is optional:
     where it changes, velocity and internal states begin anew.
+
+    Rest says nothing of the parameters. A filter that lets them walk would grow ever less certain there and jump at the
+    next motion (wind-up); after a rest of one cycle of the recording that it was scaled with, they walk no further.
+
+    Args:
+        problem: the filter. estimator: whose it is. state: to go on from; see :attr:`state`.
     """
 
-    def __init__(self, problem: FilterProblem) -> None:
+    def __init__(self, problem: FilterProblem, estimator: str = "", state: Mapping[str, Any] | None = None) -> None:
         self._problem = problem
-        self._memory = problem.initial_memory()
-        self._previous: dict[str, float] | None = None
+        self._estimator = estimator
+        self._memory = problem.initial_memory() if state is None else np.array(state["memory"], dtype=float)
+        self._previous: dict[str, float] | None = None if state is None else state["previous"]
+        self._rested = 0.0 if state is None else float(state["rested"])
+        self._resting_speed = resting_speed(problem)
+        self._constants = problem.constants
+        self._at_rest = self._constants.copy()
+        walks = len(problem.known) + 1
+        self._at_rest[walks + problem.moving : walks + problem.order] = 0.0
         space_inputs = [channel_of(name) for name in problem.space.inputs]
         self._channels = tuple(dict.fromkeys(["time", "torque", "velocity", *space_inputs]))
 
@@ -52,11 +76,29 @@ class ProblemOnline(OnlineFilter):
         else:
             pair = {name: np.array([previous[name], present[name]]) for name in self._channels}
             run = Recording("online", problem.drive.motion, pair, np.zeros(2, dtype=np.int64)).scaled(problem.scales)
-            self._memory, _, _ = problem.scan(
-                self._memory, problem.rows(run), problem.constants, stride=problem.substeps
-            )
+            slow = float(np.max(np.abs(pair["velocity"]))) <= self._resting_speed
+            self._rested = self._rested + present["time"] - previous["time"] if slow else 0.0
+            constants = self._at_rest if self._rested > 2 * np.pi * problem.scales.time else self._constants
+            self._memory, _, _ = problem.scan(self._memory, problem.rows(run), constants, stride=problem.substeps)
         self._previous = present
         return self.parameters
+
+    @property
+    def problem(self) -> FilterProblem:
+        """The filter: its step, its numbers, where it starts."""
+        return self._problem
+
+    @property
+    def state(self) -> dict[str, Any]:
+        """All that it knows and remembers, as plain data."""
+        return {
+            "schema": SCHEMA,
+            "estimator": self._estimator,
+            "problem": problem_document(self._problem),
+            "memory": self._memory.tolist(),
+            "previous": None if self._previous is None else dict(self._previous),
+            "rested": self._rested,
+        }
 
     @property
     def parameters(self) -> dict[str, float]:

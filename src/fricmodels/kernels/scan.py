@@ -51,6 +51,7 @@ class Scan:
     def __init__(self, step: Any) -> None:
         if step.n_in() != 3 or step.n_out() != 2:
             raise TypeError("a step takes (state, input, constant) and returns (next state, output)")
+        self.function = step
         self.n_states, self.n_inputs, self.n_constants = (step.numel_in(i) for i in range(3))
         self.n_outputs = step.numel_out(1)
         self.source = _source(step)

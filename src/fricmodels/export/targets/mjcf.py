@@ -1,0 +1,128 @@
+"""MuJoCo 4.0: damping, dry friction and armature of a joint; cogging, constants and LuGre as passive ``dcmotor``.
+
+MuJoCo's force is minus the friction torque: a cogging ``a cos kq + b sin kq`` is the ``dcmotor`` of amplitude
+``hypot(a, b)``, k poles and the phase ``atan2(-a, -b)``. With ``input="none"`` and no motor constant it is purely
+passive and takes no control.
+"""
+
+from __future__ import annotations
+
+import math
+import xml.etree.ElementTree as ET
+from collections.abc import Mapping
+from xml.sax.saxutils import quoteattr
+
+from fricmodels.errors import InputError, suggestion
+from fricmodels.export.targets.nearest import Nearest
+from fricmodels.export.targets.simple import number, xml_comment
+
+Attributes = Mapping[str, str]
+_PASSIVE = {"input": "none", "motorconst": "0 0", "resistance": "1"}
+
+
+def joint_attributes(found: Nearest, *, armature: float | None) -> dict[str, str]:
+    """Return the attributes of the joint: ``damping``, ``frictionloss`` and, where one is given, ``armature``."""
+    p = found.parameters
+    if found.drive.model.law.name == "lugre":
+        values = {"damping": f"{number(p['sigma_2'])} 0 0", "frictionloss": "0"}
+    else:
+        polynomial = " ".join(number(p[key]) for key in ("d_1", "d_2", "d_3"))
+        values = {"damping": polynomial, "frictionloss": number(p["K_c"])}
+    return values if armature is None else {**values, "armature": number(armature)}
+
+
+def actuators(found: Nearest, joint: str) -> list[dict[str, str]]:
+    """Return the attributes of every passive ``dcmotor``."""
+    p, listed = found.parameters, []
+
+    def add(name: str, **attributes: str) -> None:
+        listed.append({"name": f"{joint}_{name}", "joint": joint, **_PASSIVE, **attributes})
+
+    def wave(name: str, a: float, b: float, poles: float) -> None:
+        if math.hypot(a, b) > 0:
+            add(name, cogging=f"{number(math.hypot(a, b))} {number(poles)} {number(math.atan2(-a, -b))}")
+
+    if "cogging.k" in p:
+        k = p["cogging.k"]
+        wave("cogging", p["cogging.a"], p["cogging.b"], k)
+        wave("cogging_2", p["cogging.a_2"], p["cogging.b_2"], 2 * k)
+    wave("offset", p.get("tau_0", 0.0) + p.get("torque-offset.tau_0", 0.0), 0.0, 0.0)
+    if found.drive.model.law.name == "lugre":
+        five = (p["F_c"] / p["z_c"], p["sigma_1"], p["F_c"], p["r"] * p["F_c"], p["v_s"])
+        add("lugre", lugre=" ".join(map(number, five)))
+    return listed
+
+
+def snippet(found: Nearest, notes: list[str], joint: str) -> str:
+    """Return the joint's attributes and the passive motors as text to copy."""
+    inertia = found.parameters[found.drive.inertia_key]
+    values = joint_attributes(found, armature=inertia)
+    lines = [*notes, "armature is the whole inertia of the drive: take off what the link has of it about the joint"]
+    text = [xml_comment(lines), f"<joint name={quoteattr(joint)} {_attributes(values)}/>"]
+    motors = actuators(found, joint)
+    if motors:
+        text += ["<actuator>", *(f"  <dcmotor {_attributes(motor)}/>" for motor in motors), "</actuator>"]
+    return "\n".join(text) + "\n"
+
+
+def into_xml(text: str, found: Nearest, notes: list[str], joint: str, armature: float | None) -> str:
+    """Return a model in MJCF with a joint's friction in it; its comments stay, and so do its other actuators.
+
+    Args:
+        text: the MJCF. found: what is written. notes: what stands in a comment beside it.
+        joint: name of the joint. armature: to write; the joint's own stays where it is ``None``.
+
+    Raises:
+        InputError: where the text is no MJCF, or has no such joint.
+    """
+    root = parsed(text, "mujoco")
+    chosen = named_joint(root, joint, ["joint"])
+    for key, value in joint_attributes(found, armature=armature).items():
+        chosen.set(key, value)
+    motors = actuators(found, joint)
+    section = root.find("actuator")
+    if section is not None:
+        names = {f"{joint}_{end}" for end in ("cogging", "cogging_2", "offset", "lugre")}
+        for old in [e for e in section if e.tag == "dcmotor" and e.get("name") in names]:
+            section.remove(old)
+    if motors:
+        section = ET.SubElement(root, "actuator") if section is None else section
+        for motor in motors:
+            ET.SubElement(section, "dcmotor", motor)
+    root.insert(0, ET.Comment("\n" + "\n".join(f"  {line}".replace("--", "- -") for line in notes) + "\n"))
+    ET.indent(root)
+    return ET.tostring(root, encoding="unicode") + "\n"
+
+
+def parsed(text: str, kind: str) -> ET.Element:
+    """Return the root of an XML document, with its comments.
+
+    Raises:
+        InputError: where it is none, or of another kind.
+    """
+    if "<!DOCTYPE" in text or "<!ENTITY" in text:
+        raise InputError("the XML declares entities, which are not read; take the DOCTYPE out")
+    try:
+        root = ET.fromstring(text, ET.XMLParser(target=ET.TreeBuilder(insert_comments=True)))
+    except ET.ParseError as error:
+        raise InputError(f"the XML cannot be read: {error}") from None
+    if root.tag != kind:
+        raise InputError(f"the XML begins with <{root.tag}>, not with <{kind}>; give a file of the target's kind")
+    return root
+
+
+def named_joint(root: ET.Element, joint: str, tags: list[str]) -> ET.Element:
+    """Return the joint of a name.
+
+    Raises:
+        InputError: naming the nearest one there is.
+    """
+    joints = [e for tag in tags for e in root.iter(tag) if e.get("name")]
+    for element in joints:
+        if element.get("name") == joint:
+            return element
+    raise InputError(f"the XML has no joint '{joint}'{suggestion(joint, [str(e.get('name')) for e in joints])}")
+
+
+def _attributes(values: Attributes) -> str:
+    return " ".join(f"{key}={quoteattr(value)}" for key, value in values.items())

@@ -1,0 +1,284 @@
+"""The model nearest to a fitted one that a target can express: refitted, not truncated; and what it leaves out."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Literal
+
+import numpy as np
+
+from fricmodels import plugins
+from fricmodels.arrays import Array
+from fricmodels.dimension import Motion
+from fricmodels.drive import Drive
+from fricmodels.errors import InputError
+from fricmodels.export.targets.laws import PolynomialDamping, Viscous
+from fricmodels.model import Model, NoFriction
+from fricmodels.recording import CHANNELS, OTHER, Recording
+from fricmodels.saved import FittedModel
+from fricmodels.term import Effect, Law
+
+OF_RECORDING = {
+    "sensor-delay": "a delay of the recording, not of the drive",
+    "run-offset": "a zero of the torque sensor in each run, not of the drive",
+}
+"""Effects that say nothing of the drive: they are fitted with it, and not written."""
+OF_LINKS = {
+    "gravity": "give the link its mass and its centre",
+    "other-gravity": "give the links their masses",
+    "other-inertia": "give the links their inertias",
+    "inertia-error": "it is added to the inertia",
+}
+"""Effects of rigid bodies, which a simulator computes by itself: they are fitted with the rest, and not written."""
+_SAMPLES = 4000
+
+
+@dataclass(frozen=True)
+class Dialect:
+    """What a target can express.
+
+    Attributes:
+        law: the law, or the name of one, that is fitted where the model's own cannot be expressed.
+        same: for a law of the model by name, its parameters → those of ``law``: these are the same law.
+        own: laws of a model that the target has as they are. effects: effects that it has.
+    """
+
+    law: type[Law] | str
+    same: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
+    own: frozenset[str] = frozenset()
+    effects: frozenset[str] = frozenset()
+
+    def make(self) -> Law:
+        """Return the law that is fitted."""
+        return plugins.load().laws[self.law]() if isinstance(self.law, str) else self.law()
+
+
+_KV_KC = {"coulomb-viscous": {"K_v": "K_v", "K_c": "K_c"}}
+COULOMB_VISCOUS = Dialect("coulomb-viscous", _KV_KC)
+VISCOUS = Dialect(Viscous)
+MUJOCO = Dialect(
+    PolynomialDamping,
+    {"coulomb-viscous": {"K_v": "d_1", "K_c": "K_c"}},
+    frozenset({"lugre"}),
+    frozenset({"cogging", "torque-offset"}),
+)
+
+
+@dataclass(frozen=True)
+class LeftOut:
+    """A term of a model that a target does not get.
+
+    Attributes:
+        name: of the term. torque: RMS over the motion of what it adds to the torque [N m or N].
+        reason: why, or what to do instead.
+    """
+
+    name: str
+    torque: float
+    reason: str
+
+
+@dataclass(frozen=True)
+class Nearest:
+    """What is written for a target.
+
+    Attributes:
+        drive: the model that is written, and its inertia. parameters: by key, the inertia among them.
+        how: whether it is ``exact``, ``refitted`` to a recording, or ``projected`` over the range of validity.
+        left_out: terms that are not written. cost: RMS of what the torque is changed by, after the refit [N m or N].
+        torque: RMS of the whole model's friction. over: the motion, in words.
+        test_percent: test errors of the whole model and of what is written, in %, where it was refitted.
+        not_identified: key → reason.
+    """
+
+    drive: Drive
+    parameters: Mapping[str, float]
+    how: Literal["exact", "refitted", "projected"]
+    left_out: tuple[LeftOut, ...]
+    cost: float
+    torque: float
+    over: str
+    test_percent: tuple[float, float] | None
+    not_identified: Mapping[str, str]
+
+    def notes(self, unit: str) -> list[str]:
+        """Return in sentences what was left out, what that costs, and what is not determined."""
+        lines = [
+            f"left out: {one.name} (RMS {one.torque:.3g} {unit} {self.over}); {one.reason}" for one in self.left_out
+        ]
+        if self.how == "refitted":
+            lines.append(f"'{self.drive.model.name}' was refitted to the recording, nothing was cut off")
+        if self.how == "projected":
+            lines.append(
+                f"'{self.drive.model.name}' was projected over the range of validity, not refitted: give the "
+                f"recording, and it will be"
+            )
+        share = 100 * self.cost / self.torque if self.torque > 0 else 0.0
+        if self.how != "exact" or self.cost > 0:
+            lines.append(f"cost: RMS {self.cost:.3g} {unit} {self.over}, {share:.3g} % of the model's friction torque")
+        if self.test_percent is not None:
+            full, here = self.test_percent
+            lines.append(f"test error {here:.4g} % of the RMS motor torque; the whole model has {full:.4g} %")
+        lines += [f"NOT DETERMINED by the recording: {key}: {why}" for key, why in self.not_identified.items()]
+        return lines
+
+
+def nearest(model: FittedModel, dialect: Dialect, recording: Recording | None = None) -> Nearest:
+    """Return the model nearest to a fitted one that a target can express.
+
+    Args:
+        model: the fitted one.
+        dialect: what the target can express.
+        recording: to refit to, as read; projected over the range of validity without one.
+
+    Raises:
+        InputError: where the recording is of another kind of drive, or lacks what the model needs.
+    """
+    if recording is not None and recording.motion is not model.motion:
+        raise InputError(
+            f"the model is of a {model.motion.value} drive, the recording of a {recording.motion.value} one"
+        )
+    effects = {kind: [e for e in model.model.effects if _kind(e, dialect) == kind] for kind in _KINDS}
+    law, same = model.model.law, dialect.same.get(model.model.law.name)
+    exact = not effects["lost"] and (same is not None or law.name in dialect.own)
+    motion, over = _motion(model, recording)
+    if exact:
+        chosen = law if law.name in dialect.own else dialect.make()
+        drive = Drive(Model(chosen, effects["written"]), model.inertia, model.motion)
+        names = same or {}
+        values = dict.fromkeys((p.key for p in drive.model.parameters), 0.0)
+        values |= {names.get(k, k): v for k, v in model.parameters.items() if names.get(k, k) in values}
+        values[drive.inertia_key] = model.inertia
+        unknown = {names.get(k, k): why for k, why in model.not_identified.items() if names.get(k, k) in values}
+        errors = None
+    else:
+        chosen = dialect.make()
+        constant = any(p.symbol == "tau_0" for p in chosen.parameters)  # the law has one: another would be the same
+        effects["written"] = [e for e in effects["written"] if not (constant and e.name == "torque-offset")]
+        beside = [*effects["written"], *effects["links"], *effects["recording"]]
+        fitted = Drive(Model(chosen, beside), model.drive.inertia, model.motion)
+        values, unknown, errors = (
+            _projected(model, fitted, motion) if recording is None else _refitted(model, fitted, recording)
+        )
+        drive = Drive(Model(fitted.model.law, effects["written"]), values[fitted.inertia_key], model.motion)
+    aside = [*effects["links"], *effects["recording"]]
+    left = _left_out(model, effects, motion, law if not exact else None, dialect)
+    whole = Drive(Model(law, [e for e in model.model.effects if e not in aside]), model.inertia, model.motion)
+    full = _friction(whole, model.parameters, motion)
+    cost = 0.0 if exact else rms(full - _friction(drive, values, motion))
+    inertia = values[drive.inertia_key] + model.parameters.get("inertia-error.dJ", 0.0)
+    keys = {drive.inertia_key, *(p.key for p in drive.model.parameters)}
+    return Nearest(
+        Drive(drive.model, inertia, model.motion),
+        {**{k: v for k, v in values.items() if k in keys}, drive.inertia_key: inertia},
+        "exact" if exact else "projected" if recording is None else "refitted",
+        left,
+        cost,
+        rms(full),
+        over,
+        errors,
+        {k: why for k, why in unknown.items() if k in keys},
+    )
+
+
+_KINDS = ("written", "lost", "links", "recording")
+
+
+def _kind(effect: Effect, dialect: Dialect) -> str:
+    name = effect.name.partition("(")[0]
+    if name in dialect.effects:
+        return "written"
+    return "recording" if name in OF_RECORDING else "links" if name in OF_LINKS else "lost"
+
+
+def _refitted(
+    model: FittedModel, drive: Drive, recording: Recording
+) -> tuple[dict[str, float], dict[str, str], tuple[float, float] | None]:
+    from fricmodels.diagnosis import compare
+    from fricmodels.model import Known
+
+    found = compare(recording, drive.model.knowing(Known(model.parameters)), drive.inertia)
+    known = Known(model.parameters, model.standard_errors, fixed=True)
+    own = compare(recording, model.model.knowing(known), model.drive.inertia)
+    errors = (own.errors.held_out_percent, found.errors.held_out_percent)
+    return dict(found.estimate.parameters), dict(found.estimate.not_identified), errors
+
+
+def _projected(
+    model: FittedModel, drive: Drive, motion: Recording
+) -> tuple[dict[str, float], dict[str, str], tuple[float, float] | None]:
+    """Return the parameters nearest to a model's torque over a motion, by least squares within their bounds."""
+    from fricmodels.filtering.preparation import bounded_least_squares
+
+    linear = drive.model.linear
+    held = {p.key: model.parameters[p.key] for p, ok in zip(drive.model.parameters, linear, strict=True) if not ok}
+    design, offset = drive.regressors(motion, list(held.values()))
+    declared = [p for p, ok in zip(drive.model.parameters, linear, strict=True) if ok]
+    lower = np.array([p.declared.lower for p in declared])
+    upper = np.array([p.declared.upper for p in declared])
+    right = _friction(Drive(model.model, model.inertia, model.motion), model.parameters, motion) - offset
+    moving = np.abs(motion.velocity) > 1e-3 * motion.peak_speed
+    found = bounded_least_squares(design[:, moving], right[moving], lower, upper, [])
+    values = {**held, **dict(zip((p.key for p in declared), found.tolist(), strict=True))}
+    values[drive.inertia_key] = model.inertia
+    kept = {k: why for k, why in model.not_identified.items() if k in values}
+    behind = ", ".join(k for k in undetermined(model) if "." not in k or k not in values)
+    law = sorted(p.symbol for p in drive.model.law.parameters)
+    return values, {**kept, **(dict.fromkeys(law, f"it was projected from {behind}") if behind else {})}, None
+
+
+def undetermined(model: FittedModel) -> list[str]:
+    """Return the keys of a model's friction that the recording did not determine; not of links, nor of a recording."""
+    aside = {*OF_RECORDING, *OF_LINKS, "J", "M"}
+    return [k for k in model.not_identified if k.partition(".")[0].partition("(")[0] not in aside]
+
+
+def _left_out(
+    model: FittedModel, effects: Mapping[str, list[Effect]], motion: Recording, law: Law | None, dialect: Dialect
+) -> tuple[LeftOut, ...]:
+    found = []
+    if law is not None and law.name not in dialect.same:
+        shape = model.document.terms[0].equation
+        torque = rms(_friction(Drive(Model(law), model.inertia, model.motion), model.parameters, motion))
+        found.append(LeftOut(law.name, torque, f"'{dialect.make().name}' stands for {shape}"))
+    reasons = {**OF_RECORDING, **OF_LINKS}
+    for kind in ("lost", "links", "recording"):
+        for effect in effects[kind]:
+            alone = Drive(Model(NoFriction(), [effect]), model.inertia, model.motion)
+            torque = rms(_friction(alone, model.parameters, motion))
+            reason = reasons.get(effect.name.partition("(")[0], "the target has nothing of its kind")
+            found.append(LeftOut(effect.name, torque, reason))
+    return tuple(found)
+
+
+def _friction(drive: Drive, values: Mapping[str, float], motion: Recording) -> Array:
+    return drive.friction(motion, {**values, drive.inertia_key: values.get(drive.inertia_key, 0.0)})
+
+
+def _motion(model: FittedModel, recording: Recording | None) -> tuple[Recording, str]:
+    if recording is not None:
+        from fricmodels.weakform.prepared import ready
+
+        return ready(recording), "on the recording"
+    return motion_over(model), "over the range of validity"
+
+
+def motion_over(model: FittedModel) -> Recording:
+    """Return a motion that goes through the ranges that a model is valid in, evenly, each channel at its own pace."""
+    time = np.linspace(*model.ranges.get("time", (0.0, 40.0)), _SAMPLES)
+    passed = 40.0 * np.arange(_SAMPLES) / _SAMPLES
+    channels: dict[str, Array] = {"time": time}
+    paces = iter(np.sqrt([2.0, 3.0, 5.0, 7.0, 11.0, 13.0, 17.0, 19.0, 23.0, 29.0, 31.0, 37.0]))
+    wanted = {*CHANNELS, *(n for n in model.document.units)} | {n for n in model.document.range if n.startswith(OTHER)}
+    for name in sorted(wanted - {"time", "current", "torque_rate"}):
+        low, high = model.ranges.get(name, (-1.0, 1.0))
+        phase = passed * next(paces) / 2.0
+        channels[name] = low + (high - low) * np.abs(2 * (phase % 1.0) - 1)
+    run = np.full(_SAMPLES, model.document.runs[0], dtype=np.int64)
+    return Recording("range of validity", Motion(model.motion), channels, run, units=dict(model.document.units))
+
+
+def rms(values: Array) -> float:
+    """Return the root of the mean square."""
+    return float(np.sqrt(np.mean(np.square(values))))

@@ -1,0 +1,39 @@
+"""A fitted model in words, as it is printed."""
+
+from __future__ import annotations
+
+from fricmodels.saved.document import ModelDocument, StoredParameter
+
+
+def described(document: ModelDocument) -> str:
+    """Return name, equations, parameters, ranges and the test error of a model, one a line."""
+    lines = [f"{document.model}  ({document.motion.value}; ± is half the 95 % interval)"]
+    lines += [f"  {term.name}: {term.equation}" for term in document.terms]
+    wide = max(len(key) for key in document.parameters)
+    lines += [f"  {key.ljust(wide)} = {_value(p)}" for key, p in document.parameters.items()]
+    lines += [
+        f"  fitted for {name.replace('_', ' ')} from {seen.least:.4g} to {seen.greatest:.4g} {seen.unit}"
+        for name, seen in document.range.items()
+        if name != "time"
+    ]
+    if document.error is not None:
+        lines.append(f"  {error_in_words(document)}")
+    return "\n".join(lines)
+
+
+def error_in_words(document: ModelDocument) -> str:
+    """Return the test error and the window over which it is averaged."""
+    error = document.error
+    if error is None:
+        return "test error unknown"
+    test = "unknown" if error.test_percent is None else f"{error.test_percent:.4g} %"
+    return f"test error {test} of the RMS motor torque, averaged over {error.window_ms:.3g} ms"
+
+
+def _value(p: StoredParameter) -> str:
+    unit = "" if p.unit == "1" else f" {p.unit}"
+    spread = f" ± {1.96 * p.standard_error:.2g}" if p.standard_error is not None else ""
+    notes = [*(["given"] if p.given else []), *([f"at its bound ({p.at_bound})"] if p.at_bound else [])]
+    if not p.identified:
+        notes.append(f"NOT DETERMINED: {p.reason}")
+    return f"{p.value:.6g}{spread}{unit}" + (f"  [{'; '.join(notes)}]" if notes else "")

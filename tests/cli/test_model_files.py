@@ -1,0 +1,171 @@
+"""``fit``, ``export``, and the commands that take a model's file in place of its name."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+import fricmodels
+from fricmodels.cli import main
+from fricmodels.recording import Recording
+
+MODEL = "coulomb-viscous+cogging"
+
+
+def call(capsys: pytest.CaptureFixture[str], *arguments: object) -> tuple[int, str, str]:
+    with pytest.raises(SystemExit) as stopped:
+        main([str(argument) for argument in arguments])
+    captured = capsys.readouterr()
+    return int(stopped.value.code or 0), captured.out, captured.err
+
+
+@pytest.fixture(scope="module")
+def room(made: Callable[..., Recording], tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with a recording of a drive with cogging, and the file of a model fitted to it."""
+    folder = tmp_path_factory.mktemp("model-files")
+    recording = made(MODEL, {"cogging.a": 0.8, "cogging.k": 7.0}, samples=6000)
+    columns = {"time_s": recording.time, "torque_Nm": recording.torque, "velocity_rad_s": recording.velocity}
+    pd.DataFrame({**columns, "position_rad": recording["position"]}).to_csv(folder / "joint.csv", index=False)
+    fricmodels.keep(fricmodels.compare(fricmodels.read(folder / "joint.csv"), MODEL, 2.0)).save(
+        folder / "joint.model.json"
+    )
+    return folder
+
+
+def test_fit_writes_what_compare_finds(room: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    out = tmp_path / "new" / "joint.model.json"
+    code, text, err = call(capsys, "fit", room / "joint.csv", "--model", MODEL, "--inertia", 2.0, "--out", out)
+    assert code == 0, err
+    assert "K_c" in text
+    assert out.read_bytes() == (room / "joint.model.json").read_bytes()
+    kept = fricmodels.load(out)
+    found = fricmodels.compare(fricmodels.read(room / "joint.csv"), MODEL, 2.0)
+    assert kept.parameters == dict(found.estimate.parameters)
+    assert kept.parameters["cogging.k"] == pytest.approx(7.0, rel=1e-3)
+    assert kept.document.provenance.files == ("joint.csv",)
+    assert kept.document.provenance.sha256
+
+
+def overlay(folder: Path) -> pd.DataFrame:
+    return pd.read_csv(folder / "overlay.csv")
+
+
+def test_compare_starts_from_a_file_and_ends_where_it_would(
+    room: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = room / "joint.model.json"
+    for name, model in (("a", MODEL), ("b", str(file))):
+        inertia = ["--inertia", "2.0"] if name == "a" else []  # the file's own
+        code, _, err = call(capsys, "compare", room / "joint.csv", "--model", model, *inertia, "--out", tmp_path / name)
+        assert code == 0, err
+    first, second = overlay(tmp_path / "a"), overlay(tmp_path / "b")
+    size = float(np.std(first["measured_Nm"]))
+    np.testing.assert_allclose(second["modelled_Nm"], first["modelled_Nm"], atol=1e-5 * size)
+
+
+def test_fixed_numbers_stay(room: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """With --fixed the numbers are those of the file, even wrong ones, and the error shows it."""
+    content = json.loads((room / "joint.model.json").read_text(encoding="utf-8"))
+    content["parameters"]["K_c"]["value"] = 4.0
+    wrong = tmp_path / "wrong.model.json"
+    wrong.write_text(json.dumps(content), encoding="utf-8")
+    found = {}
+    for name, model in (("right", room / "joint.model.json"), ("wrong", wrong)):
+        out = tmp_path / name
+        code, _, err = call(capsys, "compare", room / "joint.csv", "--model", model, "--fixed", "--out", out)
+        assert code == 0, err
+        found[name] = overlay(out)
+    moved = found["wrong"]["modelled_Nm"] - found["right"]["modelled_Nm"]
+    missing = 4.0 - fricmodels.load(room / "joint.model.json").parameters["K_c"]
+    assert float(np.median(np.abs(moved))) == pytest.approx(missing, rel=1e-3)
+
+
+def test_diagnose_holds_a_file_and_improve_leaves_its_own(
+    room: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    bare = tmp_path / "bare.model.json"
+    data = room / "joint.csv"
+    code, _, err = call(capsys, "fit", data, "--model", "coulomb-viscous", "--inertia", 2.0, "--out", bare)
+    assert code == 0, err
+    others = [n for n in fricmodels.plugins.load().effects if n != "cogging"]
+    out = [part for name in others for part in ("--leave-out", name)]
+    code, _, err = call(capsys, "diagnose", data, "--model", bare, "--fixed", *out, "--out", tmp_path / "d")
+    assert code == 0, err
+    held = json.loads((tmp_path / "d" / "diagnosis.json").read_text(encoding="utf-8"))
+    assert held["parameters"] == fricmodels.load(bare).parameters
+    assert [effect["name"] for effect in held["effects"]] == ["cogging"]
+    code, _, err = call(capsys, "improve", data, "--model", bare, *out, "--out", tmp_path / "i")
+    assert code == 0, err
+    last = json.loads((tmp_path / "i" / "diagnosis.json").read_text(encoding="utf-8"))["ladder"][-1]
+    kept = fricmodels.load(tmp_path / "i" / "model.json")
+    assert kept.name == last["model"] == MODEL
+    assert kept.parameters == last["parameters"]
+
+
+def test_simulate_drives_a_file(room: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    out = tmp_path / "simulated.csv"
+    data, file = room / "joint.csv", room / "joint.model.json"
+    code, text, err = call(capsys, "simulate", file, "--torque", data, "--out", out)
+    assert code == 0, err
+    assert "velocity: RMS error" in text
+    simulated, recorded = fricmodels.read(out), fricmodels.read(data)
+    np.testing.assert_allclose(simulated.torque, recorded.torque)
+    error = float(np.sqrt(np.mean((simulated.velocity - recorded.velocity) ** 2)))
+    assert error < 0.1 * float(np.std(recorded.velocity))
+
+
+@pytest.mark.parametrize("target", ["c", "mjcf", "urdf", "isaac", "drake", "ros2", "json"])
+def test_export_writes_every_target(
+    room: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], target: str
+) -> None:
+    out = tmp_path / "out"
+    file = room / "joint.model.json"
+    code, text, err = call(capsys, "export", file, "--to", target, "--name", "elbow", "--out", out)
+    assert code == 0, err
+    assert f"wrote {out}" in text
+    assert out.stat().st_size > 50
+    code, printed, _ = call(capsys, "export", file, "--to", target, "--name", "elbow")
+    assert printed == out.read_text(encoding="utf-8")
+    if target in ("urdf", "isaac", "drake", "ros2"):
+        assert "left out: cogging" in err
+
+
+def test_export_refits_to_the_recording(room: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file, data = room / "joint.model.json", room / "joint.csv"
+    code, text, err = call(capsys, "export", file, "--to", "urdf", "--data", data)
+    assert code == 0, err
+    assert "was refitted" in err
+    assert "% of the model's friction torque" in err
+    alone = fricmodels.compare(fricmodels.read(data), "coulomb-viscous", 2.0).estimate.parameters
+    assert repr(alone["K_v"]) in text
+    assert repr(alone["K_c"]) in text
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["compare", "{data}", "--model", "no.model.json"], "no such file"),
+        (["compare", "{data}", "--model", "coulomb-viscous", "--fixed"], "--fixed"),
+        (["compare", "{data}", "--model", "{file}", "--linear"], "force"),
+        (["export", "no.model.json", "--to", "c"], "no such file"),
+        (["export", "{file}", "--to", "cpp"], "unknown target"),
+        (["export", "{file}", "--to", "mjcf", "--into", "no.xml"], "no such file"),
+        (["export", "{file}", "--to", "c", "--name", "1 joint"], "no name in C"),
+        (["simulate", "{file}", "--out", "x.csv"], "--torque"),
+        (["simulate", "{file}", "--torque", "{data}", "--out", "x.txt"], ".csv or .parquet"),
+        (["fit", "{data}", "--model", "coulomb-viscos", "--out", "x.model.json"], "did you mean"),
+    ],
+)
+def test_bad_input_is_one_line_and_exit_code_2(
+    room: Path, capsys: pytest.CaptureFixture[str], arguments: list[str], message: str
+) -> None:
+    names = {"data": room / "joint.csv", "file": room / "joint.model.json"}
+    code, _, err = call(capsys, *(argument.format(**names) for argument in arguments))
+    assert code == 2
+    assert message in err
+    assert err.count("\n") == 1

@@ -1,0 +1,235 @@
+"""Exports against their programs and against the whole model: what is written is nearest, and said to be."""
+
+from __future__ import annotations
+
+import json
+import math
+import xml.etree.ElementTree as ET
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+
+import fricmodels
+from fricmodels.errors import InputError
+from fricmodels.export.targets import TARGETS, export_model
+from fricmodels.export.targets.nearest import COULOMB_VISCOUS, MUJOCO, motion_over, nearest, rms
+from fricmodels.recording import Recording
+
+ROBOT = """<mujoco>
+  <!-- a comment that stays -->
+  <option gravity="0 0 0" timestep="0.0005" integrator="RK4"/>
+  <worldbody><body><joint name="elbow" type="hinge" axis="0 0 1"/><geom size="0.1" mass="1e-9"/></body></worldbody>
+  <actuator><motor name="m" joint="elbow"/></actuator>
+</mujoco>"""
+ARM = '<robot name="r"><link name="a"/><joint name="elbow" type="revolute"><parent link="a"/></joint></robot>'
+
+
+def loaded(text: str) -> tuple[Any, Any, Any]:
+    mujoco = pytest.importorskip("mujoco", reason="MuJoCo is not installed; pip install mujoco")
+    model = mujoco.MjModel.from_xml_string(text)
+    return mujoco, model, mujoco.MjData(model)
+
+
+def friction_in(data: Any) -> float:
+    """Return the friction torque of a joint that slides: what its motor's torque loses."""
+    return float(-(data.qfrc_passive[0] + data.qfrc_constraint[0] + data.qfrc_actuator[0] - data.ctrl[0]))
+
+
+@pytest.mark.parametrize(
+    "name", ["coulomb-viscous", "coulomb-viscous+cogging", "coulomb-viscous+cogging+torque-offset"]
+)
+def test_mujoco_has_the_torque_that_it_can_express(kept: Callable[..., Any], name: str) -> None:
+    """Along a simulation in MuJoCo under a sine, MuJoCo's own friction is the model's, while the joint slides."""
+    model = kept(name, {"K_v": 0.3, "K_c": 0.8})
+    done = export_model(model, "mjcf", name="elbow", into=ROBOT, armature=model.inertia)
+    assert done.nearest is not None
+    assert done.nearest.how == "exact"
+    assert done.nearest.cost == 0.0
+    assert "a comment that stays" in done.text
+    mujoco, m, d = loaded(done.text)
+    assert m.nu == 1, "passive motors take no control"
+    worst, compared = 0.0, 0
+    for k in range(4000):
+        d.ctrl[0] = 9.0 * math.sin(2e-3 * k)
+        mujoco.mj_forward(m, d)
+        if abs(d.qvel[0]) > 0.3:
+            expected = model.torque(velocity=d.qvel[0], position=d.qpos[0])
+            worst = max(worst, abs(friction_in(d) - expected))
+            compared += 1
+        mujoco.mj_step(m, d)
+    assert compared > 1500
+    assert worst <= 1e-9
+
+
+def test_mujoco_simulates_the_motion_of_this_package(kept: Callable[..., Any]) -> None:
+    model = kept("coulomb-viscous+cogging", {"K_v": 0.3, "K_c": 0.8})
+    done = export_model(model, "mjcf", name="elbow", into=ROBOT, armature=model.inertia)
+    mujoco, m, d = loaded(done.text)
+    torque = 4.0 + 3.0 * np.sin(2e-3 * np.arange(2000))  # it never comes to rest
+    velocity = np.empty(len(torque))
+    d.qvel[0] = 3.0
+    for k, push in enumerate(torque):
+        velocity[k] = d.qvel[0]
+        d.ctrl[0] = push
+        mujoco.mj_step(m, d)
+    own = model.simulate(torque, {"velocity": 3.0}, interval=5e-4, between_samples="held")
+    assert np.min(own.velocity) > 0.3
+    np.testing.assert_allclose(velocity, own.velocity, rtol=2e-4)
+
+
+def test_mujoco_has_the_lugre_law_as_it_is(kept: Callable[..., Any]) -> None:
+    if "lugre" not in fricmodels.plugins.load().laws:
+        pytest.skip("the plugin fricmodels-lugre is not installed")
+    values = {"F_c": 0.5, "sigma_1": 3.0, "sigma_2": 0.2, "z_c": 5e-4, "r": 1.6, "v_s": 0.05}
+    model = kept("lugre", values)
+    done = export_model(model, "mjcf", name="elbow", into=ROBOT, armature=2.0)
+    mujoco, m, d = loaded(done.text)
+    rng = np.random.default_rng(3)
+    for velocity, deflection in zip(rng.uniform(-1, 1, 200), rng.uniform(-1.5, 1.5, 200), strict=True):
+        d.qvel[0], d.act[0] = velocity, deflection * values["z_c"]
+        mujoco.mj_forward(m, d)
+        expected = model.torque(velocity=velocity, states=[deflection])
+        assert friction_in(d) == pytest.approx(expected, rel=1e-9, abs=1e-9)
+
+
+def test_writing_twice_is_writing_once(kept: Callable[..., Any]) -> None:
+    model = kept("coulomb-viscous+cogging")
+    once = export_model(model, "mjcf", name="elbow", into=ROBOT).text
+    twice = export_model(model, "mjcf", name="elbow", into=once).text
+    assert once.count("<dcmotor") == twice.count("<dcmotor") == 2
+
+
+@pytest.fixture(scope="module")
+def curved(made: Callable[..., Recording]) -> tuple[Any, Recording]:
+    recording = made("coulomb-viscous+stribeck", {"stribeck.F_s": 2.0, "stribeck.omega_s": 1.0, "stribeck.delta": 1.0})
+    return fricmodels.keep(fricmodels.compare(recording, "coulomb-viscous+stribeck", 2.0)), recording
+
+
+def test_what_cannot_be_expressed_is_refitted_not_cut_off(curved: tuple[Any, Recording]) -> None:
+    """The refit errs less than the model with its Stribeck part cut off, and both figures are told."""
+    model, recording = curved
+    found = nearest(model, COULOMB_VISCOUS, recording)
+    motion = fricmodels.diagnosis.ready(recording)
+    full = model.torque(motion)
+    refit = found.drive.friction(motion, found.parameters)
+    cut = model.parameters["K_v"] * motion.velocity + model.parameters["K_c"] * np.sign(motion.velocity)
+    assert found.how == "refitted"
+    assert found.cost == pytest.approx(rms(full - refit), rel=1e-9)
+    assert found.cost < 0.6 * rms(full - cut)
+    assert [one.name for one in found.left_out] == ["stribeck"]
+    assert found.left_out[0].torque == pytest.approx(rms(full - cut), rel=0.02)
+    assert found.test_percent is not None
+    assert found.test_percent[1] > 2 * found.test_percent[0]
+    assert any("cost: RMS" in note for note in found.notes("N m"))
+
+
+def test_without_a_recording_it_is_projected_and_says_so(curved: tuple[Any, Recording]) -> None:
+    """Over the range, no other numbers of the target's law come nearer."""
+    model, _ = curved
+    found = nearest(model, COULOMB_VISCOUS)
+    assert found.how == "projected"
+    assert any("not refitted" in note for note in found.notes("N m"))
+    motion = motion_over(model)
+    for name, (low, high) in model.ranges.items():
+        if name in motion:
+            span = high - low
+            assert motion[name].min() == pytest.approx(low, abs=0.01 * span)
+            assert motion[name].max() == pytest.approx(high, abs=0.01 * span)
+    full = model.torque(motion)
+    for key in ("K_v", "K_c"):
+        for factor in (0.97, 1.03):
+            other = {**found.parameters, key: factor * found.parameters[key]}
+            assert rms(full - found.drive.friction(motion, other)) > found.cost
+
+
+def test_a_law_of_the_target_comes_through_unchanged(kept: Callable[..., Any]) -> None:
+    model = kept("coulomb-viscous", {"K_v": 0.125, "K_c": 0.75})
+    for target in ("urdf", "ros2", "isaac", "mjcf"):
+        done = export_model(model, target, name="elbow")
+        assert done.nearest is not None
+        assert done.nearest.how == "exact"
+        assert "0.125" in done.text
+        assert "0.75" in done.text
+    urdf = ET.fromstring(export_model(model, "urdf", name="elbow", into=ARM).text)
+    dynamics = urdf.find("joint/dynamics")
+    assert dynamics is not None
+    assert dynamics.attrib == {"damping": "0.125", "friction": "0.75"}
+
+
+def test_gravity_is_left_to_the_links_and_does_not_bend_the_friction(made: Callable[..., Recording]) -> None:
+    recording = made("coulomb-viscous+gravity", {"gravity.a": 4.0, "gravity.b": -2.0})
+    model = fricmodels.keep(fricmodels.compare(recording, "coulomb-viscous+gravity", 2.0))
+    for found in (nearest(model, COULOMB_VISCOUS, recording), nearest(model, MUJOCO)):
+        assert [one.name for one in found.left_out] == ["gravity"]
+        assert found.how == "exact"
+        assert found.parameters["K_c"] == pytest.approx(3.0, rel=0.02)
+
+
+def test_isaac_breaks_away_at_the_whole_model_s_torque(kept: Callable[..., Any]) -> None:
+    values = {"K_v": 0.1, "K_c": 2.0, "C": 1.0, "B": 3.0}
+    model = kept("exponential-stick-slip", values)
+    given: dict[str, Any] = {}
+    text = export_model(model, "isaac", name="elbow").text
+    for line in text.splitlines():
+        if "{" in line:
+            key, _, rest = line.strip().partition("=")
+            given[key] = float(rest.split(":")[1].rstrip("},"))
+    assert given["friction"] == pytest.approx(2.0, rel=1e-6)
+    assert 1.0 <= given["dynamic_friction"] <= 2.0
+    compile(text, "isaac", "exec")
+
+
+@pytest.mark.parametrize("target", TARGETS)
+@pytest.mark.parametrize("name", ["coulomb-viscous", "exponential-stick-slip+presliding+thermal+load-friction"])
+def test_nothing_undetermined_goes_out_in_silence(kept: Callable[..., Any], target: str, name: str) -> None:
+    law = "K_v"
+    done = export_model(kept(name, not_identified={law: "its interval contains zero"}), target, name="elbow")
+    assert any("NOT DETERMINED" in note for note in done.notes)
+    assert "NOT DETERMINED" in done.text or json.loads(done.text)["parameters"][law]["identified"] is False
+    if target in ("urdf", "drake", "ros2", "mjcf"):
+        ET.fromstring(f"<x xmlns:drake='d'>{done.text}</x>")
+
+
+def test_a_constant_is_fitted_once(made: Callable[..., Recording]) -> None:
+    """An asymmetric law is a constant and a symmetric one: MuJoCo has both, whether or not an offset is named."""
+    values = {"K_v1": 0.5, "K_v2": 0.5, "K_c1": 3.5, "K_c2": 2.5}
+    recording = made("asymmetric-coulomb-viscous", values)
+    for name in ("asymmetric-coulomb-viscous", "asymmetric-coulomb-viscous+torque-offset"):
+        model = fricmodels.keep(fricmodels.compare(recording, name, 2.0))
+        for given in (recording, None):
+            found = nearest(model, MUJOCO, given)
+            assert found.parameters["tau_0"] == pytest.approx(0.5, abs=0.02)
+            assert found.parameters["K_c"] == pytest.approx(3.0, abs=0.05)
+            assert "torque-offset.tau_0" not in found.parameters
+            assert found.cost < 0.02 * found.torque
+
+
+def test_what_is_behind_a_projection_is_said_too(kept: Callable[..., Any]) -> None:
+    model = kept("coulomb-viscous+stribeck", not_identified={"stribeck.omega_s": "it is vague"})
+    for target in ("urdf", "isaac", "mjcf"):
+        assert "stribeck.omega_s" in " ".join(export_model(model, target, name="elbow").notes)
+
+
+def test_a_linear_axis_has_its_own_units(kept: Callable[..., Any]) -> None:
+    model = kept("coulomb-viscous+cogging", motion=fricmodels.dimension.Motion.LINEAR)
+    done = export_model(model, "urdf", name="x")
+    assert any(" N over" in note for note in done.notes)
+    assert not any("N m" in note for note in done.notes)
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        ({"target": "mjfc"}, "did you mean 'mjcf'"),
+        ({"target": "c", "into": ROBOT}, "leave --into out"),
+        ({"target": "mjcf", "into": ARM}, "<robot>"),
+        ({"target": "mjcf", "into": "<mujoco"}, "cannot be read"),
+        ({"target": "mjcf", "into": ROBOT, "name": "elbov"}, "did you mean 'elbow'"),
+        ({"target": "mjcf", "into": '<!DOCTYPE x [<!ENTITY a "b">]><mujoco/>'}, "DOCTYPE"),
+    ],
+)
+def test_what_cannot_be_written_says_why(kept: Callable[..., Any], given: dict[str, Any], message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        export_model(kept("coulomb-viscous"), **{"name": "elbow", **given})
