@@ -99,7 +99,8 @@ def test_look_alikes_are_told_apart_by_an_experiment() -> None:
 def test_a_force_is_called_so() -> None:
     found = answer(data(motion="linear"))
     assert "motor force" in found.error
-    assert found.command.endswith("--linear --out joint-model")
+    assert found.command.startswith("fricmodels fit ")
+    assert found.command.endswith("--linear --out joint.model.json")
 
 
 def test_a_command_reads_the_recording_as_it_was_read() -> None:

@@ -178,8 +178,9 @@ def _next(data: Data, options: Sequence[str]) -> tuple[str, str]:
             return text, command_line(data, "compare", best["model"], _common(options))
         text = "Record what this log lacks (another joint, a temperature, a load). To see where the error lies:"
         return text, command_line(data, "compare", model, [*_common(options), "--report", "error.html"])
-    text = "Use the model. This keeps its parameters, standard errors and provenance:"
-    return text, command_line(data, "improve", model, [*options, "--out", f"{Path(data['dataset']).name}-model"])
+    text = "Use the model. This keeps its parameters, standard errors and provenance in a file, to call or to export:"
+    kept = f"{Path(data['dataset']).name}.model.json"
+    return text, command_line(data, "fit", model, [*_common(options), "--out", kept])
 
 
 def _common(options: Sequence[str]) -> list[str]:
