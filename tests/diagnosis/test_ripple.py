@@ -35,6 +35,16 @@ def test_a_fast_wave_is_named_with_its_wave_number_and_amplitude(
     assert abs(outcome.error) < 0.2
 
 
+@pytest.mark.parametrize("seed", [10, 12])
+def test_a_torque_off_the_list_is_not_called_a_friction(benchmark: ModuleType, seed: int) -> None:
+    """What goes with the direction explains less than half of a torque that does not."""
+    recording = benchmark.trial("cogging", 5.0, seed).recording
+    found = diagnose(recording, "coulomb-viscous", INERTIA, leave_out=["cogging", "torque-ripple"])
+    assert found.ripple is not None
+    assert found.ripple.found is None
+    assert not found.findings
+
+
 def test_k_is_named_and_not_2k(benchmark: ModuleType) -> None:
     outcome = benchmark.judged(benchmark.trial("cogging, k and 2k (1 : 2)", 6.0, 12))
     assert outcome.right

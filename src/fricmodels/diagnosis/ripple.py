@@ -62,11 +62,33 @@ def fast_ripple(
     if not tested:
         return FastRipple(waves, None)
     first = tested[0]
+    if _is_outpredicted(rows, regression, first, policy):
+        return FastRipple(waves, None)
 
     def is_alike(other: CandidateTest) -> bool:
         return compare(other.evidence.loss, first.evidence.loss, regression.terms)[1] > policy.alike_significance
 
     return FastRipple(waves, LookAlikes(first, (first, *filter(is_alike, tested[1:]))))
+
+
+def _is_outpredicted(rows: WeakFormProblem, regression: Regression, first: CandidateTest, policy: Policy) -> bool:
+    """Whether a wave that goes with anything at all predicts clearly more, and the best effect is too little of it.
+
+    Cosine and sine of the wave and of its double: each as it is, with the direction, and with the motor torque. A cause
+    that is not on the list is imitated by the others. A real wave goes a little with all of them.
+    """
+    points = rows.quadrature.recording
+    (k,) = first.found.nonlinear
+    waves = [wave(m * k * points["position"]) for m in (1.0, 2.0) for wave in (np.cos, np.sin)]
+    factors = np.ones(len(points)), np.sign(points.velocity), rows.motor_torque
+    columns = rows.integrals(np.stack([wave * factor for factor in factors for wave in waves]))
+    seen = regression.visible(columns)
+    if not np.any(seen):
+        return False
+    before, any_wave = float(np.sum(regression.loss)), regression.test(columns[seen])
+    theirs, own = (before - float(np.sum(loss)) for loss in (any_wave.loss, first.evidence.loss))
+    _, p_more = compare(first.evidence.loss, any_wave.loss, regression.terms)
+    return own < policy.own_share * theirs and p_more <= policy.outpredicted_significance
 
 
 def _tested(rows: WeakFormProblem, regression: Regression, waves: Waves, leave_out: set[str]) -> list[CandidateTest]:
