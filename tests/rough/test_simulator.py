@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import zlib
 from pathlib import Path
 from typing import Any
 
@@ -164,3 +165,19 @@ def test_only_what_cannot_be_told_apart_counts_as_alike(rough: Any) -> None:
     assert not rough.judge.is_right(row, ["sensor-delay"])
     assert rough.judge.is_right({**row, "lag_samples": -0.5}, ["sensor-delay"])
     assert not rough.judge.is_right(row, ["stiffness", "gravity"])
+
+
+@pytest.mark.parametrize("index", [9, 32, 59])
+def test_a_drive_that_rests_in_noise_keeps_its_friction(rough: Any, index: int) -> None:
+    """Drives of the challenge whose rests the noise hid: K_c came out 40 % too small, or the error ten times the noise.
+
+    9 also needs that a fit at the model's velocity be refused, 32 the position beside the velocity, 59 what happens at
+    most from sample to sample.
+    """
+    from fricmodels.diagnosis import compare
+
+    seeds = np.random.default_rng([11, zlib.crc32(b"null:"), index])
+    case = rough.trials.drawn(seeds, [], [])
+    fitted = compare(rough.record.record(case), "coulomb-viscous", case.inertia)
+    assert fitted.estimate.parameters["K_c"] == pytest.approx(case.drive.plant.coulomb_forward, rel=0.01)
+    assert fitted.errors.headline.held_out_percent < 2.0 * fitted.errors.headline.noise_floor_percent + 1.0

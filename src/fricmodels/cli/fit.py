@@ -40,11 +40,11 @@ def command(
     """
     given = load(data, model, column, torque_constant, reader, linear, None, inertia, trust, gaps)
     from fricmodels.cli.answers import answered
-    from fricmodels.cli.printing import warn
+    from fricmodels.cli.printing import warn, working
     from fricmodels.diagnosis import compare
     from fricmodels.saved import keep
 
-    with answered(given.recording, given.model):
+    with answered(given.recording, given.model), working(f"fitting {given.model.name}"):
         kept = keep(compare(given.recording, given.model, given.inertia))
     print(kept)
     warn([f"the fit did not end well: {message}"] if (message := kept.document.provenance.message) else [])

@@ -88,7 +88,7 @@ def _is_outpredicted(rows: WeakFormProblem, regression: Regression, first: Candi
     before, any_wave = float(np.sum(regression.loss)), regression.test(columns[seen])
     theirs, own = (before - float(np.sum(loss)) for loss in (any_wave.loss, first.evidence.loss))
     _, p_more = compare(first.evidence.loss, any_wave.loss, regression.terms)
-    return own < policy.own_share * theirs and p_more <= policy.outpredicted_significance
+    return own < policy.own_share * theirs and theirs > 0.0 and p_more <= policy.outpredicted_significance
 
 
 def _tested(rows: WeakFormProblem, regression: Regression, waves: Waves, leave_out: set[str]) -> list[CandidateTest]:

@@ -11,13 +11,10 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 from fricmodels.errors import FricmodelsError
-from fricmodels.kernels.instructions import instructions
+from fricmodels.kernels.instructions import OPERATIONS, instructions
 
 _C: dict[str, str] = {
-    "OP_ADD": "{0} + {1}",
-    "OP_SUB": "{0} - {1}",
-    "OP_MUL": "{0} * {1}",
-    "OP_DIV": "{0} / {1}",
+    **OPERATIONS,  # calls and arithmetic are written alike in Python and in C
     "OP_POW": "pow({0}, {1})",
     "OP_CONSTPOW": "pow({0}, {1})",
     "OP_LT": "(double)({0} < {1})",
@@ -28,35 +25,10 @@ _C: dict[str, str] = {
     "OP_OR": "(double)(({0} != 0.0) || ({1} != 0.0))",
     "OP_FMIN": "fmin({0}, {1})",
     "OP_FMAX": "fmax({0}, {1})",
-    "OP_ATAN2": "atan2({0}, {1})",
-    "OP_COPYSIGN": "copysign({0}, {1})",
-    "OP_FMOD": "fmod({0}, {1})",
     "OP_IF_ELSE_ZERO": "({0} != 0.0) ? {1} : 0.0",
-    "OP_ASSIGN": "{0}",
-    "OP_NEG": "-{0}",
-    "OP_EXP": "exp({0})",
-    "OP_LOG": "log({0})",
-    "OP_SQRT": "sqrt({0})",
-    "OP_SQ": "{0} * {0}",
-    "OP_TWICE": "2.0 * {0}",
-    "OP_SIN": "sin({0})",
-    "OP_COS": "cos({0})",
-    "OP_TAN": "tan({0})",
-    "OP_ASIN": "asin({0})",
-    "OP_ACOS": "acos({0})",
-    "OP_ATAN": "atan({0})",
-    "OP_SINH": "sinh({0})",
-    "OP_COSH": "cosh({0})",
-    "OP_TANH": "tanh({0})",
     "OP_FABS": "fabs({0})",
     "OP_SIGN": "(double)(({0} > 0.0) - ({0} < 0.0))",
     "OP_NOT": "(double)({0} == 0.0)",
-    "OP_INV": "1.0 / {0}",
-    "OP_FLOOR": "floor({0})",
-    "OP_CEIL": "ceil({0})",
-    "OP_ERF": "erf({0})",
-    "OP_EXPM1": "expm1({0})",
-    "OP_LOG1P": "log1p({0})",
 }
 """Name of a CasADi operation → the same in C99."""
 

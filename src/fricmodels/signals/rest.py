@@ -131,7 +131,9 @@ def _found(recording: Recording) -> _Motion:
         return _seen(recording, noise)
     noise = _not_less(noise, _where_quiet(recording))
     if "position" in recording and "position" not in recording.derived:
-        noise = _not_less(noise.lasting_as(_square_beside_position(recording)), _beside_position(recording))
+        if noise.lasting:
+            noise = noise.lasting_as(_square_beside_position(recording))
+        noise = _not_less(noise, _beside_position(recording))
     if not noise.lasting:
         found = _seen(recording, noise)
         if not found.resting.any():
