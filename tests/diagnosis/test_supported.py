@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+import fricmodels.diagnosis.floor as errors_floor
 from fricmodels.diagnosis import candidate_tests as surveys
 from fricmodels.diagnosis import compare, diagnose, examine, improve
 from fricmodels.diagnosis.candidate_tests import CandidateTests, candidate_tests
@@ -134,10 +135,13 @@ def test_an_effect_that_only_resembles_gives_way_or_is_refused(made: Made) -> No
     assert named(alone, ["rising-stiction"]) == []
 
 
-def test_an_error_that_nothing_predicts_is_not_adequate(made: Made) -> None:
+def test_an_error_that_nothing_predicts_is_not_adequate(made: Made, monkeypatch: pytest.MonkeyPatch) -> None:
     comparison = compare(made(noise=1.0), LAW, 2.0)
     assert examine(comparison).verdict == "adequate"
     spoilt = replace(comparison, sliding=SlidingErrors(9.0, 1.0, 1.0))
+    assert examine(spoilt).verdict == "adequate"  # the recording itself has no such error
+    monkeypatch.setattr(errors_floor, "beyond_sampling_percent", lambda comparison: 9.0)
+    assert examine(comparison).verdict == "adequate"  # so much may be noise
     diagnosis = examine(spoilt)
     assert (diagnosis.verdict, diagnosis.view, diagnosis.findings) == ("unknown-effect", None, ())
 

@@ -131,7 +131,10 @@ def from_scratch(comparison: Comparison) -> Comparison:
     """
     if all(p.linear and not p.declared.delay for p in comparison.drive.parameters):
         return comparison  # there is nothing to start from
-    other = compare_model(comparison.train, comparison.test, comparison.drive)
+    try:
+        other = compare_model(comparison.train, comparison.test, comparison.drive)
+    except InputError:  # a search without a start may end where the drive would not move
+        return comparison
     return other if other.sliding.percent <= _AS_GOOD * comparison.sliding.percent else comparison
 
 

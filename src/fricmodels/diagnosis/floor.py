@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from fricmodels.diagnosis.comparison import Comparison
 from fricmodels.diagnosis.policy import POLICY, Policy
+from fricmodels.score.torque import filtered_torque_error, sliding_half_width
+from fricmodels.score.zeroed import zeroed
 from fricmodels.weakform.problem import WeakFormProblem
 
 
@@ -25,8 +29,30 @@ def share_explained(problem: WeakFormProblem, before: float, left: float, policy
     return (before - left) / above if above > before - left else 1.0
 
 
+def is_above_noise(comparison: Comparison, policy: Policy = POLICY) -> bool:
+    """Whether the error is far more than the noise of the sensors leaves."""
+    sliding = comparison.sliding
+    return _is_far_above(max(sliding.percent, sliding.held_out_percent), comparison, policy)
+
+
 def is_far_above_noise(comparison: Comparison, policy: Policy = POLICY) -> bool:
-    """Whether the error is more than noise and sampling leave, even where no channel predicts it."""
-    worst = max(comparison.sliding.percent, comparison.sliding.held_out_percent)
+    """Whether the error is far more than noise and sampling leave, even where no channel predicts it."""
+    return is_above_noise(comparison, policy) and _is_far_above(beyond_sampling_percent(comparison), comparison, policy)
+
+
+def _is_far_above(percent: float, comparison: Comparison, policy: Policy) -> bool:
     noise = policy.noise_known_to * comparison.sliding.noise_percent
-    return worst**2 - noise**2 > policy.far_above_noise**2
+    return percent**2 - noise**2 > policy.far_above_noise**2
+
+
+def beyond_sampling_percent(comparison: Comparison) -> float:
+    """Return the error that is left without what sampling hides, in % of the RMS torque; see `score.sampling`.
+
+    Of what was fitted and what was kept back, the larger.
+    """
+    drive, values, half_width = comparison.drive, comparison.estimate.parameters, sliding_half_width(comparison.train)
+    found = []
+    for part in (comparison.train, zeroed(drive, values, comparison.test)):
+        error = filtered_torque_error(drive, values, part, half_width, beyond_sampling=True)
+        found.append(100 * float(np.sqrt(np.mean(error**2) / np.mean(part.torque**2))))
+    return max(found)

@@ -17,7 +17,7 @@ import numpy as np
 from fricmodels import plugins
 from fricmodels.diagnosis.candidate_tests import CandidateTest, CandidateTests, candidate_tests
 from fricmodels.diagnosis.comparison import Comparison
-from fricmodels.diagnosis.floor import is_far_above_noise
+from fricmodels.diagnosis.floor import is_above_noise
 from fricmodels.diagnosis.policy import Policy
 from fricmodels.diagnosis.refits import Refits
 from fricmodels.diagnosis.supported import judge
@@ -58,7 +58,7 @@ def refit_check(
 def _helps(comparison: Comparison, fitted: Comparison, policy: Policy) -> bool:
     """Whether a fit lowers the test error, and the error by a fair part where it is far above noise."""
     falls = fitted.sliding.held_out_percent < comparison.sliding.held_out_percent
-    part = 1 - policy.refit_gain if is_far_above_noise(comparison, policy) else 1.0
+    part = 1 - policy.refit_gain if is_above_noise(comparison, policy) else 1.0
     return falls and _error(fitted) < part * _error(comparison)
 
 

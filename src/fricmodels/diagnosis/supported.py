@@ -15,8 +15,10 @@ still does beside a description of the rest that assumes no physics:
    of what it explains beside it; R then describes no other cause, and is left out of the formula.
    L is the sum of squared residuals on blocks that were not used for fitting, L_0 what noise and sampling leave.
 
-A mimic fails one of these: what it explained is taken by R, or a channel predicts more. A true effect beside an unknown
-cause passes: R takes the unknown part, and little remains but the effect's own.
+4. It has one size all over the motion, see :mod:`.constancy`.
+
+A mimic fails one of these: what it explained is taken by R, a channel predicts more, or it acts in a part of the motion
+only. A true effect beside an unknown cause passes: R takes the unknown part, and little remains but the effect's own.
 """
 
 from __future__ import annotations
@@ -28,6 +30,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fricmodels.diagnosis.candidate_tests import CandidateTest, CandidateTests
+from fricmodels.diagnosis.constancy import gain_of_own_sizes
 from fricmodels.diagnosis.effect_set import (
     Gain,
     Member,
@@ -131,6 +134,7 @@ class Support:
         torque: RMS torque that only it explains, over the RMS torque.
         p_value: of the Wald test of its columns.
         rival: that channel; empty where none predicts clearly more.
+        of_own_sizes: share more that it explains with a size of its own in each part of the motion.
     """
 
     own_share: float
@@ -138,6 +142,7 @@ class Support:
     torque: float
     p_value: float
     rival: str = ""
+    of_own_sizes: float = 0.0
 
     def suffices(self, policy: Policy) -> bool:
         """Whether the effect may be named, if it is large enough."""
@@ -145,6 +150,7 @@ class Support:
             self.p_value < policy.significance
             and self.own_share >= policy.own_share
             and self.of_channel >= policy.of_channel
+            and self.of_own_sizes <= policy.own_sizes
         )
 
 
@@ -174,6 +180,7 @@ def _support(result: CandidateTests, member: Member, others: list[Member], rest:
     )
     if not found.suffices(result.policy):
         return found  # no channel need be asked
+    found = replace(found, of_own_sizes=gain_of_own_sizes(result, member.found.first, beside))
     of_channel, rival = _against_channels(result, described, member.found.first)
     return replace(found, of_channel=of_channel, rival=rival) if of_channel < of_rest else found
 

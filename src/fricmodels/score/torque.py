@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from fricmodels.drive import Drive
 from fricmodels.recording import Recording
+from fricmodels.score.sampling import about_reversals, slowest_certain, without_shift
 
 if TYPE_CHECKING:
     from fricmodels.signals import Noise
@@ -57,7 +58,12 @@ def _friction(drive: Drive, values: Mapping[str, float], prepared: Recording, ne
 
 
 def filtered_torque_error(
-    drive: Drive, values: Mapping[str, float], recording: Recording, half_width: int | None = None
+    drive: Drive,
+    values: Mapping[str, float],
+    recording: Recording,
+    half_width: int | None = None,
+    *,
+    beyond_sampling: bool = False,
 ) -> Array:
     r"""Return eq. 21 with every term of it filtered alike, shape (N,), in SI units.
 
@@ -88,6 +94,7 @@ def filtered_torque_error(
         values: parameters by key.
         recording: with ``velocity``.
         half_width: h; :func:`sliding_half_width` if not given.
+        beyond_sampling: leave out what sampling hides; see :mod:`.sampling`.
     """
     from fricmodels.signals import lanczos_derivative, resting, standstill, stretches, velocity_noise
     from fricmodels.signals.lanczos import even_weights
@@ -99,7 +106,9 @@ def filtered_torque_error(
     smooth[rest | (np.abs(smooth) <= standstill(smooth))] = 0.0
     doubtful = np.abs(smooth) <= 3 * velocity_noise(recording).after(even_weights(width)[0])
     moving = recording.with_channels(velocity=smooth)
-    error = np.zeros(len(recording))
+    if beyond_sampling:
+        doubtful |= np.abs(smooth) <= slowest_certain(drive, values, moving)
+    error, rate = np.zeros(len(recording)), np.zeros(len(recording))
     inertia, parameters = drive.split(values)
     states = drive.states(moving, parameters)
     for part in stretches(recording.time, recording.run):
@@ -109,9 +118,14 @@ def filtered_torque_error(
         needed = _mean(one.torque - one.load_torque) - inertia * np.diff(recording.velocity[part]) / np.diff(one.time)
         friction = friction_moments(drive, values, one, [state[part] for state in states], rest[part], doubtful[part])
         least, greatest = (moments.sum(axis=0) for moments in friction)
+        if beyond_sampling:
+            limits = drive.sticking_interval(one, values, states=[state[part] for state in states])
+            less, more = about_reversals(one.velocity, share_before_zero(one.velocity), *limits)
+            least, greatest = least + less, greatest + more
+            rate[part] = _window_mean(np.diff(one.torque) / np.diff(one.time), one.time, width)
         balance, lower, upper = (_window_mean(each, one.time, width) for each in (needed, least, greatest))
         error[part] = balance - np.clip(balance, lower, upper)
-    return error
+    return without_shift(error, np.where(error == 0.0, 0.0, rate), recording.interval)[0] if beyond_sampling else error
 
 
 def _mean(values: Array) -> Array:
@@ -147,7 +161,7 @@ def friction_moments(
     first, last = velocity[:-1], velocity[1:]
     passes = (first * last < 0) & ~rest[:-1] & ~rest[1:]
     leaving, entering = np.where(first > 0, above[:-1], below[:-1]), np.where(first > 0, below[1:], above[1:])
-    in_two = _moments_in_two(_share_before_zero(velocity), moments(at[:-1], leaving), moments(entering, at[1:]))
+    in_two = _moments_in_two(share_before_zero(velocity), moments(at[:-1], leaving), moments(entering, at[1:]))
     one_rests = rest[:-1] ^ rest[1:]
     held = moments(holding[:-1], holding[1:])
     may_rest = rest | (doubtful & (holding == applied))
@@ -174,7 +188,7 @@ def _moments_in_two(share: Array, before: Array, after: Array) -> Array:
     return np.stack([early, late])
 
 
-def _share_before_zero(velocity: Array) -> Array:
+def share_before_zero(velocity: Array) -> Array:
     """Return the share of each interval before the velocity passes zero, from the slopes before and after it."""
     first, last = np.abs(velocity[:-1]), np.abs(velocity[1:])
     slope = np.abs(np.diff(velocity))

@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 
 from fricmodels.arrays import Array
 from fricmodels.recording import Recording
-from fricmodels.weakform.test_functions import TestFunctions
+from fricmodels.weakform.test_functions import Quadrature, TestFunctions
 
 
 def at_steps(impulses: Array, over_cells: bool) -> Array:
@@ -89,6 +89,14 @@ class CarrierFunctions(TestFunctions):
     def integrals(self, integrand: Array) -> Array:
         """Return the means under the bumps, the same for every row of a bump, shape (k, number of rows)."""
         return np.repeat(self._plain.integrals(integrand), self.each, axis=1)
+
+    def torques(self, quadrature: Quadrature, rows: Array) -> Array:
+        """Return ∫φ f dt of rows, shape (k, N + two for each split cell) → (k, number of rows).
+
+        Beside a carrier by the trapezium rule, for which :func:`step_response` stands on the other side.
+        """
+        steps = at_steps(quadrature.impulses(rows), self._plain.over_cells)
+        return self._carried(None if self._alone else self._plain.torques(quadrature, rows), steps, self._waves)
 
     def of_cells(self, impulses: Array) -> Array:
         """Return Σ φ I over the cells, shape (k, number of rows), of what happens within each cell."""

@@ -36,6 +36,8 @@ Array = NDArray[np.float64]
 _SMOOTH = 64
 """Samples that a test function spans where an effect with memory is searched for: through narrower ones a contact that
 closes a sample late is an error of its own, and the search ends where few are late, far from the truth."""
+_ROWS = 4
+"""Rows for each parameter that a fit needs more of."""
 _STAGES = 3
 """Fits in which the motor torque of a column is the one that the last fit explains, and the record at its delay."""
 
@@ -95,6 +97,8 @@ def estimate(
     found = _solved(first.carrying(carriers), start)
     # Once the friction is known, so is where the drive may stick at a reversal.
     plain = WeakFormProblem.of(drive, recording, found.parameters, width)
+    if plain.rows <= _ROWS * len(drive.parameters):
+        plain = first  # a friction with which the drive would hardly have moved is not known yet
     problem = plain.carrying(carriers)
     found = _solved(problem, start, found.parameters)
     if drive.model.delay or _explains_torque_by_itself(drive):
@@ -149,7 +153,7 @@ def _solved(problem: WeakFormProblem, start: Mapping[str, float], found: Mapping
         found: parameters of an earlier fit to other rows. A scan of these rows may know better where to begin.
     """
     drive = problem.drive
-    if problem.rows <= 4 * len(drive.parameters):
+    if problem.rows <= _ROWS * len(drive.parameters):
         raise InputError(
             f"recording '{problem.recording.name}' moves too little: {problem.rows} stretches of clear motion for "
             f"{len(drive.parameters)} parameters; record longer, faster, or with less noise"

@@ -243,7 +243,7 @@ class WeakFormProblem:
 
     def integrals(self, rows: Array) -> Array:
         """Return ∫φ f dt of rows evaluated at the quadrature's samples, shape (k, rows)."""
-        return self.bumps.of_cells(self.quadrature.impulses(rows))
+        return self.bumps.torques(self.quadrature, rows)
 
     def columns(self, drive: Drive, nonlinear: Sequence[float] = (), delay: float = 0.0) -> tuple[Array, Array]:
         """Return the integrals of a drive's linear columns, shape (k, rows), and of the rest of its torque, (rows,)."""
