@@ -15,6 +15,7 @@ from fricmodels.diagnosis.comparison import Comparison
 from fricmodels.diagnosis.correlation import correlation
 from fricmodels.diagnosis.diagnose import Diagnosis, Finding
 from fricmodels.diagnosis.explain import explain, sentence, unknown
+from fricmodels.diagnosis.floor import beyond_sampling_percent, is_above_noise
 from fricmodels.diagnosis.ladder import Ladder, added
 from fricmodels.dimension import Motion
 
@@ -42,6 +43,7 @@ def document(diagnosis: Diagnosis, ladder: Ladder | None = None) -> dict[str, An
         "candidates": _candidates(diagnosis),
         "correlation": _correlation(comparison if ladder is None else ladder.rungs[-1].comparison),
         "coloured_noise": _coloured_noise(diagnosis if ladder is None else ladder.last),
+        "beyond_sampling_percent": _beyond_sampling(diagnosis if ladder is None else ladder.last),
         "could_have_been_seen": {
             name: {
                 "smallest_percent": row.smallest_percent,
@@ -116,6 +118,12 @@ def described(comparison: Comparison) -> dict[str, Any]:
         "true_model": known.get("true_model"),
         "findings": list(known.get("findings", ())),
     }
+
+
+def _beyond_sampling(diagnosis: Diagnosis) -> float | None:
+    """Return the error without what sampling hides, where it is far above noise and nothing predicts it."""
+    hidden = diagnosis.verdict == "adequate" and is_above_noise(diagnosis.comparison, diagnosis.policy)
+    return beyond_sampling_percent(diagnosis.comparison) if hidden else None
 
 
 def _candidates(diagnosis: Diagnosis) -> list[dict[str, Any]]:

@@ -6,6 +6,7 @@ import numpy as np
 
 from fricmodels.diagnosis.candidate_tests import CandidateTest
 from fricmodels.diagnosis.diagnose import Diagnosis, Finding
+from fricmodels.diagnosis.floor import beyond_sampling_percent, is_above_noise
 from fricmodels.diagnosis.ladder import Ladder, added
 from fricmodels.diagnosis.predictability import AUTOREGRESSIVE
 from fricmodels.diagnosis.ripple import FastRipple
@@ -40,6 +41,7 @@ def explain(diagnosis: Diagnosis, ladder: Ladder | None = None) -> str:
             else f"What is left lasts for a while, but no recorded channel predicts it and its size goes with nothing: "
             f"{diagnosis.noise}. No effect can be added for it; the model is adequate for this recording."
         )
+        parts.extend(_hidden_by_sampling(diagnosis))
     elif diagnosis.verdict == "unknown-effect":
         parts.append(unknown(diagnosis))
     else:
@@ -56,6 +58,18 @@ def explain(diagnosis: Diagnosis, ladder: Ladder | None = None) -> str:
     if ladder is not None and ladder.note:
         parts.append(ladder.note + ".")
     return " ".join(parts)
+
+
+def _hidden_by_sampling(diagnosis: Diagnosis) -> list[str]:
+    """Return why an adequate model leaves an error far above the noise, if it does."""
+    comparison = diagnosis.comparison
+    if not is_above_noise(comparison, diagnosis.policy):
+        return []
+    return [
+        "The error is far above the noise because of the sampling: when the drive turned or stopped between two "
+        "samples, and a shift of torque against motion within one, are not known. Without what these can make, "
+        f"{beyond_sampling_percent(comparison):.2g} % is left. Sampled faster, the drive would show more."
+    ]
 
 
 def fast_waves(ripple: FastRipple, motion: Motion) -> str:

@@ -13,7 +13,7 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from fricmodels.diagnosis.basis_functions import TORQUE_PAST, basis_functions
+from fricmodels.diagnosis.basis_functions import TORQUE_PAST, TORQUE_RATE, basis_functions
 from fricmodels.diagnosis.candidate_tests import CandidateTests, beside_inertia, is_noise
 from fricmodels.weakform.problem import WeakFormProblem
 from fricmodels.weakform.regression import LEAST_P, Evidence
@@ -65,6 +65,8 @@ def each_predictor(result: CandidateTests, first: Sequence[str] = ()) -> Iterato
             evidence = regression.test(columns[chosen])
             if channels in lasting and _is_only_noise(result, channels, columns[chosen], chosen, evidence):
                 continue
+            if channels == TORQUE_RATE and np.all(np.abs(evidence.coefficients) <= 2.0 * problem.recording.interval):
+                continue  # its coefficients are times: a sample each way is what sampling does, beside the free shift
             yield ChannelPredictor(
                 channels,
                 evidence,

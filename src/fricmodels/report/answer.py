@@ -148,7 +148,14 @@ def _remains(data: Data) -> str:
         last = data["ladder"][-1]["held_out_rms_percent"]
         floor = data["noise_floor_percent"]
         if data["verdict"] == "adequate" or len(data["ladder"]) > 1:
-            return f"{percent(last)}, of which noise makes about {percent(floor)}; nothing predicts the rest."
+            beyond = data.get("beyond_sampling_percent")
+            why = (
+                "nothing predicts the rest."
+                if beyond is None
+                else f"all but {percent(beyond)} may be sampling: when the drive turned or stopped between samples, "
+                "and a shift of torque against motion within one."
+            )
+            return f"{percent(last)}, of which noise makes about {percent(floor)}; {why}"
         return ""
     unit = "N" if data["motion"] == "linear" else "N m"
     size = f"{percent(rest['percent'])} of the motor {quantity(data)} beyond noise ({rest['SI']:.2g} {unit} RMS)"

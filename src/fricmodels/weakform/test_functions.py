@@ -160,24 +160,30 @@ class Quadrature:
 
         :math:`-\frac{h^3}{12} f''`, with the mean of the second derivatives at both ends of the cell.
         """
-        slope, per_step, cube = self._smoothly
-        rate = np.diff(rows[:, : len(self.half) + 1]) * slope
-        second = np.diff(rate)
-        second *= per_step
-        return np.asarray(cube * (second[:, :-1] + second[:, 1:]))
+        before, own, after = self._bending
+        change = np.diff(rows[:, : len(self.half) + 1])
+        bend = change[:, 2:] * after
+        bend += change[:, :-2] * before
+        if own is not None:
+            bend += change[:, 1:-1] * own
+        return np.asarray(bend)
 
     @cached_property
-    def _smoothly(self) -> tuple[Array, Array, Array]:
-        """1/h of each cell, 2/(h + h') of each sample between two, and −h³/24 of each cell that has two neighbours.
+    def _bending(self) -> tuple[Array, Array | None, Array]:
+        """Weights of the changes within the cell before, each cell, and the cell after, shape (N − 3,) each.
 
-        They are zero where the cell or a neighbour is split, rests or is missing.
+        They are zero where the cell or a neighbour is split, rests or is missing; the middle one is ``None`` where all
+        cells are equal.
         """
         step, whole = 2.0 * self.half, self.half > 0.0
         slope = np.divide(1.0, step, out=np.zeros(len(step)), where=whole)
-        inner = whole[:-2] & whole[1:-1] & whole[2:]
         both = step[:-1] + step[1:]
-        per_step = np.divide(2.0, both, out=np.zeros(len(both)), where=both > 0.0)
-        return slope, per_step, np.where(inner, -(step[1:-1] ** 3) / 24.0, 0.0)
+        second = np.divide(2.0, both, out=np.zeros(len(both)), where=both > 0.0)
+        cube = np.where(whole[:-2] & whole[1:-1] & whole[2:], -(step[1:-1] ** 3) / 24.0, 0.0)
+        own = cube * (second[:-1] - second[1:]) * slope[1:-1]
+        after = cube * second[1:] * slope[2:]
+        uneven = float(np.max(np.abs(own), initial=0.0)) > 1e-6 * float(np.max(np.abs(after), initial=0.0))
+        return -cube * second[:-1] * slope[:-2], own if uneven else None, after
 
 
 def mean_velocity(recording: Recording, position: Array) -> Array:
