@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections.abc import Collection
 from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar
 
@@ -30,6 +31,15 @@ class Reader(ABC):
         Raises:
             InputError: when the file is not of this format, naming it and the place.
         """
+
+    def table_for(self, path: Path, asked: Collection[str]) -> pd.DataFrame:
+        """Return the table that has the columns asked for; a format that holds several tables chooses by them.
+
+        Args:
+            path: the file.
+            asked: names that the mappings of the user may mean; most formats need none.
+        """
+        return self.table(path)
 
     def look(self, path: Path) -> None:  # noqa: B027
         """Look at the beginning of a file, in this process, so that what is of another format is refused at once.
