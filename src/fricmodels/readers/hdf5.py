@@ -59,7 +59,9 @@ class Hdf5Reader(Reader):
             found = _Content(path, file)
             columns, units = found.columns()
         short = {name.rpartition("/")[2]: name for name in columns}
-        alone = len({name.rpartition("/")[0] for name in columns}) == 1 and not any(name.startswith("/") for name in asked)
+        alone = len({name.rpartition("/")[0] for name in columns}) == 1 and not any(
+            name.startswith("/") for name in asked
+        )
         if GROUP in asked and GROUP not in columns:
             table, names = _stacked(path, columns)
         else:
