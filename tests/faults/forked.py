@@ -1,4 +1,4 @@
-"""Runs one command, and at each of its writes does what may go wrong there, in a copy of the process that goes on alone.
+"""Runs one command, and at each of its writes lets a copy of the process meet what may go wrong there.
 
 At every file that is opened to be written, renamed, or folder that is made below a watched folder, the process forks
 once for each fault. The copy meets the fault and goes on to its end; what it printed, its exit code and what lies in

@@ -1,4 +1,4 @@
-"""HDF5 files and MATLAB's of version 7.3: groups, structures, transposed arrays, chunks, and what is wrong with some."""
+"""HDF5 files and MATLAB's of version 7.3: groups, structures, transposed arrays, chunks, faults."""
 
 from __future__ import annotations
 
@@ -84,7 +84,7 @@ def test_columns_of_one_group_are_chosen_by_path(tmp_path: Path) -> None:
 
     path = made(tmp_path / "log.hdf5", write)
     same(path, "time=/run1/time_s", "velocity=/run1/velocity_rad_s", "torque=/run1/torque_Nm")
-    with pytest.raises(InputError, match="no column for the time.*--column time=/run2/time_s"):
+    with pytest.raises(InputError, match=r"no column for the time.*--column time=/run2/time_s"):
         read(path)
 
 

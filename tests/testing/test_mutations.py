@@ -220,7 +220,7 @@ class Bump(Effect):
     """An effect with a memory, right as it stands."""
 
     name = "mutant-effect"
-    formula = "τ = F·z"
+    formula = "τ = F·z;  dz/dt = (ω − |ω|·z)/x_s"
     signature = "a loop"
     needs_motion = "reversals"
     F = Parameter("F", unit="N m", meaning="torque")

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -23,6 +23,9 @@ class Reader(ABC):
     summary: ClassVar[str] = ""
     apart: ClassVar[bool] = False
     """Whether files are read by a process of their own: for a parser that a spoilt file may kill."""
+
+    exam: ClassVar[Mapping[str, Any]] = {}
+    """What the exam needs: ``{"write": FUNCTION}`` that writes a table as a file of this format."""
 
     @abstractmethod
     def table(self, path: Path) -> pd.DataFrame:

@@ -1,4 +1,4 @@
-"""HDF5 files, and MATLAB's of version 7.3, by h5py. Read by a process of their own, within a bound on what they unpack to.
+"""HDF5 files, and MATLAB's of version 7.3, by h5py: in a process of their own, and bounded in what they unpack to.
 
 Only what lies in the file itself is read: links to other files, and data kept in other files, are left out.
 """
@@ -93,7 +93,7 @@ def variables(path: Path) -> tuple[dict[str, Any], list[str]]:
         return content.matlab(file), content.left_out
 
 
-class _opened:  # noqa: N801
+class _opened:
     """An HDF5 file, whatever h5py says against it as one line."""
 
     def __init__(self, path: Path) -> None:
