@@ -44,6 +44,8 @@ class NumpyWhere(Plain):
 
 
 class If(Plain):
+    """The law with an if."""
+
     def torque(self, s: Any, p: Any) -> Any:
         return p.K_c if s.velocity > 0 else -p.K_c
 
@@ -147,13 +149,25 @@ class TorquePower(Effect):
 
 
 MISTAKES: dict[str, tuple[type[Any], str, str]] = {
-    "np.sign": (NumpySign, "own_functions", r"np.sign\(\).* in line \d+ of test_author_mistakes.py.*sign\(s.velocity\)"),
-    "np.where": (NumpyWhere, "own_functions", r"np.where\(\) is used in line \d+ of test_author_mistakes.py.*write where\("),
+    "np.sign": (
+        NumpySign,
+        "own_functions",
+        r"np.sign\(\).* in line \d+ of test_author_mistakes.py.*sign\(s.velocity\)",
+    ),
+    "np.where": (
+        NumpyWhere,
+        "own_functions",
+        r"np.where\(\) is used in line \d+ of test_author_mistakes.py.*write where\(",
+    ),
     "if": (If, "torque_is_an_expression", r"line \d+ of test_author_mistakes.py: return .*where\(condition, yes, no\)"),
     "max": (Max, "torque_is_an_expression", r"\(line \d+ of test_author_mistakes.py: .*maximum\(x, y\) for max\(\)"),
     "misspelt": (Misspelt, "torque_is_an_expression", r"\(line \d+ of test_author.*did you mean s.velocity\?"),
     "0/0 at rest": (Division, "units", "not finite at rest.*division by zero"),
-    "another formula": (OtherFormula, "formula", r"the formula says τ = .*, torque\(\) gives .* write the same in both"),
+    "another formula": (
+        OtherFormula,
+        "formula",
+        r"the formula says τ = .*, torque\(\) gives .* write the same in both",
+    ),
     "a copy": (Copy, "no_copy", "it is 'coulomb-viscous' of fricmodels under another name"),
     "a rate twice as fast": (TwiceAsFast, "formula", r"the formula says dz/dt = .*, rates\(\) gives"),
     "a rate that is not said": (Unsaid, "formula", r"does not say how the state z changes; add '; dz/dt = …'"),
@@ -234,7 +248,9 @@ def test_formulas_are_read(formula: str, value: float) -> None:
     assert first["τ"](given) == pytest.approx(value)
 
 
-@pytest.mark.parametrize("formula", ["τ = Σ F_i·φ_i", "τ = c for ω > 0", "a·ω", "τ = F·(ω", "τ = F·|ω", "τ = …", "d = "])
+@pytest.mark.parametrize(
+    "formula", ["τ = Σ F_i·φ_i", "τ = c for ω > 0", "a·ω", "τ = F·(ω", "τ = F·|ω", "τ = …", "d = "]
+)
 def test_formulas_in_words_are_not_read(formula: str) -> None:
     with pytest.raises(NotRead):
         equations(formula, ["F"], [])

@@ -92,5 +92,5 @@ def test_what_an_estimator_says_of_its_exam_counts() -> None:
     assert "without noise" in sit(exam, "test_known_truth").message
     own = type("Exam", (EstimatorExam,), {"estimator": told, "seeds": 5})
     assert own.seeds == 5
-    with pytest.raises(TypeError, match="exam says 'tolerence'.*did you mean 'tolerance'"):
+    with pytest.raises(TypeError, match=r"exam says 'tolerence'.*did you mean 'tolerance'"):
         type("Exam", (EstimatorExam,), {"estimator": type("T", (Least,), {"exam": {"tolerence": 1}})})

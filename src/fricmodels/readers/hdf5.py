@@ -136,7 +136,7 @@ class _Content:
         columns: dict[str, Any] = {}
         units: dict[str, str] = {}
         for name, dataset in self._walk(self.file, "", ()):
-            own = {}
+            own: dict[str, Any] = {}
             for label, value in self._parts(name, dataset):
                 own.update(columns_of(label, value))
             if not own:

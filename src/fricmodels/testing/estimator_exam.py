@@ -51,7 +51,17 @@ class EstimatorExam(Declared):
     """
 
     _of = "estimator"
-    _may_say = ("settings", "model", "truth", "inertia", "amplitude", "frequency", "tolerance", "noise_percent", "seeds")
+    _may_say = (
+        "settings",
+        "model",
+        "truth",
+        "inertia",
+        "amplitude",
+        "frequency",
+        "tolerance",
+        "noise_percent",
+        "seeds",
+    )
     kind: ClassVar[str] = "estimator"
     estimator: ClassVar[type[Estimator]]
     settings: ClassVar[Mapping[str, Any]] = {}
@@ -164,7 +174,7 @@ class EstimatorExam(Declared):
             raise Fault("two fits with the same seed differ; draw from numpy.random.default_rng(seed) alone")
 
     def test_coverage(self) -> None:
-        """Intervals of nominally 95 % hold the truth in 90 of 100 cases and are not far too wide, as so many seeds tell."""
+        """Intervals of nominally 95 % hold the truth in 90 of 100 cases, and are not far too wide."""
         distances: list[float] = []
         for seed in range(self.seeds):
             fit = self.fit(self.recording(self.noise_percent, seed))
@@ -177,11 +187,12 @@ class EstimatorExam(Declared):
             share = float(np.mean(np.less_equal(distances, side)))
             if not _likely(least, self.seeds)[0] <= share <= _likely(most, self.seeds)[1]:
                 too, cause = ("small", "1/2") if share < least else ("large", "n")
+                right = 100 * (2 * _below(side) - 1)
                 raise Fault(
                     f"intervals of ± {side:.2g} standard errors hold the truth in {100 * share:.0f} % of {self.seeds} "
-                    f"recordings, where {100 * (2 * _below(side) - 1):.0f} % are right: the standard errors are too "
-                    f"{too}; look for a factor such as {cause} in fit.covariance, a variance for a standard deviation, autocorrelated residuals and "
-                    "the noise of the velocity"
+                    f"recordings, where {right:.0f} % are right: the standard errors are too {too}; look for a factor "
+                    f"such as {cause} in fit.covariance, a variance for a standard deviation, autocorrelated residuals "
+                    "and the noise of the velocity"
                 )
 
     def test_load_torque(self) -> None:
@@ -201,7 +212,9 @@ class EstimatorExam(Declared):
         whole = self.recording()
         length = len(whole) // _PIECES
         order = np.random.default_rng(14).permutation(_PIECES)
-        rows = np.concatenate([np.arange(piece * length, (piece + 1) * length - _SHIFT * int(piece)) for piece in order])
+        rows = np.concatenate(
+            [np.arange(piece * length, (piece + 1) * length - _SHIFT * int(piece)) for piece in order]
+        )
         sizes = [length - _SHIFT * int(piece) for piece in order]
         run = np.repeat(np.arange(_PIECES), sizes)
         channels = {name: values[rows] for name, values in whole.channels.items()}

@@ -172,7 +172,7 @@ class _Reader:
             elif self._begins():
                 value = _joined(value, self.power(), "*")
             else:
-                return (lambda given: -value(given)) if negative else value
+                return _joined(_number(0.0), value, "-") if negative else value
 
     def _begins(self) -> bool:
         following = self._next()

@@ -131,9 +131,9 @@ def check_places(subject: Subject) -> None:
         p = next(p for p in subject.term.parameters if p.symbol == symbol)
         if not p.place and not p.constant:
             raise Fault(
-                f"{symbol} is a place in the travel, not a length: moved together with the position it changes nothing; "
-                "declare place=True, with a scan in shares of the travel, scan=(0.1, 0.3, 0.5, 0.7, 0.9), so that it is "
-                "found far from zero too"
+                f"{symbol} is a place in the travel, not a length: moved together with the position it changes "
+                "nothing; declare place=True, with a scan in shares of the travel, scan=(0.1, 0.3, 0.5, 0.7, 0.9), so "
+                "that it is found far from zero too"
             )
 
 

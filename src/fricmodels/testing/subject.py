@@ -252,7 +252,9 @@ def place_of(term: Term, written: str) -> str:
         name = Path(inspect.getsourcefile(type(term)) or "").name
     except (OSError, TypeError):
         return ""
-    found = [first + number for number, line in enumerate(lines) if written in line and not line.lstrip().startswith("#")]
+    found = [
+        first + number for number, line in enumerate(lines) if written in line and not line.lstrip().startswith("#")
+    ]
     return f" in line {found[0]} of {name}" if found else ""
 
 

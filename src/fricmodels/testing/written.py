@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Iterator, Mapping
+from typing import Any
 
 import numpy as np
 
@@ -27,16 +28,17 @@ def check_own_functions(s: Subject) -> None:
     made = casadi.Function("torque", [*e.signals.values(), e.parameters, e.states, e.width], [e.torque, e.rates])
     if any(made.instruction_id(i) == casadi.OP_SIGN for i in range(made.n_instructions())):
         raise Fault(
-            f"np.sign() or casadi.sign() is used{place_of(s.term, 'sign(')}: it is 0 at rest, where friction holds, and "
-            "no estimator can smooth it; write sign(s.velocity) of fricmodels.expressions"
+            f"np.sign() or casadi.sign() is used{place_of(s.term, 'sign(')}: it is 0 at rest, where friction holds, "
+            "and no estimator can smooth it; write sign(s.velocity) of fricmodels.expressions"
         )
     for name in _OF_NUMBERS:
         for package in ("np", "numpy"):
             where = place_of(s.term, f"{package}.{name}(")
             if where:
                 raise Fault(
-                    f"{package}.{name}() is used{where}: it decides for numbers, and takes a symbol for true whatever it "
-                    "stands for; write where(condition, yes, no), maximum(x, y) or minimum(x, y) of fricmodels.expressions"
+                    f"{package}.{name}() is used{where}: it decides for numbers, and takes a symbol for true "
+                    "whatever it stands for; write where(condition, yes, no), maximum(x, y) or minimum(x, y) of "
+                    "fricmodels.expressions"
                 )
 
 
@@ -100,7 +102,8 @@ def check_no_copy(s: Subject) -> None:
         if entry.distribution != "fricmodels" or not _alike(s.term, entry.cls):
             continue
         try:
-            other = subject(entry.cls)
+            cls: Any = entry.cls
+            other = subject(cls)
         except Fault:
             continue
         if _same(s, other):
@@ -110,7 +113,7 @@ def check_no_copy(s: Subject) -> None:
             )
 
 
-def _alike(term: Term, cls: type[Term]) -> bool:
+def _alike(term: Term, cls: type[Any]) -> bool:
     units = sorted(str(p.dimension) for p in term.parameters)
     return len(term.states) == len(cls.states) and units == sorted(str(p.dimension) for p in cls.parameters)
 
