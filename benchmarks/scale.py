@@ -127,7 +127,11 @@ def samples(quick: bool) -> None:
             path = Path(folder) / "arm.parquet"
             _arm(path, count)
             model = [str(path), "--model", "coulomb-viscous", "--inertia", "0.05"]
-            for command in (["fit", *model, "--out", f"{folder}/arm.model.json"], ["compare", *model], ["diagnose", *model]):
+            for command in (
+                ["fit", *model, "--out", f"{folder}/arm.model.json"],
+                ["compare", *model],
+                ["diagnose", *model],
+            ):
                 code = f"import scale; scale.measured({json.dumps(command)})"
                 done = subprocess.run(
                     [sys.executable, "-c", code], cwd=Path(__file__).parent, capture_output=True, text=True, check=True
@@ -141,7 +145,10 @@ def measured(command: list[str]) -> None:
 
     code = _run(command)
     used = resource.getrusage(resource.RUSAGE_SELF)
-    print(f"{used.ru_utime + used.ru_stime:.1f} s of CPU, {used.ru_maxrss / 1e6:.2f} GB, exit code {code}", file=sys.stderr)
+    print(
+        f"{used.ru_utime + used.ru_stime:.1f} s of CPU, {used.ru_maxrss / 1e6:.2f} GB, exit code {code}",
+        file=sys.stderr,
+    )
 
 
 def _arm(path: Path, count: int) -> None:
