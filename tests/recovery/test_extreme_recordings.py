@@ -79,12 +79,13 @@ def table(time: Any) -> pd.DataFrame:
     return pd.DataFrame({"time_s": time, "torque_Nm": recording.torque, "velocity_rad_s": recording.velocity})
 
 
+EPOCH = 1_795_305_600_000_000_000
 CLOCKS: dict[str, tuple[Any, list[str]]] = {
     "epoch stamps in seconds": (lambda t: 1_795_305_600.0 + t, []),
-    "epoch stamps in whole nanoseconds": (lambda t: 1_795_305_600_000_000_000 + (t * 1e9).astype("int64"), ["time=time_s:ns"]),
+    "epoch stamps in whole nanoseconds": (lambda t: EPOCH + (t * 1e9).astype("int64"), ["time=time_s:ns"]),
     "whole nanoseconds from zero": (lambda t: (t * 1e9).astype("int64"), ["time=time_s:ns"]),
     "microseconds before zero": (lambda t: (t * 1e6).astype("int64") - 10**12, ["time=time_s:us"]),
-}  # fmt: skip
+}
 
 
 @pytest.mark.parametrize("clock", CLOCKS)
