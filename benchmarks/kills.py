@@ -176,11 +176,13 @@ def killed(name: str, folder: Path, kills: int, seed: int) -> Count:
     """Kill a command so many times at random moments, and compare what it comes to each time that it ends."""
     make, result = COMMANDS[name]
     command, out = make(folder), folder / "out"
+    begin = time.monotonic()
     if ended(command, None) != 0:
         raise RuntimeError(f"'{name}' fails undisturbed")
-    shutil.rmtree(out)
-    begin = time.monotonic()
-    ended(command, None)
+    if kills > 1:  # the first time compiles
+        shutil.rmtree(out)
+        begin = time.monotonic()
+        ended(command, None)
     takes = time.monotonic() - begin
     expected = result(out)
     shutil.rmtree(out)

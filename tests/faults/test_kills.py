@@ -27,7 +27,7 @@ def kills() -> Any:
 @pytest.mark.parametrize(
     ("name", "times"),
     [
-        ("run", 2),
+        ("run", 1),
         pytest.param("run", 100, marks=pytest.mark.long),
         pytest.param("improve --out", 100, marks=pytest.mark.long),
     ],
