@@ -65,6 +65,8 @@ class Estimator(ABC):
     Settings: ClassVar[type[EstimatorSettings]] = EstimatorSettings
     carries_states: ClassVar[bool] = False
     """Whether it can fit terms with memory."""
+    exam: ClassVar[Mapping[str, Any]] = {}
+    """What its exam needs beside it, such as ``{"tolerance": 0.05}``; see :class:`fricmodels.testing.EstimatorExam`."""
 
     def __init__(self, settings: Mapping[str, Any] | EstimatorSettings | None = None) -> None:
         if isinstance(settings, BaseModel):
@@ -92,6 +94,9 @@ class Estimator(ABC):
             covariance = np.full((len(keys), len(keys)), np.nan)
         elif covariance is None:
             covariance, no_interval = about(drive, kept, parameters, keys)
+        free = [i for i, key in enumerate(keys) if key not in _constants(drive)]
+        keys, covariance = tuple(keys[i] for i in free), covariance[np.ix_(free, free)]
+        no_interval = {key: reason for key, reason in no_interval.items() if key in keys}
         return Fit(
             model=drive.model.name,
             estimator=self.name,
@@ -159,6 +164,10 @@ class OnlineFilter(ABC):
     @abstractmethod
     def covariance(self) -> Array:
         """The filter's own covariance of the estimated parameters; overconfident when the law is wrong."""
+
+
+def _constants(drive: Drive) -> frozenset[str]:
+    return frozenset(p.key for p in drive.model.parameters if p.declared.constant)
 
 
 @cache

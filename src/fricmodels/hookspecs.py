@@ -8,11 +8,16 @@ implementations::
     @hookimpl
     def fricmodels_laws():
         return [MyLaw]
+
+A module may say for which version of the interface it is written: ``fricmodels_interface = 1``.
 """
 
 from __future__ import annotations
 
 import pluggy
+
+INTERFACE = 1
+"""Version of the plugin interface: it goes up when a plugin that follows ``docs/plugin-interface.md`` has to change."""
 
 hookspec = pluggy.HookspecMarker("fricmodels")
 hookimpl = pluggy.HookimplMarker("fricmodels")

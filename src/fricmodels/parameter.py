@@ -21,7 +21,8 @@ class Parameter:
         symbol: how the coefficient is written and printed; the name under which ``torque`` finds it.
         unit: coherent SI unit for a rotary drive (``N m s/rad``); the linear one (``N s/m``) follows from it.
         initial: value in ``unit`` that an estimator starts from where it has nothing better.
-        lower, upper: physical bounds in ``unit``.
+        lower, upper: physical bounds in ``unit``. Where they are equal the parameter is a constant, such as the torque
+            to which a power of a torque is referred: it has its unit, and is not estimated.
         at_least: symbol of another parameter of the same term that this one must not fall below
             (a stick torque is never below the slip torque).
         meaning: the quantity in words.
@@ -34,6 +35,8 @@ class Parameter:
             ``scan`` counts it in durations of no more than 20 000 samples.
         periodic: whether it is a wave number in position, to be searched for in the spectrum over position.
         instant: whether it is a point in time, not a duration.
+        place: whether it is a point of the travel, not a length; ``scan`` then counts shares of the travel from its
+            lower end, wherever the position has its zero.
         delay: whether it is the time by which motion and torque were recorded apart, a factor of the signal
             ``motor_torque_rate``; see :meth:`fricmodels.drive.Drive.timed`.
         per: unit of the further channel of which it is the torque per unit; empty for all other parameters. Such a
@@ -54,12 +57,20 @@ class Parameter:
     own_time: bool = False
     periodic: bool = False
     instant: bool = False
+    place: bool = False
     delay: bool = False
     per: str = ""
 
     def __post_init__(self) -> None:
         if not self.lower <= self.initial <= self.upper:
             raise ValueError(f"parameter {self.symbol}: initial {self.initial} is outside [{self.lower}, {self.upper}]")
+        if self.constant and not self.scan:
+            object.__setattr__(self, "scan", (1.0,))  # a search has to begin somewhere; its bounds put it in place
+
+    @property
+    def constant(self) -> bool:
+        """Whether there is nothing to estimate."""
+        return self.lower == self.upper
 
     @cached_property
     def dimension(self) -> Dimension:

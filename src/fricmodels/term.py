@@ -107,6 +107,9 @@ class Term(ABC):
         depends_on_time: whether it touches the time itself, so that a record that starts later has other parameters.
         angular: whether the position enters as an angle in rad (``sin q``), which no rescaling may change.
         optional: signals that are zero where a recording does not have them; only a load torque can be.
+        same_as: terms that have the same equation under another name, on purpose.
+        exam: what the exam of this class needs beside the class, such as ``{"truth": {"q_0": 3.0}}``; see
+            :class:`fricmodels.testing.TermExam`.
 
     What a term claims is checked by :mod:`fricmodels.testing`. Two terms are equal when they are of the same class and
     hold the same values: a class defined again under its name, as in a notebook, is another one.
@@ -119,6 +122,8 @@ class Term(ABC):
     depends_on_time: ClassVar[bool] = False
     angular: ClassVar[bool] = False
     optional: ClassVar[frozenset[str]] = frozenset()
+    same_as: ClassVar[frozenset[str]] = frozenset()
+    exam: ClassVar[Mapping[str, Any]] = {}
     parameters: tuple[Parameter, ...] = ()
     channels: tuple[str, ...] = ()
     states: ClassVar[tuple[State, ...]] = ()

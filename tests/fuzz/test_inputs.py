@@ -37,6 +37,8 @@ COUNTS = {
     "rig": (200, 10_000),
     "parquet": (150, 4_000),
     "matlab": (4, 100),
+    "hdf5": (4, 100),
+    "matlab 7.3": (4, 100),
 }
 """Kind of input → how many are tried here, and by ``make test-long``."""
 LENGTHS = [pytest.param(0, id="short"), pytest.param(1, id="long", marks=pytest.mark.long)]
@@ -149,6 +151,21 @@ def parquet() -> bytes:
 def matlab() -> bytes:
     stream = io.BytesIO()
     scipy.io.savemat(stream, {name: values.to_numpy() for name, values in motion().items()}, do_compression=True)
+    return stream.getvalue()
+
+
+@cache
+def hdf5(groups: bool) -> bytes:
+    """Return a file with chunks, compression and units, its data sets in the root or in two groups."""
+    import h5py
+
+    stream = io.BytesIO()
+    with h5py.File(stream, "w") as file:
+        for group in [file.create_group("a"), file.create_group("b/c")] if groups else [file]:
+            for name, values in motion().items():
+                group.create_dataset(str(name), data=values.to_numpy()[None], chunks=(1, 20), compression="gzip")
+                group[name].attrs["unit"] = ""
+                group[name].attrs["MATLAB_class"] = np.bytes_(b"double")
     return stream.getvalue()
 
 
@@ -285,11 +302,22 @@ def test_matlab(length: int, tmp_path: Path) -> None:
     of_files("matlab", length, tmp_path / "log.mat", damaged(matlab()), finite)
 
 
+@pytest.mark.parametrize("length", LENGTHS)
+def test_hdf5(length: int, tmp_path: Path) -> None:
+    of_files("hdf5", length, tmp_path / "log.h5", damaged(hdf5(False)) | damaged(hdf5(True)), finite)
+
+
+@pytest.mark.parametrize("length", LENGTHS)
+def test_matlab_of_version_7_3(length: int, tmp_path: Path) -> None:
+    of_files("matlab 7.3", length, tmp_path / "log.mat", damaged(hdf5(False)) | damaged(hdf5(True)), finite)
+
+
 def test_what_is_edited_is_right_without_edits(tmp_path: Path) -> None:
     for name, content in (
         ("log.csv", motion().to_csv(index=False).encode()),
         ("log.parquet", parquet()),
         ("log.mat", matlab()),
+        ("log.h5", hdf5(False)),
     ):
         (tmp_path / name).write_bytes(content)
         finite(tmp_path / name)

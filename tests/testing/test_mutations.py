@@ -36,6 +36,7 @@ def law(torque: Callable[[Any, Any, Any], Any] = right, **changed: Any) -> type[
     words = {
         "name": f"mutant-{next(NUMBERS)}",
         "formula": "τ_F = …",
+        "same_as": frozenset({"exponential-stick-slip"}),
         "symmetry": "odd",
         "__doc__": "A mutant.",
         "torque": torque,
@@ -158,7 +159,7 @@ MISTAKES: dict[str, tuple[Callable[[], type[Law]], str, str]] = {
     "an exception in torque": (
         lambda: law(lambda self, s, p: p.K_v * s.velocity + {}["K_c"]),
         "torque_is_an_expression",
-        r"torque\(\) raises KeyError: 'K_c' \(line \d+ of test_mutations.py\)",
+        r"torque\(\) raises KeyError: 'K_c' \(line \d+ of test_mutations.py: ",
     ),
     "a misspelt parameter": (
         lambda: law(lambda self, s, p: p.K_w * s.velocity),
@@ -220,7 +221,7 @@ class Bump(Effect):
     """An effect with a memory, right as it stands."""
 
     name = "mutant-effect"
-    formula = "τ = F·z"
+    formula = "τ = F·z;  dz/dt = (ω − |ω|·z)/x_s"
     signature = "a loop"
     needs_motion = "reversals"
     F = Parameter("F", unit="N m", meaning="torque")

@@ -22,7 +22,7 @@ def command(
     from fricmodels.cli.printing import console, print_table, warn
     from fricmodels.errors import FricmodelsError
     from fricmodels.export.columns import Column
-    from fricmodels.testing.sitting import EXAMS, Outcome, checks, examine, named
+    from fricmodels.testing.sitting import EXAMS, Outcome, checks, examine, named, once
 
     subjects = named(name)
     warn(plugins.load().failures)
@@ -33,6 +33,7 @@ def command(
             for outcome in examine(kind, own, timeout=timeout, thorough=thorough):
                 outcomes.append(outcome)
                 status.update(f"{kind} {own}: {len(outcomes)} of {len(checks(EXAMS[kind]))}")
+        outcomes = once(outcomes)
         bad += sum(not outcome.good for outcome in outcomes)
         print_table(
             [

@@ -14,6 +14,10 @@ def command(
     config: Annotated[Path, typer.Argument(help="The tournament, in YAML.", show_default=False)],
     out: Annotated[Path | None, typer.Option(help="Directory for the results; runs/NAME by default.")] = None,
     executor: Annotated[str, typer.Option(help="local, dask or serial")] = "local",
+    scheduler: Annotated[
+        str | None,
+        typer.Option("--scheduler", metavar="ADDRESS", help="Running Dask cluster, as tcp://HOST:8786, for dask."),
+    ] = None,
     jobs: Annotated[int | None, typer.Option(min=1, help="Processes; one a core by default.")] = None,
     report_file: Annotated[
         Path | None,
@@ -51,6 +55,7 @@ def command(
             report=report,
             planned=planned,
             config_file=config,
+            scheduler=scheduler,
         )
     show(board, loaded.ranking)
     print(f"written to {target / 'leaderboard.json'}")

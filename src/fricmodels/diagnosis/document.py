@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import math
-import os
 from collections.abc import Mapping
 from dataclasses import asdict
 from pathlib import Path
@@ -18,6 +17,7 @@ from fricmodels.diagnosis.explain import explain, sentence, unknown
 from fricmodels.diagnosis.floor import beyond_sampling_percent, is_above_noise
 from fricmodels.diagnosis.ladder import Ladder, added
 from fricmodels.dimension import Motion
+from fricmodels.files import write_text
 
 SCHEMA = "fricmodels/diagnosis/1"
 
@@ -215,10 +215,6 @@ def _finite(value: Any) -> Any:
 
 
 def write(data: Mapping[str, Any], directory: Path) -> Path:
-    """Write ``diagnosis.json`` into a directory, beside first, then in place."""
-    directory.mkdir(parents=True, exist_ok=True)
-    path = directory / "diagnosis.json"
-    temporary = path.with_suffix(".json.tmp")
-    temporary.write_text(json.dumps(data, indent=2, ensure_ascii=False, allow_nan=False) + "\n", encoding="utf-8")
-    os.replace(temporary, path)
-    return path
+    """Write ``diagnosis.json`` into a directory, whole or not at all."""
+    text = json.dumps(data, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+    return write_text(directory / "diagnosis.json", text)

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import os
 from pathlib import Path
 
 import numpy as np
 
 from fricmodels.diagnosis.comparison import Comparison
+from fricmodels.files import replaced
 from fricmodels.score import headline_window, torque_error_over
 
 
@@ -31,9 +31,7 @@ def write_overlay(comparison: Comparison, directory: Path) -> Path:
             "kept_back": np.full(len(part), kept),
         }
         parts.append(pd.DataFrame(columns))
-    directory.mkdir(parents=True, exist_ok=True)
     path = directory / "overlay.csv"
-    temporary = path.with_suffix(".csv.tmp")
-    pd.concat(parts).sort_values("time_s", kind="stable").to_csv(temporary, index=False)
-    os.replace(temporary, path)
+    with replaced(path) as beside:
+        pd.concat(parts).sort_values("time_s", kind="stable").to_csv(beside, index=False)
     return path

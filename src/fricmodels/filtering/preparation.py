@@ -152,7 +152,8 @@ def scanned_guess(drive: Drive, recording: Recording) -> Guess:
     for i in free:
         declared = parameters[i].declared
         unit = scan_unit(declared.dimension, recording) if declared.scan else 1.0
-        values = [unit * value for value in declared.scan] or [declared.initial]
+        origin = float(np.min(recording["position"])) if declared.place and "position" in recording else 0.0
+        values = [origin + unit * value for value in declared.scan] or [declared.initial]
         choices.append([min(max(value, declared.lower), declared.upper) for value in values])
     part = recording.with_channels(acceleration=smoothed_acceleration(recording))
     moving = np.abs(recording.velocity) > 0.02 * peak_speed(recording)

@@ -119,6 +119,11 @@ def _offered(point: EntryPoint, manager: pluggy.PluginManager) -> tuple[list[tup
         manager.register(module, name=f"{_distribution(point)}:{point.name}")
     except (Exception, SystemExit) as error:
         return [], [Problem(f"{type(error).__name__}: {error}")]
+    written_for = getattr(module, "fricmodels_interface", hookspecs.INTERFACE)
+    if written_for != hookspecs.INTERFACE:
+        newer = isinstance(written_for, int) and written_for > hookspecs.INTERFACE
+        way = "update fricmodels" if newer else "update the plugin"
+        return [], [Problem(f"it is for plugin interface {written_for!r}, this is {hookspecs.INTERFACE}; {way}")]
     offers: list[tuple[str, type[Any]]] = []
     problems: list[Problem] = []
     for kind, hook in _HOOKS.items():

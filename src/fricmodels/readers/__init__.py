@@ -7,6 +7,7 @@ from fricmodels.readers.bag import BagReader
 from fricmodels.readers.base import Reader
 from fricmodels.readers.checks import check
 from fricmodels.readers.csv import CsvReader
+from fricmodels.readers.hdf5 import Hdf5Reader
 from fricmodels.readers.matlab import MatlabReader
 from fricmodels.readers.parquet import ParquetReader
 from fricmodels.readers.reading import read
@@ -18,4 +19,4 @@ __all__ = ["Reader", "check", "read", "read_together", "together"]
 @hookimpl
 def fricmodels_readers() -> list[type[Reader]]:
     """Return the built-in readers."""
-    return [CsvReader, ParquetReader, MatlabReader, BagReader]
+    return [CsvReader, ParquetReader, MatlabReader, Hdf5Reader, BagReader]

@@ -11,6 +11,7 @@ import signal
 import subprocess
 import sys
 import tempfile
+from collections.abc import Collection
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -30,8 +31,8 @@ _MEMORY_FOR_A_BYTE = 40
 _CHILD = "import json, sys; sys.path[:] = json.loads(sys.argv[1]); from fricmodels.readers.apart import child; child()"
 
 
-def table_apart(reader: Reader, path: Path) -> pd.DataFrame:
-    """Return a reader's table of a file, read by a child process.
+def table_apart(reader: Reader, path: Path, asked: Collection[str] = ()) -> pd.DataFrame:
+    """Return a reader's table of a file, read by a child process; see :meth:`Reader.table_for`.
 
     Raises:
         InputError: what the reader says of the file, or that it ended the child, took too long or too much memory.
@@ -43,6 +44,7 @@ def table_apart(reader: Reader, path: Path) -> pd.DataFrame:
             "module": type(reader).__module__,
             "name": type(reader).__qualname__,
             "path": str(path),
+            "asked": list(asked),
         }
         order |= {"out": str(out), "memory": _memory(path), "seconds": limit, "parent": os.getpid()}
         code = [sys.executable, "-c", _CHILD, json.dumps(sys.path), json.dumps(order)]
@@ -108,7 +110,7 @@ def _read(order: dict[str, Any], path: Path) -> pd.DataFrame:
 
     reader = getattr(importlib.import_module(order["module"]), order["name"])()
     _limit(order["memory"], order["seconds"])
-    table: pd.DataFrame = reader.table(path)
+    table: pd.DataFrame = reader.table_for(path, order["asked"])
     return table
 
 

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections.abc import Collection, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -23,6 +24,9 @@ class Reader(ABC):
     apart: ClassVar[bool] = False
     """Whether files are read by a process of their own: for a parser that a spoilt file may kill."""
 
+    exam: ClassVar[Mapping[str, Any]] = {}
+    """What the exam needs: ``{"write": FUNCTION}`` that writes a table as a file of this format."""
+
     @abstractmethod
     def table(self, path: Path) -> pd.DataFrame:
         """Return the columns of the file as they stand there.
@@ -30,6 +34,15 @@ class Reader(ABC):
         Raises:
             InputError: when the file is not of this format, naming it and the place.
         """
+
+    def table_for(self, path: Path, asked: Collection[str]) -> pd.DataFrame:
+        """Return the table that has the columns asked for; a format that holds several tables chooses by them.
+
+        Args:
+            path: the file.
+            asked: names that the mappings of the user may mean; most formats need none.
+        """
+        return self.table(path)
 
     def look(self, path: Path) -> None:  # noqa: B027
         """Look at the beginning of a file, in this process, so that what is of another format is refused at once.

@@ -129,6 +129,17 @@ def _written(columns: Mapped) -> Iterator[str]:
                 raise InputError(f"the channel '{name}' takes one column; only 'other' has channels of its own")
 
 
+def asked(columns: Mapped) -> list[str]:
+    """Return every name of a column that the mappings may mean: with what looks like a unit, and without it."""
+    names: dict[str, None] = {}
+    for specification in _written(columns):
+        rest = specification.partition("=")[2].strip()
+        bracketed = _BRACKETS.fullmatch(rest)
+        meant = (rest, rest.rpartition(":")[0].strip(), bracketed[1] if bracketed else "")
+        names.update(dict.fromkeys(name for name in meant if name))
+    return [*names]
+
+
 def mapping(columns: Mapped, present: Sequence[str]) -> dict[str, Column]:
     """Read several mappings, of a list or ``{channel: "COLUMN[:UNIT]"}``; return them by channel.
 
@@ -246,7 +257,7 @@ def _likely(needed: str, any_of: Sequence[str], free: Sequence[str]) -> str | No
     lowered = {name.lower(): name for name in free}
     for habit in habits:
         for low, name in lowered.items():
-            stem = low.replace(" ", "_").replace("[", "_").replace("(", "_").split("_")[0]
+            stem = low.rpartition("/")[2].replace(" ", "_").replace("[", "_").replace("(", "_").split("_")[0]
             if low == habit or (len(habit) > 2 and low.startswith(habit)) or stem == habit:
                 return name
     for habit in habits:

@@ -1,16 +1,15 @@
-"""MATLAB ``.mat`` files up to version 7, by SciPy."""
+"""MATLAB ``.mat`` files: up to version 7 by SciPy, version 7.3, which is HDF5, by h5py."""
 
 from __future__ import annotations
 
-from collections import Counter
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from fricmodels.errors import InputError
+from fricmodels.readers import hdf5
 from fricmodels.readers.base import Reader
+from fricmodels.readers.vectors import kind, of_one_length, vectors
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -20,79 +19,56 @@ class MatlabReader(Reader):
     """MATLAB files: every vector is a column.
 
     Fields of structures are called ``structure.field``; the columns of a matrix ``name(1)``, ``name(2)``, … as in
-    MATLAB. The columns are those whose length most vectors have; scalars and vectors of other lengths are left out.
+    MATLAB. The columns are those as long as the first that a mapping names, or else as most vectors are; scalars and
+    vectors of other lengths are left out.
     """
 
     name = "matlab"
     suffixes = (".mat",)
-    summary = "MATLAB .mat up to version 7"
+    summary = "MATLAB .mat, version 7.3 included"
     apart = True
 
     def look(self, path: Path) -> None:
-        """Refuse what has no header of a MATLAB file, and the format that is HDF5."""
+        """Refuse what has no header of a MATLAB file."""
         from scipy.io.matlab import matfile_version
 
+        if hdf5.is_hdf5(path):
+            return
         try:
-            version, _ = matfile_version(path)
+            matfile_version(path)
         except Exception as error:
             raise _unreadable(path, error) from None
-        if version == 2:
-            raise InputError(f"{path}: this is MATLAB 7.3 (HDF5); save it with save(..., '-v7')")
 
     def table(self, path: Path) -> pd.DataFrame:
         """Return the vectors of the most common length as columns."""
-        import pandas as pd
+        return self.table_for(path, ())
+
+    def table_for(self, path: Path, asked: Collection[str]) -> pd.DataFrame:
+        """Return the vectors as long as those asked for."""
+        variables, what = self._variables(path)
+        table = of_one_length(dict(vectors(variables)), asked)
+        if table is None:
+            held = ", ".join([*(f"{name} ({kind(value)})" for name, value in variables.items()), *what]) or "nothing"
+            raise InputError(
+                f"{path}: holds no numeric vectors but {held}; save the samples as plain vectors or a structure of them"
+            )
+        return table
+
+    def _variables(self, path: Path) -> tuple[dict[str, Any], list[str]]:
+        """Return the variables by name, and what could not be taken, in words."""
         import scipy.io
 
+        if hdf5.is_hdf5(path):
+            return hdf5.variables(path)
         try:
             content = scipy.io.loadmat(path, simplify_cells=True)
         except MemoryError:
             raise
         except Exception as error:
             raise _unreadable(path, error) from None
-        variables = {name: value for name, value in content.items() if not name.startswith("__")}
-        columns = dict(_vectors(variables))
-        lengths = Counter(len(values) for values in columns.values())
-        if not lengths:
-            held = ", ".join(f"{name} ({_kind(value)})" for name, value in variables.items()) or "nothing"
-            raise InputError(
-                f"{path}: holds no numeric vectors but {held}; save the samples as plain vectors or a structure of them"
-            )
-        length = max(lengths, key=lambda n: (lengths[n], n))
-        return pd.DataFrame({name: values for name, values in columns.items() if len(values) == length})
+        return {name: value for name, value in content.items() if not name.startswith("__")}, []
 
 
 def _unreadable(path: Path, error: Exception) -> InputError:
     reason = " ".join(str(error).split()).rstrip(".")
     return InputError(f"{path}: cannot be read as a MATLAB file: {reason}")
-
-
-def _vectors(variables: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
-    for name, value in variables.items():
-        label = f"{prefix}{name}"
-        if isinstance(value, Mapping):
-            yield from _vectors(value, f"{label}.")
-        elif isinstance(value, np.ndarray) and value.dtype.kind in "fiubU" and value.size > 1:
-            if value.ndim == 1:
-                yield label, value
-            elif value.ndim == 2:
-                rows = value if value.shape[0] >= value.shape[1] else value.T
-                yield from ((f"{label}({i + 1})", rows[:, i]) for i in range(rows.shape[1]))
-        elif _is_text(value):
-            yield label, value
-
-
-def _is_text(value: Any) -> bool:
-    return (
-        isinstance(value, np.ndarray)
-        and value.dtype.kind == "O"
-        and value.ndim == 1
-        and value.size > 1
-        and all(isinstance(item, str) for item in value)
-    )
-
-
-def _kind(value: Any) -> str:
-    if isinstance(value, np.ndarray):
-        return "complex" if value.dtype.kind == "c" else f"array of {value.dtype}"
-    return type(value).__name__

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import stat
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from contextlib import redirect_stdout
 from io import StringIO
 from pathlib import Path
@@ -19,7 +19,7 @@ from fricmodels.readers import units
 from fricmodels.readers.apart import table_apart
 from fricmodels.readers.base import Reader
 from fricmodels.readers.checks import check
-from fricmodels.readers.columns import Column, Mapped, assign
+from fricmodels.readers.columns import Column, Mapped, asked, assign
 from fricmodels.readers.gaps import Gaps, kept
 from fricmodels.recording import OTHER, Recording
 from fricmodels.signals.wrapping import unwrap
@@ -67,7 +67,11 @@ def read(
     source = Path(path)
     _check_file(source)
     chosen = _reader(source, reader)
-    table = _table(chosen, source)
+    try:
+        wanted = asked(columns)
+    except InputError as error:
+        raise InputError(f"{source}: {error}") from None
+    table = _table(chosen, source, wanted)
     try:
         found, kind = assign(columns, [str(column) for column in table.columns], motion)
         found = _with_stated_units(found, table.attrs.get("units", {}))
@@ -114,14 +118,14 @@ def read(
     return unwrap(recording)
 
 
-def _table(reader: Reader, source: Path) -> pd.DataFrame:
+def _table(reader: Reader, source: Path, wanted: Sequence[str]) -> pd.DataFrame:
     """Return the reader's table, or one line that says why there is none; a plugin's reader is named."""
     try:
         reader.look(source)
         if reader.apart:
-            return table_apart(reader, source)
+            return table_apart(reader, source, wanted)
         with redirect_stdout(StringIO()):  # what a plugin prints is no result of ours
-            return reader.table(source)
+            return reader.table_for(source, wanted)
     except InputError:
         raise
     except (Exception, SystemExit) as error:

@@ -7,11 +7,14 @@ import os
 import re
 import shutil
 import tempfile
+from datetime import date
 from importlib.resources import files
 from pathlib import Path
 from string import Template
 
+from fricmodels import __version__
 from fricmodels.errors import InputError, suggestion
+from fricmodels.hookspecs import INTERFACE
 
 __all__ = ["KINDS", "write"]
 
@@ -86,11 +89,18 @@ def _contents(kind: str, name: str) -> dict[str, str]:
         "package": package,
         "cls": "".join(part.capitalize() for part in name.split("-")),
         "article": _article(kind).capitalize(),
+        "interface": str(INTERFACE),
+        "below": _next(__version__),
+        "since": __version__,
+        "year": str(date.today().year),
         "story": Template(_STORY[kind]).substitute(name=name),
     }
     templates = {
         "pyproject.toml": "pyproject.toml",
         "README.md": "README.md",
+        "LICENSE": "LICENSE",
+        "CHANGELOG.md": "CHANGELOG.md",
+        ".github/workflows/test.yml": "test.yml",
         f"src/{package}/__init__.py": f"{kind}.py",
         f"tests/test_{name.replace('-', '_')}.py": f"{kind}_test.py",
     }
@@ -100,6 +110,12 @@ def _contents(kind: str, name: str) -> dict[str, str]:
         for path, template in templates.items()
     }
     return {**contents, f"src/{package}/py.typed": ""}
+
+
+def _next(version: str) -> str:
+    """Return the first version that may have another plugin interface: the next minor one before 1.0, else major."""
+    major, minor, *_ = (int(part) for part in version.split("."))
+    return f"{major + 1}" if major else f"0.{minor + 1}"
 
 
 def _article(kind: str) -> str:

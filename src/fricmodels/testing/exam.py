@@ -7,9 +7,10 @@ from typing import ClassVar
 
 from fricmodels import plugins
 from fricmodels.term import Term
-from fricmodels.testing import term_checks
+from fricmodels.testing import term_checks, written
+from fricmodels.testing.declared import Declared
 from fricmodels.testing.faults import Fault, SkipTest
-from fricmodels.testing.recovery import check_identifiable, check_recovered
+from fricmodels.testing.recovery import check_identifiable, check_places, check_recovered
 from fricmodels.testing.subject import Subject, subject
 from fricmodels.testing.units import check_units
 
@@ -32,8 +33,11 @@ def check_registered(kind: str, cls: type) -> None:
         raise Fault(f"the name {name!r} belongs to {entry.cls.__name__} of {entry.distribution}; choose another name")
 
 
-class TermExam:
+class TermExam(Declared):
     """What laws and effects have in common.
+
+    ``truth``, ``tolerance`` and ``estimators`` may also stand in the class itself, in its mapping ``exam``; then they
+    count for ``fricmodels check`` as well.
 
     Attributes:
         term: the class that sits the exam.
@@ -43,6 +47,7 @@ class TermExam:
             model is left out.
     """
 
+    _of, _may_say = "term", ("truth", "tolerance", "estimators")
     kind: ClassVar[str]
     term: ClassVar[type[Term]]
     truth: ClassVar[Mapping[str, float] | None] = None
@@ -66,9 +71,22 @@ class TermExam:
         """One scalar, made without an exception; solvable for the acceleration."""
         term_checks.check_needs(self.subject)
 
+    def test_own_functions(self) -> None:
+        """The sign at rest is that of fricmodels.expressions."""
+        written.check_own_functions(self.subject)
+
+    def test_formula(self) -> None:
+        """The formula as text says what the code computes."""
+        written.check_formula(self.subject)
+
+    def test_no_copy(self) -> None:
+        """No built-in term has the same equation."""
+        written.check_no_copy(self.subject)
+
     def test_parameters_matter(self) -> None:
         """No parameter is idle, and nonlinear ones can be searched for."""
         term_checks.check_parameters_matter(self.subject)
+        check_places(self.subject)
 
     def test_depends_on_its_signals_alone(self) -> None:
         """The same at every call; on the time only where claimed."""

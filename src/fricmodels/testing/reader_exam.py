@@ -10,6 +10,7 @@ import numpy as np
 
 from fricmodels.errors import InputError
 from fricmodels.readers.base import Reader
+from fricmodels.testing.declared import Declared
 from fricmodels.testing.exam import check_registered
 from fricmodels.testing.faults import Fault, SkipTest
 
@@ -17,7 +18,7 @@ if TYPE_CHECKING:
     import pandas as pd
 
 
-class ReaderExam:
+class ReaderExam(Declared):
     """The exam of a reader::
 
         class TestMyReader(ReaderExam):
@@ -26,10 +27,14 @@ class ReaderExam:
             def write(self, table, path):
                 ...  # write the table as a file of this format
 
+    The function may also stand in the reader, ``exam = {"write": write_example}``; then it counts for
+    ``fricmodels check`` as well.
+
     Attributes:
         reader: the class that sits the exam.
     """
 
+    _of, _may_say = "reader", ("write",)
     kind: ClassVar[str] = "reader"
     reader: ClassVar[type[Reader]]
 

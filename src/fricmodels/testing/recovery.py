@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import TYPE_CHECKING
@@ -12,6 +12,7 @@ import numpy as np
 from fricmodels import plugins
 from fricmodels.arrays import Array
 from fricmodels.dimension import INERTIA as INERTIA_DIMENSION
+from fricmodels.dimension import parse_unit
 from fricmodels.drive import Drive
 from fricmodels.errors import EstimationError, FricmodelsError
 from fricmodels.fit import Fit, Status
@@ -29,12 +30,17 @@ if TYPE_CHECKING:
     from fricmodels.estimator import Estimator
 
 INERTIA = 0.02
+DISPLACEMENT = parse_unit("rad")
 _BASE = {"K_v": 0.01, "K_c": 0.08}
 _SHARE = 0.25
 """Torque of the term over the RMS motor torque, about."""
 _MOST_INERTIA = 0.3 * INERTIA
 """A part of the drive's inertia, as a link behind a spring, cannot be more than the whole."""
 _WORST_CONDITION = 1e-3
+_INSIDE = 0.85
+"""Where in the travel a place stands: a share of the samples lies below it."""
+_UNBOUNDED = 1e12
+"""RMS value that no memory has on a motion of some rad in SI units."""
 _STEP = 1e-3
 """Relative step of a sensitivity; an instant or a width must move by more than a sample to be seen."""
 
@@ -73,10 +79,18 @@ def suggested_truth(subject: Subject) -> dict[str, float]:
     terms = subject.term.parameters
     linear = dict(zip((p.symbol for p in terms), subject.linear, strict=True))
     values = {p.symbol: _nonlinear_value(p, reference) for p in terms if not linear[p.symbol]}
+    values |= {symbol: float(np.quantile(reference["position"], _INSIDE)) for symbol in _places(subject)}
+    values = {p.symbol: float(np.clip(values[p.symbol], p.lower, p.upper)) for p in terms if p.symbol in values}
     drive = Drive(subject.model, INERTIA)
     columns, _ = drive.regressors(reference, [values[p.symbol] for p in terms if not linear[p.symbol]])
     sizes = np.sqrt(np.mean(np.square(columns), axis=1))
     torque = float(np.sqrt(np.mean(reference.torque**2)))
+    if subject.term.states and not np.all(sizes < _UNBOUNDED):
+        names = ", ".join(z.symbol for z in subject.term.states)
+        raise Fault(
+            f"on a rich motion the memory ({names}) grows without bound: look at the signs in rates(); what is pushed "
+            "along decays again, as in dz/dt = (ω − |ω|·z)/x_s"
+        )
     most = torque / np.maximum(np.max(np.abs(columns), axis=1), np.finfo(float).tiny)
     solved = [p for p in terms if linear[p.symbol]]
     for i, (p, size) in enumerate(zip(solved, sizes, strict=True)):
@@ -88,6 +102,39 @@ def suggested_truth(subject: Subject) -> dict[str, float]:
         most = min(p.upper, _MOST_INERTIA) if p.dimension == INERTIA_DIMENSION else p.upper
         values[p.symbol] = float(np.clip(values[p.symbol], p.lower, most))
     return {p.symbol: values[p.symbol] for p in terms}
+
+
+def _places(subject: Subject) -> list[str]:
+    """Return the parameters that are a place: moved together with the position they change nothing."""
+    import casadi
+
+    e = subject.model.expression()
+    if "position" not in e.needs or subject.term.states:
+        return []
+    given = casadi.vertcat(*e.signals.values(), e.parameters, e.states, e.width)
+    rng, found = np.random.default_rng(15), []
+    for p, symbol in zip(subject.term.parameters, casadi.vertsplit(e.parameters), strict=True):
+        if p.dimension != DISPLACEMENT or p.periodic:
+            continue
+        slopes = casadi.jacobian(e.torque, casadi.vertcat(e.signals["position"], symbol))
+        at = casadi.Function("slopes", [given], [casadi.densify(slopes)])
+        pairs = np.array([np.array(at(subject.column(rng))).ravel() for _ in range(8)])
+        size = float(np.max(np.abs(pairs)))
+        if size > 0 and np.max(np.abs(pairs.sum(axis=1))) <= 1e-9 * size:
+            found.append(p.symbol)
+    return found
+
+
+def check_places(subject: Subject) -> None:
+    """A parameter that is a point of the travel says so, and is sought there wherever the position has its zero."""
+    for symbol in _places(subject):
+        p = next(p for p in subject.term.parameters if p.symbol == symbol)
+        if not p.place and not p.constant:
+            raise Fault(
+                f"{symbol} is a place in the travel, not a length: moved together with the position it changes "
+                "nothing; declare place=True, with a scan in shares of the travel, scan=(0.1, 0.3, 0.5, 0.7, 0.9), so "
+                "that it is found far from zero too"
+            )
 
 
 def _nonlinear_value(p: Parameter, reference: Recording) -> float:
@@ -140,10 +187,11 @@ def ready(case: Case) -> Recording:
 def check_identifiable(subject: Subject, truth: Mapping[str, float] | None) -> None:
     """On the rich motion every parameter changes the torque in a way that the others cannot."""
     case = rich_case(subject, truth)
-    sensitivity = _sensitivity(case)
-    keys = [p.key for p in case.drive.model.parameters]
+    constant = {p.key for p in case.drive.model.parameters if p.declared.constant}
+    keys = [p.key for p in case.drive.model.parameters if p.key not in constant]
+    sensitivity = _sensitivity(case, keys)
     size = np.linalg.norm(sensitivity, axis=1)
-    for key in case.own:
+    for key in [own for own in case.own if own not in constant]:
         if size[keys.index(key)] < 1e-6 * np.linalg.norm(case.recording.torque):
             raise Fault(
                 f"{key} does not change the torque at {key} = {case.truth[key]:.3g} on a rich motion; give truth = "
@@ -160,14 +208,14 @@ def check_identifiable(subject: Subject, truth: Mapping[str, float] | None) -> N
         )
 
 
-def _sensitivity(case: Case) -> Array:
+def _sensitivity(case: Case, keys: Sequence[str]) -> Array:
     """Return the change of the torque for a relative change of each parameter, states included, shape (p, N)."""
     recording = ready(case)
     rows = []
-    for p in case.drive.model.parameters:
-        value = case.truth[p.key]
+    for key in keys:
+        value = case.truth[key]
         step = _STEP * (abs(value) or 1.0)
-        ends = [case.drive.friction(recording, {**case.truth, p.key: value + h}) for h in (-step, step)]
+        ends = [case.drive.friction(recording, {**case.truth, key: value + h}) for h in (-step, step)]
         rows.append((ends[1] - ends[0]) / (2 * _STEP))
     return np.array(rows)
 
@@ -194,7 +242,8 @@ def _check_fit(case: Case, fit: Fit, tolerance: float) -> None:
     if fit.status is not Status.OK:
         raise Fault(f"'{fit.estimator}' does not find the parameters: {fit.status}: {fit.message}")
     spread = fit.standard_errors
-    held = [key for key in case.own if key not in fit.estimated]
+    constant = {p.key for p in case.drive.model.parameters if p.declared.constant}
+    held = [key for key in case.own if key not in fit.estimated and key not in constant]
     if held:
         raise SkipTest(f"'{fit.estimator}' does not estimate {', '.join(held)}, but holds it at a value of its scan")
     wrong = []

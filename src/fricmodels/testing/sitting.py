@@ -6,8 +6,8 @@ import multiprocessing
 import os
 import time
 import warnings
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 from fricmodels import plugins
@@ -83,6 +83,19 @@ def sit(exam: type[Any], check: str) -> Outcome:
         except (Exception, SystemExit) as error:
             result, message = "failed", f"{type(error).__name__}: {error}"
     return Outcome(check, result, " ".join(message.split()), time.perf_counter() - begin)
+
+
+def once(outcomes: Sequence[Outcome]) -> list[Outcome]:
+    """Return outcomes in which what fails every check for the same reason fails one, and the others are skipped."""
+    first: dict[str, str] = {}
+    found = []
+    for outcome in outcomes:
+        before = None if outcome.good else first.setdefault(outcome.message, outcome.check)
+        if before is not None and before != outcome.check:
+            title = before.removeprefix("test_").replace("_", " ")
+            outcome = replace(outcome, result="skipped", message=f"not tried: see '{title}'")
+        found.append(outcome)
+    return found
 
 
 def named(name: str) -> list[tuple[str, str]]:

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import inspect
 import math
 import traceback
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from difflib import get_close_matches
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
@@ -199,12 +201,61 @@ def _called(method: str, term: Term, symbols: dict[str, Any], own: dict[str, Any
         with plugins.unheard():
             return getattr(term, method)(Signals(symbols, memory), Parameters(own))
     except (Exception, SystemExit) as error:
-        line = traceback.extract_tb(error.__traceback__)[-1]
-        where = f"line {line.lineno} of {Path(line.filename).name}"
         raise Fault(
-            f"{method}() raises {type(error).__name__}: {error} ({where}); use s.SIGNAL, "
-            "p.SYMBOL and the functions of fricmodels.expressions"
+            f"{method}() raises {type(error).__name__}: {_in_words(error)} ({_authors_line(error, term)}); "
+            f"{_instead(error, symbols, own)}"
         ) from None
+
+
+def _authors_line(error: BaseException, term: Term) -> str:
+    """Return the line of the author's own file in which an error comes up, and what is written there."""
+    frames = traceback.extract_tb(error.__traceback__)
+    files = {inspect.getsourcefile(cls) for cls in type(term).__mro__ if cls.__module__.partition(".")[0] != "builtins"}
+    ours = str(Path(__file__).parents[1])
+    own = [frame for frame in frames if frame.filename in files and not frame.filename.startswith(ours)]
+    foreign = [f for f in frames if not f.filename.startswith(ours) and "casadi" not in Path(f.filename).parts]
+    line = (own or foreign or [*frames])[-1]
+    code = f": {line.line}" if line.line else ""
+    return f"line {line.lineno} of {Path(line.filename).name}{code}"
+
+
+def _in_words(error: BaseException) -> str:
+    """Return the first line of an error; CasADi's go on with the places in its own source."""
+    text = str(error).strip()
+    if "truth value" in text:
+        return "a symbol is neither true nor false"
+    return " ".join(text.splitlines()[-1].split()) if text else "no reason is given"
+
+
+def _instead(error: BaseException, symbols: Mapping[str, Any], own: Mapping[str, Any]) -> str:
+    text = str(error)
+    if "truth value" in text or "ambiguous" in text:
+        return (
+            "write where(condition, yes, no) for if, maximum(x, y) for max(), minimum(x, y) for min(), and sign() and "
+            "where() of fricmodels.expressions for numpy's"
+        )
+    if isinstance(error, AttributeError) and "there is no" in text:
+        wrong = text.partition("'")[2].partition("'")[0]
+        near = get_close_matches(wrong, [*symbols, *own], n=1)
+        return f"did you mean {'p' if near[0] in own else 's'}.{near[0]}?" if near else "use one of those"
+    return "use s.SIGNAL, p.SYMBOL and the functions of fricmodels.expressions"
+
+
+def place_of(term: Term, written: str) -> str:
+    """Return `` in line 12 of name.py`` for where some text stands in the code of a class; empty if it cannot be found.
+
+    Args:
+        term: of that class; written: the text.
+    """
+    try:
+        lines, first = inspect.getsourcelines(type(term))
+        name = Path(inspect.getsourcefile(type(term)) or "").name
+    except (OSError, TypeError):
+        return ""
+    found = [
+        first + number for number, line in enumerate(lines) if written in line and not line.lstrip().startswith("#")
+    ]
+    return f" in line {found[0]} of {name}" if found else ""
 
 
 def drawn(parameters: Sequence[Parameter], rng: np.random.Generator) -> list[float]:

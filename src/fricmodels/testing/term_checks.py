@@ -59,6 +59,8 @@ def check_parameters_matter(s: Subject) -> None:
     if not s.term.parameters:
         raise Fault('there is no parameter to estimate; declare one: K = Parameter("K", unit="N m", …)')
     for p, linear in zip(s.term.parameters, s.linear, strict=True):
+        if p.constant:
+            continue
         if not linear and not p.scan and not p.periodic:
             raise Fault(
                 f"{p.symbol} enters nonlinearly and has no scan: no estimator knows where to begin; give the values to "
@@ -262,7 +264,7 @@ def check_neutral(s: Subject) -> None:
     if not s.linear.any():
         raise Fault("no parameter enters linearly, so nothing scales the effect; multiply it by an amplitude")
     for p, linear in zip(s.term.parameters, s.linear, strict=True):
-        if linear and not p.lower <= 0.0 <= p.upper:
+        if linear and not p.constant and not p.lower <= 0.0 <= p.upper:
             raise Fault(f"{p.symbol} cannot be zero within [{p.lower:g}, {p.upper:g}], so the effect cannot be absent")
     rng = np.random.default_rng(9)
     for _ in range(20):

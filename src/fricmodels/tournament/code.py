@@ -27,16 +27,26 @@ def code_of(estimator: str, *models: str) -> str:
     Returns:
         The hash, or why a part of them is left out; see :class:`fricmodels.plugins.LeftOut`.
     """
-    registered = plugins.load()
     try:
-        distributions = {_OWN, registered.estimators.entry(estimator).distribution}
-        for model in map(Model.parse, models):
-            distributions.add(registered.laws.entry(model.law.name).distribution)
-            distributions |= {registered.effects.entry(effect.name).distribution for effect in model.effects}
+        names = distributions(estimator, *models)
     except plugins.LeftOut as reason:
         return str(reason)
-    parts = [digest(distribution) for distribution in sorted(distributions)]
+    parts = [digest(distribution) for distribution in sorted(names)]
     return hashlib.sha256("\n".join(parts).encode()).hexdigest()
+
+
+def distributions(estimator: str, *models: str) -> frozenset[str]:
+    """Return the distributions that take part, this one among them.
+
+    Raises:
+        LeftOut: where a part is of a plugin that is broken; see :class:`fricmodels.plugins.LeftOut`.
+    """
+    registered = plugins.load()
+    found = {_OWN, registered.estimators.entry(estimator).distribution}
+    for model in map(Model.parse, models):
+        found.add(registered.laws.entry(model.law.name).distribution)
+        found |= {registered.effects.entry(effect.name).distribution for effect in model.effects}
+    return frozenset(found)
 
 
 @lru_cache(maxsize=64)

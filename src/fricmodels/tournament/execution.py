@@ -12,6 +12,7 @@ from typing import Any
 from fricmodels import plugins
 from fricmodels.errors import InputError
 from fricmodels.fit import Status
+from fricmodels.tournament.cluster import ADDRESS, on_cluster
 from fricmodels.tournament.jobs import Job, Row, execute
 
 Results = Iterator[tuple[Job, Row]]
@@ -22,7 +23,9 @@ _UNGUARDED = (
 )
 
 
-def results(jobs: list[Job], *, executor: str, processes: int | None, timeout: float) -> Results:
+def results(
+    jobs: list[Job], *, executor: str, processes: int | None, timeout: float, scheduler: str | None = None
+) -> Results:
     """Do the jobs and yield each with its row, as they finish.
 
     Args:
@@ -30,6 +33,7 @@ def results(jobs: list[Job], *, executor: str, processes: int | None, timeout: f
         executor: ``local`` processes, ``dask``, or ``serial``: here, without a time limit.
         processes: how many; one a core by default.
         timeout: seconds for one job.
+        scheduler: address of a running Dask cluster; that of ``DASK_SCHEDULER_ADDRESS``, or else one that is started.
 
     Raises:
         InputError: for an unknown executor, or Dask where it is not installed.
@@ -37,7 +41,7 @@ def results(jobs: list[Job], *, executor: str, processes: int | None, timeout: f
     if executor == "serial":
         return ((job, execute(job)) for job in jobs)
     if executor == "dask":
-        return _dask(jobs, processes, timeout)
+        return on_cluster(jobs, scheduler or os.environ.get(ADDRESS), processes or available_cores())
     if executor == "local":
         if getattr(multiprocessing.current_process(), "_inheriting", False):
             raise InputError(_UNGUARDED)
@@ -71,6 +75,10 @@ class _Queue:
             self._taken[worker] = group
         return self._groups[group].popleft()
 
+    def give_back(self, job: Job) -> None:
+        """Take a job back, to be done once more."""
+        self._groups.setdefault(job.group, deque()).append(job)
+
 
 def _local(jobs: list[Job], processes: int, timeout: float) -> Results:
     """One pool of one process for each worker, so that it is known which worker has compiled what."""
@@ -81,6 +89,7 @@ def _local(jobs: list[Job], processes: int, timeout: float) -> Results:
     ready: dict[str, Any] = {"initializer": _ready, "initargs": [os.getpid()]}
     pools: list[Any] = [ProcessPool(max_workers=1, context=context, **ready) for _ in range(processes)]
     running: dict[Future[Any], tuple[int, Job]] = {}
+    again: set[str] = set()
 
     def start(worker: int) -> None:
         job = queue.next(worker)
@@ -97,6 +106,11 @@ def _local(jobs: list[Job], processes: int, timeout: float) -> Results:
             done, _ = wait(running, return_when=FIRST_COMPLETED)
             for future in done:
                 worker, job = running.pop(future)
+                if _died(future) and job.key not in again:
+                    again.add(job.key)  # whatever killed it may have come from outside
+                    queue.give_back(job)
+                    start(worker)
+                    continue
                 start(worker)
                 yield job, _outcome(job, future.result, timeout)
     finally:
@@ -123,6 +137,12 @@ def _ready(parent: int) -> None:
     plugins.load()
 
 
+def _died(future: Future[Any]) -> bool:
+    from pebble import ProcessExpired
+
+    return isinstance(future.exception(), ProcessExpired)
+
+
 def _outcome(job: Job, result: Callable[[], Row], timeout: float) -> Row:
     from pebble import ProcessExpired
 
@@ -134,25 +154,3 @@ def _outcome(job: Job, result: Callable[[], Row], timeout: float) -> Row:
         return job.row(Status.CRASHED, f"its process died with exit code {error.exitcode}")
     except Exception as error:
         return job.row(Status.CRASHED, f"{type(error).__name__}: {error}")
-
-
-def _dask(jobs: list[Job], processes: int | None, timeout: float) -> Results:
-    """Jobs through the ``concurrent.futures`` executor of Dask's client; its scheduler is asked for by environment.
-
-    ``DASK_SCHEDULER_ADDRESS`` names a running cluster; without it a local one is started. A worker that dies is
-    tried again by Dask; a job that fails there gives a row that says so.
-    """
-    try:
-        from distributed import Client
-    except ImportError:
-        raise InputError("the executor 'dask' needs the extra: pip install 'fricmodels[dask]'") from None
-    address = os.environ.get("DASK_SCHEDULER_ADDRESS")
-    local = {"n_workers": processes or available_cores(), "threads_per_worker": 1, "dashboard_address": None}
-    connect: Any = Client
-    with connect(address) if address else connect(**local) as client, client.get_executor() as pool:
-        running = {pool.submit(execute, job): job for job in jobs}
-        while running:
-            done, _ = wait(running, return_when=FIRST_COMPLETED)
-            for future in done:
-                job = running.pop(future)
-                yield job, _outcome(job, future.result, timeout)

@@ -35,6 +35,7 @@ def run(
     report: Report | None = None,
     planned: Plan | None = None,
     config_file: str | Path | None = None,
+    scheduler: str | None = None,
 ) -> Leaderboard:
     """Run a tournament and write ``leaderboard.json`` into ``out``, and beside it ``run.json``, what it was made of.
 
@@ -50,6 +51,7 @@ def run(
         report: called after each job with how many are done, how many there are, the job and its row.
         planned: the result of :func:`plan`, when it is there already.
         config_file: where the configuration was read from, for the record.
+        scheduler: address of a running Dask cluster, for the executor ``dask``.
 
     Raises:
         InputError: for bad input, before anything is written.
@@ -57,6 +59,8 @@ def run(
     """
     if executor not in EXECUTORS:
         raise InputError(f"unknown executor '{executor}'; known: {', '.join(EXECUTORS)}")
+    if scheduler and executor != "dask":
+        raise InputError(f"a scheduler goes with the executor dask, not with {executor}: add --executor dask")
     if not isinstance(config, Config):
         directory = Path(config).parent if directory is None else directory
         config = load_config(config)
@@ -72,7 +76,8 @@ def run(
             rows = {key: row for key, row in rows.items() if row["status"] == "ok"}
         missing = [job for job in ready.jobs if job.key not in rows]
         done = len(ready.jobs) - len(missing)
-        outcomes = results(missing, executor=executor, processes=processes or config.jobs, timeout=config.timeout)
+        how = {"executor": executor, "processes": processes or config.jobs, "scheduler": scheduler}
+        outcomes = results(missing, timeout=config.timeout, **how)  # type: ignore[arg-type]
         try:
             with closing(outcomes):  # type: ignore[type-var]
                 for job, row in outcomes:

@@ -124,7 +124,7 @@ def within_recording(problem: WeakFormProblem, parameter: Parameter) -> Paramete
     no more than the travel, since a longer one was never crossed; a duration no less than two samples.
     """
     dimension, scan = parameter.dimension, parameter.scan
-    if dimension == DIMENSIONLESS or parameter.periodic or parameter.instant:
+    if dimension == DIMENSIONLESS or parameter.periodic or parameter.instant or parameter.place:
         return parameter
     size = scan_size(problem.recording, parameter)
     lower, upper = parameter.lower, parameter.upper

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from fricmodels.drive import Drive, DriveParameter
 from fricmodels.errors import InputError, suggestion
 from fricmodels.recording import Recording
-from fricmodels.weakform.ranges import natural_size, scan_size
+from fricmodels.weakform.ranges import natural_size, scan_values, travelled
 from fricmodels.weakform.variable_projection import LARGEST_RATIO, Nonlinear
 
 Array = NDArray[np.float64]
@@ -80,22 +80,23 @@ class Plan:
 def nonlinear_search(drive: Drive, recording: Recording, plan: Plan = Plan()) -> Nonlinear:
     """Return where to look for the nonlinear parameters: their scans in the recording's own sizes."""
     chosen = [p for p in drive.parameters if not p.linear]
-    starts, logarithmic, reach, lower = [], [], [], []
+    starts, logarithmic, reach, lower, upper = [], [], [], [], []
     for p in chosen:
-        size = scan_size(recording, p.declared)
+        within = travelled(recording, p.declared)
         first = plan.held.get(p.key, plan.start.get(p.key))
-        scan = tuple(value * size for value in p.declared.scan)
+        scan = tuple(scan_values(recording, p.declared))
         starts.append((first,) if first is not None else scan or (p.declared.initial,))
-        ratio = not p.declared.periodic and p.declared.lower >= 0.0 and min(starts[-1]) > 0.0
+        ratio = not (p.declared.periodic or p.declared.place) and p.declared.lower >= 0.0 and min(starts[-1]) > 0.0
         logarithmic.append(ratio)
         span = natural_size(recording, p.dimension**-1) if p.declared.periodic else 0.0
         reach.append(LARGEST_RATIO if ratio else np.pi / span if span > 0.0 else np.inf)
         # A wave of which less than a period is passed is any slow shape, and stands for the Coulomb friction as well.
-        lower.append(max(p.declared.lower, 2 * reach[-1]) if span > 0.0 else p.declared.lower)
+        lower.append(max(p.declared.lower, 2 * reach[-1]) if span > 0.0 else within.lower)
+        upper.append(within.upper)
     return Nonlinear(
         starts,
         np.array(lower, dtype=float),
-        np.array([p.declared.upper for p in chosen], dtype=float),
+        np.array(upper, dtype=float),
         np.array(logarithmic, dtype=bool),
         np.array(reach, dtype=float),
         np.array([p.key in plan.held for p in chosen], dtype=bool),

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from fricmodels.dimension import Dimension
@@ -39,6 +41,23 @@ def scan_size(recording: Recording, parameter: Parameter) -> float:
         return size
     records = float(np.ptp(recording.time)) / (_RECORD * recording.interval)
     return float(size * max(records, 1.0) ** -float(parameter.dimension.time))
+
+
+def scan_values(recording: Recording, parameter: Parameter) -> list[float]:
+    """Return the values of a parameter that are tried first; those of a place lie within the travel."""
+    origin = float(np.min(recording["position"])) if parameter.place and "position" in recording else 0.0
+    return [origin + value * scan_size(recording, parameter) for value in parameter.scan]
+
+
+def travelled(recording: Recording, parameter: Parameter) -> Parameter:
+    """Return a place with the ends of the travel as its bounds; any other parameter as it is."""
+    if not parameter.place or "position" not in recording:
+        return parameter
+    position = recording["position"]
+    lower, upper = max(parameter.lower, float(position.min())), min(parameter.upper, float(position.max()))
+    if lower > upper:
+        return parameter
+    return replace(parameter, lower=lower, upper=upper, initial=min(max(parameter.initial, lower), upper))
 
 
 def both_ways(recording: Recording) -> tuple[float, float]:

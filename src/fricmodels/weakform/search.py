@@ -19,7 +19,7 @@ from fricmodels.term import Effect
 from fricmodels.weakform.candidate import Candidate, NonlinearOptimum, Point
 from fricmodels.weakform.optimise import coordinate_search, multistart_nelder_mead, refine
 from fricmodels.weakform.problem import WeakFormProblem
-from fricmodels.weakform.ranges import both_ways, scan_size
+from fricmodels.weakform.ranges import both_ways, scan_size, scan_values, travelled
 from fricmodels.weakform.regression import Regression
 
 Array = NDArray[np.float64]
@@ -176,13 +176,14 @@ def starting_points(
             first, last = both_ways(problem.recording)
             first, last = max(parameter.lower, first), min(parameter.upper, last)
             parameter = replace(parameter, lower=first, upper=last, initial=min(max(parameter.initial, first), last))
+        parameter = travelled(problem.recording, parameter)
         bounded.append(parameter)
         size = scan_size(problem.recording, parameter)
-        tried = [value * size for value in parameter.scan] or [parameter.initial]
+        tried = scan_values(problem.recording, parameter) or [parameter.initial]
         scan = list(dict.fromkeys(min(max(value, parameter.lower), parameter.upper) for value in tried))
         choices.append(scan)
         trials *= len(scan)
-        if parameter.lower < 0 or parameter.instant or scan[0] <= 0:
+        if parameter.lower < 0 or parameter.instant or parameter.place or scan[0] <= 0:
             spacing.append(-(scan[1] - scan[0]) if len(scan) > 1 else -_SIGNED * size)
         else:
             spacing.append(scan[1] / scan[0] if len(scan) > 1 else 2.0)

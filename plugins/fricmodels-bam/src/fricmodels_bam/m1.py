@@ -21,6 +21,7 @@ class CoulombViscous(Law):
     name = "bam-m1"
     formula = "τ_F = K_v·ω + K_c·sgn ω"
     symmetry: ClassVar[Literal["odd", "even"] | None] = "odd"
+    same_as: ClassVar[frozenset[str]] = frozenset({"coulomb-viscous"})
     K_v = Parameter("K_v", unit="N m s/rad", lower=0.0, meaning="viscous friction coefficient")
     K_c = Parameter("K_c", unit="N m", lower=0.0, meaning="Coulomb friction torque")
 

@@ -32,7 +32,7 @@ class BittencourtGunnarsson(Law):
     name = "bittencourt-gunnarsson"
     formula = (
         "τ_F = [F_c0 + F_cl·|τ_L| + F_sl·|τ_L|·exp(−|ω/φ_sl|^1.36) + (F_s0 + F_sT·ϑ)·exp(−|ω/(φ_s0 + φ_sT·ϑ)|^1.36)]"
-        "·sgn ω + (F_v0 + F_vT·exp(−ϑ/T_v))·ω"
+        "·sgn ω + (F_v0 + F_vT·exp(−ϑ/T_v))·ω, without the last part of the bracket where φ_s0 + φ_sT·ϑ ≤ 0"
     )
     dissipative = False
     symmetry = "odd"

@@ -1,0 +1,108 @@
+"""A real Dask cluster of two processes on this machine: recordings reach them, one may die, other code is refused."""
+
+from __future__ import annotations
+
+import os
+import signal
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from fricmodels.errors import InputError
+from fricmodels.tournament import cluster, run
+from fricmodels.tournament.config import Config
+
+distributed = pytest.importorskip("distributed", reason="Dask is not installed")
+pytestmark = pytest.mark.filterwarnings("ignore")
+
+
+@pytest.fixture(scope="module")
+def dask() -> Iterator[Any]:
+    with distributed.LocalCluster(
+        n_workers=2, threads_per_worker=1, processes=True, host="127.0.0.1", dashboard_address=None
+    ) as running:
+        yield running
+
+
+def config(folder: Path, seeds: int = 6) -> Config:
+    """Return a tournament of a rig's or simulation's recordings, and of one file by a path that is good only here."""
+    time_s = 0.004 * np.arange(1500)
+    velocity = 3.0 * np.sin(2.1 * time_s) + 1.5 * np.sin(5.3 * time_s)
+    slope = 6.3 * np.cos(2.1 * time_s) + 7.95 * np.cos(5.3 * time_s)
+    torque = 0.05 * slope + 0.1 * velocity + 0.4 * np.sign(velocity)
+    rows = np.column_stack([time_s, torque, velocity])
+    np.savetxt(folder / "arm.csv", rows, delimiter=",", header="time_s,torque_Nm,velocity_rad_s", comments="")
+    motor = {
+        "model": "coulomb-viscous",
+        "parameters": {"K_v": 1e-4, "K_c": 1e-2},
+        "inertia": 4.87e-6,
+        "amplitude": 0.03,
+        "frequency": 39.54,
+        "noise_percent": 2,
+        "seeds": seeds,
+    }
+    content = {
+        "datasets": [{"name": "motor", "simulate": motor}, {"name": "arm", "files": "arm.csv", "inertia": 0.05}],
+        "models": ["coulomb-viscous", "square-root"],
+        "estimators": ["rls"],
+        "simulate": False,
+    }
+    return Config.model_validate(content)
+
+
+def same(board: Any) -> list[dict[str, Any]]:
+    return [{**row, "seconds": None} for row in board.rows]
+
+
+def test_recordings_reach_workers_and_one_that_is_killed_half_way_changes_nothing(
+    dask: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The path of the file is relative, and the workers are in another folder."""
+    given, killed = config(tmp_path), list[int]()
+    monkeypatch.chdir(tmp_path)
+    with distributed.Client(dask, set_as_default=False) as client:
+        assert set(client.run(os.getcwd).values()) != {str(tmp_path)}
+    here = run(given, tmp_path / "here", executor="serial")
+
+    def report(done: int, total: int, *_: Any) -> None:
+        if done >= total // 2 and not killed:
+            with distributed.Client(dask, set_as_default=False) as client:
+                killed.append(next(iter(client.run(os.getpid).values())))
+            os.kill(killed[0], signal.SIGKILL)
+
+    there = run(given, tmp_path / "there", executor="dask", scheduler=dask.scheduler_address, report=report)
+    assert len(killed) == 1
+    assert same(there) == same(here)
+    assert {row["status"] for row in there.rows} == {"ok"}
+
+
+def test_a_worker_without_a_plugin_is_named(dask: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    given, address = config(tmp_path, 1), dask.scheduler_address
+    with monkeypatch.context() as patch:
+        patch.setattr(cluster, "distributions", lambda *_: frozenset({"fricmodels-nowhere"}))
+        with pytest.raises(InputError, match=r"worker tcp://127.* does not have fricmodels-nowhere; install there"):
+            run(given, tmp_path / "a", directory=tmp_path, executor="dask", scheduler=address)
+    monkeypatch.setattr(cluster, "digest", lambda _: "other")
+    with pytest.raises(InputError, match="has another version of fricmodels"):
+        run(given, tmp_path / "b", directory=tmp_path, executor="dask", scheduler=address)
+
+
+def test_a_scheduler_that_does_not_answer(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(cluster, "_ANSWERS", "1s")
+    with pytest.raises(InputError, match=r"the Dask scheduler at tcp://127.0.0.1:9 cannot be used"):
+        run(config(tmp_path, 1), tmp_path, directory=tmp_path, executor="dask", scheduler="tcp://127.0.0.1:9")
+    with pytest.raises(InputError, match="add --executor dask"):
+        run(config(tmp_path, 1), tmp_path, directory=tmp_path, scheduler="tcp://127.0.0.1:9")
+
+
+def test_files_that_came_along_are_kept_under_their_names(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
+    description = '{"kind": "files", "files": ["/far/a/log.csv", "/here/log.csv"], "test_files": []}'
+    placed = cluster._placed(description, {"/far/a/log.csv": b"content"})
+    assert "/here/log.csv" in placed
+    (kept,) = tmp_path.rglob("log.csv")
+    assert kept.read_bytes() == b"content"
+    assert str(kept) in placed
