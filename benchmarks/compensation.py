@@ -11,7 +11,6 @@ import hashlib
 import json
 import multiprocessing
 import os
-import sys
 import time
 from pathlib import Path
 from typing import Any
@@ -24,6 +23,16 @@ EFFECTS = (
     "sensor-delay",
 )  # fmt: skip
 LONGEST = 900.0
+MODES = {
+    "at the reference": {},
+    "measured, direction of the reference": {"at": "measured"},
+    "measured, nothing at rest": {"at": "measured", "at_rest": "none"},
+    "measured, smooth": {"at": "measured", "at_rest": "smooth"},
+    "measured, sign of the velocity": {"at": "measured", "at_rest": "smooth", "turn": 1e-5},
+}
+"""Where and how the improved model is used; the first is what `compensate` does."""
+TOO_MUCH = 1.3
+"""All torques of the model times this: what too much compensation does."""
 Row = dict[str, Any]
 
 
@@ -38,18 +47,28 @@ def code() -> str:
     return digest.hexdigest()[:12]
 
 
+def figures_of(run: Any) -> Row:
+    return {"rms": run.figures.rms_error, "limit_cycle": run.figures.limit_cycle, "counts": run.figures.rest_counts}
+
+
 def trial(effect: str, index: int, seed: int, motions: int) -> Row:
     """Draw a rig whose hidden effect matters, identify it, and drive it along other motions."""
+    from fricmodels.compensation import run_with, study
+    from fricmodels.tracking import Experiment
     from hidden.draw import generator, mattering
-
-    from fricmodels.compensation import study
 
     began = time.process_time()
     drawn = mattering(generator(seed, "compensation", effect, index), effect)
     if drawn is None:
         return {"status": "undrawn"}
     found = study(drawn.rig, motions=motions)
-    first = found.experiments[0]
+    first, model = found.experiments[0], found.models["improved"]
+    modes = {}
+    for title, how in MODES.items():
+        other = Experiment(drawn.rig, first.settings.model_copy(update=how))
+        modes[title] = {"once": figures_of(run_with(model, other))}
+        compensator = other.compensator(model.drive, model.parameters, model.document.rest_width)
+        modes[title]["too much"] = figures_of(other.run(compensator.times(TOO_MUCH)))
     return {
         "status": "ok",
         "drive": drawn.rig.motion.value,
@@ -72,6 +91,7 @@ def trial(effect: str, index: int, seed: int, motions: int) -> Row:
             }
             for way in found.ways
         },
+        "modes": modes,
         "rig": drawn.rig.model_dump(mode="json"),
         "seconds": time.process_time() - began,
     }

@@ -122,7 +122,7 @@ def study(
     say(f"{rig.name}: fitting Coulomb and viscous friction")
     simple = "asymmetric-coulomb-viscous" if rig.friction.asymmetric else "coulomb-viscous"
     models = {COULOMB: keep(compare(recording, simple, rig.inertia))}
-    verdict, named = "", ()
+    verdict, named = "", tuple[str, ...]()
     if given:
         models |= dict(given)
     else:

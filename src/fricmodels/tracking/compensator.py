@@ -15,6 +15,7 @@ taken on both sides of zero velocity and weighted by the direction, as
 from __future__ import annotations
 
 from collections.abc import Mapping
+from copy import copy
 from functools import lru_cache
 from typing import Any, Literal, TypeAlias
 
@@ -71,13 +72,20 @@ class Compensator:
         self._scan, self._callback = _compiled(drive.model, at_rest)
         inertia, parameters = drive.split(values)
         more = 0.0 if stated is None else inertia - stated
-        self.constants = np.array([*parameters, width, width if turn is None else turn, more], dtype=float)
+        self.constants = np.array([*parameters, width, width if turn is None else turn, more, 1.0], dtype=float)
         self.memory = np.zeros(self._scan.n_states)
 
     @property
     def pointer(self) -> Any:
         """Address of a step, for :class:`fricmodels.rig.closed_loop.InLoop`."""
         return self._callback.pointer
+
+    def times(self, factor: float) -> Compensator:
+        """Return the compensation multiplied by a factor: what a model does that is wrong by it."""
+        other = copy(self)
+        other.constants = self.constants.copy()
+        other.constants[-1] = factor
+        return other
 
     def rows(self, interval: float, base: Array, direction: ArrayLike, signals: Mapping[str, ArrayLike]) -> Array:
         """Return what a step takes at each sample, shape (N, 9).
@@ -121,7 +129,7 @@ def compensation_step(model: Model, at_rest: AtRest) -> Any:
     """Build a step as a CasADi function for :class:`Scan` and :class:`Callback`.
 
     State: the internal states, the signals that the model needs at the last sample, and whether there was one.
-    Input: a row, see :meth:`Compensator.rows`. Constant: ``[parameters; width of rest; turn; J − J_0]``.
+    Input: a row, see :meth:`Compensator.rows`. Constant: ``[parameters; width of rest; turn; J − J_0; factor]``.
     Output: the compensation.
     """
     import casadi
@@ -131,8 +139,8 @@ def compensation_step(model: Model, at_rest: AtRest) -> Any:
     count, n = e.states.numel(), len(needed)
     state = casadi.SX.sym("state", count + n + 1)
     row = casadi.SX.sym("row", FIRST + len(SIGNALS))
-    turn, more = casadi.SX.sym("turn"), casadi.SX.sym("more")
-    constants = casadi.vertcat(e.parameters, e.width, turn, more)
+    turn, more, factor = (casadi.SX.sym(name) for name in ("turn", "more", "factor"))
+    constants = casadi.vertcat(e.parameters, e.width, turn, more, factor)
     base, wanted = row[1], row[2]
     before = state[count : count + n]
     known = {name: row[place(name)] for name in SIGNALS}
@@ -167,7 +175,7 @@ def compensation_step(model: Model, at_rest: AtRest) -> Any:
     else:
         resting = wanted if at_rest == "reference" else casadi.SX(0)
         direction = casadi.if_else(casadi.fabs(velocity) > turn, casadi.sign(velocity), resting)
-    compensation = (above * (1 + direction) + below * (1 - direction)) / 2
+    compensation = factor * ((above * (1 + direction) + below * (1 - direction)) / 2)
     kept = [base + compensation if name == "motor_torque" else now[i] for i, name in enumerate(needed)]
     following = casadi.vertcat(states, *kept, 1)
     return casadi.Function("compensation", [state, row, constants], [following, compensation], {"cse": True})

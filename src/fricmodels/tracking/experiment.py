@@ -66,9 +66,7 @@ class Experiment:
         speed = min(moved.speed, 2 * math.pi * frequency * moved.travel)
         rng = np.random.default_rng([self.rig.seed, self.settings.seed, _STREAM])
         travel = min(moved.travel, 2 * speed / (2 * math.pi * frequency))
-        return reference(
-            rng, speed, frequency, travel, max(1.0, _REST_PERIODS / bandwidth), self.settings.motion
-        )
+        return reference(rng, speed, frequency, travel, max(1.0, _REST_PERIODS / bandwidth), self.settings.motion)
 
     def _commission(self) -> None:
         for _ in range(_TRIALS):
@@ -174,11 +172,9 @@ class Experiment:
             active=within is not None,
             origin=self.origin,
         )
-        resting = int(math.ceil(self.reference.moving * self.settings.rate))
+        resting = math.ceil(self.reference.moving * self.settings.rate)
         least = 1e-6 * float(np.ptp(position))
-        found = figures(
-            position, driven.position, driven.velocity, driven.torque, resting, self.encoder_step, least
-        )
+        found = figures(position, driven.position, driven.velocity, driven.torque, resting, self.encoder_step, least)
         return Run(self.time, position, driven, found)
 
 

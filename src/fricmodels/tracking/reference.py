@@ -1,4 +1,4 @@
-"""The motion that a drive is to follow: a multisine, moves of trapezoidal velocity with rests, and a rest at the end."""
+"""The motion that a drive is to follow: a multisine, moves with rests between them, and a rest at the end."""
 
 from __future__ import annotations
 
@@ -107,7 +107,7 @@ def reference(
         ramp, pause = fast / acceleration, math.exp(rng.uniform(math.log(0.05), 0.0)) / frequency
         cruise = max(distance / fast - ramp, 0.0)
         for length, after in ((ramp, fast), (cruise, fast), (ramp, 0.0), (0.5 * pause, 0.0)):
-            if length > 0:
+            if t + length > t:  # a cruise of no length is no knot
                 t += length
                 knots.append(t)
                 speeds.append(math.copysign(after, goal - here))

@@ -5,9 +5,11 @@ from __future__ import annotations
 import math
 from typing import Annotated, Literal
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from fricmodels.dimension import Motion
+from fricmodels.documents import first_problem
+from fricmodels.errors import InputError
 from fricmodels.rig.closed_loop import Control
 
 Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
@@ -68,3 +70,15 @@ class Settings(BaseModel):
             smoothing=-math.expm1(-_FILTER * natural / self.rate),
             encoder_step=step,
         )
+
+
+def settings_of(**given: object) -> Settings:
+    """Return settings from options.
+
+    Raises:
+        InputError: for a value out of range, naming the option.
+    """
+    try:
+        return Settings.model_validate(given)
+    except ValidationError as error:
+        raise InputError(first_problem(error, Settings).replace("key '", "option '--").replace("_", "-")) from None
