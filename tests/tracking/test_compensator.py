@@ -91,9 +91,10 @@ def _drive(model: Any) -> Any:
 
 def test_what_is_no_number_is_refused(kept: Callable[..., Any]) -> None:
     model = kept("coulomb-viscous")
+    bad = Compensator(model.drive, {**model.parameters, "K_v": np.nan}, 1e-6)
+    rows = bad.rows(0.01, np.zeros(5), 0.0, {"velocity": np.ones(5)})
     with pytest.raises(InputError, match="no number"):
-        bad = Compensator(model.drive, {**model.parameters, "K_v": np.nan}, 1e-6)
-        bad.along(bad.rows(0.01, np.zeros(5), 0.0, {"velocity": np.ones(5)}))
+        bad.along(rows)
 
 
 HIDDEN: list[dict[str, Any]] = [

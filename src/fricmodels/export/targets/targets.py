@@ -65,7 +65,7 @@ def export_model(
         recording: to refit to, as read.
         into: MJCF or URDF in which the joint of this name is changed; a snippet without it.
         armature: to write into that MJCF; the joint's own stays without it.
-        online: in C, a filter that runs beside the drive: ``ekf`` or ``detchmendy-sridhar``; the recording scales it.
+        online: in C, a filter that runs beside the drive: ``ekf``, ``detchmendy-sridhar`` or ``rls``; the recording scales it.
 
     Raises:
         InputError: for an unknown target, or XML that has no such joint.
@@ -96,7 +96,9 @@ def export_model(
     return Exported(text, tuple(notes[1:]), found)
 
 
-def _filter(model: FittedModel, online: str | None, recording: Recording | None) -> FilterProblem | None:
+def _filter(
+    model: FittedModel, online: str | None, recording: Recording | None
+) -> FilterProblem | WindowedRegression | None:
     if online is None:
         return None
     if recording is None:
