@@ -34,7 +34,7 @@ _REST = 1e-9
 def true_torque(rig: Rig, interval: float, motion: Array, load: Array, *, origin: float = 0.0) -> Array:
     """Return the motor torque under which the drive follows a motion, shape (N,).
 
-    A body that rests is held without its dry friction, as :meth:`fricmodels.FittedModel.compensation` has it at rest.
+    A body that rests is held without its friction: friction opposes motion, and is there to hold it.
     Bristles, ageing contacts and a load behind a joint are followed from rest along the motion.
 
     Args:
@@ -79,13 +79,8 @@ def _invert(p: Any, motion: Any, load: Any, step: float, origin: float, rest: fl
         if elastic:
             ratio = weakening_ratio(p, w1, q1, known, slow, peak) if p.presliding == LUGRE else 1.0
             z, carried = bristles(p, z, travel, ratio)
-        if resting:
-            tiny = 1e-3 * rest
-            friction = 0.5 * (
-                friction_torque(p, 1.0, tiny, lagged, q1, known, slow, peak, carried)
-                + friction_torque(p, -1.0, -tiny, lagged, q1, known, slow, peak, carried)
-            )
-        else:
+        friction = 0.0
+        if not resting:
             friction = friction_torque(p, s1, w1, lagged, q1, known, slow, peak, carried)
         without, _ = applied_torques(p, q1, w1, q2, w2, 0.0, known)
         gain = 1.0 + p.gain

@@ -9,7 +9,8 @@ the model's equation :math:`\tau_m = J a + \tau_L + \tau_F(\omega, q, a, \tau_m,
 
 taken on both sides of zero velocity and weighted by the direction, as
 :meth:`fricmodels.FittedModel.compensation` does. Internal states go on from sample to sample as in
-:class:`fricmodels.memory.MemoryStep`.
+:class:`fricmodels.memory.MemoryStep`. While nothing is to move, they count as unloaded: what a bent contact carries is
+as much as it holds, and to put it in from outside would push the drive on with the least error of the model.
 """
 
 from __future__ import annotations
@@ -161,20 +162,23 @@ def compensation_step(model: Model, at_rest: AtRest) -> Any:
     symbols = casadi.vertcat(*e.signals.values(), e.states)
     slope_by_motor = casadi.jacobian(e.torque, e.signals["motor_torque"])
 
+    if at_rest == "smooth":
+        resting, direction = casadi.SX(0), casadi.tanh(velocity / turn)
+    else:
+        slow, asked = casadi.fabs(velocity) <= turn, wanted if at_rest == "reference" else casadi.SX(0)
+        resting = casadi.logic_and(slow, asked == 0)
+        direction = casadi.if_else(slow, asked, casadi.sign(velocity))
+    loaded = casadi.if_else(resting, initial, states) if count else states
+
     def side(speed: Any) -> Any:
         own = {**known, "velocity": speed, "motor_torque": casadi.SX(0)}
-        at = casadi.vertcat(*(own.get(name, casadi.SX(0)) for name in e.signals), states)
+        at = casadi.vertcat(*(own.get(name, casadi.SX(0)) for name in e.signals), loaded)
         alone = casadi.substitute(e.torque, symbols, at)
         slope = casadi.fmin(casadi.substitute(slope_by_motor, symbols, at), 1 - _LEAST)
         return (alone + more * known["acceleration"] + slope * base) / (1 - slope)
 
     tiny = _TINY * e.width
     above, below = side(casadi.fmax(velocity, tiny)), side(casadi.fmin(velocity, -tiny))
-    if at_rest == "smooth":
-        direction = casadi.tanh(velocity / turn)
-    else:
-        resting = wanted if at_rest == "reference" else casadi.SX(0)
-        direction = casadi.if_else(casadi.fabs(velocity) > turn, casadi.sign(velocity), resting)
     compensation = factor * ((above * (1 + direction) + below * (1 - direction)) / 2)
     kept = [base + compensation if name == "motor_torque" else now[i] for i, name in enumerate(needed)]
     following = casadi.vertcat(states, *kept, 1)
