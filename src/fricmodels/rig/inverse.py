@@ -27,6 +27,8 @@ from fricmodels.rig.physics import (
 if TYPE_CHECKING:
     from fricmodels.rig.rig import Rig
 
+_HELD = 0.9
+"""Share that is held at rest of what bent contacts carry: a drive that is known to a tenth is not pushed on by it."""
 _REST = 1e-9
 """A reference slower than this share of its fastest rests; so does a model's compensation, at a width of 1e-6."""
 
@@ -34,7 +36,8 @@ _REST = 1e-9
 def true_torque(rig: Rig, interval: float, motion: Array, load: Array, *, origin: float = 0.0) -> Array:
     """Return the motor torque under which the drive follows a motion, shape (N,).
 
-    A body that rests is held without its friction: friction opposes motion, and is there to hold it.
+    At rest dry friction is left out, which opposes motion and is there to hold, and nine tenths are held of what bent
+    contacts carry.
     Bristles, ageing contacts and a load behind a joint are followed from rest along the motion.
 
     Args:
@@ -79,8 +82,12 @@ def _invert(p: Any, motion: Any, load: Any, step: float, origin: float, rest: fl
         if elastic:
             ratio = weakening_ratio(p, w1, q1, known, slow, peak) if p.presliding == LUGRE else 1.0
             z, carried = bristles(p, z, travel, ratio)
-        friction = 0.0
-        if not resting:
+        if resting:
+            tiny = 1e-3 * rest
+            up = friction_torque(p, 1.0, tiny, lagged, q1, known, slow, peak, carried)
+            down = friction_torque(p, -1.0, -tiny, lagged, q1, known, slow, peak, carried)
+            friction = _HELD * min(abs(up), abs(down)) * math.copysign(1.0, up) if up * down > 0.0 else 0.0
+        else:
             friction = friction_torque(p, s1, w1, lagged, q1, known, slow, peak, carried)
         without, _ = applied_torques(p, q1, w1, q2, w2, 0.0, known)
         gain = 1.0 + p.gain

@@ -9,8 +9,8 @@ the model's equation :math:`\tau_m = J a + \tau_L + \tau_F(\omega, q, a, \tau_m,
 
 taken on both sides of zero velocity and weighted by the direction, as
 :meth:`fricmodels.FittedModel.compensation` does. Internal states go on from sample to sample as in
-:class:`fricmodels.memory.MemoryStep`. While nothing is to move, they count as unloaded: what a bent contact carries is
-as much as it holds, and to put it in from outside would push the drive on with the least error of the model.
+:class:`fricmodels.memory.MemoryStep`. While nothing is to move, nine tenths are held of what they carry to either side:
+a bent contact carries as much as it can, and with the least error of the model the whole would push the drive on.
 """
 
 from __future__ import annotations
@@ -35,6 +35,8 @@ SIGNALS = ("velocity", "position", "acceleration", "load_torque", "temperature",
 """What a controller knows at every sample. A delay of a record is no friction, and the torque is solved for."""
 _SOLVED = ("motor_torque", "motor_torque_rate")
 _TINY = 1e-9
+HELD = 0.9
+"""Share that is held at rest of what bent contacts carry: a model that is right to a tenth does not push them on."""
 _LEAST = 0.1
 """Least share of the motor torque that a model may leave to reach the shaft; it bounds the division."""
 FIRST = 3
@@ -168,18 +170,25 @@ def compensation_step(model: Model, at_rest: AtRest) -> Any:
         slow, asked = casadi.fabs(velocity) <= turn, wanted if at_rest == "reference" else casadi.SX(0)
         resting = casadi.logic_and(slow, asked == 0)
         direction = casadi.if_else(slow, asked, casadi.sign(velocity))
-    loaded = casadi.if_else(resting, initial, states) if count else states
 
-    def side(speed: Any) -> Any:
+    def side(speed: Any, at_states: Any) -> Any:
         own = {**known, "velocity": speed, "motor_torque": casadi.SX(0)}
-        at = casadi.vertcat(*(own.get(name, casadi.SX(0)) for name in e.signals), loaded)
+        at = casadi.vertcat(*(own.get(name, casadi.SX(0)) for name in e.signals), at_states)
         alone = casadi.substitute(e.torque, symbols, at)
         slope = casadi.fmin(casadi.substitute(slope_by_motor, symbols, at), 1 - _LEAST)
         return (alone + more * known["acceleration"] + slope * base) / (1 - slope)
 
     tiny = _TINY * e.width
-    above, below = side(casadi.fmax(velocity, tiny)), side(casadi.fmin(velocity, -tiny))
-    compensation = factor * ((above * (1 + direction) + below * (1 - direction)) / 2)
+    forward, backward = casadi.fmax(velocity, tiny), casadi.fmin(velocity, -tiny)
+    above, below = side(forward, states), side(backward, states)
+    torque = (above * (1 + direction) + below * (1 - direction)) / 2
+    if count:  # at rest
+        free = side(forward, initial), side(backward, initial)
+        carried = above - free[0], below - free[1]
+        least = casadi.fmin(casadi.fabs(carried[0]), casadi.fabs(carried[1]))
+        alike = casadi.sign(carried[0]) + casadi.sign(carried[1])
+        torque = casadi.if_else(resting, (free[0] + free[1] + HELD * alike * least) / 2, torque)
+    compensation = factor * torque
     kept = [base + compensation if name == "motor_torque" else now[i] for i, name in enumerate(needed)]
     following = casadi.vertcat(states, *kept, 1)
     return casadi.Function("compensation", [state, row, constants], [following, compensation], {"cse": True})
