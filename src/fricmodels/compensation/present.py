@@ -85,7 +85,7 @@ def _show_one(console: Console, study: Study, file: str, seed: int | None) -> No
     )
     say(
         console,
-        f"Controller: PD at {first.settings.rate:g} Hz, {first.settings.delay:g} samples late, bandwidth "
+        f"Controller: PD at {first.settings.rate:g} Hz, {_samples(first.settings.delay)} late, bandwidth "
         f"{first.bandwidth:.3g} Hz, encoder step {first.encoder_step:.3g} "
         f"{'m' if study.rig.motion is Motion.LINEAR else 'rad'}; friction compensated "
         f"{'along the reference' if first.settings.at == 'reference' else 'at the measured motion'}.",
@@ -162,3 +162,7 @@ def _rest(way: Way) -> str:
     if way.limit_cycle:
         return f"swings, {counts:.3g} counts" if math.isfinite(counts) else "swings"
     return "still"
+
+
+def _samples(delay: float) -> str:
+    return f"{delay:g} sample" + ("" if delay == 1 else "s")
