@@ -37,7 +37,8 @@ class Experiment:
 
     It goes on where the identification ended: what warmed or drifted is warm. The reference moves about as fast and as
     far as the drive did in the identification, no faster than a quarter of the bandwidth. The gains are those of a
-    commissioning: lowered until the drive without compensation neither swings at rest nor runs away.
+    commissioning: lowered until the drive without compensation neither runs away nor still swings at rest, not even
+    with a swing that dies out: that is a margin.
 
     Args:
         rig: the drive, with its hidden effects.
@@ -71,7 +72,7 @@ class Experiment:
     def _commission(self) -> None:
         for _ in range(_TRIALS):
             run = self.run(None)
-            if math.isfinite(run.figures.rms_error) and not run.figures.limit_cycle:
+            if math.isfinite(run.figures.rms_error) and not run.figures.swings:
                 return
             self.bandwidth *= _SOFTER
             self.__dict__.pop("control", None)
@@ -174,7 +175,7 @@ class Experiment:
         )
         resting = math.ceil(self.reference.moving * self.settings.rate)
         least = 1e-6 * float(np.ptp(position))
-        found = figures(position, driven.position, driven.velocity, driven.torque, resting, self.encoder_step, least)
+        found = figures(position, driven.position, driven.torque, resting, self.encoder_step, least)
         return Run(self.time, position, driven, found)
 
 
