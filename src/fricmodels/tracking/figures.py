@@ -69,8 +69,8 @@ def figures(wanted: Array, position: Array, torque: Array, resting: int, encoder
 def _rest(position: Array, step: float) -> tuple[float, float, bool, bool]:
     """Return the span of the motion at rest, in SI and in steps, whether it swings, and whether that is a limit cycle.
 
-    It swings where the position turns at least three times, by more than a step each time: a contact that creeps by less
-    than can be seen does not. It is a limit cycle where that does not die out: the last half spans at least 0.7 of
+    It swings where the position turns at least three times, by more than a step each time; a contact that creeps by
+    less than can be seen does not. It is a limit cycle where that does not die out: the last half spans at least 0.7 of
     what the first does.
     """
     if len(position) < 4:
