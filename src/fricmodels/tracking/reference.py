@@ -39,11 +39,10 @@ class Reference:
 
     def at(self, time: Array) -> tuple[Array, Array, Array]:
         """Return position, velocity and acceleration at any times, each of shape (N,)."""
-        first = float(self.knots[0])
-        waves = self._multisine(np.minimum(time, first))
-        moves = self._moves(np.maximum(time, first))
-        after = time >= first
-        return tuple(np.where(after, b, a) for a, b in zip(waves, moves, strict=True))  # type: ignore[return-value]
+        found = np.empty((3, len(time)))
+        before = time < self.knots[0]
+        found[:, before], found[:, ~before] = self._multisine(time[before]), self._moves(time[~before])
+        return found[0], found[1], found[2]
 
     @property
     def peak(self) -> float:
