@@ -138,12 +138,19 @@ def smooth(time: Array, velocity: Array, samples: int) -> tuple[Array, Array]:
     a cubic needs, there is one: the velocity stays as it was measured.
     """
     half = span(samples) // 2
+    level, slope = cubic(samples)
+    windows = sliding_window_view(velocity, len(level))
+    interval = (time[2 * half :] - time[: len(time) - 2 * half]) / (2 * half)
+    value = windows @ level if samples >= _CUBIC else velocity[half : len(velocity) - half]
+    return value, windows @ slope / interval
+
+
+def cubic(samples: int) -> tuple[Array, Array]:
+    """Return the weights by which the local cubic gives a velocity, and its change from sample to sample."""
+    half = span(samples) // 2
     index = np.arange(-half, half + 1, dtype=float)
     fit = np.linalg.pinv(np.stack([np.ones_like(index), index, index**2, index**3], axis=1))
-    windows = sliding_window_view(velocity, len(index))
-    interval = (time[2 * half :] - time[: len(time) - 2 * half]) / (2 * half)
-    value = windows @ fit[0] if samples >= _CUBIC else velocity[half : len(velocity) - half]
-    return value, windows @ fit[1] / interval
+    return fit[0] if samples >= _CUBIC else (index == 0).astype(float), fit[1]
 
 
 def span(samples: int) -> int:

@@ -13,7 +13,7 @@ import pandas as pd
 from numpy.typing import NDArray
 from pydantic import Field
 
-from estimators.regression import Design
+from estimators.regression import RESTING, Design, cubic
 from fricmodels.drive import Drive
 from fricmodels.errors import EstimationError, InputError
 from fricmodels.estimator import EstimatorSettings, OnlineFilter, SequentialEstimator, Solution, usable
@@ -27,6 +27,7 @@ from fricmodels.filtering.preparation import (
 )
 from fricmodels.filtering.problem import HISTORY_ROWS
 from fricmodels.filtering.stored_problem import SCHEMA, checked_state, drive_document, drive_of
+from fricmodels.filtering.windowed import WindowedRegression
 from fricmodels.kernels import Scan
 from fricmodels.recording import Recording, channel_of
 
@@ -245,6 +246,26 @@ class _Online(OnlineFilter):
             rows = self._problem.design.windows(Recording("online", self._problem.drive.motion, channels, run))
             self._memory, _, _ = self._problem.scan(self._memory, rows[-1:], [self._problem.forgetting])
         return self.parameters
+
+    @property
+    def windowed(self) -> WindowedRegression:
+        """What it computes with, as plain numbers, before the first sample."""
+        design = self._problem.design
+        value, slope = cubic(design.smoothing)
+        return WindowedRegression(
+            drive=design.drive,
+            keys=design.keys,
+            fixed=design.fixed,
+            window=design.window,
+            value=value,
+            slope=slope,
+            resting=RESTING * design.peak,
+            torque=design.torque,
+            size=design.size,
+            step=self._problem.scan.function,
+            forgetting=self._problem.forgetting,
+            memory=self._problem.initial_memory(),
+        )
 
     @property
     def state(self) -> dict[str, Any]:

@@ -274,6 +274,15 @@ class Drive:
 
     @cached_property
     def _linear_part(self) -> ArrayFunction:
+        return ArrayFunction(self.linear_function)
+
+    @cached_property
+    def linear_function(self) -> Any:
+        """The linear part of τ_F as a CasADi function.
+
+        From every signal, the nonlinear parameters, the internal states and the width of rest, to the column of
+        regressors of the linear parameters and what is left without them.
+        """
         import casadi
 
         e = self.model.expression()
@@ -284,9 +293,7 @@ class Drive:
         zero = casadi.SX.zeros(len(linear), 1)
         design, offset = (casadi.substitute(part, chosen, zero) for part in (design, e.torque))
         rest = e.parameters[other] if other else casadi.SX(0, 1)
-        return ArrayFunction(
-            casadi.Function("linear", [*e.signals.values(), rest, e.states, e.width], [design, offset])
-        )
+        return casadi.Function("linear", [*e.signals.values(), rest, e.states, e.width], [design, offset])
 
     # ---- state space ----------------------------------------------------------------------------------------------
 

@@ -37,7 +37,7 @@ void run(long count, const double *in, double *out) {
 
 
 @pytest.mark.skipif(COMPILER is None, reason="there is no C compiler")
-@pytest.mark.parametrize("estimator", ["ekf", "detchmendy-sridhar"])
+@pytest.mark.parametrize("estimator", ["ekf", "detchmendy-sridhar", "rls"])
 @pytest.mark.parametrize("inertia", [2.0, None], ids=["inertia given", "inertia estimated"])
 def test_the_filter_in_c_is_the_filter_in_python(
     made: Callable[..., Recording], tmp_path: Path, estimator: str, inertia: float | None
@@ -76,11 +76,12 @@ def test_the_filter_in_c_is_the_filter_in_python(
     assert isinstance(made_estimator, SequentialEstimator)
     online = made_estimator.start(model.drive, fricmodels.diagnosis.ready(recording))
     names = {"motor_torque": "torque"}
+    near = 1e-6 if estimator == "rls" else 1e-8  # a vague start amplifies rounding; test_c_windowed.py has each update
     for k, row in enumerate(given):
         found = online.update({names.get(n, n): float(x) for n, x in zip(order, row, strict=True)})
         if k % 250 == 249 or k == len(given) - 1:
             expected = [found[key] for key in keys]
-            np.testing.assert_allclose(out[k], expected, rtol=1e-8, atol=1e-8 * np.max(np.abs(expected)))
+            np.testing.assert_allclose(out[k], expected, rtol=near, atol=near * np.max(np.abs(expected)))
     assert np.ptp(out[:, list(keys).index("K_c")]) > 0.1  # it does learn
 
 
@@ -91,6 +92,6 @@ def test_what_cannot_filter_says_so(made: Callable[..., Recording], kept: Callab
     with pytest.raises(InputError, match="in C only"):
         export_model(model, "urdf", online="ekf", recording=recording)
     with pytest.raises(InputError, match="cannot be written in C"):
-        export_model(model, "c", online="rls", recording=recording)
+        export_model(model, "c", online="batch", recording=recording)
     with pytest.raises(InputError, match="unknown estimator"):
         export_model(model, "c", online="efk", recording=recording)

@@ -28,6 +28,7 @@ COMMANDS = {
     "export": "Write a fitted model for a program: C, MuJoCo, URDF, Isaac Lab, Drake, ROS 2.",
     "report": "Write it all as one HTML page: verdict, figures, parameters, provenance.",
     "simulate": "Make a recording with hidden effects from a rig file.",
+    "compensate": "Say what a friction model is worth to a controller: tracking error with and without.",
     "new": "Write a plugin: a law, an effect, an estimator or a reader, ready to install.",
     "check": "Let a law, an effect, an estimator or a reader sit its exam.",
     "demo": "See all of it on simulated data.",

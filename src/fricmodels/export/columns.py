@@ -59,6 +59,7 @@ def concise(board: Leaderboard, *, dataset: bool = True) -> list[Column]:
             (f"test error %{over}", "held_out_rms_torque_error_percent"),
             (f"fit error %{over}", "rms_torque_error_percent"),
             ("per sample %", "per_sample_percent"),
+            ("tracking %", "tracking_error_percent"),
             ("seconds", "seconds"),
         )
         if any(cells := tuple(_figure(figures.get(key)) for figures in figured))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from fricmodels.kernels.arrays import ArrayFunction
+from fricmodels.kernels.callback import Callback
 from fricmodels.kernels.scan import Scan
 
-__all__ = ["ArrayFunction", "Scan"]
+__all__ = ["ArrayFunction", "Callback", "Scan"]

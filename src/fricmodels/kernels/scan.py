@@ -81,13 +81,17 @@ class Scan:
         if outputs is None:
             outputs = np.empty((len(rows) // stride, self.n_outputs))
         if self._compiled is None:
-            self._compiled = _load(self.source).scan
+            self._compiled = load_module(self.source).scan
         done = self._compiled(first, rows, fixed, stride, outputs)  # type: ignore[misc]
         outputs[done // stride :] = np.nan
         return first, outputs, int(done)
 
 
-def _source(step: Any) -> str:
+def straight_line(step: Any) -> tuple[list[str], list[str], list[str]]:
+    """Return lines of Python that compute a step, and what its next states and its outputs are called.
+
+    States are called ``s0``, ``s1``, …, inputs ``u…``, constants ``c…``; see :class:`Scan` for what a step is.
+    """
     n = step.numel_in(0)
     next_state = ["0.0"] * n
     outputs = ["0.0"] * step.numel_out(1)
@@ -114,7 +118,12 @@ def _source(step: Any) -> str:
         name = f"w{len(operations)}"
         operations.append(Operation(name, instruction.operation, operands))
         names[instruction.outputs[0]] = name
-    body = written(operations, {*next_state, *outputs})
+    return written(operations, {*next_state, *outputs}), next_state, outputs
+
+
+def _source(step: Any) -> str:
+    n = step.numel_in(0)
+    body, next_state, outputs = straight_line(step)
     lines = [f"    c{i} = constants[{i}]" for i in range(step.numel_in(2))]
     lines += [f"    s{i} = state[{i}]" for i in range(n)]
     lines += ["    kept = 0", "    left = stride", "    for k in range(inputs.shape[0]):"]
@@ -152,7 +161,8 @@ def cache_directory() -> Path:
 
 
 @lru_cache(maxsize=256)
-def _load(source: str) -> ModuleType:
+def load_module(source: str) -> ModuleType:
+    """Return the module of a generated source, kept in :func:`cache_directory`."""
     name = "fricmodels_scan_" + hashlib.sha256(source.encode()).hexdigest()[:24]
     path = cache_directory() / f"{name}.py"
     try:

@@ -24,6 +24,7 @@ Ranking = Literal[
     "rms_torque_error_percent",
     "rms_torque_error",
     "simulated_velocity_error_percent",
+    "tracking_error_percent",
     "aic",
     "bic",
     "seconds",
@@ -182,7 +183,7 @@ class Config(Closed):
     estimators: Annotated[
         list[Annotated[Entrant, BeforeValidator(_estimator)]], BeforeValidator(_listed), Field(min_length=1)
     ] = [Entrant(name=ALL)]
-    score: Literal["held-out", "paper"] = "held-out"
+    score: Literal["held-out", "paper", "tracking"] = "held-out"
     decimate: int = Field(default=1, ge=1, description="score every so many-th sample, low-pass filtered")
     simulate: bool = Field(default=True, description="score the simulated velocity too")
     rank_by: Ranking | None = None
@@ -191,10 +192,18 @@ class Config(Closed):
     timeout: float = Field(default=120.0, gt=0, allow_inf_nan=False, description="seconds for one fit")
     jobs: int | None = Field(default=None, ge=1, description="processes; left out, one a core")
 
+    @model_validator(mode="after")
+    def _can_be_tracked(self) -> Config:
+        if self.score == "tracking" and any(dataset.rig is None for dataset in self.datasets):
+            raise ValueError("'score: tracking' drives simulated drives; give every dataset a 'rig'")
+        return self
+
     @property
     def ranking(self) -> str:
         """The column that decides the rank."""
         paper = "rms_torque_error_percent"
+        if self.score == "tracking":
+            return str(self.rank_by or "tracking_error_percent")
         return str(self.rank_by or (paper if self.score == "paper" else f"held_out_{paper}"))
 
     @property

@@ -16,11 +16,12 @@ import numpy as np
 
 from fricmodels import plugins
 from fricmodels.dimension import Motion
-from fricmodels.drive import Drive
+from fricmodels.drive import Drive, rest_width
 from fricmodels.errors import FricmodelsError
 from fricmodels.estimator import Estimator
 from fricmodels.fit import Fit, Status
 from fricmodels.model import Model
+from fricmodels.recording import Recording
 from fricmodels.tournament.code import code_of
 from fricmodels.tournament.config import Config
 from fricmodels.tournament.sources import Source, load
@@ -90,7 +91,7 @@ def jobs(config: Config, sources: list[Source], digests: Mapping[Source, str]) -
         digests: checksum of each recording that was read from a file.
     """
     listed = []
-    measure = "paper" if config.score == "paper" else "torque"
+    measure = {"paper": "paper", "tracking": "tracking"}.get(config.score, "torque")
     for model in config.model_names:
         for entrant in config.entrants:
             settings = json.dumps(entrant.settings, sort_keys=True)
@@ -194,11 +195,22 @@ def _fit_and_score(job: Job) -> Row:
         decimate=job.decimate,
     )
     row.update(_number(figures.as_dict()))
+    if job.measure == "tracking":
+        row.update(_number(_tracked(job.source, drive, fit, loaded.train)))
     decisive = "rms_torque_error" if loaded.prepared_test is None else "held_out_rms_torque_error"
     if row[decisive] is None:
         row["status"] = Status.DIVERGED.value
         row["message"] = "the torque error of this fit is not a finite number"
     return row
+
+
+def _tracked(source: Source, drive: Drive, fit: Fit, recording: Recording) -> dict[str, float]:
+    """Return what the fit is worth to the controller of its rig."""
+    from fricmodels.rig.file import load_rig
+    from fricmodels.tracking.scoring import tracking_errors
+
+    rig = load_rig(source.values["file"]).model_copy(update={"seed": source.values["seed"]})
+    return tracking_errors(rig, drive, fit.parameters, rest_width(recording))
 
 
 def _describe(row: Row, fit: Fit) -> None:

@@ -12,13 +12,14 @@ from fricmodels.export.targets.c_text import ascii_text, c_names, comment
 from fricmodels.filtering.covariance import pack
 from fricmodels.filtering.online import ProblemOnline, resting_speed
 from fricmodels.filtering.problem import FilterProblem
+from fricmodels.filtering.windowed import Windowed, WindowedRegression
 from fricmodels.kernels.c_source import c_lines, literal
 from fricmodels.recording import Recording
 from fricmodels.saved import FittedModel
 from fricmodels.term import SIGNALS
 
 
-def started(model: FittedModel, estimator: str, recording: Recording) -> FilterProblem:
+def started(model: FittedModel, estimator: str, recording: Recording) -> FilterProblem | WindowedRegression:
     """Return the filter of a model, scaled and started for drives that move like a recording.
 
     Raises:
@@ -30,8 +31,10 @@ def started(model: FittedModel, estimator: str, recording: Recording) -> FilterP
 
     made = plugins.load().estimators[estimator]()
     online = made.start(model.drive, ready(recording)) if isinstance(made, SequentialEstimator) else None
+    if isinstance(online, Windowed):
+        return online.windowed
     if not isinstance(online, ProblemOnline):
-        raise InputError(f"'{estimator}' cannot be written in C; ekf and detchmendy-sridhar can")
+        raise InputError(f"'{estimator}' cannot be written in C; ekf, detchmendy-sridhar and rls can")
     return online.problem
 
 

@@ -10,7 +10,9 @@ from typing import Any
 from fricmodels.errors import InputError
 from fricmodels.export.targets.c_filter import c_filter
 from fricmodels.export.targets.c_text import KEYWORDS, ascii_text, c_names, comment
+from fricmodels.export.targets.c_windowed import c_windowed
 from fricmodels.filtering.problem import FilterProblem
+from fricmodels.filtering.windowed import WindowedRegression
 from fricmodels.kernels.c_source import c_lines, literal
 from fricmodels.memory import memory_step
 from fricmodels.recording import channel_of
@@ -18,7 +20,9 @@ from fricmodels.saved import FittedModel
 from fricmodels.saved.words import error_in_words
 
 
-def c_header(model: FittedModel, name: str = "friction", problem: FilterProblem | None = None) -> str:
+def c_header(
+    model: FittedModel, name: str = "friction", problem: FilterProblem | WindowedRegression | None = None
+) -> str:
     r"""Return a header that computes what :class:`fricmodels.FittedModel` does.
 
     ``NAME_torque`` is τ_F, ``NAME_follow`` the same with internal states advanced by a sample, ``NAME_compensation``
@@ -34,7 +38,10 @@ def c_header(model: FittedModel, name: str = "friction", problem: FilterProblem 
     """
     if not re.fullmatch(r"[A-Za-z_][A-Za-z0-9_]*", name) or name in KEYWORDS:
         raise InputError(f"'{name}' is no name in C; use letters, digits and _")
-    return _Header(model, name).text([] if problem is None else [c_filter(problem, name)])
+    if problem is None:
+        return _Header(model, name).text()
+    online = c_windowed(problem, name) if isinstance(problem, WindowedRegression) else c_filter(problem, name)
+    return _Header(model, name).text([online])
 
 
 class _Header:

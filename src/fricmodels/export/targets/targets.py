@@ -13,6 +13,7 @@ from fricmodels.export.targets import mjcf, simple
 from fricmodels.export.targets.c_header import c_header
 from fricmodels.export.targets.nearest import COULOMB_VISCOUS, MUJOCO, VISCOUS, Dialect, Nearest, nearest, undetermined
 from fricmodels.filtering.problem import FilterProblem
+from fricmodels.filtering.windowed import WindowedRegression
 from fricmodels.recording import Recording
 from fricmodels.saved import FittedModel
 
@@ -65,7 +66,8 @@ def export_model(
         recording: to refit to, as read.
         into: MJCF or URDF in which the joint of this name is changed; a snippet without it.
         armature: to write into that MJCF; the joint's own stays without it.
-        online: in C, a filter that runs beside the drive: ``ekf`` or ``detchmendy-sridhar``; the recording scales it.
+        online: in C, a filter that runs beside the drive: ``ekf``, ``detchmendy-sridhar`` or ``rls``; the recording
+            scales it.
 
     Raises:
         InputError: for an unknown target, or XML that has no such joint.
@@ -96,7 +98,9 @@ def export_model(
     return Exported(text, tuple(notes[1:]), found)
 
 
-def _filter(model: FittedModel, online: str | None, recording: Recording | None) -> FilterProblem | None:
+def _filter(
+    model: FittedModel, online: str | None, recording: Recording | None
+) -> FilterProblem | WindowedRegression | None:
     if online is None:
         return None
     if recording is None:
