@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from fricmodels.arrays import Array
 from fricmodels.drive import Drive
 from fricmodels.errors import EstimationError
 from fricmodels.loop import Loop
@@ -35,6 +36,7 @@ class Judged:
 
     Attributes:
         rung: the model.
+        kept: what simulates the part that was kept back.
         by_torque: errors of the kept back part with the parameters that the torque gave.
         fit: to the motion of what was fitted; ``None`` where no simulation reaches its end.
         test: errors of the kept back part with these; ``None`` without a fit.
@@ -44,6 +46,7 @@ class Judged:
     """
 
     rung: Rung
+    kept: Simulator
     by_torque: MotionErrors
     fit: MotionFit | None
     test: MotionErrors | None
@@ -58,6 +61,7 @@ def judged(
     *,
     loop: Loop | None = None,
     horizon: int | None = None,
+    refit: bool = True,
 ) -> list[Judged]:
     """Fit models to the motion of what is fitted, and say which to take by the motion of what was kept back.
 
@@ -70,6 +74,7 @@ def judged(
         train, test: prepared; see :func:`fricmodels.diagnosis.comparison.kept_back`.
         loop: what pushes the drive; the recorded torque if not given.
         horizon: samples of a window.
+        refit: whether to fit the parameters to the motion; where not, only :attr:`Judged.by_torque` is known.
 
     Source of the rule: L. Breiman et al., "Classification and regression trees", 1984.
     """
@@ -79,19 +84,24 @@ def judged(
     for rung in rungs:
         fitted = Simulator(rung.drive, train, loop=loop, horizon=horizon)
         kept = Simulator(rung.drive, test, loop=loop, horizon=horizon)
-        started = dict(rung.parameters) if loop is None else {p: v for p, v in rung.parameters.items()}
+        started = dict(rung.parameters)
         if loop is not None:
             started |= {key: p.initial for key, p in zip(loop.keys, loop.parameters, strict=True)}
         by_torque = motion_errors(kept, started)
+        if not refit:
+            found.append(Judged(rung, kept, by_torque, None, None))
+            continue
         try:
             fit = fit_motion(fitted, [started, {**started, **before}])
         except EstimationError:
-            found.append(Judged(rung, by_torque, None, None))
+            found.append(Judged(rung, kept, by_torque, None, None))
             squares.append(np.full(len(np.unique(test.run)), np.inf))
             continue
         before = dict(fit.parameters)
-        found.append(Judged(rung, by_torque, fit, motion_errors(kept, fit.parameters)))
+        found.append(Judged(rung, kept, by_torque, fit, motion_errors(kept, fit.parameters)))
         squares.append(_by_piece(kept, fit.parameters))
+    if not squares:
+        return found
     means = [float(np.mean(each)) if np.all(np.isfinite(each)) else np.inf for each in squares]
     if not np.isfinite(min(means)):
         return found
@@ -100,12 +110,12 @@ def judged(
     within = [i for i, (more, error) in enumerate(behind) if np.isfinite(more) and more <= error]
     chosen = min(within or [best], key=lambda i: (len(rungs[i].drive.parameters), i))
     return [
-        Judged(each.rung, each.by_torque, each.fit, each.test, behind[i], i == chosen)
+        Judged(each.rung, each.kept, each.by_torque, each.fit, each.test, behind[i], i == chosen)
         for i, each in enumerate(found)
     ]
 
 
-def _by_piece(simulator: Simulator, values: Mapping[str, float]) -> np.ndarray:
+def _by_piece(simulator: Simulator, values: Mapping[str, float]) -> Array:
     """Return the mean squared error of the position (of the velocity without one) on each piece."""
     position, velocity = simulator(values)
     measured = simulator.recording
@@ -116,7 +126,7 @@ def _by_piece(simulator: Simulator, values: Mapping[str, float]) -> np.ndarray:
     )
 
 
-def _difference(own: np.ndarray, best: np.ndarray) -> tuple[float, float]:
+def _difference(own: Array, best: Array) -> tuple[float, float]:
     """Return by how much a model is behind on the mean, and the standard error of that over the pieces."""
     if own is best:
         return 0.0, 0.0

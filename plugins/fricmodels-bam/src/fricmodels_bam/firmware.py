@@ -16,6 +16,9 @@ from fricmodels.term import Parameters, Signals
 from fricmodels_bam.bench import CONTROL_GAIN, GRAVITY, LENGTH, MASS, STEP
 
 GOAL, ENABLED, GAIN, SUPPLY = (f"other.{name}" for name in ("goal", "enabled", "gain", "supply"))
+IDLE = "other.idle_supply"
+_IDLE_TIME = 0.2
+"""The motor is idle for so long at the beginning of each log [s]."""
 
 
 class Firmware(Loop):
@@ -39,14 +42,43 @@ class Firmware(Loop):
 
     def motor_torque(self, s: Signals, p: Parameters) -> Expression:
         """Return the torque of the motor: none where it is switched off."""
-        import casadi
-
-        duty = casadi.fmax(-1, casadi.fmin(1, CONTROL_GAIN * s[GAIN] * (s[GOAL] - s.position)))
-        return s[ENABLED] * p.k_t / p.R * (s[SUPPLY] * duty - p.k_t * s.velocity)
+        return s[ENABLED] * p.k_t / p.R * (s[SUPPLY] * duty(s) - p.k_t * s.velocity)
 
     def load_torque(self, s: Signals, p: Parameters) -> Expression:
         """Return the weight of the pendulum."""
         return MASS * GRAVITY * LENGTH * sin(s.position + p.q_offset)
+
+
+class SaggingSupply(Firmware):
+    r"""The same with a supply, wires and bridge of a resistance of their own.
+
+    While the bridge is on, which it is for a share D of the time, the motor's current flows through them too:
+
+    .. math:: D\,(U_0 - R_s i) = R\,i + k_t\omega \quad\Rightarrow\quad
+              i = \frac{D U_0 - k_t\omega}{R\,(1 + \rho\,|D|)}, \qquad \rho = R_s/R
+
+    U_0 is the voltage of the idle supply: what the servo reads while it works is of either phase of the bridge, and has
+    the sag in it already.
+    """
+
+    name = "XL330 firmware, sagging supply"
+    channels = (GOAL, ENABLED, GAIN, IDLE)
+    rho = Parameter("rho", initial=0.3, lower=0.0, upper=5.0, meaning="resistance of the supply, of the motor's")
+
+    def motor_torque(self, s: Signals, p: Parameters) -> Expression:
+        """Return the torque of the motor: none where it is switched off."""
+        import casadi
+
+        on = duty(s)
+        resistance = p.R * (1 + p.rho * casadi.fabs(on))
+        return s[ENABLED] * p.k_t / resistance * (s[IDLE] * on - p.k_t * s.velocity)
+
+
+def duty(s: Signals) -> Expression:
+    """Return the duty cycle that the firmware asks for."""
+    import casadi
+
+    return casadi.fmax(-1, casadi.fmin(1, CONTROL_GAIN * s[GAIN] * (s[GOAL] - s.position)))
 
 
 def recorded(path: Path, step: float = STEP) -> Recording:
@@ -72,6 +104,7 @@ def recorded(path: Path, step: float = STEP) -> Recording:
             ENABLED: (np.interp(grid, time, rows["torque_enable"]) > 0.5).astype(float),
             GAIN: np.full(len(grid), float(rows["kp"][0])),
             SUPPLY: np.interp(grid, time, rows["vin_V"]),
+            IDLE: np.full(len(grid), float(np.median(rows["vin_V"][time < time[0] + _IDLE_TIME]))),
         }
         called[f"{rows['trajectory'][0]}/{rows['kp'][0]}"] = number
         parts.append((number, channels))
