@@ -145,7 +145,9 @@ def tables(data: Path, say: Callable[[str], None], *, peers: bool = True) -> dic
         old = {key.removeprefix("loop."): value for key, value in values.items()}
         old["armature"] = values["J"] - MASS * LENGTH**2
         exact = motion_errors(Simulator(Drive(Model(law())), whole, loop=Firmware()), values)
-        rows.append([law.name, printed[number - 1], _mrad(Bench(law).error(logs, old)), _mrad(exact.position_mean_absolute)])
+        rows.append(
+            [law.name, printed[number - 1], _mrad(Bench(law).error(logs, old)), _mrad(exact.position_mean_absolute)]
+        )
     found: dict[str, list[list[str]]] = {"published parameters": rows}
     for loop in (Firmware(), SaggingSupply()):
         say(f"fitting M1 to M6: {loop.name}")

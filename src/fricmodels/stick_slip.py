@@ -44,7 +44,9 @@ class _Motion:
         e = drive.model.expression()
         around = None if loop is None else closed(loop, e.signals)
         if around is not None and "motor_torque_rate" in drive.model.needs:
-            raise InputError(f"'{drive.model.name}' needs the rate of the motor torque, which a closed loop does not say")
+            raise InputError(
+                f"'{drive.model.name}' needs the rate of the motor torque, which a closed loop does not say"
+            )
         states = e.states if around is None else casadi.vertcat(e.states, around.states)
         all_rates = e.rates if around is None else casadi.vertcat(e.rates, around.rates)
         symbols = {**e.signals, **({} if around is None else around.given)}

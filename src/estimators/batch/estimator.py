@@ -123,9 +123,7 @@ class Batch(Estimator):
             raise EstimationError(str(error)) from None
         fitted = fit_motion(simulator, [found.parameters], loss=self.settings.loss)
         values = np.array([fitted.parameters[key] for key in drive.keys])
-        reasons = not_identified(
-            drive, values, fitted.covariance, fitted.undetermined, searched_range(drive, ready)
-        )
+        reasons = not_identified(drive, values, fitted.covariance, fitted.undetermined, searched_range(drive, ready))
         return Solution(
             {key: fitted.parameters[key] for key in drive.keys},
             fitted.covariance,

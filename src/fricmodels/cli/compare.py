@@ -20,7 +20,6 @@ from fricmodels.cli.measurement import (
     gaps_option,
     load,
 )
-
 from fricmodels.cli.motion import ControllerFile, Horizon, Score, ScoreOption, check_score, loop_of
 
 

@@ -34,15 +34,17 @@ def command(
     trust: Trust = False,
     gaps: GapsOption = None,
     objective: Annotated[
-        Score, typer.Option("--objective", help="What is made small: the error of torque, or of the simulated position.")
+        Score,
+        typer.Option("--objective", help="What is made small: the error of torque, or of the simulated position."),
     ] = Score.TORQUE,
     horizon: Horizon = None,
     controller: ControllerFile = None,
 ) -> None:
     """Fit a model and keep it in a file, to call, simulate and export.
 
-    The fit is that of `compare`; with --objective position its parameters then bring the simulated motion nearest. Python reads the file with `fricmodels.load`; `compare`, `diagnose`, `improve` and
-    `simulate` take it in place of a model's name, `export` writes it for other programs.
+    The fit is that of `compare`; with --objective position its parameters then bring the simulated motion nearest.
+    Python reads the file with `fricmodels.load`; `compare`, `diagnose`, `improve` and `simulate` take it in place of a
+    model's name, `export` writes it for other programs.
     """
     given = load(data, model, column, torque_constant, reader, linear, None, inertia, trust, gaps)
     check_score(objective, given.recording, horizon, controller, option="--objective")

@@ -258,7 +258,18 @@ def _command(work: Callable[[Measurement], None]) -> Callable[..., None]:
         loop = loop_of(controller, given.recording)
         left_out = (*(leave_out or ()), *unusable_effects(leave_out or ()))
         measurement = Measurement(
-            given.recording, given.model, given.inertia, left_out, out, report, trust, gaps, verbose, score, horizon, loop
+            given.recording,
+            given.model,
+            given.inertia,
+            left_out,
+            out,
+            report,
+            trust,
+            gaps,
+            verbose,
+            score,
+            horizon,
+            loop,
         )
         with answered(given.recording, given.model):
             work(measurement)

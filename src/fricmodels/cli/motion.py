@@ -117,12 +117,8 @@ def show_motion(console: Any, found: Sequence[Judged], horizon: int | None, inte
     columns = [
         Column("model", tuple(each.rung.name for each in found)),
         Column(f"by torque [{unit}]", tuple(f"{each.by_torque.position:.3g}" for each in found), True),
-        Column(
-            f"refitted [{unit}]", tuple("–" if e.test is None else f"{e.test.position:.3g}" for e in found), True
-        ),
-        Column(
-            f"velocity [{unit}/s]", tuple("–" if e.test is None else f"{e.test.velocity:.3g}" for e in found), True
-        ),
+        Column(f"refitted [{unit}]", tuple("–" if e.test is None else f"{e.test.position:.3g}" for e in found), True),
+        Column(f"velocity [{unit}/s]", tuple("–" if e.test is None else f"{e.test.velocity:.3g}" for e in found), True),
         Column("", tuple("taken" if each.chosen and len(found) > 1 else "" for each in found)),
     ]
     show_table(console, columns, "RMS error of the simulated motion on what was kept back")

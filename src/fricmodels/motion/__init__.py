@@ -12,9 +12,9 @@ from fricmodels.motion.start import state_at
 __all__ = [
     "Controller",
     "Judged",
-    "Motor",
     "MotionErrors",
     "MotionFit",
+    "Motor",
     "Rung",
     "Simulator",
     "check_controller",

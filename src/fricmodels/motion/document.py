@@ -41,7 +41,9 @@ def error_words(errors: MotionErrors, motion: Motion) -> str:
         f"velocity {errors.velocity:.3g} {unit}/s"
     )
     if abs(errors.drift) > errors.position / 2:
-        text += f"; mostly a drift, of {errors.drift:+.3g} {unit} on average: a force that is wrong by a constant adds up"
+        text += (
+            f"; mostly a drift, of {errors.drift:+.3g} {unit} on average: a force that is wrong by a constant adds up"
+        )
     return text
 
 

@@ -22,6 +22,8 @@ from fricmodels.weakform.ranges import natural_size
 Objective: TypeAlias = Literal["position", "velocity"]
 Loss: TypeAlias = Literal["squares", "absolute"]
 
+_COARSE = 1e-2
+"""Of a difference that looks over a kink, in sizes of a parameter."""
 _SMALL = 1e-2
 """Share of a parameter's natural size below which it is not counted in its own value."""
 _NEARLY = 1e-2
@@ -100,9 +102,9 @@ class Problem:
             ordered[i] = max(ordered[i], ordered[other])
         return dict(zip(self.keys, ordered.tolist(), strict=True))
 
-    def residual(self, at: Array) -> Array:
-        """Return simulated less measured, at every sample that is scored."""
-        position, velocity = self.simulator(self.values(at))
+    def residual(self, at: Array, moved_position: float = 0.0, moved_velocity: float = 0.0) -> Array:
+        """Return simulated less measured, at every sample that is scored; see :class:`.Simulator` for what is moved."""
+        position, velocity = self.simulator(self.values(at), moved_position, moved_velocity)
         measured = self.simulator.recording
         error = position - measured["position"] if self.objective == "position" else velocity - measured.velocity
         return error[self.simulator.scored]
@@ -135,8 +137,9 @@ def fit_motion(
 
     .. math:: \min_\theta \sum_k \big(q_k(\theta) - q_k\big)^2
 
-    by Levenberg–Marquardt from each start; the best end counts. A start that is the optimum of a model which this one
-    contains makes sure that the larger model is never worse on what is fitted.
+    by Levenberg–Marquardt from each start, first with long differences that look over the kinks where the drive stops
+    or starts; the best end counts. A start that is the optimum of a model which this one contains makes sure that the
+    larger model is never worse on what is fitted.
 
     Args:
         simulator: of what is fitted: in one piece, where an error of force adds up, or in windows, which forget it.
@@ -150,10 +153,15 @@ def fit_motion(
     """
     problem = Problem.of(simulator, objective)
     weights = _absolute if loss == "absolute" else None
-    ends = [
-        minimised(problem.residual, problem.at(start), problem.size, problem.bounds, most=most, weights=weights)
-        for start in starts
-    ]
+    ends = []
+    for start in starts:
+        at = problem.at(start)
+        for length in (_COARSE, STEP):
+            end = minimised(
+                problem.residual, at, problem.size, problem.bounds, most=most, weights=weights, relative_step=length
+            )
+            at = end.at
+            ends.append(end)
     best = min(ends, key=_cost(problem, loss))
     if not np.isfinite(best.cost):
         raise EstimationError(
@@ -179,9 +187,7 @@ def _absolute(residual: Array) -> Array:
     return np.asarray(1.0 / np.maximum(size, least))
 
 
-def _inferred(
-    problem: Problem, best: Minimum, evaluations: int, weights: Callable[[Array], Array] | None
-) -> MotionFit:
+def _inferred(problem: Problem, best: Minimum, evaluations: int, weights: Callable[[Array], Array] | None) -> MotionFit:
     """Return the fit with its covariance; a parameter at its bound, or without effect, has none."""
     here = problem.residual(best.at)
     step = STEP * np.maximum(np.abs(best.at), problem.size)
@@ -192,6 +198,7 @@ def _inferred(
     run = problem.simulator.recording.run[problem.simulator.scored]
     independent = information_criteria(residual, run, len(problem.keys))[2]
     spread = covariance(slope, residual, normal.inverse, independent)
+    spread += _of_first_states(problem, best.at, here, slope * root[:, None], normal.inverse)
     return MotionFit(
         {**problem.simulator.drive_given, **problem.values(best.at)},
         problem.keys,
@@ -201,3 +208,26 @@ def _inferred(
         best.converged,
         evaluations + len(problem.keys) + 2,
     )
+
+
+def _of_first_states(problem: Problem, at: Array, here: Array, slope: Array, inverse: Array) -> Array:
+    r"""Return what errors of the states that windows start from add to the covariance.
+
+    .. math:: \sum_w A_w \Sigma_w A_w^T, \qquad A_w = (J^TWJ)^{-1} J^TW\,\frac{\partial e}{\partial x_w}
+
+    An error of a first state moves the whole window; what is left of the fit does not show it.
+    """
+    simulator = problem.simulator
+    recording, scored = simulator.recording, simulator.scored
+    moved = STEP * float(np.std(recording["position"])) if "position" in recording else 0.0
+    lengths = (moved or STEP, STEP * float(np.max(np.abs(recording.velocity))) or STEP)
+    by_position = (problem.residual(at, moved_position=lengths[0]) - here) / lengths[0]
+    by_velocity = (problem.residual(at, moved_velocity=lengths[1]) - here) / lengths[1]
+    place = np.cumsum(scored) - 1
+    added = np.zeros((slope.shape[1], slope.shape[1]))
+    for predicted, start in simulator.starts:
+        rows = place[predicted]
+        change = np.nan_to_num(np.column_stack([by_position[rows], by_velocity[rows]]))
+        moves = inverse @ (slope[rows].T @ change)
+        added += moves @ start.covariance @ moves.T
+    return added

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fricmodels.arrays import Array
+from fricmodels.arrays import Array, Mask
 
 STEP = 1e-4
 """Of a difference, in sizes of a parameter: a stop or a breakaway that moves within a sample is then smoothed over."""
@@ -32,7 +32,9 @@ class Minimum:
     converged: bool
 
 
-def jacobian(residual: Callable[[Array], Array], at: Array, here: Array, step: Array, bounds: tuple[Array, Array]) -> Array:
+def jacobian(
+    residual: Callable[[Array], Array], at: Array, here: Array, step: Array, bounds: tuple[Array, Array]
+) -> Array:
     """Return the derivative of a residual by differences, shape (N, n); they point away from a bound.
 
     Args:
@@ -55,6 +57,7 @@ def minimised(
     *,
     most: int = 60,
     weights: Callable[[Array], Array] | None = None,
+    relative_step: float = STEP,
 ) -> Minimum:
     """Return a local minimum of the sum of squares of a residual.
 
@@ -63,6 +66,7 @@ def minimised(
         start: parameters to begin from. size: of each, for differences. bounds: least and greatest value of each.
         most: Jacobians.
         weights: of each residual, from the residuals, for losses other than squares (iteratively reweighted).
+        relative_step: of a difference, in sizes of a parameter.
     """
     low, high = bounds
     count = 0
@@ -78,7 +82,7 @@ def minimised(
         return Minimum(at, np.inf, count, False)
     damping, stalled = _FIRST_DAMPING, 0
     for _ in range(most):
-        step = STEP * np.maximum(np.abs(at), size)
+        step = relative_step * np.maximum(np.abs(at), size)
         slope = jacobian(evaluated, at, here, step, bounds)
         good = np.all(np.isfinite(slope), axis=0)
         slope = np.where(good, slope, 0.0)
@@ -102,9 +106,7 @@ def minimised(
     return Minimum(at, float(here @ here), count, False)
 
 
-def _trial(
-    at: Array, normal: Array, gradient: Array, free: Array, damping: float, bounds: tuple[Array, Array]
-) -> Array:
+def _trial(at: Array, normal: Array, gradient: Array, free: Mask, damping: float, bounds: tuple[Array, Array]) -> Array:
     """Return where a damped step leads; a parameter that it takes to a bound stays there, and the others go on."""
     trial, left = at.copy(), free.copy()
     for _ in range(len(at)):

@@ -12,10 +12,13 @@ from fricmodels.arrays import Array, Mask
 from fricmodels.drive import Drive
 from fricmodels.errors import InputError
 from fricmodels.loop import PREFIX, Loop
-from fricmodels.motion.start import SAMPLES, state_at
+from fricmodels.motion.start import SAMPLES, State, state_at
 from fricmodels.recording import Recording
 from fricmodels.simulation import PHASES, Between, stepping, stepping_rows, width_of_rest
 from fricmodels.stick_slip import MOTION, pushing_signals
+
+_GREATEST = 1e75
+"""A motion beyond this has no end; its square would be no number."""
 
 
 @dataclass(frozen=True)
@@ -25,8 +28,7 @@ class _Window:
     first: int
     rows: Array
     predicted: slice
-    position: float
-    velocity: float
+    start: State
 
 
 class Simulator:
@@ -44,7 +46,8 @@ class Simulator:
         horizon: samples of a window; each run in one piece if not given (free run).
         substeps: steps of integration per sampling interval.
         between_samples: ``linear`` or ``held``.
-        initial_samples: from which the first state is estimated, see :func:`fricmodels.motion.start.state_at`.
+        initial_samples: from which the state is estimated that a window starts from, see
+            :func:`fricmodels.motion.start.state_at`; if not given 20, or as many as a noisy position is smoothed over.
 
     Raises:
         InputError: for a channel that is missing, a run of one sample, or times that do not increase.
@@ -59,7 +62,7 @@ class Simulator:
         horizon: int | None = None,
         substeps: int = 1,
         between_samples: Between = "linear",
-        initial_samples: int = SAMPLES,
+        initial_samples: int | None = None,
     ) -> None:
         if horizon is not None and horizon < 1:
             raise InputError(f"a horizon is at least one sample, got {horizon}")
@@ -68,6 +71,8 @@ class Simulator:
         _require(drive, loop, recording)
         self.drive, self.recording, self.loop, self.horizon = drive, recording, loop, horizon
         self.keys = (*drive.keys, *(key for key in _free(loop)))
+        if initial_samples is None:
+            initial_samples = max(SAMPLES, 2 * recording.derived_over + 1)
         self._substeps, self._windows, first = substeps, list[_Window](), list[int]()
         for number in np.unique(recording.run):
             index = np.flatnonzero(recording.run == number)
@@ -81,10 +86,10 @@ class Simulator:
             stride = PHASES * substeps
             edges = [*range(0, len(run) - 1, horizon or len(run)), len(run) - 1]
             for begin, end in pairwise(edges):
-                position, velocity = state_at(run, begin, initial_samples)
+                start = state_at(run, begin, initial_samples)
                 predicted = slice(int(index[0]) + begin + 1, int(index[0]) + end + 1)
                 own = rows[stride * begin : stride * end]
-                self._windows.append(_Window(int(index[0]) + begin, own, predicted, position, velocity))
+                self._windows.append(_Window(int(index[0]) + begin, own, predicted, start))
         self.scored: Mask = np.ones(len(recording), dtype=bool)
         self.scored[first] = False
         cut = recording.origin is not None  # what remembers does so through what was cut out
@@ -97,6 +102,11 @@ class Simulator:
         given = {} if self.drive.inertia is None else {self.drive.inertia_key: self.drive.inertia}
         loop = self.loop
         return given if loop is None else {**given, **{f"{PREFIX}{name}": x for name, x in loop.fixed.items()}}
+
+    @property
+    def starts(self) -> list[tuple[slice, State]]:
+        """The samples that each window predicts, and the state that it starts from."""
+        return [(window.predicted, window.start) for window in self._windows]
 
     def __call__(
         self, values: Mapping[str, float], moved_position: float = 0.0, moved_velocity: float = 0.0
@@ -124,10 +134,11 @@ class Simulator:
         position, velocity = np.empty(len(self.recording)), np.empty(len(self.recording))
         scan, stride = stepping(self.drive, self.loop), PHASES * self._substeps
         for window, later, begins in zip(self._windows, self._later, self._first, strict=True):
-            at = (window.velocity + moved_velocity, window.position + moved_position)
+            at = (window.start.velocity + moved_velocity, window.start.position + moved_position)
             states = [float(state[window.first]) for state in along] if later else declared
             _, outputs, done = scan([*at, *states, *own, 0.0], window.rows, constants, stride=stride)
             outputs[done // stride :] = np.nan
+            outputs[~(np.abs(outputs) < _GREATEST).all(axis=1)] = np.nan
             velocity[window.predicted], position[window.predicted] = outputs.T
             if begins:
                 velocity[window.first], position[window.first] = at

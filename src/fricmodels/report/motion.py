@@ -54,7 +54,9 @@ def motion_section(found: Sequence[Judged]) -> Section:
     blocks.append(table("RMS errors of the simulated motion on what was kept back", titles, rows))
     if len(found) > 1:
         blocks.append(
-            Words("Taken is the smallest model within one standard error of the best; what was kept back decides alone.")
+            Words(
+                "Taken is the smallest model within one standard error of the best; what was kept back decides alone."
+            )
         )
     if simulator.loop is None:
         blocks.append(Words(_FREE))
