@@ -44,7 +44,7 @@ RANGES = {
 """From which starts are drawn, evenly in logarithms; the peers search in them too."""
 KEPT = "/200"
 """Logs of this gain take no part in fitting."""
-_DRAWS, _BEST, _JACOBIANS = 150, 3, 40
+_DRAWS, _BEST, _JACOBIANS = 150, 2, 30
 
 
 def published(number: int, data: Path) -> dict[str, float]:

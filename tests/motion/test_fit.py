@@ -44,7 +44,7 @@ def recorded(
 def test_the_truth_is_recovered_within_its_intervals() -> None:
     """Of noisy positions; over seeds the intervals hold as often as they say, within what so few can tell."""
     inside = []
-    for seed in range(12):
+    for seed in range(6):
         fit = fit_motion(Simulator(drive(), recorded(noise=2e-3, seed=seed)), [START])
         assert fit.converged
         errors = fit.standard_errors

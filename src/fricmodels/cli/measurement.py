@@ -223,7 +223,7 @@ def scored(work: Callable[[Measurement], None]) -> Callable[..., None]:
 def measured(work: Callable[[Measurement], None]) -> Callable[..., None]:
     """Return the command, with all options but those of simulated motion, that does some work on a measurement."""
     command = _command(work)
-    signature = inspect.signature(command)
+    signature = inspect.signature(command, eval_str=True)
     kept = [p for name, p in signature.parameters.items() if name not in ("score", "horizon", "controller")]
     command.__signature__ = signature.replace(parameters=kept)  # type: ignore[attr-defined]
     return command

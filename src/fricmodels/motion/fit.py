@@ -22,7 +22,7 @@ from fricmodels.weakform.ranges import natural_size
 Objective: TypeAlias = Literal["position", "velocity"]
 Loss: TypeAlias = Literal["squares", "absolute"]
 
-_COARSE = 1e-2
+_COARSE = 3e-2
 """Of a difference that looks over a kink, in sizes of a parameter."""
 _SMALL = 1e-2
 """Share of a parameter's natural size below which it is not counted in its own value."""

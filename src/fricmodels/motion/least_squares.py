@@ -33,20 +33,36 @@ class Minimum:
 
 
 def jacobian(
-    residual: Callable[[Array], Array], at: Array, here: Array, step: Array, bounds: tuple[Array, Array]
+    residual: Callable[[Array], Array],
+    at: Array,
+    here: Array,
+    step: Array,
+    bounds: tuple[Array, Array],
+    *,
+    central: bool = False,
 ) -> Array:
-    """Return the derivative of a residual by differences, shape (N, n); they point away from a bound.
+    """Return the derivative of a residual by differences, shape (N, n); they point away from a bound, or end at it.
 
     Args:
         residual: the function. at: where. here: its value there. step: of each parameter. bounds: least and greatest.
+        central: to both sides, which long differences need.
     """
-    columns = np.empty((len(here), len(at)))
+    columns = np.zeros((len(here), len(at)))
     for i, length in enumerate(step):
-        side = length if at[i] + length <= bounds[1][i] else -length
-        moved = at.copy()
-        moved[i] += side
-        columns[:, i] = (residual(moved) - here) / side
+        up, down = min(at[i] + length, bounds[1][i]), max(at[i] - length, bounds[0][i])
+        if not central:
+            up, down = (up, at[i]) if up - at[i] >= length else (at[i], down)
+        if up > down:
+            columns[:, i] = (_moved(residual, at, here, i, up) - _moved(residual, at, here, i, down)) / (up - down)
     return columns
+
+
+def _moved(residual: Callable[[Array], Array], at: Array, here: Array, i: int, to: float) -> Array:
+    if to == at[i]:
+        return here
+    moved = at.copy()
+    moved[i] = to
+    return residual(moved)
 
 
 def minimised(
@@ -83,7 +99,7 @@ def minimised(
     damping, stalled = _FIRST_DAMPING, 0
     for _ in range(most):
         step = relative_step * np.maximum(np.abs(at), size)
-        slope = jacobian(evaluated, at, here, step, bounds)
+        slope = jacobian(evaluated, at, here, step, bounds, central=relative_step > STEP)
         good = np.all(np.isfinite(slope), axis=0)
         slope = np.where(good, slope, 0.0)
         weight = np.ones(len(here)) if weights is None else weights(here)
