@@ -44,7 +44,11 @@ RANGES = {
 """From which starts are drawn, evenly in logarithms; the peers search in them too."""
 KEPT = "/200"
 """Logs of this gain take no part in fitting."""
-_DRAWS, _BEST, _JACOBIANS = 150, 2, 30
+_DRAWS, _BEST, _JACOBIANS = 100, 2, 20
+_FEW = 8
+"""Jacobians of a fit that begins from that of all gains."""
+_PEER = 1000
+"""Simulations of the peer, at least."""
 
 
 def published(number: int, data: Path) -> dict[str, float]:
@@ -103,7 +107,7 @@ def across_gains(fitted: Recording, loop: Loop, law: Any, start: Mapping[str, fl
     for gain in np.unique(gains):
         drive = Drive(Model(law()))
         others = fit_motion(
-            Simulator(drive, fitted.select(gains != gain), loop=loop), [start], loss="absolute", most=_JACOBIANS
+            Simulator(drive, fitted.select(gains != gain), loop=loop), [start], loss="absolute", most=_FEW
         )
         errors.append(_error(Simulator(drive, fitted.select(gains == gain), loop=loop), others.parameters))
     return float(np.mean(errors))
@@ -149,7 +153,7 @@ def tables(data: Path, say: Callable[[str], None], *, peers: bool = True) -> dic
             [law.name, printed[number - 1], _mrad(Bench(law).error(logs, old)), _mrad(exact.position_mean_absolute)]
         )
     found: dict[str, list[list[str]]] = {"published parameters": rows}
-    for loop in (Firmware(), SaggingSupply()):
+    for loop in (SaggingSupply(), Firmware()):
         say(f"fitting M1 to M6: {loop.name}")
         fits = chain(fitted, loop)
         titles = ["law", "parameters", "fit", "kept back", "across gains", "seconds"]
@@ -164,7 +168,7 @@ def tables(data: Path, say: Callable[[str], None], *, peers: bool = True) -> dic
             row.append(f"{seconds:.1f}")
             if peers:
                 begin = time.process_time()
-                name, values = evolution(simulator, fit.evaluations)
+                name, values = evolution(simulator, max(fit.evaluations, _PEER))
                 seconds = time.process_time() - begin
                 row += [_mrad(_error(simulator, values)), _mrad(_error(other, values)), f"{seconds:.1f}"]
                 rows[0][-3:] = [f"{name}: fit", f"{name}: kept back", f"{name}: seconds"]
