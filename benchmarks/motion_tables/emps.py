@@ -44,9 +44,7 @@ STRUCTURES = (
 )
 WAYS: tuple[tuple[str, Objective, Loss, int | None], ...] = (
     ("position, in one go", "position", "squares", None),
-    ("absolute position, in one go", "position", "absolute", None),
     ("velocity, in one go", "velocity", "squares", None),
-    ("position, windows of 1 s", "position", "squares", 1000),
     ("position, windows of 5 s", "position", "squares", 5000),
 )
 

@@ -64,7 +64,7 @@ def test_without_noise_the_fit_is_exact() -> None:
 def test_windows_bear_a_force_that_drifts() -> None:
     """A force that nobody recorded adds up over the record; windows forget it, and their parameters are nearer."""
     free, windows = [], []
-    for seed in range(6):
+    for seed in range(4):
         recording = recorded(count=8000, force=0.01, seed=seed)
         for errors, horizon in ((free, None), (windows, 300)):
             fit = fit_motion(Simulator(drive(), recording, horizon=horizon), [START])

@@ -155,13 +155,15 @@ def fit_motion(
     weights = _absolute if loss == "absolute" else None
     ends = []
     for start in starts:
-        at = problem.at(start)
+        begin = at = np.clip(problem.at(start), *problem.bounds)
         for length in (_COARSE, STEP):
             end = minimised(
                 problem.residual, at, problem.size, problem.bounds, most=most, weights=weights, relative_step=length
             )
             at = end.at
             ends.append(end)
+        here = problem.residual(begin)
+        ends.append(Minimum(begin, float(here @ here) if np.all(np.isfinite(here)) else np.inf, 1, False))
     best = min(ends, key=_cost(problem, loss))
     if not np.isfinite(best.cost):
         raise EstimationError(
