@@ -26,14 +26,15 @@ from fricmodels.arrays import Array
 from fricmodels.drive import Drive
 from fricmodels.errors import InputError
 from fricmodels.kernels import Scan
+from fricmodels.loop import Loop
 from fricmodels.recording import Recording
 from fricmodels.stick_slip import MOTION, phase_of_step, pushing_signals
 
 Between: TypeAlias = Literal["linear", "held"]
 
-_PHASES = 2
+PHASES = 2
 """Legs of a step: to a stop and on, or at rest and away. What a third would do in the same step waits for the next."""
-_scans: WeakKeyDictionary[Drive, Scan] = WeakKeyDictionary()
+_scans: WeakKeyDictionary[Drive, WeakKeyDictionary[Loop | Drive, Scan]] = WeakKeyDictionary()
 
 
 def simulate(
@@ -195,26 +196,38 @@ def _integrate(
         raise InputError(f"recording '{driven.name}' needs at least two increasing sample times to be simulated")
     driven.require(drive.model.required - {*MOTION, "load_torque"}, drive.model.name)
     inertia, parameters = _checked(drive, values)
-    step_length = np.repeat(intervals / substeps, substeps)
-    columns = [step_length]
-    for name in pushing_signals(drive):
-        held = between_samples == "held" and name != "time"
-        columns.extend(_ends(driven.signal(name), substeps, held=held))
+    rows = stepping_rows(drive, driven, between_samples, substeps)
     if width is None:
-        push = float(np.max(np.abs(driven.torque - driven.load_torque)))
-        width = 1e-6 * float(np.median(intervals)) * push / inertia or 1e-9
-    scan = _scan(drive)
+        width = width_of_rest(driven, inertia)
     states = [state.initial for state in drive.model.states] if initial_states is None else initial_states
     start = [initial_velocity, initial_position, *states, 0.0]
-    rows = np.repeat(np.column_stack([*columns, np.zeros(len(step_length))]), _PHASES, axis=0)
-    rows[_PHASES - 1 :: _PHASES, -1] = 1.0
-    stride = substeps * _PHASES
-    _, outputs, done = scan(start, rows, [inertia, *parameters, width], stride=stride)
+    stride = substeps * PHASES
+    _, outputs, done = stepping(drive)(start, rows, [inertia, *parameters, width], stride=stride)
     if done < len(rows):
         outputs[done // stride :] = np.nan
     velocity = np.concatenate([[initial_velocity], outputs[:, 0]])
     position = np.concatenate([[initial_position], outputs[:, 1]])
     return velocity, position
+
+
+def stepping_rows(
+    drive: Drive, driven: Recording, between_samples: Between = "linear", substeps: int = 1, loop: Loop | None = None
+) -> Array:
+    """Return the inputs of :func:`stepping` along one run, shape (PHASES · substeps · (N − 1), inputs)."""
+    step_length = np.repeat(np.diff(driven.time) / substeps, substeps)
+    columns = [step_length]
+    for name in pushing_signals(drive, loop):
+        held = between_samples == "held" and name != "time"
+        columns.extend(_ends(driven.signal(name), substeps, held=held))
+    rows = np.repeat(np.column_stack([*columns, np.zeros(len(step_length))]), PHASES, axis=0)
+    rows[PHASES - 1 :: PHASES, -1] = 1.0
+    return rows
+
+
+def width_of_rest(driven: Recording, inertia: float) -> float:
+    """Return a millionth of what the torque adds to the velocity in a sample."""
+    push = float(np.max(np.abs(driven.torque - driven.load_torque)))
+    return 1e-6 * float(np.median(np.diff(driven.time))) * push / inertia or 1e-9
 
 
 def advanced(
@@ -238,15 +251,17 @@ def advanced(
     """
     inertia, parameters = _checked(drive, values)
     row = [interval, *(x for name in pushing_signals(drive) for x in (begin[name], end[name]))]
-    rows = [[*row, float(phase == _PHASES - 1)] for phase in range(_PHASES)]
-    last, _, done = _scan(drive)([*moving, 0.0], rows, [inertia, *parameters, width])
-    return tuple(last[:-1].tolist()) if done == _PHASES else (float("nan"),) * len(moving)
+    rows = [[*row, float(phase == PHASES - 1)] for phase in range(PHASES)]
+    last, _, done = stepping(drive)([*moving, 0.0], rows, [inertia, *parameters, width])
+    return tuple(last[:-1].tolist()) if done == PHASES else (float("nan"),) * len(moving)
 
 
-def _scan(drive: Drive) -> Scan:
-    scan = _scans.get(drive)
+def stepping(drive: Drive, loop: Loop | None = None) -> Scan:
+    """Return the compiled recursion over the phases of :func:`fricmodels.stick_slip.phase_of_step`."""
+    scans = _scans.setdefault(drive, WeakKeyDictionary())
+    scan = scans.get(loop or drive)
     if scan is None:
-        scan = _scans[drive] = Scan(phase_of_step(drive))
+        scan = scans[loop or drive] = Scan(phase_of_step(drive, loop))
     return scan
 
 

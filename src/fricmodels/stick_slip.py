@@ -6,6 +6,7 @@ from typing import Any
 
 from fricmodels.drive import Drive
 from fricmodels.errors import InputError
+from fricmodels.loop import Loop, closed
 
 MOTION = ("velocity", "position", "acceleration")
 _NEWTON_STEPS = 2
@@ -13,44 +14,79 @@ _AT_ONCE = 1e-9
 """Share of a step within which leaving rest is leaving at once."""
 
 
-def pushing_signals(drive: Drive) -> tuple[str, ...]:
-    """Return the signals that a simulation takes as given: torques, temperature, time, further channels; in order."""
+def pushing_signals(drive: Drive, loop: Loop | None = None) -> tuple[str, ...]:
+    """Return the signals that a simulation takes as given: torques, temperature, time, further channels; in order.
+
+    Args:
+        drive: the model.
+        loop: what says the motor torque, and perhaps the load, in place of the recording.
+    """
     needed = {"motor_torque", "load_torque", *drive.model.needs} - set(MOTION)
-    return tuple(name for name in drive.model.signals if name in needed)
+    if loop is None:
+        return tuple(name for name in drive.model.signals if name in needed)
+    needed |= {"time", "temperature"} & set(loop.channels)
+    said = {"motor_torque", *(["load_torque"] if loop.load else [])}
+    own = [name for name in loop.channels if name not in drive.model.signals]
+    return (*(name for name in drive.model.signals if name in (needed | set(loop.channels)) - said), *own)
+
+
+def states_of(drive: Drive, loop: Loop | None) -> int:
+    """Return how many internal states the model and what drives it have."""
+    return len(drive.model.states) + (0 if loop is None else len(loop.states))
 
 
 class _Motion:
     """The drive's equations on one side of zero velocity, as expressions."""
 
-    def __init__(self, drive: Drive) -> None:
+    def __init__(self, drive: Drive, loop: Loop | None) -> None:
         import casadi
 
         e = drive.model.expression()
-        self.n_states = e.states.numel()
+        around = None if loop is None else closed(loop, e.signals)
+        if around is not None and "motor_torque_rate" in drive.model.needs:
+            raise InputError(
+                f"'{drive.model.name}' needs the rate of the motor torque, which a closed loop does not say"
+            )
+        states = e.states if around is None else casadi.vertcat(e.states, around.states)
+        all_rates = e.rates if around is None else casadi.vertcat(e.rates, around.rates)
+        symbols = {**e.signals, **({} if around is None else around.given)}
+        pushing = [symbols[name] for name in pushing_signals(drive, loop)]
+
+        def pushed(expression: Any) -> Any:
+            """Put in what the loop says."""
+            if around is None:
+                return expression
+            return casadi.substitute(
+                expression,
+                casadi.vertcat(*(e.signals[name] for name in around.torques)),
+                casadi.vertcat(*around.torques.values()),
+            )
+
+        self.n_states = states.numel()
         self.parameters, self.width = e.parameters, e.width
+        self.loop_parameters = casadi.SX(0, 1) if around is None else around.parameters
         self.inertia = casadi.SX.sym("inertia")
         acceleration = e.signals["acceleration"]
         slope = casadi.jacobian(e.torque, acceleration)
         if casadi.depends_on(slope, acceleration):
             raise InputError(f"'{drive.model.name}' is not affine in the acceleration and cannot be simulated")
-        at_zero = casadi.substitute(e.torque, acceleration, 0)
-        applied = e.signals["motor_torque"] - e.signals["load_torque"]
+        slope = pushed(slope)
+        at_zero = pushed(casadi.substitute(e.torque, acceleration, 0))
+        applied = pushed(e.signals["motor_torque"] - e.signals["load_torque"])
         rate = (applied - at_zero) / (self.inertia + slope)
-        arguments = [
-            e.signals["velocity"], e.signals["position"], e.states,
-            *(e.signals[name] for name in pushing_signals(drive)),
-        ]  # fmt: skip
-        given = [self.inertia, self.parameters, self.width]
+        arguments = [e.signals["velocity"], e.signals["position"], states, *pushing]
+        given = [self.inertia, self.parameters, self.width, self.loop_parameters]
         self._rate = casadi.Function("rate", [*arguments, *given], [rate])
         self._excess = casadi.Function("excess", [*arguments, *given], [applied - at_zero])
-        sliding = casadi.substitute(e.rates, acceleration, rate) if self.n_states else e.rates
-        resting = casadi.substitute(e.rates, acceleration, 0) if self.n_states else e.rates
+        sliding = casadi.substitute(pushed(all_rates), acceleration, rate) if self.n_states else all_rates
+        resting = casadi.substitute(pushed(all_rates), acceleration, 0) if self.n_states else all_rates
         self._sliding = casadi.Function("sliding", [*arguments, *given], [sliding])
         self._resting = casadi.Function("resting", [*arguments, *given], [resting])
-        ends = [e.later["velocity"], e.later["position"], *(e.later[name] for name in pushing_signals(drive)), e.step]
+        later = {**e.later, **({} if around is None else {n: casadi.SX.sym(f"later_{n}") for n in around.given})}
+        ends = [later["velocity"], later["position"], *(later[n] for n in pushing_signals(drive, loop)), e.step]
         self._stepped = list(e.discrete_step)
         self._discrete_step = casadi.Function(
-            "discrete_step", [*arguments, *ends, *given], [casadi.vertcat(*e.discrete_step.values())]
+            "discrete_step", [*arguments, *ends, *given], [pushed(casadi.vertcat(*e.discrete_step.values()))]
         )
         self._given = given
 
@@ -111,19 +147,20 @@ class _Motion:
         return casadi.substitute(following, unknown, guess), position + length / 2 * (x[0] + guess[0])
 
 
-def phase_of_step(drive: Drive) -> Any:
+def phase_of_step(drive: Drive, loop: Loop | None = None) -> Any:
     """Build one phase of a step: the drive rests, or slides in one direction, until that ends or the step does.
 
     State: velocity, position, internal states, and how much of the step is done. Input: length of the step, each
-    signal at its beginning and its end, and whether this is the step's last phase, which goes to its end.
+    signal at its beginning and its end, and whether this is the step's last phase, which goes to its end. Constants:
+    inertia, parameters of the model, width of rest, parameters of the loop.
     """
     import casadi
 
-    motion = _Motion(drive)
+    motion = _Motion(drive, loop)
     state = casadi.SX.sym("state", 3 + motion.n_states)
-    count = len(pushing_signals(drive))
+    count = len(pushing_signals(drive, loop))
     inputs = casadi.SX.sym("input", 2 + 2 * count)
-    constants = casadi.vertcat(motion.inertia, motion.parameters, motion.width)
+    constants = casadi.vertcat(motion.inertia, motion.parameters, motion.width, motion.loop_parameters)
     x, position, done = casadi.vertcat(state[0], state[2:-1]), state[1], state[-1]
     last_phase = inputs[-1] > 0
     end = [inputs[2 + 2 * i] for i in range(count)]

@@ -27,7 +27,11 @@ class BatchSettings(EstimatorSettings):
     """Settings of :class:`Batch`.
 
     Attributes:
-        objective: what is made small, the error of the torque or that of the simulated velocity.
+        objective: what is made small: the error of the torque, that of the simulated velocity along the measured one
+            (``simulation``), or that of the simulated position (``position``), see :mod:`fricmodels.motion.fit`.
+        horizon: samples after which a simulated position starts anew from the measured one; each run in one piece if
+            not given.
+        loss: of the position error, squared or absolute.
         form: how the acceleration enters a torque fit: through test functions (``weak``), or as the derivative of a
             filtered velocity (``derivative``).
         width: samples that a test function spans; as the noise of the velocity asks for if not given.
@@ -39,7 +43,9 @@ class BatchSettings(EstimatorSettings):
         max_seconds: of each of its four stages.
     """
 
-    objective: Literal["torque", "simulation"] = "torque"
+    objective: Literal["torque", "simulation", "position"] = "torque"
+    horizon: int | None = Field(default=None, ge=1)
+    loss: Literal["squares", "absolute"] = "squares"
     form: Literal["weak", "derivative"] = "weak"
     width: int | None = Field(default=None, ge=8)
     velocity: Literal["auto", "measured"] = "auto"
@@ -56,11 +62,12 @@ class Batch(Estimator):
     the linear parameters eliminated (variable projection): the same fit as that of ``compare``, see
     :mod:`fricmodels.weakform.estimate`. It bears a model that is not quite right. The *simulation* objective makes the
     error of the simulated velocity small; where the model is right and noise white, nothing is more precise, but an
-    error of the model adds up over the record. Standard errors hold for autocorrelated residuals.
+    error of the model adds up over the record. The *position* objective makes the error of the simulated position
+    small, in one piece or in windows of a ``horizon``. Standard errors hold for autocorrelated residuals.
     """
 
     name = "batch"
-    summary = "least squares over the whole recording: torque error (weak form) or simulation error"
+    summary = "least squares over the whole recording: torque error (weak form), or that of the simulated motion"
     Settings = BatchSettings
     carries_states = True
 
@@ -79,6 +86,8 @@ class Batch(Estimator):
                 not_identified=found.not_identified,
                 notes=notes,
             )
+        if self.settings.objective == "position":
+            return self._motion(drive, ready, found)
         nonlinear = {p.key: found.parameters[p.key] for p in drive.parameters if not p.linear}
         if self.settings.objective == "simulation":
             from estimators.batch.simulation_fit import simulation_fit
@@ -100,6 +109,27 @@ class Batch(Estimator):
             message=outcome.message,
             not_identified=reasons,
             notes=notes,
+        )
+
+    def _motion(self, drive: Drive, ready: Recording, found: Estimate) -> Solution:
+        """Bring the simulated position nearest to the measured one, from the fit of the torque."""
+        from fricmodels.motion import Simulator, fit_motion
+
+        if "position" not in ready:
+            raise EstimationError(f"objective 'position' needs the position, which '{ready.name}' does not have")
+        try:
+            simulator = Simulator(drive, ready, horizon=self.settings.horizon)
+        except InputError as error:
+            raise EstimationError(str(error)) from None
+        fitted = fit_motion(simulator, [found.parameters], loss=self.settings.loss)
+        values = np.array([fitted.parameters[key] for key in drive.keys])
+        reasons = not_identified(drive, values, fitted.covariance, fitted.undetermined, searched_range(drive, ready))
+        return Solution(
+            {key: fitted.parameters[key] for key in drive.keys},
+            fitted.covariance,
+            message="" if fitted.converged else "the search was cut off before it converged",
+            not_identified=reasons,
+            notes={"simulated_position_error": fitted.errors.position, "simulations": fitted.evaluations},
         )
 
     def _weak(self, drive: Drive, ready: Recording) -> Estimate:

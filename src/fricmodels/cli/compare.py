@@ -20,6 +20,7 @@ from fricmodels.cli.measurement import (
     gaps_option,
     load,
 )
+from fricmodels.cli.motion import ControllerFile, Horizon, Score, ScoreOption, check_score, loop_of
 
 
 def command(
@@ -36,14 +37,20 @@ def command(
     out: Out = None,
     report: Report = None,
     verbose: Verbose = False,
+    score: ScoreOption = Score.TORQUE,
+    horizon: Horizon = None,
+    controller: ControllerFile = None,
 ) -> None:
     """Fit a model to a recording and show where it fails.
 
-    The model of a file of `fit` is fitted anew from its numbers; with --fixed it is compared as it is.
+    The model of a file of `fit` is fitted anew from its numbers; with --fixed it is compared as it is. With --score
+    position its motion is simulated too.
     """
     given = load(data, model, column, torque_constant, reader, linear, None, inertia, trust, gaps, fixed)
     recording, chosen = given.recording, given.model
     check(report)
+    check_score(score, recording, horizon, controller)
+    loop = loop_of(controller, recording)
     from fricmodels.cli.answers import answered
     from fricmodels.cli.printing import console, working
     from fricmodels.diagnosis import compare
@@ -60,9 +67,14 @@ def command(
         show_answer_of_comparison(shown, comparison)
         if out is not None:
             shown.print(f"wrote {write_overlay(comparison, out)}", markup=False, soft_wrap=True)
+        judged = []
+        if score is Score.POSITION:
+            from fricmodels.cli.motion import by_motion
+
+            judged = by_motion(shown, [comparison], horizon, loop, out, fixed=fixed)
         if report is not None:
             from fricmodels.report import story
             from fricmodels.report import write as write_report
 
-            page = story.of_comparison(comparison, ["--trust"] * trust + gaps_option(gaps))
+            page = story.of_comparison(comparison, ["--trust"] * trust + gaps_option(gaps), judged)
             shown.print(f"wrote {write_report(page, report)}", markup=False, soft_wrap=True)

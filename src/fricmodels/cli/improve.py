@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
-from fricmodels.cli.measurement import Measurement, measured
+from fricmodels.cli.measurement import Measurement, scored
+from fricmodels.cli.motion import Score
 
 
-@measured
+@scored
 def command(given: Measurement) -> None:
-    """Add the missing effect, refit everything, and repeat until nothing is missing: the ladder."""
+    """Add the missing effect, refit everything, and repeat until nothing is missing: the ladder.
+
+    With --score position each rung is fitted to the simulated motion too, and the one is kept that simulates best what
+    was not fitted.
+    """
     from fricmodels.cli.printing import console, working
     from fricmodels.diagnosis import improve
     from fricmodels.diagnosis.document import document, write
@@ -23,15 +28,22 @@ def command(given: Measurement) -> None:
         show_ladder(shown, ladder)
         show_comparison(shown, ladder.rungs[-1].comparison)
     show_answer_of_ladder(shown, ladder, given.options)
+    judged, best = [], ladder.rungs[-1].comparison
+    if given.score is Score.POSITION:
+        from fricmodels.cli.motion import by_motion, taken
+
+        rungs = list({rung.model: rung.comparison for rung in ladder.rungs}.values())
+        judged = by_motion(shown, rungs, given.horizon, given.loop, given.out)
+        best = taken(rungs, judged)
     if given.out is not None:
         from fricmodels.saved import keep
 
         shown.print(f"wrote {write(document(ladder.first, ladder), given.out)}", markup=False, soft_wrap=True)
-        kept = keep(ladder).save(given.out / "model.json")
+        kept = keep(best).save(given.out / "model.json")
         shown.print(f"wrote {kept}", markup=False, soft_wrap=True)
     if given.report is not None:
         from fricmodels.report import story
         from fricmodels.report import write as write_report
 
-        page = write_report(story.of_ladder(ladder, given.options), given.report)
+        page = write_report(story.of_ladder(ladder, given.options, judged), given.report)
         shown.print(f"wrote {page}", markup=False, soft_wrap=True)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -9,9 +10,11 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from fricmodels.cli.motion import ControllerFile, Horizon, Score, ScoreOption, check_score, loop_of
 from fricmodels.gaps import Gaps
 
 if TYPE_CHECKING:
+    from fricmodels.loop import Loop
     from fricmodels.model import Model
     from fricmodels.recording import Recording
     from fricmodels.saved import FittedModel
@@ -196,6 +199,9 @@ class Measurement:
     trust: bool = False
     gaps: Gaps | None = None
     verbose: bool = False
+    score: Score = Score.TORQUE
+    horizon: int | None = None
+    loop: Loop | None = None
 
     @property
     def options(self) -> list[str]:
@@ -209,8 +215,21 @@ def gaps_option(gaps: Gaps | None) -> list[str]:
     return [] if gaps is None else ["--gaps", gaps.value]
 
 
+def scored(work: Callable[[Measurement], None]) -> Callable[..., None]:
+    """Return the command that does some work on a measurement, and may judge it by simulated motion."""
+    return _command(work)
+
+
 def measured(work: Callable[[Measurement], None]) -> Callable[..., None]:
-    """Return the command, with all options, that does some work on a measurement."""
+    """Return the command, with all options but those of simulated motion, that does some work on a measurement."""
+    command = _command(work)
+    signature = inspect.signature(command, eval_str=True)
+    kept = [p for name, p in signature.parameters.items() if name not in ("score", "horizon", "controller")]
+    command.__signature__ = signature.replace(parameters=kept)  # type: ignore[attr-defined]
+    return command
+
+
+def _command(work: Callable[[Measurement], None]) -> Callable[..., None]:
 
     def command(
         data: Data,
@@ -227,14 +246,33 @@ def measured(work: Callable[[Measurement], None]) -> Callable[..., None]:
         out: Out = None,
         report: Report = None,
         verbose: Verbose = False,
+        score: ScoreOption = Score.TORQUE,
+        horizon: Horizon = None,
+        controller: ControllerFile = None,
     ) -> None:
         from fricmodels.cli.answers import answered
 
         given = load(data, model, column, torque_constant, reader, linear, leave_out, inertia, trust, gaps, fixed)
         check(report)
+        check_score(score, given.recording, horizon, controller)
+        loop = loop_of(controller, given.recording)
         left_out = (*(leave_out or ()), *unusable_effects(leave_out or ()))
+        measurement = Measurement(
+            given.recording,
+            given.model,
+            given.inertia,
+            left_out,
+            out,
+            report,
+            trust,
+            gaps,
+            verbose,
+            score,
+            horizon,
+            loop,
+        )
         with answered(given.recording, given.model):
-            work(Measurement(given.recording, given.model, given.inertia, left_out, out, report, trust, gaps, verbose))
+            work(measurement)
 
     command.__doc__ = work.__doc__
     return command

@@ -32,6 +32,18 @@ class Titled:
     window: str = ""
 
 
+def simulated_titles(rows: Sequence[Row]) -> tuple[tuple[str, str], ...]:
+    """Return titles and keys of the simulated motion, where a tournament was ranked by it, in the unit of position."""
+    motions = {"m" if "M" in row["parameters"] else "rad" for row in rows if row.get("simulated_position_error")}
+    if not motions:
+        return ()
+    unit = motions.pop() if len(motions) == 1 else "rad or m"
+    return (
+        (f"simulated position {unit}", "simulated_position_error"),
+        (f"simulated velocity {unit}/s", "simulated_velocity_error"),
+    )
+
+
 def concise(board: Leaderboard, *, dataset: bool = True) -> list[Column]:
     """Return the columns that are worth reading, as text; the status stands beside the model.
 
@@ -56,6 +68,7 @@ def concise(board: Leaderboard, *, dataset: bool = True) -> list[Column]:
     columns += [
         Column(title, cells, number=True)
         for title, key in (
+            *simulated_titles(rows),
             (f"test error %{over}", "held_out_rms_torque_error_percent"),
             (f"fit error %{over}", "rms_torque_error_percent"),
             ("per sample %", "per_sample_percent"),

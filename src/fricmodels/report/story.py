@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, cast
 
 from fricmodels import plugins
 from fricmodels.report import sections
 from fricmodels.report.answer import answer, quantity, window
 from fricmodels.report.captions import where_words
+from fricmodels.report.motion import motion_section
 from fricmodels.report.page import Page, Picture, Section, Tile, Verdict
 from fricmodels.report.provenance import recording_section
 from fricmodels.report.wording import count, listed, percent, physics
@@ -18,15 +19,16 @@ if TYPE_CHECKING:
     from fricmodels.diagnosis.comparison import Comparison
     from fricmodels.diagnosis.diagnose import Diagnosis
     from fricmodels.diagnosis.ladder import Ladder, Rung
+    from fricmodels.motion import Judged
 
 Data = Mapping[str, Any]
 
 
-def of_ladder(ladder: Ladder, options: Sequence[str] = ()) -> Page:
-    """Return the report on a ladder."""
+def of_ladder(ladder: Ladder, options: Sequence[str] = (), motion: Sequence[Judged] = ()) -> Page:
+    """Return the report on a ladder, and on the motion that its rungs simulate where they were judged by it."""
     from fricmodels.diagnosis.document import document
 
-    return page(document(ladder.first, ladder), ladder.rungs, "improve", options)
+    return _with_motion(page(document(ladder.first, ladder), ladder.rungs, "improve", options), motion)
 
 
 def of_diagnosis(diagnosis: Diagnosis, options: Sequence[str] = ()) -> Page:
@@ -41,7 +43,14 @@ def of_diagnosis(diagnosis: Diagnosis, options: Sequence[str] = ()) -> Page:
     return page(document(diagnosis), [Rung(diagnosis.comparison)], "diagnose", options, after)
 
 
-def of_comparison(comparison: Comparison, options: Sequence[str] = ()) -> Page:
+def _with_motion(page: Page, motion: Sequence[Judged]) -> Page:
+    """Put simulated motion before the last section, which is that of the recording."""
+    if not motion:
+        return page
+    return replace(page, sections=[*page.sections[:-1], motion_section(motion), page.sections[-1]])
+
+
+def of_comparison(comparison: Comparison, options: Sequence[str] = (), motion: Sequence[Judged] = ()) -> Page:
     """Return the report on a comparison: the model against the measurement and where it fails, without a diagnosis."""
     from fricmodels.diagnosis.document import described, facts
     from fricmodels.plugins import versions
@@ -62,7 +71,7 @@ def of_comparison(comparison: Comparison, options: Sequence[str] = ()) -> Page:
         recording_section(data, "compare", options),
     ]
     details = [_left(data), where_words(comparison, most=3), advice]
-    return _page(data, Verdict(sentence, "plain", details), found)
+    return _with_motion(_page(data, Verdict(sentence, "plain", details), found), motion)
 
 
 def page(

@@ -14,6 +14,7 @@ from fricmodels.dimension import Motion
 from fricmodels.documents import Document, read_yaml, validate
 from fricmodels.errors import InputError
 from fricmodels.gaps import Gaps
+from fricmodels.motion.controllers import Controller
 from fricmodels.signals import Preparation
 from fricmodels.split import Split
 
@@ -23,6 +24,9 @@ Ranking = Literal[
     "held_out_rms_torque_error",
     "rms_torque_error_percent",
     "rms_torque_error",
+    "simulated_position_error",
+    "simulated_position_error_percent",
+    "simulated_velocity_error",
     "simulated_velocity_error_percent",
     "tracking_error_percent",
     "aic",
@@ -183,7 +187,13 @@ class Config(Closed):
     estimators: Annotated[
         list[Annotated[Entrant, BeforeValidator(_estimator)]], BeforeValidator(_listed), Field(min_length=1)
     ] = [Entrant(name=ALL)]
-    score: Literal["held-out", "paper", "tracking"] = "held-out"
+    score: Literal["held-out", "paper", "position", "tracking"] = "held-out"
+    horizon: int | None = Field(
+        default=None, ge=1, description="with score: position, samples after which a simulation starts anew"
+    )
+    controller: Controller | None = Field(
+        default=None, description="with score: position, what drives the simulation in place of the recorded torque"
+    )
     decimate: int = Field(default=1, ge=1, description="score every so many-th sample, low-pass filtered")
     simulate: bool = Field(default=True, description="score the simulated velocity too")
     rank_by: Ranking | None = None
@@ -198,9 +208,18 @@ class Config(Closed):
             raise ValueError("'score: tracking' drives simulated drives; give every dataset a 'rig'")
         return self
 
+    @model_validator(mode="after")
+    def _of_the_score(self) -> Config:
+        for key in ("horizon", "controller"):
+            if getattr(self, key) is not None and self.score != "position":
+                raise ValueError(f"'{key}' goes with score: position")
+        return self
+
     @property
     def ranking(self) -> str:
         """The column that decides the rank."""
+        if self.score == "position":
+            return str(self.rank_by or "simulated_position_error")
         paper = "rms_torque_error_percent"
         if self.score == "tracking":
             return str(self.rank_by or "tracking_error_percent")

@@ -17,14 +17,14 @@ import numpy as np
 from fricmodels import plugins
 from fricmodels.dimension import Motion
 from fricmodels.drive import Drive, rest_width
-from fricmodels.errors import FricmodelsError
+from fricmodels.errors import FricmodelsError, InputError
 from fricmodels.estimator import Estimator
 from fricmodels.fit import Fit, Status
 from fricmodels.model import Model
 from fricmodels.recording import Recording
 from fricmodels.tournament.code import code_of
 from fricmodels.tournament.config import Config
-from fricmodels.tournament.sources import Source, load
+from fricmodels.tournament.sources import Loaded, Source, load
 
 Row = dict[str, Any]
 
@@ -40,6 +40,8 @@ class Job:
         measure: what the score's percentages are of.
         simulate: whether the simulated velocity is scored.
         decimate: score every so many-th sample.
+        seed: of the estimator.
+        horizon, controller: of a simulated position; the controller as JSON, empty where the recorded torque drives.
     """
 
     key: str
@@ -52,6 +54,8 @@ class Job:
     simulate: bool
     decimate: int
     seed: int = field(default=0)
+    horizon: int | None = field(default=None)
+    controller: str = field(default="")
 
     @property
     def group(self) -> tuple[str, str, str]:
@@ -91,11 +95,14 @@ def jobs(config: Config, sources: list[Source], digests: Mapping[Source, str]) -
         digests: checksum of each recording that was read from a file.
     """
     listed = []
-    measure = {"paper": "paper", "tracking": "tracking"}.get(config.score, "torque")
+    measure = "torque" if config.score == "held-out" else config.score
+    controller = "" if config.controller is None else config.controller.model_dump_json()
     for model in config.model_names:
         for entrant in config.entrants:
             settings = json.dumps(entrant.settings, sort_keys=True)
-            what = (model, entrant.name, settings, measure, config.simulate, config.decimate)
+            what: tuple[Any, ...] = (model, entrant.name, settings, measure, config.simulate, config.decimate)
+            if measure == "position":
+                what = (*what, config.horizon, controller)
             for source in sources:
                 code = code_of(entrant.name, model, *source.models)
                 decides = (code, *what, source.description, source.inertia, digests.get(source, ""))
@@ -111,6 +118,8 @@ def jobs(config: Config, sources: list[Source], digests: Mapping[Source, str]) -
                         measure,
                         config.simulate,
                         config.decimate,
+                        horizon=config.horizon,
+                        controller=controller,
                     )
                 )
     return listed
@@ -191,16 +200,19 @@ def _fit_and_score(job: Job) -> Row:
         loaded.prepared_train,
         loaded.prepared_test,
         measure="paper" if job.measure == "paper" else "torque",
-        simulate=job.simulate,
+        simulate=job.simulate and job.measure != "position",
         decimate=job.decimate,
     )
     row.update(_number(figures.as_dict()))
     if job.measure == "tracking":
         row.update(_number(_tracked(job.source, drive, fit, loaded.train)))
-    decisive = "rms_torque_error" if loaded.prepared_test is None else "held_out_rms_torque_error"
+    decisive, what = "rms_torque_error" if loaded.prepared_test is None else "held_out_rms_torque_error", "torque error"
+    if job.measure == "position":
+        row.update(_number(_motion(job, drive, fit, loaded)))
+        decisive, what = "simulated_position_error", "simulated motion"
     if row[decisive] is None:
         row["status"] = Status.DIVERGED.value
-        row["message"] = "the torque error of this fit is not a finite number"
+        row["message"] = f"the {what} of this fit is not a finite number"
     return row
 
 
@@ -211,6 +223,29 @@ def _tracked(source: Source, drive: Drive, fit: Fit, recording: Recording) -> di
 
     rig = load_rig(source.values["file"]).model_copy(update={"seed": source.values["seed"]})
     return tracking_errors(rig, drive, fit.parameters, rest_width(recording))
+
+
+def _motion(job: Job, drive: Drive, fit: Fit, loaded: Loaded) -> Row:
+    """Return the errors of the simulated motion, on what was kept back where there is such a part."""
+    from fricmodels.motion import Controller, Simulator, check_controller, motion_errors
+
+    scored = loaded.prepared_test if loaded.prepared_test is not None else loaded.prepared_train
+    if "position" not in scored:
+        raise InputError(f"score: position needs the position, which recording '{scored.name}' does not have")
+    loop = None
+    if job.controller:
+        controller = Controller.model_validate_json(job.controller)
+        check_controller(controller, frozenset(scored.channels), scored.name)
+        loop = controller.loop()
+    errors = motion_errors(Simulator(drive, scored, loop=loop, horizon=job.horizon), fit.parameters)
+    return {
+        "simulated_position_error": errors.position,
+        "simulated_position_error_percent": errors.position_percent,
+        "simulated_position_error_mean_absolute": errors.position_mean_absolute,
+        "simulated_velocity_error": errors.velocity,
+        "simulated_velocity_error_percent": errors.velocity_percent,
+        "simulated_horizon": job.horizon,
+    }
 
 
 def _describe(row: Row, fit: Fit) -> None:

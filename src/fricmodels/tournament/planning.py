@@ -56,6 +56,7 @@ def plan(config: Config, directory: str | Path = ".", *, trust: bool = True) -> 
     for source in listed:
         if source.values["kind"] == "files":
             loaded = _checked(source, models)
+            _check_motion(config, loaded)
             if loaded.nonsense and not trust:
                 raise InputError(f"{loaded.nonsense[0]}, or go on with --trust")
             digests[source] = loaded.digest
@@ -63,6 +64,22 @@ def plan(config: Config, directory: str | Path = ".", *, trust: bool = True) -> 
     if not plugins.load().estimators:
         raise InputError("no estimator is registered; install the distribution that has them")
     return Plan(config, tuple(jobs(config, listed, digests)), tuple(left_out), digests, tuple(dict.fromkeys(doubts)))
+
+
+def _check_motion(config: Config, loaded: Loaded) -> None:
+    """Refuse a recording without what the score of a simulated position needs."""
+    from fricmodels.motion import check_controller
+
+    if config.score != "position":
+        return
+    scored = loaded.prepared_test if loaded.prepared_test is not None else loaded.prepared_train
+    if "position" not in scored:
+        raise InputError(
+            f"score: position needs the position, which recording '{scored.name}' does not have; "
+            f"map a column under 'columns: {{position: COLUMN}}', or take score: held-out"
+        )
+    if config.controller is not None:
+        check_controller(config.controller, frozenset(scored.channels), scored.name)
 
 
 def _built_in(name: str) -> Model | None:

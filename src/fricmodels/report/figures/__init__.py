@@ -12,6 +12,7 @@ from fricmodels.report.figures.downsample import extremes, line, together
 from fricmodels.report.figures.friction import friction_curve
 from fricmodels.report.figures.history import parameter_history
 from fricmodels.report.figures.hysteresis import hysteresis
+from fricmodels.report.figures.motion import simulated_motion
 from fricmodels.report.figures.ranking import candidates
 from fricmodels.report.figures.residuals import residual_map, residual_maps
 from fricmodels.report.figures.shares import error_shares
@@ -44,6 +45,7 @@ __all__ = [
     "residual_map",
     "residual_maps",
     "residual_spectrum",
+    "simulated_motion",
     "stribeck",
     "together",
     "worst_stretch",

@@ -1,0 +1,1 @@
+"""The tables of docs/tables.md, one module a machine."""

@@ -1,0 +1,155 @@
+"""EMPS: fitted on the identification file, the file with force pulses simulated from the force alone."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Mapping
+from pathlib import Path
+
+import numpy as np
+
+from fricmodels import Recording, improve
+from fricmodels.dimension import Motion
+from fricmodels.drive import Drive
+from fricmodels.errors import FricmodelsError
+from fricmodels.model import Model
+from fricmodels.motion import MotionFit, Rung, Simulator, fit_motion, judged, motion_errors
+from fricmodels.motion.fit import Loss, Objective
+from fricmodels.readers import read
+from fricmodels.weakform.estimate import estimate
+from fricmodels.weakform.prepared import ready
+
+COLUMNS = ("time=t:s", "force=force_N:N", "position=pos_m:m")
+AUTHORS = {
+    "coulomb-viscous+torque-offset": (
+        {"M": 95.1089, "K_v": 203.5034, "K_c": 20.3935, "torque-offset.tau_0": -3.1648}, "8.33",
+    ),
+    "asymmetric-coulomb-viscous": (
+        {"M": 95.1540, "K_v1": 166.7061, "K_c1": 20.1440, "K_v2": 240.4236, "K_c2": 20.6277}, "12.1",
+    ),
+}  # fmt: skip
+"""Parameters of Janot, Gautier and Brunot (2019), and the error that a prototype measured with them [mm]."""
+BASE = "coulomb-viscous"
+STRUCTURES = (
+    "coulomb-viscous+torque-offset",
+    "coulomb-viscous+asymmetry",
+    "coulomb-viscous+asymmetry+stribeck",
+    "coulomb-viscous+asymmetry+presliding",
+    "coulomb-viscous+asymmetry+nonlinear-viscous",
+    "coulomb-viscous+asymmetry+position-friction",
+    "coulomb-viscous+asymmetry+frictional-lag",
+    "coulomb-viscous+asymmetry+cogging",
+    "coulomb-viscous+asymmetry+stribeck+presliding",
+    "coulomb-viscous+asymmetry+stribeck+position-friction",
+)
+WAYS: tuple[tuple[str, Objective, Loss, int | None], ...] = (
+    ("position, in one go", "position", "squares", None),
+    ("velocity, in one go", "velocity", "squares", None),
+    ("position, windows of 5 s", "position", "squares", 5000),
+)
+
+
+def recording(data: Path, which: str) -> Recording:
+    """Return the identification file or the one with pulses, prepared."""
+    return ready(read(data / "emps" / f"emps_{which}.csv", columns=COLUMNS, motion=Motion.LINEAR))
+
+
+def _drive(name: str) -> Drive:
+    return Drive(Model.parse(name), None, Motion.LINEAR)
+
+
+def _error(drive: Drive, values: Mapping[str, float], part: Recording) -> str:
+    return f"{1e3 * motion_errors(Simulator(drive, part), values).position:.2f}"
+
+
+def tables(data: Path, say: Callable[[str], None], *, peers: bool = True) -> dict[str, list[list[str]]]:
+    """Return the tables, each a list of rows with its title row first."""
+    fitted, pulses = recording(data, "id"), recording(data, "pulses")
+    rows = [["the authors' parameters", "prototype [mm]", "identification file [mm]", "pulses file [mm]"]]
+    for name, (values, printed) in AUTHORS.items():
+        drive = _drive(name)
+        rows.append([name, printed, _error(drive, values, fitted), _error(drive, values, pulses)])
+    return {
+        "The authors' parameters, simulated": rows,
+        "The structure chosen on the identification file alone": _chosen(fitted, pulses, say),
+        "Every attempt: structure × what was made small": _attempts(fitted, pulses, say),
+        "How much of it is the level of friction, which differs between the files": _levels(fitted, pulses),
+    }
+
+
+def _chosen(fitted: Recording, pulses: Recording, say: Callable[[str], None]) -> list[list[str]]:
+    """Take the ladder of `improve`, fit every rung to the motion, and let the blocks that are kept back choose."""
+    begin = time.process_time()
+    ladder = improve(fitted, BASE)
+    say(f"improve: {time.process_time() - begin:.0f} s")
+    rungs = list({rung.model: rung.comparison for rung in ladder.rungs}.values())
+    found = judged([Rung(r.drive, r.estimate.parameters) for r in rungs], rungs[0].train, rungs[0].test)
+    titles = ["rung of the ladder", "kept back, by torque", "kept back, fitted to the motion", "taken"]
+    rows = [[*titles, "refitted to the whole file: itself", "pulses file", "pulses, parameters of the torque"]]
+    for each in found:
+        drive = each.rung.drive
+        start = each.rung.parameters if each.fit is None else each.fit.parameters
+        whole = fit_motion(Simulator(drive, fitted), [start, each.rung.parameters])
+        rows.append(
+            [
+                each.rung.name,
+                f"{1e3 * each.by_torque.position:.2f}",
+                "–" if each.test is None else f"{1e3 * each.test.position:.2f}",
+                "yes" if each.chosen else "",
+                f"{1e3 * whole.errors.position:.2f}",
+                _error(drive, whole.parameters, pulses),
+                _error(drive, each.rung.parameters, pulses),
+            ]
+        )
+        say(" | ".join(rows[-1]))
+    return rows
+
+
+def _attempts(fitted: Recording, pulses: Recording, say: Callable[[str], None]) -> list[list[str]]:
+    rows = [["structure", "by torque", *(f"{title}" for title, *_ in WAYS)]]
+    best: dict[str, dict[str, MotionFit]] = {title: {} for title, *_ in WAYS}
+    for name in STRUCTURES:
+        drive = _drive(name)
+        torque = estimate(drive, fitted)[1].parameters
+        row = [name, f"{_error(drive, torque, fitted)} → {_error(drive, torque, pulses)}"]
+        for title, objective, loss, horizon in WAYS:
+            simulator = Simulator(drive, fitted, horizon=horizon)
+            smaller = best[title].get(name.rpartition("+")[0])
+            starts = [torque, *([] if smaller is None else [{**torque, **smaller.parameters}])]
+            try:
+                fit = fit_motion(simulator, starts, objective=objective, loss=loss)
+            except FricmodelsError as error:
+                row.append(str(error).partition(" of ")[0])
+                continue
+            best[title][name] = fit
+            row.append(f"{_error(drive, fit.parameters, fitted)} → {_error(drive, fit.parameters, pulses)}")
+        rows.append(row)
+        say(" | ".join(row))
+    return rows
+
+
+def _levels(fitted: Recording, pulses: Recording) -> list[list[str]]:
+    """Fit on the identification file; then find on the pulses file what is given only, all else held."""
+    rows = [["structure", "nothing from the pulses", "the Coulomb friction", "and the offset", "all parameters"]]
+    for name in ("coulomb-viscous+asymmetry+torque-offset", "coulomb-viscous+asymmetry+stribeck+torque-offset"):
+        drive = _drive(name)
+        fit = fit_motion(Simulator(drive, fitted), [{**estimate(drive, fitted)[1].parameters}])
+        found = [_refound(drive, fit.parameters, pulses, keys) for keys in (("K_c",), ("K_c", "torque-offset.tau_0"))]
+        row = [name, _error(drive, fit.parameters, pulses), *(f"{error:.2f}" for error in found)]
+        row.append(f"{1e3 * fit_motion(Simulator(drive, pulses), [fit.parameters]).errors.position:.2f}")
+        rows.append(row)
+    return rows
+
+
+def _refound(drive: Drive, values: Mapping[str, float], part: Recording, keys: tuple[str, ...]) -> float:
+    """Return the least error [mm] with some parameters found on a recording."""
+    from scipy.optimize import least_squares
+
+    simulator = Simulator(drive, part)
+
+    def residual(at: np.ndarray) -> np.ndarray:
+        moved = {**values, **dict(zip(keys, at.tolist(), strict=True))}
+        return np.asarray(1e3 * (simulator(moved)[0] - part["position"])[simulator.scored])
+
+    found = least_squares(residual, [values[key] for key in keys], diff_step=1e-4)
+    return float(np.sqrt(np.mean(found.fun**2)))

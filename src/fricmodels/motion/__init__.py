@@ -1,0 +1,26 @@
+"""Simulated motion: how far a model's motion goes from the measured one, and the parameters that bring it nearest."""
+
+from __future__ import annotations
+
+from fricmodels.motion.choose import Judged, Rung, judged
+from fricmodels.motion.controllers import Controller, Motor, check_controller, read_controller
+from fricmodels.motion.errors import MotionErrors, motion_errors
+from fricmodels.motion.fit import MotionFit, fit_motion
+from fricmodels.motion.simulator import Simulator
+from fricmodels.motion.start import state_at
+
+__all__ = [
+    "Controller",
+    "Judged",
+    "MotionErrors",
+    "MotionFit",
+    "Motor",
+    "Rung",
+    "Simulator",
+    "check_controller",
+    "fit_motion",
+    "judged",
+    "motion_errors",
+    "read_controller",
+    "state_at",
+]

@@ -1,0 +1,60 @@
+"""Simulated motion beside the measured one."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from fricmodels.report.figures.downsample import together
+from fricmodels.report.figures.style import LIGHT, Figure, graph_objects, label, styled, subplots, unit_of
+
+if TYPE_CHECKING:
+    from fricmodels.motion import Judged
+
+
+def simulated_motion(judged: Judged) -> Figure:
+    """Draw the position as measured and as simulated on what was kept back, and the error below it.
+
+    Args:
+        judged: a model, with the parameters that were fitted to the motion, or those of the torque where there are
+            none.
+    """
+    go, simulator = graph_objects(), judged.kept
+    recording = simulator.recording
+    values = judged.rung.parameters if judged.fit is None else judged.fit.parameters
+    position, velocity = simulator(values)
+    known = "position" in recording
+    channel = "position" if known else "velocity"
+    simulated, measured = (position, recording["position"]) if known else (velocity, recording.velocity)
+    time = recording.time
+    if np.any(np.diff(time) < 0):  # runs with clocks of their own stand one after the other
+        steps = np.diff(time)
+        time = np.concatenate([[0.0], np.cumsum(np.where(steps > 0, steps, recording.interval))])
+    unit = unit_of(channel, recording.motion)
+    error = np.nan_to_num(simulated - measured)
+    thin = together(time, [measured, error], recording.run)
+    figure = subplots()(rows=2, cols=1, shared_xaxes=True, row_heights=[0.66, 0.34], vertical_spacing=0.06)
+    drawn = [
+        (1, f"{channel} measured", thin.values[0], "measured", "solid", 1.8),
+        (1, f"{channel} simulated", thin.values[0] + thin.values[1], "vermillion", "4px,2px", 1.4),
+        (2, "simulated − measured", thin.values[1], "blue", "solid", 1.2),
+    ]
+    for row, name, line, colour, dash, width in drawn:
+        figure.add_trace(
+            go.Scatter(
+                x=thin.x,
+                y=line,
+                name=name,
+                mode="lines",
+                line={"color": LIGHT[colour], "width": width, "dash": dash},
+                hovertemplate=f"{name} %{{y:.4g}} {unit}<extra></extra>",
+            ),
+            row=row,
+            col=1,
+        )
+    figure.update_layout(meta={"drawn": thin.drawn, "total": len(time)}, hovermode="x unified")
+    figure.update_yaxes(title_text=label(channel, unit), row=1, col=1)
+    figure.update_yaxes(title_text=label("error", unit), row=2, col=1)
+    figure.update_xaxes(title_text=label("time", "s"), row=2, col=1)
+    return styled(figure, f"{channel.capitalize()} over time, measured and simulated", judged.rung.name, height=400)
