@@ -16,6 +16,8 @@ from fricmodels.weakform.ripple import relations
 _FEW = 2
 """Coefficients that are read in a sentence."""
 
+SAMPLING = "when the drive turned or stopped between two samples, and a shift of torque against motion within one"
+"""What a recording hides between its samples."""
 IN_NO_CHANNEL = (
     "The error is far above the noise, but no recorded channel predicts it. Something acts on the drive that was not "
     "recorded, or that happened only once, or that acts about standstill, which is too unclear to be tested."
@@ -66,8 +68,8 @@ def _hidden_by_sampling(diagnosis: Diagnosis) -> list[str]:
     if not is_above_noise(comparison, diagnosis.policy):
         return []
     return [
-        "The error is far above the noise because of the sampling: when the drive turned or stopped between two "
-        "samples, and a shift of torque against motion within one, are not known. Without what these can make, "
+        f"The error is far above the noise because of the sampling: {SAMPLING}, are not known. Without what these can "
+        "make, "
         f"{beyond_sampling_percent(comparison):.2g} % is left. Sampled faster, the drive would show more."
     ]
 
@@ -111,8 +113,13 @@ def sentence(finding: Finding, motion: Motion = Motion.ROTARY) -> str:
     )
     if len(finding.names) > 1:
         others = ", ".join(f"'{name}'" for name in finding.names[1:])
-        text += f" This recording cannot tell it from {others}; what would: {finding.separated_by}."
+        text += f" {look_alikes(others, finding.separated_by)}"
     return text
+
+
+def look_alikes(others: str, separated_by: str) -> str:
+    """Say which effects a recording cannot tell from one, and what would tell them apart."""
+    return f"This recording cannot tell it from {others}; what would: {separated_by}."
 
 
 def _size(tested: CandidateTest, motion: Motion) -> str:

@@ -29,6 +29,8 @@ from fricmodels.weakform.estimate import Estimate
 if TYPE_CHECKING:
     from rich.console import Console
 
+    from fricmodels.results.diagnosis import Step
+
 Array = NDArray[np.float64]
 
 _NO_SPREAD = ("given", "not determined")
@@ -46,8 +48,7 @@ def show_comparison(console: Console, comparison: Comparison) -> None:
     _heading(console, f"{drive.model.name} on {comparison.train.name}")
     say(
         console,
-        f"{len(comparison.train)} samples fitted, {len(comparison.test)} for the test error, sampled every "
-        f"{1000 * comparison.train.interval:.4g} ms. {comparison.errors.in_words(unit)}",
+        f"{sampled(comparison)} {comparison.errors.in_words(unit)}",
     )
     console.print()
     show_parameters(console, comparison)
@@ -60,6 +61,14 @@ def show_comparison(console: Console, comparison: Comparison) -> None:
     console.print()
     show_bands(console, comparison.errors, unit)
     console.print()
+
+
+def sampled(comparison: Comparison) -> str:
+    """Say how many samples there are, and how far apart."""
+    return (
+        f"{len(comparison.train)} samples fitted, {len(comparison.test)} for the test error, sampled every "
+        f"{1000 * comparison.train.interval:.4g} ms."
+    )
 
 
 def show_bands(console: Console, errors: Errors, unit: str) -> None:
@@ -300,7 +309,7 @@ def show_ladder(console: Console, ladder: Ladder) -> None:
     most = max(error.held_out_percent for error in errors) or 1.0
     columns = [
         Column("step", tuple(str(number) for number in range(len(rungs))), True),
-        Column("model", tuple(_change(rung) for rung in rungs)),
+        Column("model", tuple(change(rung) for rung in rungs)),
         Column("fit error", tuple(f"{error.percent:.4g} %" for error in errors), True),
         Column("test error", tuple(f"{error.held_out_percent:.4g} %" for error in errors), True),
         Column("", _bars(console, [error.held_out_percent / most for error in errors])),
@@ -318,10 +327,11 @@ def show_ladder(console: Console, ladder: Ladder) -> None:
     show_correlation(console, rungs[-1].comparison)
 
 
-def _change(rung: Rung) -> str:
-    if rung.removed:
-        return f"without {rung.removed}"
-    return f"with {rung.added}" if rung.added else rung.model
+def change(step: Rung | Step) -> str:
+    """Return what was done to the model of the step before; of the first, its name."""
+    if step.removed:
+        return f"without {step.removed}"
+    return f"with {step.added}" if step.added else step.model
 
 
 def _with_spread(estimate: Estimate, key: str) -> str:

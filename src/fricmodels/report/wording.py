@@ -34,6 +34,16 @@ def percent(value: float | None) -> str:
     return "–" if value is None or not math.isfinite(value) else f"{number(value)}\u00a0%"
 
 
+def share(value: float | None) -> str:
+    """Return a share as a percentage in three figures; a dash for none."""
+    return percent(None if value is None else 100 * value)
+
+
+def form(value: float | None, how: str) -> str:
+    """Return a number in a format of Python; a dash for none."""
+    return "–" if value is None else format(value, how)
+
+
 def number(value: float | None, digits: int = 3) -> str:
     """Return a number in so many figures, powers of ten as ×10ⁿ; a dash for none."""
     if value is None or not math.isfinite(value):
