@@ -15,8 +15,10 @@ from fricmodels.diagnosis.floor import beyond_sampling_percent, is_above_noise
 from fricmodels.diagnosis.ladder import Ladder, added
 from fricmodels.dimension import INERTIA, Motion
 from fricmodels.files import write_text
+from fricmodels.results import comparison as facts
 from fricmodels.results import diagnosis as typed
-from fricmodels.results.diagnosis import ComparisonDocument, DiagnosisDocument
+from fricmodels.results.comparison import ComparisonDocument
+from fricmodels.results.diagnosis import DiagnosisDocument
 
 FILE = "diagnosis.json"
 
@@ -67,33 +69,33 @@ def _facts(comparison: Comparison) -> dict[str, Any]:
         "dataset": comparison.train.name,
         "model": drive.model.name,
         "motion": drive.motion,
-        "inertia": typed.Inertia(
+        "inertia": facts.Inertia(
             value=estimate.parameters[drive.inertia_key],
             unit=INERTIA.unit(drive.motion),
             estimated=drive.inertia is None,
         ),
         "parameters": dict(estimate.parameters),
         "standard_errors": dict(estimate.standard_errors),
-        "rms_torque_error": typed.TorqueError(
+        "rms_torque_error": facts.TorqueError(
             SI=errors.SI,
             percent=errors.percent,
             held_out_percent=errors.held_out_percent,
             band_ms=errors.headline.window_ms,
-            bands=tuple(typed.Band(**asdict(band)) for band in errors.bands),
+            bands=tuple(facts.Band(**asdict(band)) for band in errors.bands),
         ),
         "noise_floor_percent": comparison.noise_floor_percent,
-        "where": tuple(typed.RegimeShare(**asdict(row)) for row in comparison.where),
+        "where": tuple(facts.RegimeShare(**asdict(row)) for row in comparison.where),
         "recording": _recording(comparison),
         "versions": plugins.versions(),
     }
 
 
-def _recording(comparison: Comparison) -> typed.RecordingFacts:
+def _recording(comparison: Comparison) -> facts.RecordingFacts:
     """Return what was compared: the file with its checksum and how it was read, samples, channels."""
     train, test = comparison.train, comparison.test
     known = train.provenance
     columns, files = known.get("columns", {}), known.get("files")
-    return typed.RecordingFacts(
+    return facts.RecordingFacts(
         source=known.get("source"),
         files=None if files is None else tuple(files),
         sha256=known.get("sha256"),
@@ -102,10 +104,10 @@ def _recording(comparison: Comparison) -> typed.RecordingFacts:
         torque_constant=known.get("torque_constant"),
         channels=tuple(name for name in train.channels if name not in train.derived),
         derived=tuple(sorted(train.derived)),
-        samples=typed.Samples(fitted=len(train), kept_back=len(test)),
+        samples=facts.Samples(fitted=len(train), kept_back=len(test)),
         interval=train.interval,
         true_model=known.get("true_model"),
-        findings=tuple(typed.LogFinding(**finding) for finding in known.get("findings", ())),
+        findings=tuple(facts.LogFinding(**finding) for finding in known.get("findings", ())),
     )
 
 
@@ -178,14 +180,14 @@ def _coloured_noise(diagnosis: Diagnosis) -> typed.NoiseLeft | None:
     return typed.NoiseLeft(SI=noise.deviation, percent=noise.percent, correlation_time_s=noise.lasts)
 
 
-def _ladder(diagnosis: Diagnosis, ladder: Ladder | None) -> tuple[typed.Step, ...]:
+def _ladder(diagnosis: Diagnosis, ladder: Ladder | None) -> tuple[facts.Step, ...]:
     if ladder is None:
         errors, name = diagnosis.comparison.errors, diagnosis.comparison.drive.model.name
         return (
-            typed.Step(model=name, rms_percent=errors.percent, held_out_rms_percent=errors.held_out_percent, added=""),
+            facts.Step(model=name, rms_percent=errors.percent, held_out_rms_percent=errors.held_out_percent, added=""),
         )
     return tuple(
-        typed.Step(
+        facts.Step(
             model=rung.model,
             rms_percent=rung.comparison.errors.percent,
             held_out_rms_percent=rung.comparison.errors.held_out_percent,

@@ -11,13 +11,12 @@ from fricmodels.diagnosis.ladder import Ladder, added
 from fricmodels.diagnosis.predictability import AUTOREGRESSIVE
 from fricmodels.diagnosis.ripple import FastRipple
 from fricmodels.dimension import Motion
+from fricmodels.results.words import SAMPLING, look_alikes
 from fricmodels.weakform.ripple import relations
 
 _FEW = 2
 """Coefficients that are read in a sentence."""
 
-SAMPLING = "when the drive turned or stopped between two samples, and a shift of torque against motion within one"
-"""What a recording hides between its samples."""
 IN_NO_CHANNEL = (
     "The error is far above the noise, but no recorded channel predicts it. Something acts on the drive that was not "
     "recorded, or that happened only once, or that acts about standstill, which is too unclear to be tested."
@@ -115,11 +114,6 @@ def sentence(finding: Finding, motion: Motion = Motion.ROTARY) -> str:
         others = ", ".join(f"'{name}'" for name in finding.names[1:])
         text += f" {look_alikes(others, finding.separated_by)}"
     return text
-
-
-def look_alikes(others: str, separated_by: str) -> str:
-    """Say which effects a recording cannot tell from one, and what would tell them apart."""
-    return f"This recording cannot tell it from {others}; what would: {separated_by}."
 
 
 def _size(tested: CandidateTest, motion: Motion) -> str:

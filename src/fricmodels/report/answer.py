@@ -8,13 +8,14 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
-from fricmodels.diagnosis.explain import SAMPLING
 from fricmodels.report.reliability import RECORDS
-from fricmodels.report.wording import counted, form, listed, percent, small
+from fricmodels.report.wording import counted, listed, percent, small
+from fricmodels.results.words import SAMPLING, form
 from fricmodels.score.bands import averaged
 
 if TYPE_CHECKING:
-    from fricmodels.results.diagnosis import ComparisonDocument, DiagnosisDocument
+    from fricmodels.results.comparison import ComparisonDocument
+    from fricmodels.results.diagnosis import DiagnosisDocument
 
 Tone = Literal["good", "warn", "bad", "plain"]
 
@@ -121,9 +122,9 @@ def comparison_words(data: ComparisonDocument) -> tuple[str, str]:
     left = f"{percent(errors.held_out_percent)} of the motor {data.quantity}"
     sentence = f"The model {data.model} leaves a test error of {left}."
     words = f"{error_words(data)} Fit error {percent(errors.percent)}."
-    if len(errors.bands) < 2:
+    sample = errors.bands[0] if errors.bands else None
+    if sample is None or sample.window_ms == errors.band_ms:
         return sentence, words
-    sample = errors.bands[0]
     return sentence, (
         f"{words} Per sample ({form(sample.window_ms, '.3g')} ms) the test error is "
         f"{percent(sample.held_out_percent)}, of noise alone {percent(sample.noise_floor_percent)}."

@@ -35,5 +35,4 @@ def shown_over(comparison: Comparison, effect: Effect, parameters: Mapping[str, 
 
 def channel_of_rest(rest: Remaining) -> str:
     """Return the channel over which to show what remains: that of its place, or the one that predicts it."""
-    named = rest.channel.partition(",")[0] if rest.place is None else rest.place.channel
-    return {"position": "position", "load torque": "load_torque", "load_torque": "load_torque"}.get(named, "velocity")
+    return "velocity" if rest.over == "speed" else rest.over

@@ -86,11 +86,9 @@ def _rest(console: Console, data: DiagnosisDocument, found: Answer) -> None:
     if found.command:
         # A command is copied: it is not folded.
         console.print(plain(spoken(console, f"  {found.command}")), markup=False, highlight=False, soft_wrap=True)
-    blind = [name for name, row in data.could_have_been_seen.items() if row.missing]
-    if blind:
-        say(
-            console, f"This recording cannot show {counted(len(blind), 'effect')}; --verbose lists them, with the rest."
-        )
+    if data.not_seen:
+        blind = counted(len(data.not_seen), "effect")
+        say(console, f"This recording cannot show {blind}; --verbose lists them, with the rest.")
 
 
 def _last(console: Console, data: DiagnosisDocument) -> None:

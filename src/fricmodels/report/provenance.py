@@ -8,10 +8,11 @@ from typing import TYPE_CHECKING
 
 from fricmodels.report.answer import command_line
 from fricmodels.report.page import Block, Code, Fold, Section, Table, Words, table
-from fricmodels.report.wording import count, form, unit
+from fricmodels.report.wording import count, unit
+from fricmodels.results.words import form
 
 if TYPE_CHECKING:
-    from fricmodels.results.diagnosis import ComparisonDocument, RecordingFacts
+    from fricmodels.results.comparison import ComparisonDocument, RecordingFacts
 
 
 def recording_section(data: ComparisonDocument, command: str, options: Sequence[str] = ()) -> Section:

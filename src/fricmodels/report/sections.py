@@ -8,7 +8,6 @@ from itertools import pairwise
 from typing import TYPE_CHECKING
 
 from fricmodels import plugins
-from fricmodels.diagnosis.explain import look_alikes
 from fricmodels.diagnosis.policy import POLICY
 from fricmodels.dimension import Motion
 from fricmodels.parameter import Parameter, at_bound
@@ -56,11 +55,13 @@ from fricmodels.report.wording import (
     unit,
     unit_of,
 )
+from fricmodels.results.words import look_alikes
 
 if TYPE_CHECKING:
     from fricmodels.diagnosis.comparison import Comparison
     from fricmodels.diagnosis.ladder import Rung
-    from fricmodels.results.diagnosis import ComparisonDocument, Correlation, DiagnosisDocument, Effect, Step
+    from fricmodels.results.comparison import ComparisonDocument, Step
+    from fricmodels.results.diagnosis import Correlation, DiagnosisDocument, Effect
 
 _OPEN = 2
 """Effects that are all shown unfolded; of more only the first: those found later matter less."""
@@ -263,7 +264,8 @@ def all_parameters(data: ComparisonDocument, known: Correlation | None = None) -
         data: a comparison or a diagnosis.
         known: how their estimates are correlated.
     """
-    first, last = data.steps[0], data.steps[-1]
+    steps = data.steps
+    last = steps[-1]
     note = (
         f"The intervals are the estimate ± {NORMAL_95:.2f} standard errors; these hold for residuals that are "
         "correlated in time. They say how well this recording determines a parameter of this model, not whether the "
@@ -272,8 +274,8 @@ def all_parameters(data: ComparisonDocument, known: Correlation | None = None) -
     blocks: list[Block] = [*equations(last.model, data.motion), fitted(last, data.motion), Words(note)]
     pair = None if known is None else correlated(known)
     blocks += [] if pair is None else [Fold("Correlation of the parameters", [pair])]
-    if last is not first:
-        blocks.append(Fold(f"Parameters of the given model, {first.model}", [fitted(first, data.motion)]))
+    if len(steps) > 1:
+        blocks.append(Fold(f"Parameters of the given model, {data.model}", [fitted(steps[0], data.motion)]))
     return Section("parameters", "Parameters", blocks)
 
 
@@ -306,8 +308,7 @@ def limits(data: DiagnosisDocument, comparisons: Sequence[Comparison] = ()) -> S
     blocks: list[Block] = [*_identified(data)]
     if comparisons:
         blocks.append(Fold("Where the drive was: coverage of velocity and position", [covered(comparisons[-1])]))
-    seen = {name: row for name, row in data.could_have_been_seen.items() if not row.missing}
-    blind = {name: row.missing for name, row in data.could_have_been_seen.items() if row.missing}
+    seen, blind = data.seen, data.not_seen
     if seen:
         sizes: dict[tuple[str, str], list[str]] = {}
         for name, row in sorted(seen.items(), key=lambda item: item[1].smallest_percent or 0.0):

@@ -18,7 +18,8 @@ if TYPE_CHECKING:
     from fricmodels.diagnosis.comparison import Comparison
     from fricmodels.diagnosis.diagnose import Diagnosis
     from fricmodels.diagnosis.ladder import Ladder, Rung
-    from fricmodels.results.diagnosis import ComparisonDocument, DiagnosisDocument
+    from fricmodels.results.comparison import ComparisonDocument
+    from fricmodels.results.diagnosis import DiagnosisDocument
 
 
 def of_ladder(ladder: Ladder, options: Sequence[str] = ()) -> Page:

@@ -12,6 +12,7 @@ from fricmodels.dimension import Motion
 from fricmodels.model import Model
 from fricmodels.parameter import Parameter
 from fricmodels.report.figures.style import EXPONENT
+from fricmodels.results.words import in_percent
 
 NORMAL_95 = 1.959964
 """Standard errors on either side of a 95 % interval."""
@@ -36,12 +37,7 @@ def percent(value: float | None) -> str:
 
 def share(value: float | None) -> str:
     """Return a share as a percentage in three figures; a dash for none."""
-    return percent(None if value is None else 100 * value)
-
-
-def form(value: float | None, how: str) -> str:
-    """Return a number in a format of Python; a dash for none."""
-    return "–" if value is None else format(value, how)
+    return percent(in_percent(value))
 
 
 def number(value: float | None, digits: int = 3) -> str:

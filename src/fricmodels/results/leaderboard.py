@@ -9,7 +9,7 @@ from typing import Any, Final, Literal
 
 from pydantic import Field
 
-from fricmodels.results.diagnosis import Band
+from fricmodels.results.comparison import Band
 from fricmodels.results.part import Number, Numbers, Part, ResultDocument
 
 SCHEMA: Final = "fricmodels/leaderboard/1"
