@@ -17,6 +17,7 @@ SOURCES = ROOT / "src"
 LAYERS = (
     {"arrays", "errors", "display", "documents", "files", "gaps", "processes", "stored", "terminal", "yaml_file"},
     {"dimension"},
+    {"results"},
     {"expressions", "parameter"},
     {"hookspecs", "past", "term", "recording"},
     {"plugins", "kernels"},

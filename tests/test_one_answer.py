@@ -87,6 +87,6 @@ def test_the_last_rung_of_the_demonstration_is_what_a_tournament_finds(tmp_path:
     assert_same(
         compare(read(data), last.drive.model, rig.inertia), row_of(data, last.drive.model.name, rig.inertia, tmp_path)
     )
-    rung = json.loads(json.dumps(document(ladder.first, ladder)))["ladder"][-1]
+    rung = json.loads(document(ladder.first, ladder).to_json())["ladder"][-1]
     assert rung["parameters"] == dict(last.estimate.parameters)
     assert rung["held_out_rms_percent"] == last.errors.held_out_percent

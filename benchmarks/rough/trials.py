@@ -183,17 +183,17 @@ def said(ladder: Ladder) -> Row:
     """Return the answers of `diagnose` and of `improve`, as their documents have them."""
     first, last = document(ladder.first), document(ladder.first, ladder)
     return {
-        "verdict": first["verdict"],
-        "names": [e["class"] for e in first["effects"]],
-        "p": [e["p_value"] for e in first["effects"]],
-        "gain": [e["held_out_gain"] for e in first["effects"]],
-        "unknown": first.get("unknown"),
+        "verdict": first.verdict,
+        "names": [list(e.names) for e in first.effects],
+        "p": [e.p_value for e in first.effects],
+        "gain": [e.held_out_gain for e in first.effects],
+        "unknown": first.plain()["unknown"],
         "last_verdict": ladder.last.verdict,
-        "last_names": [e["class"] for e in last["effects"]],
-        "last_unknown": last.get("unknown"),
-        "remaining": last.get("remaining"),
-        "ladder": [rung["model"] for rung in last["ladder"]],
-        "note": last["note"],
+        "last_names": [list(e.names) for e in last.effects],
+        "last_unknown": last.plain()["unknown"],
+        "remaining": last.plain()["remaining"],
+        "ladder": [step.model for step in last.ladder],
+        "note": last.note,
         "judged": [judged(d) for d in (ladder.first, *ladder.steps[1:], ladder.last)],
     }
 

@@ -101,6 +101,21 @@ def test_schema_is_json_schema_of_the_configuration(capsys: pytest.CaptureFixtur
     assert {"datasets", "models", "estimators", "rank_by"} <= set(schema["properties"])
 
 
+@pytest.mark.parametrize(("kind", "key"), [("diagnosis", "verdict"), ("leaderboard", "rows")])
+def test_schema_of_a_file_of_results(kind: str, key: str, capsys: pytest.CaptureFixture[str]) -> None:
+    code, out, _ = call(capsys, "schema", kind)
+    properties = json.loads(out)["properties"]
+    assert code == 0
+    assert properties["schema"]["const"] == f"fricmodels/{kind}/1"
+    assert properties[key]["description"]
+
+
+def test_a_schema_that_is_unknown_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
+    code, _, err = call(capsys, "schema", "nonsense")
+    assert code == 2
+    assert len(err.splitlines()) == 1
+
+
 def test_an_unexpected_error_is_one_line(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
     def fails() -> None:
         raise RuntimeError("what\nnow")

@@ -12,17 +12,20 @@ from typing import Any
 import numpy as np
 import pandas as pd
 import pytest
+from pydantic import BaseModel
 from rich.console import Console
 
 from fricmodels.diagnosis import Diagnosis, Ladder, improve
 from fricmodels.diagnosis.comparison import SlidingErrors
-from fricmodels.diagnosis.document import SCHEMA, added, document, write
+from fricmodels.diagnosis.document import added, comparison_document, document, write
 from fricmodels.diagnosis.explain import explain, sentence, unknown
 from fricmodels.diagnosis.floor import is_above_noise
 from fricmodels.diagnosis.overlay import write_overlay
 from fricmodels.diagnosis.present import show_comparison, show_diagnosis, show_ladder
 from fricmodels.model import Model
 from fricmodels.recording import Recording
+from fricmodels.results.comparison import SCHEMA
+from fricmodels.results.diagnosis import DiagnosisDocument
 
 Made = Callable[..., Recording]
 
@@ -52,7 +55,7 @@ def numbers(value: Any) -> list[float]:
 
 @pytest.mark.parametrize("with_ladder", [False, True])
 def test_the_document_has_the_keys_of_the_design(diagnosis: Diagnosis, ladder: Ladder, with_ladder: bool) -> None:
-    data = document(diagnosis, ladder if with_ladder else None)
+    data = document(diagnosis, ladder if with_ladder else None).plain()
     assert data["schema"] == SCHEMA == "fricmodels/diagnosis/1"
     designed = {"schema", "dataset", "model", "rms_torque_error", "noise_floor_percent", "where", "verdict"}
     assert designed | {"effects", "ladder"} <= set(data)
@@ -71,15 +74,16 @@ def test_the_document_has_the_keys_of_the_design(diagnosis: Diagnosis, ladder: L
 
 def test_the_document_says_what_was_found(diagnosis: Diagnosis, ladder: Ladder) -> None:
     data = document(diagnosis, ladder)
-    assert (data["dataset"], data["model"], data["inertia"]["estimated"]) == ("made", "coulomb-viscous", False)
-    (effect, *_) = data["effects"]
-    assert effect["name"] == "cogging"
-    assert effect["class"][0] == "cogging"
-    assert effect["parameters"]["k"] == pytest.approx(7.3, rel=0.01)
-    assert effect["units"] == dict.fromkeys(("a", "b", "a_2", "b_2"), "N m") | {"k": "1/rad"}
-    assert [rung["added"] for rung in data["ladder"]][:2] == ["", "cogging"]
-    assert data["ladder"][-1]["held_out_rms_percent"] < 0.8 * data["ladder"][0]["held_out_rms_percent"]
-    assert data["ladder"][-1]["parameters"]["cogging.k"] == pytest.approx(7.3, rel=0.005)
+    assert (data.dataset, data.model, data.inertia.estimated) == ("made", "coulomb-viscous", False)
+    (effect, *_) = data.effects
+    assert effect.name == "cogging"
+    assert effect.names[0] == "cogging"
+    assert effect.parameters["k"] == pytest.approx(7.3, rel=0.01)
+    assert effect.units == dict.fromkeys(("a", "b", "a_2", "b_2"), "N m") | {"k": "1/rad"}
+    assert [step.added for step in data.ladder][:2] == ["", "cogging"]
+    before, after = (step.held_out_rms_percent or 0.0 for step in (data.ladder[0], data.ladder[-1]))
+    assert after < 0.8 * before
+    assert data.ladder[-1].parameters["cogging.k"] == pytest.approx(7.3, rel=0.005)
     assert added(ladder)[0].tested.name == "cogging"
 
 
@@ -88,13 +92,41 @@ def test_numbers_are_those_that_json_has(diagnosis: Diagnosis, tmp_path: Path) -
     headline = replace(errors.headline, noise_floor_percent=float("nan"))
     broken = replace(diagnosis.comparison, errors=replace(errors, headline=headline))
     data = document(replace(diagnosis, comparison=broken))
-    assert data["noise_floor_percent"] is None
-    assert all(np.isfinite(numbers(data)))
+    assert data.noise_floor_percent is None
+    assert all(np.isfinite(numbers(data.plain())))
     path = write(data, tmp_path / "new" / "folder")
     assert path.name == "diagnosis.json"
-    assert json.loads(path.read_text(encoding="utf-8")) == json.loads(json.dumps(data))
+    assert json.loads(path.read_text(encoding="utf-8")) == data.plain()
     assert "NaN" not in path.read_text(encoding="utf-8")
     assert [p.name for p in path.parent.iterdir()] == ["diagnosis.json"], "nothing half-written stays behind"
+
+
+def unknown_keys(value: object) -> list[str]:
+    """Return the keys of a document that have no field, however deep."""
+    if isinstance(value, BaseModel):
+        return [*(value.model_extra or {}), *unknown_keys([getattr(value, name) for name in type(value).model_fields])]
+    inner = value.values() if isinstance(value, dict) else value if isinstance(value, list | tuple) else ()
+    return [key for item in inner for key in unknown_keys(item)]
+
+
+@pytest.mark.parametrize("with_ladder", [False, True])
+def test_the_document_comes_back_as_it_was_written(
+    diagnosis: Diagnosis, ladder: Ladder, with_ladder: bool, tmp_path: Path
+) -> None:
+    data = document(diagnosis, ladder if with_ladder else None)
+    path = write(data, tmp_path)
+    again = DiagnosisDocument.read(path, "")
+    assert again == data
+    assert again.to_json() == path.read_text(encoding="utf-8")
+    assert unknown_keys(again) == []
+    assert list(again.plain())[-2:] == ["recording", "versions"]
+
+
+def test_a_comparison_is_the_beginning_of_its_diagnosis(diagnosis: Diagnosis) -> None:
+    own, whole = comparison_document(diagnosis.comparison).plain(), document(diagnosis).plain()
+    assert own.items() <= whole.items()
+    (step,) = comparison_document(diagnosis.comparison).steps
+    assert step == document(diagnosis).steps[0]
 
 
 def test_the_overlay_adds_up(diagnosis: Diagnosis, tmp_path: Path) -> None:

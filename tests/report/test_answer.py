@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+import json
 import re
 import shlex
-from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -12,31 +12,49 @@ import pytest
 
 from fricmodels.report.answer import answer, command_line
 from fricmodels.report.reliability import RECORDS
+from fricmodels.results.comparison import Band
+from fricmodels.results.diagnosis import DiagnosisDocument
 
 DOCS = Path(__file__).parents[2] / "docs"
 
 
-def data(**own: Any) -> dict[str, Any]:
-    """Return a diagnosis as plain data: gravity was found, and nothing is left."""
-    effect = {"name": "gravity", "class": ["gravity"], "p_value": 1e-12, "held_out_gain": 0.8, "separated_by": ""}
-    return {
+def data(**own: Any) -> DiagnosisDocument:
+    """Return a diagnosis: gravity was found, and nothing is left."""
+    errors = {"SI": 1.0, "percent": 60.0, "held_out_percent": 60.0, "band_ms": 5.0, "bands": [band(2.0)]}
+    content = {
+        "schema": "fricmodels/diagnosis/1",
         "dataset": "joint",
         "model": "coulomb-viscous",
         "motion": "rotary",
-        "verdict": "missing-effect",
-        "effects": [effect],
-        "unknown": None,
-        "remaining": None,
+        "inertia": {"value": 1.8, "unit": "kg m^2", "estimated": False},
+        "parameters": {},
+        "standard_errors": {},
+        "rms_torque_error": errors,
         "noise_floor_percent": 3.2,
-        "inertia": {"value": 1.8, "estimated": False},
-        "rms_torque_error": {"band_ms": 5.0, "bands": [{"window_ms": 2.0}, {"window_ms": 5.0}]},
+        "where": [],
+        "verdict": "missing-effect",
+        "effects": [effect()],
         "ladder": [step("coulomb-viscous", 60.0), step("coulomb-viscous+gravity", 4.0, "gravity")],
-        "recording": {"source": "my log.csv", "files": None, "columns": ["time=t:ms"], "torque_constant": 0.5},
-        "could_have_been_seen": {},
-        "explanation": "",
-        "note": "",
+        "recording": recording("time=t:ms"),
+        "versions": {},
         **own,
     }
+    return DiagnosisDocument.model_validate_json(json.dumps(content))
+
+
+def effect(**own: Any) -> dict[str, Any]:
+    figures = {"p_value": 1e-12, "share_of_residual": 0.9, "held_out_gain": 0.8, "parameters": {}}
+    return {"name": "gravity", "class": ["gravity"], "separated_by": "", **figures, **own}
+
+
+def band(window_ms: float) -> dict[str, Any]:
+    return {**dict.fromkeys(Band.model_fields, 1.0), "window_ms": window_ms}
+
+
+def recording(*columns: str) -> dict[str, Any]:
+    read = {"source": "my log.csv", "sha256": "0", "reader": "csv", "columns": columns, "torque_constant": 0.5}
+    samples = {"fitted": 7, "kept_back": 3}
+    return {**read, "channels": [], "derived": [], "samples": samples, "interval": 0.002, "true_model": None}
 
 
 def step(model: str, error: float, added: str = "") -> dict[str, Any]:
@@ -89,8 +107,8 @@ def test_an_effect_that_comes_near_is_offered_with_its_command() -> None:
 
 
 def test_look_alikes_are_told_apart_by_an_experiment() -> None:
-    effect = {**data()["effects"][0], "class": ["gravity", "stiffness"], "separated_by": "a turn and more"}
-    found = answer(data(verdict="undecided", effects=[effect], ladder=[step("coulomb-viscous", 60.0)]))
+    alike = effect(**{"class": ["gravity", "stiffness"], "separated_by": "a turn and more"})
+    found = answer(data(verdict="undecided", effects=[alike], ladder=[step("coulomb-viscous", 60.0)]))
     assert "gravity or stiffness" in found.sentence
     assert found.next == "To tell gravity from stiffness apart: a turn and more."
     assert found.command == ""
@@ -108,13 +126,13 @@ def test_a_command_reads_the_recording_as_it_was_read() -> None:
     assert words[:3] == ["fricmodels", "improve", "my log.csv"]
     assert words[words.index("--column") + 1] == "time=t:ms"
     assert words[words.index("--torque-constant") + 1] == "0.5"
-    plain: Mapping[str, Any] = {**data()["recording"], "columns": ["time=time_s", "torque=torque_Nm"]}
-    assert "--column" not in command_line(data(recording=plain), "improve", "square-root")
+    plain = data(recording=recording("time=time_s", "torque=torque_Nm"))
+    assert "--column" not in command_line(plain, "improve", "square-root")
 
 
 def test_an_answer_without_effects_says_what_it_can() -> None:
     one = [step("coulomb-viscous", 94.7)]
-    unknown = {"channels": "position", "p_value": 1e-9}
+    unknown = {"channels": "position", "p_value": 1e-9, "held_out_gain": 0.5}
     found = answer(data(verdict="unknown-effect", effects=[], ladder=one, unknown=unknown, remaining=rest(94.0, 94.0)))
     assert "no known effect explains" in found.sentence
     assert "position predicts the error is no chance: p is below" in found.sure

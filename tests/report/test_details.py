@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import re
 import time
-from collections.abc import Callable, Mapping
-from typing import Any
+from collections.abc import Callable
 
 import numpy as np
 import pytest
 
 from fricmodels.cli import printing
 from fricmodels.diagnosis.comparison import Comparison, compare_model, kept_back
+from fricmodels.diagnosis.document import comparison_document
 from fricmodels.diagnosis.policy import POLICY
 from fricmodels.dimension import Motion
 from fricmodels.drive import Drive
@@ -23,6 +23,7 @@ from fricmodels.report.figures.style import unit_text
 from fricmodels.report.provenance import recording
 from fricmodels.report.render import render
 from fricmodels.report.wording import unit
+from fricmodels.results.comparison import ComparisonDocument
 from fricmodels.weakform.prepared import ready
 
 Made = Callable[..., Recording]
@@ -66,21 +67,18 @@ def test_the_floor_of_ours_is_said_once() -> None:
     assert sections.floor_words([2.0, None]) == ""
 
 
-def test_a_velocity_that_was_replaced_says_why() -> None:
-    known: dict[str, Any] = {
-        "source": "log.csv", "sha256": "0", "reader": "csv", "columns": ["velocity=qd", "time=t"], "channels": ["time"],
-        "derived": ["acceleration", "velocity"], "samples": {"fitted": 7, "kept_back": 3}, "interval": 0.002,
-        "true_model": None,
-    }  # fmt: skip
-    data: Mapping[str, Any] = {
-        "dataset": "log", "motion": "rotary", "inertia": {"value": 1.0, "unit": "kg m^2", "estimated": False},
-        "versions": {}, "recording": known,
-    }  # fmt: skip
-    rows = dict(recording(data).rows)
+def test_a_velocity_that_was_replaced_says_why(linear: Comparison) -> None:
+    data = comparison_document(linear)
+    own = {"source": "log.csv", "interval": 0.002, "derived": ("acceleration", "velocity")}
+
+    def read(*columns: str) -> ComparisonDocument:
+        known = data.recording.model_copy(update={**own, "columns": columns})
+        return data.model_copy(update={"recording": known})
+
+    rows = dict(recording(read("velocity=qd", "time=t")).rows)
     assert "more certain" in rows["derived"]
     assert rows["sampling"] == "every 2 ms"
-    without = {**data, "recording": {**known, "columns": ["time=t"]}}
-    assert dict(recording(without).rows)["derived"] == "acceleration, velocity"
+    assert dict(recording(read("time=t")).rows)["derived"] == "acceleration, velocity"
 
 
 def test_a_parameter_at_its_bound_is_named() -> None:

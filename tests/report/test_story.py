@@ -19,6 +19,7 @@ from fricmodels.report import of_run, story
 from fricmodels.report.page import Block, Code, Equations, Fold, Gallery, Page, Picture, Table
 from fricmodels.report.render import render
 from fricmodels.report.sections import error_words
+from fricmodels.results.diagnosis import DiagnosisDocument
 from fricmodels.rig import write as write_recording
 from fricmodels.rig.demonstration import hidden
 
@@ -136,7 +137,7 @@ def test_made_from_the_files_the_page_is_the_same(page: Page, folder: Path) -> N
     assert again.tiles == page.tiles
     assert cells(again).keys() == cells(page).keys()
     assert cells(again)["coulomb-viscous+cogging+stribeck"] == cells(page)["coulomb-viscous+cogging+stribeck"]
-    words = error_words(json.loads((folder / "diagnosis.json").read_text(encoding="utf-8")))
+    words = error_words(DiagnosisDocument.read(folder / "diagnosis.json", ""))
     ladders = [drawn(each, "ladder").table for each in (again, page)]
     assert ladders[0] == ladders[1]
     assert ladders[0] is not None

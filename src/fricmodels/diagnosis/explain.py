@@ -11,6 +11,7 @@ from fricmodels.diagnosis.ladder import Ladder, added
 from fricmodels.diagnosis.predictability import AUTOREGRESSIVE
 from fricmodels.diagnosis.ripple import FastRipple
 from fricmodels.dimension import Motion
+from fricmodels.results.words import SAMPLING, look_alikes
 from fricmodels.weakform.ripple import relations
 
 _FEW = 2
@@ -66,8 +67,8 @@ def _hidden_by_sampling(diagnosis: Diagnosis) -> list[str]:
     if not is_above_noise(comparison, diagnosis.policy):
         return []
     return [
-        "The error is far above the noise because of the sampling: when the drive turned or stopped between two "
-        "samples, and a shift of torque against motion within one, are not known. Without what these can make, "
+        f"The error is far above the noise because of the sampling: {SAMPLING}, are not known. Without what these can "
+        "make, "
         f"{beyond_sampling_percent(comparison):.2g} % is left. Sampled faster, the drive would show more."
     ]
 
@@ -111,7 +112,7 @@ def sentence(finding: Finding, motion: Motion = Motion.ROTARY) -> str:
     )
     if len(finding.names) > 1:
         others = ", ".join(f"'{name}'" for name in finding.names[1:])
-        text += f" This recording cannot tell it from {others}; what would: {finding.separated_by}."
+        text += f" {look_alikes(others, finding.separated_by)}"
     return text
 
 

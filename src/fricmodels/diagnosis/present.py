@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 import textwrap
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -13,14 +13,13 @@ from numpy.typing import NDArray
 from fricmodels.diagnosis.comparison import Comparison
 from fricmodels.diagnosis.correlation import correlation
 from fricmodels.diagnosis.diagnose import Diagnosis, Finding
-from fricmodels.diagnosis.explain import explain
+from fricmodels.diagnosis.document import document
 from fricmodels.diagnosis.ladder import Ladder, Rung, added
 from fricmodels.diagnosis.places import profile
-from fricmodels.diagnosis.power import Visibility
-from fricmodels.diagnosis.remaining import Remaining
 from fricmodels.dimension import Motion
 from fricmodels.parameter import at_bound
 from fricmodels.recording import Recording
+from fricmodels.results.words import FOUND, NOT_FOUND, NOT_SEEN, SIZE, form, in_percent
 from fricmodels.score import Errors, headline_window, torque_error_over
 from fricmodels.signals import stretches
 from fricmodels.terminal import Band, Column, Marks, bar, plain, show_plot, show_table
@@ -28,6 +27,9 @@ from fricmodels.weakform.estimate import Estimate
 
 if TYPE_CHECKING:
     from rich.console import Console
+
+    from fricmodels.results.comparison import Step
+    from fricmodels.results.diagnosis import Candidate, DiagnosisDocument, Effect, Visible
 
 Array = NDArray[np.float64]
 
@@ -46,8 +48,7 @@ def show_comparison(console: Console, comparison: Comparison) -> None:
     _heading(console, f"{drive.model.name} on {comparison.train.name}")
     say(
         console,
-        f"{len(comparison.train)} samples fitted, {len(comparison.test)} for the test error, sampled every "
-        f"{1000 * comparison.train.interval:.4g} ms. {comparison.errors.in_words(unit)}",
+        f"{sampled(comparison)} {comparison.errors.in_words(unit)}",
     )
     console.print()
     show_parameters(console, comparison)
@@ -60,6 +61,14 @@ def show_comparison(console: Console, comparison: Comparison) -> None:
     console.print()
     show_bands(console, comparison.errors, unit)
     console.print()
+
+
+def sampled(comparison: Comparison) -> str:
+    """Say how many samples there are, and how far apart."""
+    return (
+        f"{len(comparison.train)} samples fitted, {len(comparison.test)} for the test error, sampled every "
+        f"{1000 * comparison.train.interval:.4g} ms."
+    )
 
 
 def show_bands(console: Console, errors: Errors, unit: str) -> None:
@@ -157,35 +166,41 @@ def show_where(console: Console, comparison: Comparison) -> None:
 
 def show_diagnosis(console: Console, diagnosis: Diagnosis, ladder: Ladder | None = None) -> None:
     """Print the verdict in words, the evidence and parameters of what was found, and what could not have been seen."""
-    _heading(console, f"Verdict: {diagnosis.verdict}")
-    say(console, explain(diagnosis, ladder))
+    data = document(diagnosis, ladder)
+    _heading(console, f"Verdict: {data.verdict}")
+    say(console, data.explanation)
     console.print()
-    findings = list(diagnosis.findings) if ladder is None else added(ladder)
-    motion = diagnosis.comparison.drive.motion
-    if findings:
-        _show_evidence(console, findings)
+    if data.effects:
+        _show_evidence(console, data)
         console.print()
-        _show_found(console, findings, motion)
+        _show_found(console, list(diagnosis.findings) if ladder is None else added(ladder), data.motion)
         console.print()
-    show_candidates(console, diagnosis)
-    final = diagnosis if ladder is None else ladder.last
-    show_remaining(console, final)
-    _show_visibility(console, final.visibility, motion)
+    _show_candidates(console, data)
+    _show_remaining(console, data, diagnosis if ladder is None else ladder.last)
+    _show_visibility(console, data)
 
 
-def show_candidates(console: Console, diagnosis: Diagnosis) -> None:
+def _shares(values: Iterable[float | None]) -> tuple[str, ...]:
+    return tuple(f"{form(in_percent(value), '.3g')} %" for value in values)
+
+
+def _chances(rows: Iterable[Candidate | Effect]) -> Column:
+    return Column("p value, corrected", tuple(form(row.p_value, ".3g") for row in rows), True)
+
+
+def _show_candidates(console: Console, data: DiagnosisDocument) -> None:
     """Print every effect that was tested on the given model, the one with the least error on test blocks first."""
-    if diagnosis.result is None or not diagnosis.result.tested:
+    rows = data.candidates
+    if not rows:
         return
-    tested, passing = diagnosis.result.tested, {one.name for one in diagnosis.passing}
     columns = [
-        Column("effect", tuple(t.name for t in tested)),
-        Column("lowers test error", tuple(f"{100 * t.evidence.gain:.3g} %" for t in tested), True),
-        Column("explains", tuple(f"{100 * t.evidence.explained:.3g} %" for t in tested), True),
-        Column("p value, corrected", tuple(f"{t.adjusted:.3g}" for t in tested), True),
-        Column("passes all tests", tuple("yes" if t.name in passing else "no" for t in tested)),
+        Column("effect", tuple(row.name for row in rows)),
+        Column("lowers test error", _shares(row.held_out_gain for row in rows), True),
+        Column("explains", _shares(row.share_of_residual for row in rows), True),
+        _chances(rows),
+        Column("passes all tests", tuple("yes" if row.gates else "no" for row in rows)),
     ]
-    show_table(console, columns, f"All candidates beside {diagnosis.comparison.drive.model.name}")
+    show_table(console, columns, f"All candidates beside {data.model}")
     console.print()
 
 
@@ -201,48 +216,40 @@ def show_correlation(console: Console, comparison: Comparison) -> None:
     console.print()
 
 
-def show_remaining(console: Console, diagnosis: Diagnosis) -> None:
+def _show_remaining(console: Console, data: DiagnosisDocument, final: Diagnosis) -> None:
     """Plot what remains over the channel that shows it, and list the known effects that come nearest."""
-    rest = diagnosis.remaining
-    if rest is None or diagnosis.result is None:
+    rest = data.remaining
+    if rest is None or final.result is None:
         return
-    unit = "N m" if diagnosis.comparison.drive.motion is Motion.ROTARY else "N"
-    channel = _channel(rest)
-    seen = profile(diagnosis.result, channel, "both" if rest.place is None else rest.place.direction)
+    seen = profile(final.result, rest.over, "both" if rest.place is None else rest.place.direction)
     if seen is not None:
-        _title(console, f"What remains: mean over {channel.replace('_', ' ')}, motion {seen.direction}")
-        show_plot(console, [Marks("mean residual", "o", seen.at, seen.torque)], channel.replace("_", " "), f"[{unit}]")
+        channel = rest.over.replace("_", " ")
+        _title(console, f"What remains: mean over {channel}, motion {seen.direction}")
+        show_plot(console, [Marks("mean residual", "o", seen.at, seen.torque)], channel, f"[{data.unit}]")
         console.print()
     if rest.nearest:
-        here = diagnosis.comparison.errors.held_out_percent
+        here = form(data.ladder[-1].held_out_rms_percent, ".4g")
+        falls = tuple(f"{here} → {form(one.held_out_percent, '.4g')} %" for one in rest.nearest)
         columns = [
             Column("effect", tuple(one.name for one in rest.nearest)),
-            Column("test error", (*(f"{here:.4g} → {one.held_out_percent:.4g} %" for one in rest.nearest),), True),
+            Column("test error", falls, True),
             Column("to take it anyway", tuple(f"--model {one.model}" for one in rest.nearest)),
         ]
         show_table(console, columns, "The known effects that come nearest to what remains")
         console.print()
 
 
-def _channel(rest: Remaining) -> str:
-    """Return the channel over which to plot what remains: that of its place, or the one that predicts it."""
-    if rest.place is not None:
-        return rest.place.channel
-    first = rest.channel.partition(",")[0]
-    return {"position": "position", "load torque": "load_torque"}.get(first, "speed")
-
-
-def _show_evidence(console: Console, findings: list[Finding]) -> None:
-    tested = [finding.tested for finding in findings]
+def _show_evidence(console: Console, data: DiagnosisDocument) -> None:
+    rows = data.effects
     columns = [
-        Column("effect", tuple(t.name for t in tested)),
-        Column("explains of the residual", tuple(f"{100 * t.evidence.explained:.3g} %" for t in tested), True),
-        Column("lowers test error", tuple(f"{100 * t.evidence.gain:.3g} %" for t in tested), True),
-        Column("p value, corrected", tuple(f"{t.adjusted:.3g}" for t in tested), True),
+        Column("effect", tuple(row.name for row in rows)),
+        Column("explains of the residual", _shares(row.share_of_residual for row in rows), True),
+        Column("lowers test error", _shares(row.held_out_gain for row in rows), True),
+        _chances(rows),
     ]
-    if any(len(finding.names) > 1 for finding in findings):
-        columns.append(Column("or", tuple(", ".join(finding.names[1:]) for finding in findings)))
-    show_table(console, columns, "What was found")
+    if any(len(row.names) > 1 for row in rows):
+        columns.append(Column("or", tuple(", ".join(row.names[1:]) for row in rows)))
+    show_table(console, columns, FOUND)
 
 
 def _show_found(console: Console, findings: list[Finding], motion: Motion) -> None:
@@ -262,35 +269,30 @@ def _show_found(console: Console, findings: list[Finding], motion: Motion) -> No
     columns.append(Column("unit", units))
     if any(meanings):
         columns.append(Column("meaning", meanings))
-    show_table(console, columns, "Its size on the residual")
+    show_table(console, columns, SIZE)
 
 
-def _show_visibility(console: Console, visibility: Mapping[str, Visibility], motion: Motion) -> None:
-    seen = {name: row for name, row in visibility.items() if not row.missing}
-    blind = {name: row.missing for name, row in visibility.items() if row.missing}
+def _show_visibility(console: Console, data: DiagnosisDocument) -> None:
+    seen, blind = data.seen.values(), data.not_seen
     if seen:
         columns = [
-            Column("effect", tuple(seen)),
-            Column("% of RMS torque", tuple(f"{row.smallest_percent:.3g} %" for row in seen.values()), True),
-            Column(
-                f"RMS torque [{'N m' if motion is Motion.ROTARY else 'N'}]",
-                tuple(f"{row.smallest_torque:.3g}" for row in seen.values()),
-                True,
-            ),
+            Column("effect", tuple(data.seen)),
+            Column("% of RMS torque", tuple(f"{form(row.smallest_percent, '.3g')} %" for row in seen), True),
+            Column(f"RMS torque [{data.unit}]", tuple(form(row.smallest_torque, ".3g") for row in seen), True),
         ]
-        if any(row.band for row in seen.values()):
-            unit = "1/rad" if motion is Motion.ROTARY else "1/m"
-            columns.append(Column(f"waves [{unit}]", tuple(_band(row) for row in seen.values())))
-        show_table(console, columns, "Tested and not found; smallest size we would have detected")
+        if any(row.band for row in seen):
+            unit = "1/rad" if data.motion is Motion.ROTARY else "1/m"
+            columns.append(Column(f"waves [{unit}]", tuple(_band(row) for row in seen)))
+        show_table(console, columns, NOT_FOUND)
         console.print()
     if blind:
         columns = [Column("effect", tuple(blind)), Column("why", tuple(blind.values()))]
-        show_table(console, columns, "Could not have been seen in this recording")
+        show_table(console, columns, NOT_SEEN)
         console.print()
 
 
-def _band(row: Visibility) -> str:
-    return "" if row.band is None else f"{row.band[0]:.3g} to {row.band[1]:.3g}"
+def _band(row: Visible) -> str:
+    return "" if row.band is None else f"{form(row.band[0], '.3g')} to {form(row.band[1], '.3g')}"
 
 
 def show_ladder(console: Console, ladder: Ladder) -> None:
@@ -300,7 +302,7 @@ def show_ladder(console: Console, ladder: Ladder) -> None:
     most = max(error.held_out_percent for error in errors) or 1.0
     columns = [
         Column("step", tuple(str(number) for number in range(len(rungs))), True),
-        Column("model", tuple(_change(rung) for rung in rungs)),
+        Column("model", tuple(change(rung) for rung in rungs)),
         Column("fit error", tuple(f"{error.percent:.4g} %" for error in errors), True),
         Column("test error", tuple(f"{error.held_out_percent:.4g} %" for error in errors), True),
         Column("", _bars(console, [error.held_out_percent / most for error in errors])),
@@ -318,10 +320,11 @@ def show_ladder(console: Console, ladder: Ladder) -> None:
     show_correlation(console, rungs[-1].comparison)
 
 
-def _change(rung: Rung) -> str:
-    if rung.removed:
-        return f"without {rung.removed}"
-    return f"with {rung.added}" if rung.added else rung.model
+def change(step: Rung | Step) -> str:
+    """Return what was done to the model of the step before; of the first, its name."""
+    if step.removed:
+        return f"without {step.removed}"
+    return f"with {step.added}" if step.added else step.model
 
 
 def _with_spread(estimate: Estimate, key: str) -> str:

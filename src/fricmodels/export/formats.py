@@ -108,7 +108,7 @@ def _one_line(text: str) -> str:
 
 
 def _json(board: Leaderboard) -> bytes:
-    from fricmodels.tournament.leaderboard import SCHEMA
+    from fricmodels.results.leaderboard import SCHEMA
 
     return (json.dumps({"schema": SCHEMA, "rows": list(board.rows)}, indent=1, ensure_ascii=False) + "\n").encode()
 

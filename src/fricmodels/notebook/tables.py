@@ -11,11 +11,14 @@ import pandas as pd
 
 from fricmodels.diagnosis import Comparison, Diagnosis, Ladder
 from fricmodels.diagnosis.diagnose import Finding
+from fricmodels.diagnosis.document import document
 from fricmodels.diagnosis.ladder import added
 from fricmodels.dimension import DIMENSIONLESS, FORCE, INERTIA
 from fricmodels.export.columns import frame
 from fricmodels.fit import Fit
 from fricmodels.recording import CHANNELS, Recording
+from fricmodels.results.diagnosis import DiagnosisDocument
+from fricmodels.results.words import FOUND, NOT_FOUND, NOT_SEEN, SIZE, in_percent
 from fricmodels.tournament import Leaderboard
 
 Tables = dict[str, pd.DataFrame]
@@ -106,7 +109,7 @@ def _(comparison: Comparison) -> Tables:
 
 @tables.register
 def _(diagnosis: Diagnosis) -> Tables:
-    return _of_diagnosis(diagnosis.findings, diagnosis)
+    return _of_diagnosis(document(diagnosis), diagnosis.findings)
 
 
 @tables.register
@@ -130,7 +133,7 @@ def _(ladder: Ladder) -> Tables:
     return {
         "The ladder": _frame(steps, "step"),
         "Parameters from step to step": _frame(parameters, "parameter").astype(float),
-        **_of_diagnosis(added(ladder), ladder.last),
+        **_of_diagnosis(document(ladder.first, ladder), added(ladder)),
     }
 
 
@@ -139,39 +142,37 @@ def _(board: Leaderboard) -> Tables:
     return {"Leaderboard": frame(board)}
 
 
-def _of_diagnosis(findings: Sequence[Finding], final: Diagnosis) -> Tables:
-    motion = final.comparison.drive.motion
+def _of_diagnosis(data: DiagnosisDocument, findings: Sequence[Finding]) -> Tables:
     found = {
-        finding.tested.name: {
-            "explains of the residual [%]": 100 * finding.tested.evidence.explained,
-            "lowers test error [%]": 100 * finding.tested.evidence.gain,
-            "p value, corrected": finding.tested.adjusted,
-            "cannot be told from": ", ".join(finding.names[1:]),
-            "equation": finding.tested.effect.formula,
+        effect.name: {
+            "explains of the residual [%]": in_percent(effect.share_of_residual),
+            "lowers test error [%]": in_percent(effect.held_out_gain),
+            "p value, corrected": effect.p_value,
+            "cannot be told from": ", ".join(effect.names[1:]),
+            "equation": effect.equation,
         }
-        for finding in findings
+        for effect in data.effects
     }
     headings = ("explains of the residual [%]", "lowers test error [%]", "p value, corrected")
     sizes = {
         f"{finding.tested.name}.{p.symbol}": {
             "value": finding.tested.parameters[p.symbol],
-            "unit": p.unit_for(motion),
+            "unit": p.unit_for(data.motion),
             "meaning": p.meaning,
         }
         for finding in findings
         for p in finding.tested.effect.parameters
     }
     seen = {
-        name: {"% of RMS torque": row.smallest_percent, f"RMS torque [{FORCE.unit(motion)}]": row.smallest_torque}
-        for name, row in final.visibility.items()
-        if not row.missing
+        name: {"% of RMS torque": row.smallest_percent, f"RMS torque [{data.unit}]": row.smallest_torque}
+        for name, row in data.seen.items()
     }
-    blind = {name: {"why": row.missing} for name, row in final.visibility.items() if row.missing}
+    blind = {name: {"why": reason} for name, reason in data.not_seen.items()}
     return {
-        "What was found": _frame(found, "effect", headings),
-        **({"Its size on the residual": _frame(sizes, "parameter")} if sizes else {}),
-        **({"Tested and not found; smallest size we would have detected": _frame(seen, "effect")} if seen else {}),
-        **({"Could not have been seen in this recording": _frame(blind, "effect")} if blind else {}),
+        FOUND: _frame(found, "effect", headings),
+        **({SIZE: _frame(sizes, "parameter")} if sizes else {}),
+        **({NOT_FOUND: _frame(seen, "effect")} if seen else {}),
+        **({NOT_SEEN: _frame(blind, "effect")} if blind else {}),
     }
 
 

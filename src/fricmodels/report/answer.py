@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 import shlex
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Literal
 
 from fricmodels.report.reliability import RECORDS
 from fricmodels.report.wording import counted, listed, percent, small
+from fricmodels.results.words import SAMPLING, form
 from fricmodels.score.bands import averaged
 
-Data = Mapping[str, Any]
-"""A diagnosis as plain data; see :mod:`fricmodels.diagnosis.document`."""
+if TYPE_CHECKING:
+    from fricmodels.results.comparison import ComparisonDocument
+    from fricmodels.results.diagnosis import DiagnosisDocument
+
 Tone = Literal["good", "warn", "bad", "plain"]
 
 _PLAIN = {
@@ -52,11 +55,11 @@ class Answer:
     details: tuple[str, ...] = ()
 
 
-def answer(data: Data, options: Sequence[str] = ()) -> Answer:
+def answer(data: DiagnosisDocument, options: Sequence[str] = ()) -> Answer:
     """Return the answer of a diagnosis or a ladder.
 
     Args:
-        data: the diagnosis as plain data.
+        data: the diagnosis.
         options: more options of its command, for the next one.
     """
     following, command = _next(data, options)
@@ -65,74 +68,80 @@ def answer(data: Data, options: Sequence[str] = ()) -> Answer:
     )
 
 
-def tone(data: Data) -> Tone:
+def tone(data: DiagnosisDocument) -> Tone:
     """Return whether the answer is good news."""
-    if data["verdict"] == "adequate":
+    if data.verdict == "adequate":
         return "good"
-    return "bad" if data["verdict"] == "unknown-effect" or _much_remains(data) else "warn"
+    return "bad" if data.verdict == "unknown-effect" or _much_remains(data) else "warn"
 
 
-def _sentence(data: Data) -> str:
-    model = data["model"]
-    if data["verdict"] == "adequate":
+def _sentence(data: DiagnosisDocument) -> str:
+    model = data.model
+    if data.verdict == "adequate":
         return f"The model {model} is adequate: nothing that could be predicted is left."
-    rest = data.get("remaining")
-    if data["verdict"] == "unknown-effect":
+    if data.verdict == "unknown-effect":
         return f"Something is missing from the model {model} that no known effect explains."
-    names = [listed(effect["class"], "or") for effect in data["effects"]]
+    names = [listed(effect.names, "or") for effect in data.effects]
     if _much_remains(data):
-        left = percent(data["ladder"][-1]["held_out_rms_percent"])
-        most = (
-            f"{left} of the motor {quantity(data)} remains, far above {percent(data['noise_floor_percent'])} of noise"
-        )
-        why = "that no known effect explains" if rest else "unexplained"
-        return f"{most}, {why}; {listed(names)} {'is' if len(names) == 1 else 'are'} part of what {model} lacks."
+        left = percent(data.ladder[-1].held_out_rms_percent)
+        most = f"{left} of the motor {data.quantity} remains, far above {percent(data.noise_floor_percent)} of noise"
+        parts = f"{listed(names)} {'is' if len(names) == 1 else 'are'} part of what {model} lacks"
+        return f"{most}, that no known effect explains; {parts}."
     return f"The model {model} lacks {counted(len(names), 'effect')}: {listed(names)}."
 
 
-def _much_remains(data: Data) -> bool:
+def _much_remains(data: DiagnosisDocument) -> bool:
     """Whether a ladder ends far above noise, and something is said to be missing still."""
-    end = data["ladder"][-1]["held_out_rms_percent"]
-    far = end is not None and end > FAR_ABOVE * data["noise_floor_percent"]
-    return len(data["ladder"]) > 1 and bool(data.get("remaining")) and far
+    end, noise = data.ladder[-1].held_out_rms_percent, data.noise_floor_percent
+    far = end is not None and noise is not None and end > FAR_ABOVE * noise
+    return len(data.ladder) > 1 and data.remaining is not None and far
 
 
-def quantity(data: Data) -> str:
-    """Return torque, or force on a linear axis."""
-    return "force" if data["motion"] == "linear" else "torque"
+def window(data: ComparisonDocument) -> str:
+    """Say over which window the errors are averaged; nothing where that is not known, as in files of old versions."""
+    errors = data.rms_torque_error
+    sample = errors.bands[0].window_ms if errors.bands else None
+    return "" if errors.band_ms is None or sample is None else averaged(errors.band_ms, sample)
 
 
-def window(data: Data) -> str:
-    """Say over which window the errors are averaged; nothing where that is not known."""
-    errors = data["rms_torque_error"]
-    if "band_ms" not in errors:  # written by an earlier version
-        return ""
-    return averaged(errors["band_ms"], errors["bands"][0]["window_ms"])
-
-
-def error_words(data: Data) -> str:
+def error_words(data: ComparisonDocument) -> str:
     """Say by how much the test error falls, or what it is, beside what noise alone would leave."""
-    steps = data["ladder"]
-    before, after = steps[0]["held_out_rms_percent"], steps[-1]["held_out_rms_percent"]
-    noise = f"noise alone would leave about {percent(data['noise_floor_percent'])}"
+    steps = data.steps
+    before, after = steps[0].held_out_rms_percent, steps[-1].held_out_rms_percent
+    noise = f"noise alone would leave about {percent(data.noise_floor_percent)}"
     over = f", {window(data)}" if window(data) else ""
-    where = f"of the RMS motor {quantity(data)} on data that took no part in fitting{over}"
+    where = f"of the RMS motor {data.quantity} on data that took no part in fitting{over}"
     if len(steps) > 1:
         return f"Test error {percent(before)} → {percent(after)} {where}; {noise}."
     return f"Test error {percent(before)} {where}; {noise}."
 
 
-def sure(data: Data) -> str:
+def comparison_words(data: ComparisonDocument) -> tuple[str, str]:
+    """Say how far off a model is: the answer, and the errors that it rests on."""
+    errors = data.rms_torque_error
+    left = f"{percent(errors.held_out_percent)} of the motor {data.quantity}"
+    sentence = f"The model {data.model} leaves a test error of {left}."
+    words = f"{error_words(data)} Fit error {percent(errors.percent)}."
+    sample = errors.bands[0] if errors.bands else None
+    if sample is None or sample.window_ms == errors.band_ms:
+        return sentence, words
+    return sentence, (
+        f"{words} Per sample ({form(sample.window_ms, '.3g')} ms) the test error is "
+        f"{percent(sample.held_out_percent)}, of noise alone {percent(sample.noise_floor_percent)}."
+    )
+
+
+def sure(data: DiagnosisDocument) -> str:
     """Say what speaks for the answer, and how often such an answer was wrong where the truth was known."""
     parts = []
-    if data["effects"]:
-        least = max(effect["p_value"] for effect in data["effects"])
-        whom = "" if len(data["effects"]) == 1 else " for each of them"
+    if data.effects:
+        least = max((effect.p_value for effect in data.effects if effect.p_value is not None), default=None)
+        whom = "" if len(data.effects) == 1 else " for each of them"
         parts.append(f"p {_equals(small(least))}{whom}, corrected for all effects tested.")
-    elif data.get("unknown"):
-        chance = small(data["unknown"]["p_value"])
-        parts.append(f"That {data['unknown']['channels']} predicts the error is no chance: p {_equals(chance)}.")
-    known = RECORDS.get(data["verdict"])
+    elif data.unknown is not None:
+        chance = small(data.unknown.p_value)
+        parts.append(f"That {data.unknown.channels} predicts the error is no chance: p {_equals(chance)}.")
+    known = RECORDS.get(data.verdict)
     if known is not None:
         parts.append(known.said)
     return " ".join(parts)
@@ -142,51 +151,50 @@ def _equals(chance: str) -> str:
     return f"is {chance}" if chance.startswith("below") else f"= {chance}"
 
 
-def _remains(data: Data) -> str:
-    rest = data.get("remaining")
-    if not rest:
-        last = data["ladder"][-1]["held_out_rms_percent"]
-        floor = data["noise_floor_percent"]
-        if data["verdict"] == "adequate" or len(data["ladder"]) > 1:
-            beyond = data.get("beyond_sampling_percent")
+def _remains(data: DiagnosisDocument) -> str:
+    rest = data.remaining
+    if rest is None:
+        last = data.ladder[-1].held_out_rms_percent
+        floor = data.noise_floor_percent
+        if data.verdict == "adequate" or len(data.ladder) > 1:
+            beyond = data.beyond_sampling_percent
             why = (
                 "nothing predicts the rest."
                 if beyond is None
-                else f"all but {percent(beyond)} may be sampling: when the drive turned or stopped between samples, "
-                "and a shift of torque against motion within one."
+                else f"all but {percent(beyond)} may be sampling: {SAMPLING}."
             )
             return f"{percent(last)}, of which noise makes about {percent(floor)}; {why}"
         return ""
-    unit = "N" if data["motion"] == "linear" else "N m"
-    size = f"{percent(rest['percent'])} of the motor {quantity(data)} beyond noise ({rest['SI']:.2g} {unit} RMS)"
-    shown = f", predicted from {rest['channel']}" if rest["channel"] else ", predicted from no recorded channel"
-    place = f"; largest {rest['where']}" if rest.get("place") else f"; {rest['where']}" if rest["where"] else ""
+    size = f"{percent(rest.percent)} of the motor {data.quantity} beyond noise ({form(rest.SI, '.2g')} {data.unit} RMS)"
+    shown = f", predicted from {rest.channel}" if rest.channel else ", predicted from no recorded channel"
+    place = f"; largest {rest.where}" if rest.place else f"; {rest.where}" if rest.where else ""
     return f"{size}{shown}{place}."
 
 
-def _next(data: Data, options: Sequence[str]) -> tuple[str, str]:
+def _next(data: DiagnosisDocument, options: Sequence[str]) -> tuple[str, str]:
     """Return what to do next, and the command that does it, if one does."""
-    alike = [effect for effect in data["effects"] if len(effect["class"]) > 1]
-    rest, improved = data.get("remaining"), len(data["ladder"]) > 1
-    model = data["ladder"][-1]["model"]
-    if alike and data["verdict"] == "undecided" and not rest:
+    alike = [effect for effect in data.effects if len(effect.names) > 1]
+    rest, improved = data.remaining, len(data.ladder) > 1
+    model = data.ladder[-1].model
+    if alike and data.verdict == "undecided" and rest is None:
         first = alike[0]
-        return f"To tell {listed(first['class'], 'from')} apart: {first['separated_by']}.", ""
-    if data["effects"] and not improved:
+        return f"To tell {listed(first.names, 'from')} apart: {first.separated_by}.", ""
+    if data.effects and not improved:
         text = "Add what is missing, refit, and see whether more is:"
-        return text, command_line(data, "improve", data["model"], options)
-    if rest:
-        here = data["ladder"][-1]["held_out_rms_percent"]
-        better = [one for one in rest["nearest"] if one["held_out_percent"] < _WORTH_A_TRY * here]
+        return text, command_line(data, "improve", data.model, options)
+    if rest is not None:
+        here = data.ladder[-1].held_out_rms_percent
+        near = [(one.held_out_percent, one) for one in rest.nearest]
+        better = [one for error, one in near if error is not None and here is not None and error < _WORTH_A_TRY * here]
         if better:
             best = better[0]
-            fall = f"{percent(here)} → {percent(best['held_out_percent'])}"
-            text = f"{best['name']} comes nearest to what remains ({fall}), though it does not pass. To try it anyway:"
-            return text, command_line(data, "compare", best["model"], _common(options))
+            fall = f"{percent(here)} → {percent(best.held_out_percent)}"
+            text = f"{best.name} comes nearest to what remains ({fall}), though it does not pass. To try it anyway:"
+            return text, command_line(data, "compare", best.model, _common(options))
         text = "Record what this log lacks (another joint, a temperature, a load). To see where the error lies:"
         return text, command_line(data, "compare", model, [*_common(options), "--report", "error.html"])
     text = "Use the model. This keeps its parameters, standard errors and provenance in a file, to call or to export:"
-    kept = f"{Path(data['dataset']).name}.model.json"
+    kept = f"{Path(data.dataset).name}.model.json"
     return text, command_line(data, "fit", model, [*_common(options), "--out", kept])
 
 
@@ -201,35 +209,34 @@ def _common(options: Sequence[str]) -> list[str]:
     return kept
 
 
-def _details(data: Data) -> tuple[str, ...]:
+def _details(data: DiagnosisDocument) -> tuple[str, ...]:
     details = []
-    if data["verdict"] == "adequate" and data.get("coloured_noise"):
-        details.append(data["explanation"])
-    if data.get("remaining"):
-        details.append(data["remaining"]["text"])
-    if data.get("note"):
-        details.append(f"The ladder ends there: {data['note']}.")
+    if data.verdict == "adequate" and data.coloured_noise:
+        details.append(data.explanation)
+    if data.remaining is not None:
+        details.append(data.remaining.text)
+    if data.note:
+        details.append(f"The ladder ends there: {data.note}.")
     return tuple(details)
 
 
-def command_line(data: Data, command: str, model: str, options: Sequence[str] = ()) -> str:
+def command_line(data: ComparisonDocument, command: str, model: str, options: Sequence[str] = ()) -> str:
     """Return a command on the same recording, read in the same way.
 
     Args:
-        data: a diagnosis as plain data.
+        data: a comparison or a diagnosis.
         command: of ``fricmodels``.
         model: its ``--model``.
         options: more of its options.
     """
-    known = data["recording"]
-    files = list(known.get("files") or [known["source"] or "DATA"])
-    parts = ["fricmodels", command, *files, "--model", model]
-    if not data["inertia"]["estimated"]:
-        parts += ["--inertia", repr(data["inertia"]["value"])]
-    if not _PLAIN.issuperset(known["columns"]):
-        parts += [part for column in known["columns"] for part in ("--column", column)]
-    if known["torque_constant"] is not None:
-        parts += ["--torque-constant", repr(known["torque_constant"])]
-    if data["motion"] == "linear":
+    known = data.recording
+    parts = ["fricmodels", command, *(known.paths or ["DATA"]), "--model", model]
+    if not data.inertia.estimated and data.inertia.value is not None:
+        parts += ["--inertia", repr(data.inertia.value)]
+    if not _PLAIN.issuperset(known.columns):
+        parts += [part for column in known.columns for part in ("--column", column)]
+    if known.torque_constant is not None:
+        parts += ["--torque-constant", repr(known.torque_constant)]
+    if data.motion == "linear":
         parts.append("--linear")
     return shlex.join([*parts, *options])

@@ -14,6 +14,7 @@ from fricmodels.report.figures.residuals import changing
 
 if TYPE_CHECKING:
     from fricmodels.diagnosis.comparison import Comparison
+    from fricmodels.results.diagnosis import Remaining
     from fricmodels.term import Effect
 
 
@@ -32,11 +33,6 @@ def shown_over(comparison: Comparison, effect: Effect, parameters: Mapping[str, 
     return "velocity", None
 
 
-def channel_of_rest(rest: Mapping[str, Any]) -> str:
-    """Return the channel over which to show what remains: that of its place, or the one that predicts it.
-
-    Args:
-        rest: ``remaining`` of a diagnosis as plain data.
-    """
-    named = rest["place"]["channel"] if rest.get("place") else str(rest["channel"]).partition(",")[0]
-    return {"position": "position", "load torque": "load_torque", "load_torque": "load_torque"}.get(named, "velocity")
+def channel_of_rest(rest: Remaining) -> str:
+    """Return the channel over which to show what remains: that of its place, or the one that predicts it."""
+    return "velocity" if rest.over == "speed" else rest.over

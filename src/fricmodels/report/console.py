@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
-from fricmodels.diagnosis.document import document
+from fricmodels.diagnosis.document import comparison_document, document
 from fricmodels.diagnosis.ladder import added
-from fricmodels.diagnosis.present import say, show_overlay, show_parameters, spoken
-from fricmodels.dimension import Motion
+from fricmodels.diagnosis.present import change, sampled, say, show_overlay, show_parameters, spoken
 from fricmodels.errors import InputError
-from fricmodels.report.answer import Answer, answer
+from fricmodels.report.answer import Answer, answer, comparison_words
 from fricmodels.report.captions import where_words
 from fricmodels.report.channels import channel_of_rest, shown_over
 from fricmodels.report.figures.against import error_over
-from fricmodels.report.wording import counted, listed, percent, small
+from fricmodels.report.wording import counted, listed, percent, share, small
 from fricmodels.terminal import Band, Column, Marks, bar, plain, show_plot, show_table
 
 if TYPE_CHECKING:
@@ -23,8 +22,8 @@ if TYPE_CHECKING:
     from fricmodels.diagnosis.comparison import Comparison
     from fricmodels.diagnosis.diagnose import Diagnosis, Finding
     from fricmodels.diagnosis.ladder import Ladder
+    from fricmodels.results.diagnosis import DiagnosisDocument
 
-Data = Mapping[str, Any]
 _BAR = 24
 _ROWS = 9
 _RANKED = 4
@@ -37,7 +36,7 @@ def show_answer_of_ladder(console: Console, ladder: Ladder, options: Sequence[st
     """Print what ``improve`` found: the answer, the ladder, the final parameters, how sure, what next, the verdict."""
     data = document(ladder.first, ladder)
     found = answer(data, options)
-    _first(console, data, found, added(ladder) if data["effects"] else ())
+    _first(console, data, found, added(ladder) if data.effects else ())
     _ladder(console, data)
     last = ladder.rungs[-1].comparison
     show_parameters(console, last, f"Parameters of {last.drive.model.name}")
@@ -59,17 +58,10 @@ def show_answer_of_diagnosis(console: Console, diagnosis: Diagnosis, options: Se
 
 def show_answer_of_comparison(console: Console, comparison: Comparison) -> None:
     """Print how far off a model is: the error, model against measurement, the parameters, where it fails most."""
-    name = comparison.drive.model.name
-    errors = comparison.errors
-    motor = "force" if comparison.drive.motion is Motion.LINEAR else "torque"
-    _bold(console, f"{comparison.train.name}: {name} leaves a test error of {percent(errors.held_out_percent)}.")
-    say(
-        console,
-        f"RMS {motor} error {errors.averaged}, in % of the RMS motor {motor}: test error "
-        f"{percent(errors.held_out_percent)}, fit error {percent(errors.percent)}, noise alone would leave about "
-        f"{percent(comparison.noise_floor_percent)}. {len(comparison.train)} samples fitted and {len(comparison.test)} "
-        f"for the test, sampled every {1000 * comparison.train.interval:.4g} ms.",
-    )
+    data = comparison_document(comparison)
+    sentence, errors = comparison_words(data)
+    _bold(console, f"{data.dataset}: {sentence}")
+    say(console, f"{errors} {sampled(comparison)}")
     console.print()
     show_overlay(console, comparison, _ROWS)
     console.print()
@@ -79,50 +71,48 @@ def show_answer_of_comparison(console: Console, comparison: Comparison) -> None:
     say(console, "What is missing in it: fricmodels diagnose, with the same options. More: --verbose.")
 
 
-def _first(console: Console, data: Data, found: Answer, findings: Sequence[Finding]) -> None:
-    _bold(console, f"{data['dataset']}: {found.sentence}")
+def _first(console: Console, data: DiagnosisDocument, found: Answer, findings: Sequence[Finding]) -> None:
+    _bold(console, f"{data.dataset}: {found.sentence}")
     for finding in findings[:_EXPLAINED]:
         say(console, f"{finding.tested.name}: {finding.tested.effect.physics}.")
     say(console, found.error)
     console.print()
 
 
-def _rest(console: Console, data: Data, found: Answer) -> None:
+def _rest(console: Console, data: DiagnosisDocument, found: Answer) -> None:
     for title, text in (("How sure", found.sure), ("What remains", found.remains), ("Next", found.next)):
         if text:
             say(console, f"{title}: {text}")
     if found.command:
         # A command is copied: it is not folded.
         console.print(plain(spoken(console, f"  {found.command}")), markup=False, highlight=False, soft_wrap=True)
-    blind = [name for name, row in data["could_have_been_seen"].items() if row["missing"]]
-    if blind:
-        say(
-            console, f"This recording cannot show {counted(len(blind), 'effect')}; --verbose lists them, with the rest."
-        )
+    if data.not_seen:
+        blind = counted(len(data.not_seen), "effect")
+        say(console, f"This recording cannot show {blind}; --verbose lists them, with the rest.")
 
 
-def _last(console: Console, data: Data) -> None:
-    names = [listed(effect["class"], "or") for effect in data["effects"]]
-    steps = data["ladder"]
-    errors = [percent(steps[0]["held_out_rms_percent"])]
-    errors += [percent(steps[-1]["held_out_rms_percent"])] if len(steps) > 1 else []
+def _last(console: Console, data: DiagnosisDocument) -> None:
+    names = [listed(effect.names, "or") for effect in data.effects]
+    steps = data.ladder
+    errors = [percent(steps[0].held_out_rms_percent)]
+    errors += [percent(steps[-1].held_out_rms_percent)] if len(steps) > 1 else []
     what = f": {listed(names)}" if names else ""
     console.print()
-    _bold(console, f"Verdict: {data['verdict']}{what}; test error {' → '.join(errors)}")
+    _bold(console, f"Verdict: {data.verdict}{what}; test error {' → '.join(errors)}")
 
 
-def _ladder(console: Console, data: Data) -> None:
-    steps = data["ladder"]
-    most = max(step["held_out_rms_percent"] or 0.0 for step in steps) or 1.0
+def _ladder(console: Console, data: DiagnosisDocument) -> None:
+    steps = data.ladder
+    most = max(step.held_out_rms_percent or 0.0 for step in steps) or 1.0
     width = _BAR if console.width >= 80 else _BAR // 3
     ascii_only = console.options.ascii_only
     columns = [
-        Column("step", tuple(_step(step) for step in steps)),
-        Column("fit error", tuple(_figure(console, step["rms_percent"]) for step in steps), True),
-        Column("test error", tuple(_figure(console, step["held_out_rms_percent"]) for step in steps), True),
+        Column("step", tuple(change(step) for step in steps)),
+        Column("fit error", tuple(_figure(console, step.rms_percent) for step in steps), True),
+        Column("test error", tuple(_figure(console, step.held_out_rms_percent) for step in steps), True),
         Column(
             "",
-            tuple(bar((step["held_out_rms_percent"] or 0.0) / most, width, ascii_only=ascii_only) for step in steps),
+            tuple(bar((step.held_out_rms_percent or 0.0) / most, width, ascii_only=ascii_only) for step in steps),
         ),
     ]
     show_table(console, columns)
@@ -133,27 +123,21 @@ def _figure(console: Console, value: float | None) -> str:
     return spoken(console, percent(value))
 
 
-def _step(step: Data) -> str:
-    if step.get("removed"):
-        return f"without {step['removed']}"
-    return f"with {step['added']}" if step["added"] else step["model"]
-
-
-def _candidates(console: Console, data: Data) -> None:
-    rows = sorted(data["candidates"], key=lambda row: -row["held_out_gain"])[:_RANKED]
+def _candidates(console: Console, data: DiagnosisDocument) -> None:
+    rows = data.ranked[:_RANKED]
     if not rows:
         return
     columns = [
-        Column("candidate", tuple(row["name"] for row in rows)),
-        Column("error on test blocks", tuple(_figure(console, -100 * row["held_out_gain"]) for row in rows), True),
-        Column("p, corrected", tuple(small(row["p_value"]) for row in rows), True),
-        Column("passes all tests", tuple("yes" if row["gates"] else "no" for row in rows)),
+        Column("candidate", tuple(row.name for row in rows)),
+        Column("error on test blocks", tuple(spoken(console, share(row.change)) for row in rows), True),
+        Column("p, corrected", tuple(small(row.p_value) for row in rows), True),
+        Column("passes all tests", tuple("yes" if row.gates else "no" for row in rows)),
     ]
-    show_table(console, columns, f"The best of {len(data['candidates'])} candidates")
+    show_table(console, columns, f"The best of {len(data.candidates)} candidates")
     console.print()
 
 
-def _evidence(console: Console, data: Data, diagnosis: Diagnosis) -> None:
+def _evidence(console: Console, data: DiagnosisDocument, diagnosis: Diagnosis) -> None:
     """Plot the mean error against the channel that shows what is missing, and what the effect says there."""
     comparison = diagnosis.comparison
     channel, period, after, name = "velocity", None, None, ""
@@ -162,18 +146,17 @@ def _evidence(console: Console, data: Data, diagnosis: Diagnosis) -> None:
         name = tested.name
         channel, period = shown_over(comparison, tested.effect, tested.parameters)
         after = None if diagnosis.refits is None else diagnosis.refits.with_effect(tested)
-    elif data.get("remaining"):
-        channel = channel_of_rest(data["remaining"])
+    elif data.remaining is not None:
+        channel = channel_of_rest(data.remaining)
     try:
         over = error_over(comparison, channel, after, period)
     except InputError:
         over = error_over(comparison, "velocity", after)
     series: list[Band] = [Marks("mean error", "o", over.before.at, over.before.mean)]
     series += [Marks(f"what {name} adds", "+", over.before.at, over.before.other)] if over.left is not None else []
-    linear = comparison.drive.motion is Motion.LINEAR
-    what = f"{'Force' if linear else 'Torque'} error{', opposing motion' if over.opposes else ''}"
+    what = f"{data.quantity.capitalize()} error{', opposing motion' if over.opposes else ''}"
     _bold(console, f"{what}, against {over.axis.partition(' [')[0]}")
-    show_plot(console, series, over.axis, "[N]" if linear else "[N m]", _ROWS)
+    show_plot(console, series, over.axis, f"[{data.unit}]", _ROWS)
     console.print()
 
 

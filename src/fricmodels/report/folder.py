@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from fricmodels.dimension import Motion
+from fricmodels.diagnosis.document import FILE as DIAGNOSIS
 from fricmodels.errors import FricmodelsError, InputError
 from fricmodels.report import story, tournament
 from fricmodels.report.page import Page, Section, Words
 from fricmodels.report.wording import known_model
-from fricmodels.stored import as_written, read_results
+from fricmodels.results.diagnosis import DiagnosisDocument
+from fricmodels.stored import as_written
 from fricmodels.tournament.leaderboard import AGAIN, Leaderboard
 from fricmodels.tournament.leaderboard import FILE as LEADERBOARD
 from fricmodels.tournament.origin import read_origin
@@ -20,7 +20,6 @@ from fricmodels.tournament.origin import read_origin
 if TYPE_CHECKING:
     from fricmodels.diagnosis.ladder import Rung
 
-DIAGNOSIS = "diagnosis.json"
 _AGAIN = "fricmodels improve DATA --model M --out DIR"
 
 
@@ -67,8 +66,8 @@ def _renamed(section: Section) -> Section:
 
 
 def _of_diagnosis(folder: Path) -> Page:
-    data = _read(folder / DIAGNOSIS)
-    command = "improve" if len(data["ladder"]) > 1 else "diagnose"
+    data = DiagnosisDocument.read(folder / DIAGNOSIS, _AGAIN)
+    command = "improve" if len(data.ladder) > 1 else "diagnose"
     try:
         rungs = _rungs(data, folder)
     except FricmodelsError as error:
@@ -79,48 +78,36 @@ def _of_diagnosis(folder: Path) -> Page:
     return story.page(data, rungs, command)
 
 
-def _read(path: Path) -> Mapping[str, Any]:
-    from fricmodels.diagnosis.document import SCHEMA
-
-    data = read_results(path, SCHEMA, _AGAIN)
-    if "recording" not in data or "versions" not in data:
-        raise InputError(f"{path}: is of an older version; run fricmodels improve DATA --model M --out DIR again")
-    return data
-
-
-def _rungs(data: Mapping[str, Any], folder: Path) -> list[Rung]:
+def _rungs(data: DiagnosisDocument, folder: Path) -> list[Rung]:
     """Return the models of a ladder against the recording, as they were fitted."""
     from fricmodels.diagnosis import compare_fit, kept_back, ready
     from fricmodels.diagnosis.ladder import Rung
     from fricmodels.drive import Drive
     from fricmodels.readers import read_together
 
-    known = data["recording"]
-    if not known["source"]:
+    known = data.recording
+    if not known.paths:
         raise FricmodelsError("the recording was not read from a file")
-    paths = [Path(file) for file in known.get("files") or [known["source"]]]
-    motion = Motion(data["motion"])
+    paths = [Path(file) for file in known.paths]
     recording = read_together(
         [path if path.exists() else folder / path for path in paths],
-        columns=known["columns"],
-        motion=motion,
-        name=data["dataset"],
-        reader=known["reader"],
-        torque_constant=known["torque_constant"],
+        columns=known.columns,
+        motion=data.motion,
+        name=data.dataset,
+        reader=known.reader,
+        torque_constant=known.torque_constant,
     )
-    if recording.provenance["sha256"] != known["sha256"]:
-        raise FricmodelsError(f"{known['source']} has changed since the diagnosis")
+    if recording.provenance["sha256"] != known.sha256:
+        raise FricmodelsError(f"{known.source} has changed since the diagnosis")
     train, test = kept_back(ready(recording))
-    inertia = None if data["inertia"]["estimated"] else data["inertia"]["value"]
+    inertia = None if data.inertia.estimated else data.inertia.value
     rungs = []
-    for step in data["ladder"]:
-        own = step if "parameters" in step else data
-        model = known_model(step["model"])
+    for step in data.steps:
+        model = known_model(step.model)
         if model is None:
-            raise FricmodelsError(f"a part of the model '{step['model']}' is not installed here")
-        drive = Drive(model, inertia, motion)
-        errors = {key: value or 0.0 for key, value in own["standard_errors"].items()}
-        rungs.append(
-            Rung(compare_fit(train, test, drive, own["parameters"], errors), step["added"], step.get("removed", ""))
-        )
+            raise FricmodelsError(f"a part of the model '{step.model}' is not installed here")
+        drive = Drive(model, inertia, data.motion)
+        values = {key: value for key, value in step.parameters.items() if value is not None}
+        errors = {key: value or 0.0 for key, value in step.standard_errors.items()}
+        rungs.append(Rung(compare_fit(train, test, drive, values, errors), step.added, step.removed))
     return rungs

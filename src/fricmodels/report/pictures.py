@@ -22,10 +22,11 @@ from fricmodels.report.channels import channel_of_rest, shown_over
 from fricmodels.report.figure_tables import axis_title, cells_of, points_of
 from fricmodels.report.figures.residuals import changing
 from fricmodels.report.page import Picture, Table, table
-from fricmodels.report.wording import count, number, percent
+from fricmodels.report.wording import count, number, percent, share, small
 
 if TYPE_CHECKING:
     from fricmodels.diagnosis.comparison import Comparison
+    from fricmodels.results.diagnosis import Candidate, Correlation, Remaining
     from fricmodels.term import Effect
 
 
@@ -152,12 +153,12 @@ def evidence(
     return Picture(title, against_words(figure, effect.name), figure, points_of(figure), f"evidence-{effect.name}")
 
 
-def left_over(comparison: Comparison, rest: Mapping[str, Any]) -> Picture:
+def left_over(comparison: Comparison, rest: Remaining) -> Picture:
     """Return what remains that no effect was named for, against the channel that shows it.
 
     Args:
         comparison: the last model.
-        rest: ``remaining`` of a diagnosis as plain data.
+        rest: what remains.
     """
     from fricmodels.report import figures
 
@@ -185,16 +186,12 @@ def covered(comparison: Comparison) -> Picture:
     return Picture(f"Coverage of velocity and {meta['other']}", words, figure, cells_of(figure), "coverage")
 
 
-def correlated(known: Mapping[str, Any]) -> Picture | None:
-    """Return how the estimates of the parameters are correlated; ``None`` where there are fewer than two.
-
-    Args:
-        known: ``correlation`` of a diagnosis as plain data.
-    """
+def correlated(known: Correlation) -> Picture | None:
+    """Return how the estimates of the parameters are correlated; ``None`` where there are fewer than two."""
     from fricmodels.report import figures
     from fricmodels.report.figures.coverage import strongest
 
-    names, matrix = known["parameters"], known["matrix"]
+    names, matrix = known.parameters, known.matrix
     if len(names) < 2:
         return None
     one, other, value = strongest(names, matrix)
@@ -209,22 +206,20 @@ def correlated(known: Mapping[str, Any]) -> Picture | None:
 _ALIKE = 0.95
 
 
-def ranked(rows: Sequence[Mapping[str, Any]], model: str) -> Picture:
+def ranked(best: Sequence[Candidate], model: str) -> Picture:
     """Return all candidates that were tested, ranked.
 
     Args:
-        rows: ``candidates`` of a diagnosis as plain data.
+        best: the candidates, the best first.
         model: that they were added to.
     """
     from fricmodels.report import figures
-    from fricmodels.report.wording import small
 
-    best = sorted(rows, key=lambda row: -row["held_out_gain"])
-    words = f"{count(len(best))} effects were added to {model}, one at a time. {best[0]['name']} lowers the error on "
-    words += f"test blocks most, by {percent(100 * best[0]['held_out_gain'])}"
+    words = f"{count(len(best))} effects were added to {model}, one at a time. {best[0].name} lowers the error on "
+    words += f"test blocks most, by {share(best[0].held_out_gain)}"
     if len(best) > 1:
-        words += f"; the runner-up is {best[1]['name']} with {percent(100 * best[1]['held_out_gain'])}"
-    passing = sum(row["gates"] for row in best)
+        words += f"; the runner-up is {best[1].name} with {share(best[1].held_out_gain)}"
+    passing = sum(row.gates for row in best)
     if passing == 0:
         words += ". None of them passes all three tests."
     elif passing == 1:
@@ -233,11 +228,11 @@ def ranked(rows: Sequence[Mapping[str, Any]], model: str) -> Picture:
         words += f". {count(passing)} pass all three tests by themselves; most of these only resemble the first."
     cells = [
         (
-            row["name"],
-            percent(-100 * row["held_out_gain"]),
-            percent(100 * row["share_of_residual"]),
-            small(row["p_value"]),
-            "yes" if row["gates"] else "no",
+            row.name,
+            share(row.change),
+            share(row.share_of_residual),
+            small(row.p_value),
+            "yes" if row.gates else "no",
         )
         for row in best
     ]
@@ -249,7 +244,7 @@ def ranked(rows: Sequence[Mapping[str, Any]], model: str) -> Picture:
         "passes all tests": False,
     }
     shown = table("Candidates: change of the error on test blocks", titles, cells)
-    return Picture("All candidates", f"{words}", figures.candidates(rows, model), shown, "candidates")
+    return Picture("All candidates", f"{words}", figures.candidates(best, model), shown, "candidates")
 
 
 def regimes(comparison: Comparison) -> Table:

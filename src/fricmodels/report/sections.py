@@ -5,12 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from fricmodels import plugins
 from fricmodels.diagnosis.policy import POLICY
 from fricmodels.dimension import Motion
 from fricmodels.parameter import Parameter, at_bound
+from fricmodels.report.answer import window
 from fricmodels.report.page import (
     Block,
     Equations,
@@ -48,25 +49,25 @@ from fricmodels.report.wording import (
     number,
     percent,
     physics,
+    share,
     small,
     symbols_in,
     unit,
     unit_of,
 )
-from fricmodels.score.bands import averaged
+from fricmodels.results.words import look_alikes
 
 if TYPE_CHECKING:
     from fricmodels.diagnosis.comparison import Comparison
     from fricmodels.diagnosis.ladder import Rung
-
-Data = Mapping[str, Any]
-"""A diagnosis as plain data; see :mod:`fricmodels.diagnosis.document`."""
+    from fricmodels.results.comparison import ComparisonDocument, Step
+    from fricmodels.results.diagnosis import Correlation, DiagnosisDocument, Effect
 
 _OPEN = 2
 """Effects that are all shown unfolded; of more only the first: those found later matter less."""
 
 
-def found(data: Data, rungs: Sequence[Rung], after: Mapping[str, Comparison] | None = None) -> Section:
+def found(data: DiagnosisDocument, rungs: Sequence[Rung], after: Mapping[str, Comparison] | None = None) -> Section:
     """Say which effects are missing: the physics, the equation, the size, the evidence, and what looks alike.
 
     Args:
@@ -76,74 +77,76 @@ def found(data: Data, rungs: Sequence[Rung], after: Mapping[str, Comparison] | N
     """
     steps = {rung.added: (earlier.comparison, rung.comparison) for earlier, rung in pairwise(rungs)}
     blocks: list[Block] = []
-    if not data["effects"] and not data.get("remaining"):
-        blocks.append(Words(data["explanation"]))
-    for number_of, effect in enumerate(data["effects"]):
-        still = number_of == 0 or len(data["effects"]) <= _OPEN
-        alone = (rungs[0].comparison, (after or {}).get(effect["name"])) if rungs else None
-        blocks += _effect(effect, data, steps.get(effect["name"], alone), still)
-    if data.get("remaining") and rungs:
-        blocks.append(left_over(rungs[-1].comparison, data["remaining"]))
-    if data.get("candidates"):
-        blocks.append(ranked(data["candidates"], data["model"]))
-    return Section("missing", "What is missing" if data["effects"] else "The verdict", blocks)
+    if not data.effects and data.remaining is None:
+        blocks.append(Words(data.explanation))
+    for number_of, effect in enumerate(data.effects):
+        still = number_of == 0 or len(data.effects) <= _OPEN
+        alone = (rungs[0].comparison, (after or {}).get(effect.name)) if rungs else None
+        blocks += _effect(effect, data, steps.get(effect.name, alone), still)
+    if data.remaining is not None and rungs:
+        blocks.append(left_over(rungs[-1].comparison, data.remaining))
+    if data.candidates:
+        blocks.append(ranked(data.ranked, data.model))
+    return Section("missing", "What is missing" if data.effects else "The verdict", blocks)
 
 
-def _effect(effect: Data, data: Data, steps: tuple[Comparison, Comparison | None] | None, still: bool) -> list[Block]:
+def _effect(
+    effect: Effect, data: DiagnosisDocument, steps: tuple[Comparison, Comparison | None] | None, still: bool
+) -> list[Block]:
     """Say what an effect is, by how much the test error falls with it, and show it; ``still`` leaves all of it open."""
     known = plugins.load().effects
-    term = known[effect["name"]] if effect["name"] in known else None  # noqa: SIM401
-    inner: list[Block] = [Equations([(effect["equation"], "" if term is None else symbols_in(term))])]
+    term = known[effect.name] if effect.name in known else None  # noqa: SIM401
+    inner: list[Block] = [Equations([(effect.equation, "" if term is None else symbols_in(term))])]
     mark = f" In the error it looks like this: {term.signature}." if term is not None and term.signature else ""
     inner.append(Words(f"{_matters(effect, data)}{mark}"))
-    if len(effect["class"]) > 1:
-        others = listed(name for name in effect["class"] if name != effect["name"])
-        inner.append(
-            Words(f"This recording cannot tell it from {others}. What would tell them apart: {effect['separated_by']}.")
-        )
+    if len(effect.names) > 1:
+        inner.append(Words(_alike(effect)))
     values = {
         key.partition(".")[2]: value
-        for key, value in data["ladder"][-1].get("parameters", {}).items()
-        if key.startswith(f"{effect['name']}.")
+        for key, value in data.ladder[-1].parameters.items()
+        if key.startswith(f"{effect.name}.")
     }
     if term is not None and steps is not None:
-        inner.append(evidence(steps[0], term(), steps[1], values or effect["parameters"]))
-    inner.append(Fold(f"Parameters and statistics of {effect['name']}", _statistics(effect, data)))
-    heading = Heading(effect["name"], remark="" if term is None else physics(term))
-    return [heading, *inner] if still else [Fold(f"{effect['name']}: {_matters(effect, data)}", inner)]
+        inner.append(evidence(steps[0], term(), steps[1], values or effect.parameters))
+    inner.append(Fold(f"Parameters and statistics of {effect.name}", _statistics(effect, data)))
+    heading = Heading(effect.name, remark="" if term is None else physics(term))
+    return [heading, *inner] if still else [Fold(f"{effect.name}: {_matters(effect, data)}", inner)]
 
 
-def _matters(effect: Data, data: Data) -> str:
+def _alike(effect: Effect) -> str:
+    return look_alikes(listed(name for name in effect.names if name != effect.name), effect.separated_by)
+
+
+def _matters(effect: Effect, data: DiagnosisDocument) -> str:
     """Say by how much the test error falls with an effect, the one number for how much it matters."""
-    for before, after in pairwise(data["ladder"]):
-        if after["added"] == effect["name"]:
-            pair = (percent(before["held_out_rms_percent"]), percent(after["held_out_rms_percent"]))
+    for before, after in pairwise(data.ladder):
+        if after.added == effect.name:
+            pair = (percent(before.held_out_rms_percent), percent(after.held_out_rms_percent))
             return f"With it the test error falls from {pair[0]} to {pair[1]}."
-    return f"It lowers the error on blocks that took no part in fitting by {percent(100 * effect['held_out_gain'])}."
+    return _gain(effect)
 
 
-def _statistics(effect: Data, data: Data) -> list[Block]:
+def _gain(effect: Effect) -> str:
+    return f"It lowers the error on blocks that took no part in fitting by {share(effect.held_out_gain)}."
+
+
+def _statistics(effect: Effect, data: DiagnosisDocument) -> list[Block]:
     """Return the parameters of an effect and the statistics of its tests."""
-    last = data["ladder"][-1]
-    values = {key: value for key, value in last.get("parameters", {}).items() if key.startswith(f"{effect['name']}.")}
+    last = data.ladder[-1]
+    values = {key: value for key, value in last.parameters.items() if key.startswith(f"{effect.name}.")}
     blocks: list[Block] = []
     if values:
-        motion = Motion(data["motion"])
-        blocks.append(
-            parameters(last["model"], values, last["standard_errors"], motion, f"Parameters of {effect['name']}")
-        )
-    elif effect["parameters"]:
-        rows = [
-            (key, number(value, 4), unit(effect["units"].get(key, ""))) for key, value in effect["parameters"].items()
-        ]
+        caption = f"Parameters of {effect.name}"
+        blocks.append(parameters(last.model, values, last.standard_errors, data.motion, caption))
+    elif effect.parameters:
+        rows = [(key, number(value, 4), unit(effect.units.get(key, ""))) for key, value in effect.parameters.items()]
         titles = {"parameter": False, "value": True, "unit": False}
         blocks.append(table("Its parameters, as far as the test found them", titles, rows, symbols=True))
-    share, gain = percent(100 * effect["share_of_residual"]), percent(100 * effect["held_out_gain"])
     blocks.append(
         Words(
-            f"It explains {share} of the squared error remaining before this step in the rows of the weak form, and "
-            f"lowers that error by {gain} on blocks that were not used for fitting. The chance of this without such an "
-            f"effect is {small(effect['p_value'])}, corrected for all effects tested."
+            f"It explains {share(effect.share_of_residual)} of the squared error remaining before this step in the "
+            f"rows of the weak form. {_gain(effect)} The chance of this without such an effect is "
+            f"{small(effect.p_value)}, corrected for all effects tested."
         )
     )
     return blocks
@@ -179,12 +182,9 @@ def _meaning(key: str, known: Mapping[str, Parameter], named: bool) -> str:
     return f"{meaning_of(key, known)} ({effect})" if effect and named else meaning_of(key, known)
 
 
-def error_words(data: Data) -> str:
+def error_words(data: ComparisonDocument) -> str:
     """Say over which window the torque errors are averaged."""
-    errors = data["rms_torque_error"]
-    if "band_ms" not in errors:  # written by an earlier version
-        return "RMS torque error"
-    return f"RMS torque error {averaged(errors['band_ms'], errors['bands'][0]['window_ms'])}"
+    return f"RMS torque error {window(data)}".rstrip()
 
 
 def bands(comparison: Comparison) -> Table:
@@ -199,12 +199,11 @@ def bands(comparison: Comparison) -> Table:
     return table("RMS torque error by window, in % of the RMS motor torque", titles, rows)
 
 
-def ladder(data: Data, picture: Picture | None) -> Section:
+def ladder(data: DiagnosisDocument, picture: Picture | None) -> Section:
     """Show how the error falls with each effect."""
     titles = {"model": False, "step": False, "fit error": True, "test error": True}
     rows = [
-        (rung["model"], _step(rung), percent(rung["rms_percent"]), percent(rung["held_out_rms_percent"]))
-        for rung in data["ladder"]
+        (rung.model, _step(rung), percent(rung.rms_percent), percent(rung.held_out_rms_percent)) for rung in data.ladder
     ]
     shown = table(f"{error_words(data)}, in % of the RMS motor torque", titles, rows)
     blocks: list[Block] = [
@@ -217,19 +216,19 @@ def ladder(data: Data, picture: Picture | None) -> Section:
     return Section("ladder", "The ladder", blocks)
 
 
-def _step(rung: Data) -> str:
-    if rung.get("removed"):
-        return f"− {rung['removed']}"
-    return f"+ {rung['added']}" if rung["added"] else "as given"
+def _step(rung: Step) -> str:
+    if rung.removed:
+        return f"− {rung.removed}"
+    return f"+ {rung.added}" if rung.added else "as given"
 
 
-def ladder_words(data: Data) -> str:
+def ladder_words(data: DiagnosisDocument) -> str:
     """Say in one sentence how the error falls."""
-    rungs = data["ladder"]
-    parts = [f"to {percent(rung['held_out_rms_percent'])} with {rung['added']}" for rung in rungs[1:] if rung["added"]]
+    rungs = data.ladder
+    parts = [f"to {percent(rung.held_out_rms_percent)} with {rung.added}" for rung in rungs[1:] if rung.added]
     return (
-        f"The test error falls from {percent(rungs[0]['held_out_rms_percent'])} {listed(parts, 'and')}. "
-        f"Sensor noise alone would leave about {percent(data['noise_floor_percent'])}."
+        f"The test error falls from {percent(rungs[0].held_out_rms_percent)} {listed(parts, 'and')}. "
+        f"Sensor noise alone would leave about {percent(data.noise_floor_percent)}."
     )
 
 
@@ -258,26 +257,31 @@ def fails(comparisons: Sequence[Comparison]) -> Section:
     return Section("fails", f"Where {first.drive.model.name} fails", blocks)
 
 
-def all_parameters(data: Data) -> Section:
-    """List the parameters of the final model, and on demand those of the given one."""
-    motion = Motion(data["motion"])
-    last = data["ladder"][-1] if "parameters" in data["ladder"][-1] else data
+def all_parameters(data: ComparisonDocument, known: Correlation | None = None) -> Section:
+    """List the parameters of the final model, and on demand those of the given one.
+
+    Args:
+        data: a comparison or a diagnosis.
+        known: how their estimates are correlated.
+    """
+    steps = data.steps
+    last = steps[-1]
     note = (
         f"The intervals are the estimate ± {NORMAL_95:.2f} standard errors; these hold for residuals that are "
         "correlated in time. They say how well this recording determines a parameter of this model, not whether the "
         "model is right."
     )
-    blocks: list[Block] = [*equations(last["model"], motion), *fitted(last, motion), Words(note)]
-    pair = correlated(data["correlation"]) if data.get("correlation") else None
+    blocks: list[Block] = [*equations(last.model, data.motion), fitted(last, data.motion), Words(note)]
+    pair = None if known is None else correlated(known)
     blocks += [] if pair is None else [Fold("Correlation of the parameters", [pair])]
-    if len(data["ladder"]) > 1:
-        blocks.append(Fold(f"Parameters of the given model, {data['model']}", fitted(data, motion)))
+    if len(steps) > 1:
+        blocks.append(Fold(f"Parameters of the given model, {data.model}", [fitted(steps[0], data.motion)]))
     return Section("parameters", "Parameters", blocks)
 
 
-def fitted(data: Data, motion: Motion) -> list[Block]:
+def fitted(step: Step, motion: Motion) -> Table:
     """Return the table of a model's parameters."""
-    return [parameters(data["model"], data["parameters"], data["standard_errors"], motion, data["model"])]
+    return parameters(step.model, step.parameters, step.standard_errors, motion, step.model)
 
 
 def equations(model: str, motion: Motion) -> list[Block]:
@@ -299,25 +303,23 @@ def equations(model: str, motion: Motion) -> list[Block]:
     return [Equations(lines)]
 
 
-def limits(data: Data, comparisons: Sequence[Comparison] = ()) -> Section:
+def limits(data: DiagnosisDocument, comparisons: Sequence[Comparison] = ()) -> Section:
     """Say what is not identified, where the drive was, what would have been found, what could not have been seen."""
     blocks: list[Block] = [*_identified(data)]
     if comparisons:
         blocks.append(Fold("Where the drive was: coverage of velocity and position", [covered(comparisons[-1])]))
-    seen = {name: row for name, row in data["could_have_been_seen"].items() if not row["missing"]}
-    blind = {name: row["missing"] for name, row in data["could_have_been_seen"].items() if row["missing"]}
+    seen, blind = data.seen, data.not_seen
     if seen:
-        unit_text = "N m" if data["motion"] == Motion.ROTARY else "N"
         sizes: dict[tuple[str, str], list[str]] = {}
-        for name, row in sorted(seen.items(), key=lambda item: item[1]["smallest_percent"] or 0.0):
-            size = (percent(row["smallest_percent"]), number(row["smallest_torque"]))
+        for name, row in sorted(seen.items(), key=lambda item: item[1].smallest_percent or 0.0):
+            size = (percent(row.smallest_percent), number(row.smallest_torque))
             sizes.setdefault(size, []).append(name)
-        titles = {"of the RMS torque": True, f"RMS torque [{unit_text}]": True, "effects": False}
+        titles = {"of the RMS torque": True, f"RMS torque [{data.unit}]": True, "effects": False}
         blocks += [
             Heading("Tested and not found"),
             Words(
                 f"{counted(len(seen), 'other effect').capitalize()} would have been detected from the size given here. "
-                f"{floor_words(row['smallest_percent'] for row in seen.values())}"
+                f"{floor_words(row.smallest_percent for row in seen.values())}"
             ),
             table(
                 "Smallest size that we would have detected",
@@ -360,28 +362,24 @@ def _reason(text: str) -> tuple[str, str]:
     return why, remedy or "–"
 
 
-def _identified(data: Data) -> list[Block]:
-    last = data["ladder"][-1] if "parameters" in data["ladder"][-1] else data
-    errors: Mapping[str, float | None] = last["standard_errors"]
+def _identified(data: DiagnosisDocument) -> list[Block]:
+    last = data.steps[-1]
+    errors = last.standard_errors
     loose = [key for key, error in errors.items() if error is None or error <= 0]
     weak = [
         key
         for key, error in errors.items()
-        if error and (value := last["parameters"].get(key)) is not None and abs(value) < NORMAL_95 * error
+        if error and (value := last.parameters.get(key)) is not None and abs(value) < NORMAL_95 * error
     ]
     points = []
     if loose:
         points.append(f"Not determined by this recording: {listed(loose)}.")
-    held = at_bound(declared(last["model"]), last["parameters"])
+    held = at_bound(declared(last.model), last.parameters)
     if held:
         points.append(f"At the end of what is physical: {listed(held)}; the data alone would go beyond it.")
     if weak:
         points.append(f"{listed(weak)} cannot be distinguished from zero: the 95 % interval includes it.")
-    points += [
-        f"Not told apart: {listed(effect['class'])}. What would: {effect['separated_by']}."
-        for effect in data["effects"]
-        if len(effect["class"]) > 1
-    ]
+    points += [f"{effect.name}: {_alike(effect)}" for effect in data.effects if len(effect.names) > 1]
     if not points:
         points.append("Every parameter of the final model is determined, and every effect in it has no look-alike.")
     return [Heading("Identified or not"), Points(points)]

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, cast
 
 from fricmodels import plugins
 from fricmodels.report import sections
-from fricmodels.report.answer import answer, quantity, window
+from fricmodels.report.answer import answer, comparison_words, window
 from fricmodels.report.captions import where_words
 from fricmodels.report.motion import motion_section
 from fricmodels.report.page import Page, Picture, Section, Tile, Verdict
@@ -20,8 +20,8 @@ if TYPE_CHECKING:
     from fricmodels.diagnosis.diagnose import Diagnosis
     from fricmodels.diagnosis.ladder import Ladder, Rung
     from fricmodels.motion import Judged
-
-Data = Mapping[str, Any]
+    from fricmodels.results.comparison import ComparisonDocument
+    from fricmodels.results.diagnosis import DiagnosisDocument
 
 
 def of_ladder(ladder: Ladder, options: Sequence[str] = (), motion: Sequence[Judged] = ()) -> Page:
@@ -52,39 +52,32 @@ def _with_motion(page: Page, motion: Sequence[Judged]) -> Page:
 
 def of_comparison(comparison: Comparison, options: Sequence[str] = (), motion: Sequence[Judged] = ()) -> Page:
     """Return the report on a comparison: the model against the measurement and where it fails, without a diagnosis."""
-    from fricmodels.diagnosis.document import described, facts
-    from fricmodels.plugins import versions
+    from fricmodels.diagnosis.document import comparison_document
 
-    own = facts(comparison)
-    errors = own["rms_torque_error"]
-    step = {"model": own["model"], "rms_percent": errors["percent"], "held_out_rms_percent": errors["held_out_percent"]}
-    errors_of = quantity(own)
-    data = {**own, "ladder": [step], "effects": [], "recording": described(comparison), "versions": versions()}
+    data = comparison_document(comparison)
     advice = "What is missing in it is another question: fricmodels diagnose, with the same options, answers that."
-    sentence = (
-        f"The model {own['model']} leaves a test error of {percent(errors['held_out_percent'])} of the {errors_of}."
-    )
+    sentence, errors = comparison_words(data)
     found = [
         sections.measured([comparison]),
         sections.fails([comparison]),
         sections.all_parameters(data),
         recording_section(data, "compare", options),
     ]
-    details = [_left(data), where_words(comparison, most=3), advice]
+    details = [errors, where_words(comparison, most=3), advice]
     return _with_motion(_page(data, Verdict(sentence, "plain", details), found), motion)
 
 
 def page(
-    data: Data,
+    data: DiagnosisDocument,
     rungs: Sequence[Rung],
     command: str,
     options: Sequence[str] = (),
     after: Mapping[str, Comparison] | None = None,
 ) -> Page:
-    """Return the report on a diagnosis as plain data.
+    """Return the report on a diagnosis.
 
     Args:
-        data: see :mod:`fricmodels.diagnosis.document`.
+        data: the diagnosis.
         rungs: the models on the way, for the figures; empty where the recording is no longer there.
         command: that made it.
         options: of that command.
@@ -93,19 +86,19 @@ def page(
     return _page(data, verdict(data, options), story(data, rungs, command, options, after))
 
 
-def _page(data: Data, answer: Verdict, found: Sequence[Section]) -> Page:
+def _page(data: ComparisonDocument, answer: Verdict, found: Sequence[Section]) -> Page:
     return Page(
-        title=data["dataset"],
+        title=data.dataset,
         kicker="Friction report on a recording",
         verdict=answer,
         tiles=tiles(data),
         sections=found,
-        made_by=f"fricmodels {data['versions']['fricmodels']}",
+        made_by=f"fricmodels {data.versions['fricmodels']}",
     )
 
 
 def story(
-    data: Data,
+    data: DiagnosisDocument,
     rungs: Sequence[Rung],
     command: str,
     options: Sequence[str] = (),
@@ -114,13 +107,13 @@ def story(
     """Return the sections in reading order."""
     ends = _ends([rung.comparison for rung in rungs])
     found = [sections.found(data, rungs, after)]
-    if len(data["ladder"]) > 1:
+    if len(data.ladder) > 1:
         found.append(sections.ladder(data, _ladder_picture(data, rungs)))
     if ends:
         found += [sections.measured(ends), sections.fails(ends)]
     return [
         *found,
-        sections.all_parameters(data),
+        sections.all_parameters(data, data.correlation),
         sections.limits(data, ends),
         recording_section(data, command, options),
     ]
@@ -131,7 +124,7 @@ def _ends(comparisons: Sequence[Comparison]) -> list[Comparison]:
     return list(comparisons) if len(comparisons) < 2 else [comparisons[0], comparisons[-1]]
 
 
-def _ladder_picture(data: Data, rungs: Sequence[Rung]) -> Picture | None:
+def _ladder_picture(data: DiagnosisDocument, rungs: Sequence[Rung]) -> Picture | None:
     from fricmodels.report import figures
 
     if not rungs:
@@ -147,7 +140,7 @@ class _Steps:
     rungs: tuple[Rung, ...]
 
 
-def verdict(data: Data, options: Sequence[str] = ()) -> Verdict:
+def verdict(data: DiagnosisDocument, options: Sequence[str] = ()) -> Verdict:
     """Return the answer, how large, how sure, what remains and what to do next; the rest is folded."""
     found = answer(data, options)
     lines = [
@@ -157,49 +150,29 @@ def verdict(data: Data, options: Sequence[str] = ()) -> Verdict:
         ("What to do next", found.next),
     ]
     details = [*_physics(data), *found.details]
-    if len(data["ladder"]) > 1:
+    if len(data.ladder) > 1:
         details.insert(0, sections.ladder_words(data))
     return Verdict(found.sentence, found.tone, details, [line for line in lines if line[1]], found.command)
 
 
-def _left(data: Data) -> str:
-    errors = data["rms_torque_error"]
-    held_out = percent(errors["held_out_percent"])
-    text = (
-        f"On data that it was not fitted to the {sections.error_words(data)} is {held_out} of the RMS motor "
-        f"{quantity(data)}; "
-        f"sensor noise alone would leave about {percent(data['noise_floor_percent'])}."
-    )
-    if len(errors.get("bands", ())) < 2:
-        return text
-    sample = errors["bands"][0]
-    return (
-        f"{text} Per sample ({sample['window_ms']:.3g} ms) it is {percent(sample['held_out_percent'])}, of noise alone "
-        f"{percent(sample['noise_floor_percent'])}."
-    )
-
-
-def _physics(data: Data) -> list[str]:
+def _physics(data: DiagnosisDocument) -> list[str]:
     """Return each missing effect in one line of plain words."""
     known = plugins.load().effects
-    return [f"{name}: {physics(known[name])}." for effect in data["effects"] if (name := effect["name"]) in known]
+    names = [effect.name for effect in data.effects]
+    return [f"{name}: {physics(known[name])}." for name in names if name in known]
 
 
-def tiles(data: Data) -> list[Tile]:
+def tiles(data: ComparisonDocument) -> list[Tile]:
     """Return the few figures that carry the verdict."""
-    rungs = data["ladder"]
+    rungs = data.steps
     over = window(data)
-    shown = [Tile(percent(rungs[0]["held_out_rms_percent"]), "test error of the model as given", data["model"])]
+    shown = [Tile(percent(rungs[0].held_out_rms_percent), "test error of the model as given", data.model)]
     if len(rungs) > 1:
         last = rungs[-1]
-        gained = [name for name in last["model"].split("+") if name not in data["model"].split("+")]
-        shown.append(
-            Tile(percent(last["held_out_rms_percent"]), "test error with what was found", f"+ {listed(gained)}")
-        )
-    shown.append(
-        Tile(percent(data["noise_floor_percent"]), "sensor noise alone", over or "estimated from the channels")
-    )
-    samples = data["recording"]["samples"]
-    total = samples["fitted"] + samples["kept_back"]
-    shown.append(Tile(count(total), "samples", f"{100 * samples['kept_back'] / total:.0f} % for the test error"))
+        gained = [name for name in last.model.split("+") if name not in data.model.split("+")]
+        shown.append(Tile(percent(last.held_out_rms_percent), "test error with what was found", f"+ {listed(gained)}"))
+    shown.append(Tile(percent(data.noise_floor_percent), "sensor noise alone", over or "estimated from the channels"))
+    samples = data.recording.samples
+    kept_back = 100 * samples.kept_back / samples.total
+    shown.append(Tile(count(samples.total), "samples", f"{kept_back:.0f} % for the test error"))
     return shown

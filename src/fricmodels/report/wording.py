@@ -12,6 +12,7 @@ from fricmodels.dimension import Motion
 from fricmodels.model import Model
 from fricmodels.parameter import Parameter
 from fricmodels.report.figures.style import EXPONENT
+from fricmodels.results.words import in_percent
 
 NORMAL_95 = 1.959964
 """Standard errors on either side of a 95 % interval."""
@@ -32,6 +33,11 @@ _SIGNALS = {
 def percent(value: float | None) -> str:
     """Return a percentage in three figures; a dash for none."""
     return "–" if value is None or not math.isfinite(value) else f"{number(value)}\u00a0%"
+
+
+def share(value: float | None) -> str:
+    """Return a share as a percentage in three figures; a dash for none."""
+    return percent(in_percent(value))
 
 
 def number(value: float | None, digits: int = 3) -> str:

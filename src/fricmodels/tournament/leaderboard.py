@@ -8,18 +8,15 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from statistics import median
-from typing import Annotated, Any, Literal
-
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from typing import Any
 
 from fricmodels.display import Displayed
-from fricmodels.documents import first_problem
 from fricmodels.errors import InputError
 from fricmodels.files import write_text
+from fricmodels.results.leaderboard import SCHEMA, LeaderboardDocument
 from fricmodels.stored import read_results
 from fricmodels.tournament.jobs import Row
 
-SCHEMA = "fricmodels/leaderboard/1"
 FILE = "leaderboard.json"
 AGAIN = "fricmodels run CONFIG.yaml --out DIR"
 HELD_OUT = "held_out_rms_torque_error_percent"
@@ -104,40 +101,8 @@ class Leaderboard(Displayed):
             content = read_results(path, SCHEMA, AGAIN)
         except FileNotFoundError:
             raise InputError(f"{path}: there is no leaderboard; make one with: {AGAIN}") from None
-        try:
-            _Rows.model_validate(content)
-        except ValidationError as error:
-            raise InputError(f"{path}: {first_problem(error, _Rows)}; make it anew with: {AGAIN}") from None
+        LeaderboardDocument.checked(content, path, AGAIN)
         return cls(tuple(content["rows"]))
-
-
-_Number = Annotated[float, Field(allow_inf_nan=False)] | None
-_Numbers = dict[str, _Number]
-
-
-class _StoredRow(BaseModel):
-    """What every row of a leaderboard that was written has; what else stands in it, it keeps."""
-
-    model_config = ConfigDict(extra="allow", strict=True)
-    rank: int
-    model: str
-    estimator: str
-    dataset: str
-    tags: dict[str, str | bool | int | float | None]
-    status: Literal["ok", "diverged", "failed", "timeout", "crashed"]
-    message: str
-    seconds: _Number
-    rms_torque_error_percent: _Number
-    held_out_rms_torque_error_percent: _Number
-    parameters: _Numbers
-    standard_errors: _Numbers
-    true_parameters: _Numbers | None
-    not_identified: dict[str, str] = {}
-    no_interval: dict[str, str] = {}
-
-
-class _Rows(BaseModel):
-    rows: list[_StoredRow]
 
 
 def _without_rank(row: Row) -> Row:

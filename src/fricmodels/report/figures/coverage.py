@@ -56,7 +56,7 @@ def _changes(samples: Samples, channel: str) -> bool:
     return channel in samples.recording and float(np.ptp(samples.recording[channel])) > 0
 
 
-def correlation(names: Sequence[str], matrix: Sequence[Sequence[float]]) -> Figure:
+def correlation(names: Sequence[str], matrix: Sequence[Sequence[float | None]]) -> Figure:
     """Draw the correlation of the estimates of parameters: near ±1, the recording tells only a combination of two.
 
     Args:
@@ -89,7 +89,7 @@ def correlation(names: Sequence[str], matrix: Sequence[Sequence[float]]) -> Figu
     return styled(figure, "Correlation of the parameters", "", height=160 + 26 * len(shown))
 
 
-def strongest(names: Sequence[str], matrix: Sequence[Sequence[float]]) -> tuple[str, str, float]:
+def strongest(names: Sequence[str], matrix: Sequence[Sequence[float | None]]) -> tuple[str, str, float]:
     """Return the two parameters that are correlated most, and how much."""
     values = np.abs(np.tril(np.asarray(matrix, dtype=float), -1))
     row, column = divmod(int(np.argmax(values)), len(names))

@@ -2,34 +2,37 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import Any
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 from fricmodels.report.figures.style import LIGHT, Figure, escaped, graph_objects, styled
+
+if TYPE_CHECKING:
+    from fricmodels.results.diagnosis import Candidate
 
 MOST = 8
 """Candidates that are drawn; the table has all."""
 
 
-def candidates(rows: Sequence[Mapping[str, Any]], model: str = "") -> Figure:
+def candidates(best: Sequence[Candidate], model: str = "") -> Figure:
     """Draw by how much the error on test blocks changes with each candidate, the best on top.
 
     Args:
-        rows: ``candidates`` of a diagnosis as plain data.
+        best: the candidates, the best first.
         model: the model that they were added to.
     """
-    shown = sorted(rows, key=lambda row: -row["held_out_gain"])[:MOST][::-1]
+    shown = best[:MOST][::-1]
     figure = graph_objects().Figure()
     for passes, name, colour, symbol in (
         (True, "passes all three tests", "vermillion", "square"),
         (False, "fails one of them", "muted", "circle-open"),
     ):
-        own = [row for row in shown if row["gates"] is passes]
+        own = [row for row in shown if row.gates is passes]
         figure.add_trace(
             graph_objects().Scatter(
-                x=[-100 * row["held_out_gain"] for row in own],
-                y=[escaped(row["name"]) for row in own],
-                customdata=[row["p_value"] for row in own],
+                x=[None if row.change is None else 100 * row.change for row in own],
+                y=[escaped(row.name) for row in own],
+                customdata=[row.p_value for row in own],
                 name=name,
                 mode="markers",
                 marker={"color": LIGHT[colour], "symbol": symbol, "size": 10, "line": {"width": 1.5}},
@@ -37,7 +40,7 @@ def candidates(rows: Sequence[Mapping[str, Any]], model: str = "") -> Figure:
             )
         )
     figure.update_yaxes(
-        title_text="", categoryorder="array", categoryarray=[escaped(row["name"]) for row in shown], showgrid=True
+        title_text="", categoryorder="array", categoryarray=[escaped(row.name) for row in shown], showgrid=True
     )
     figure.update_xaxes(title_text="change of the error on test blocks [%]")
     return styled(figure, "All candidates", model, height=130 + 24 * len(shown))

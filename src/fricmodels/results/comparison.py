@@ -1,0 +1,210 @@
+"""A model fitted to a recording, typed: its parameters, how far off it is, and where.
+
+Errors in percent are RMS torque errors, of the RMS motor torque (force on a linear axis). SI units are N m, or N on a
+linear axis.
+"""
+
+from __future__ import annotations
+
+from typing import Final, Literal
+
+from pydantic import Field
+
+from fricmodels.dimension import FORCE, Motion
+from fricmodels.results.part import Number, Numbers, Part, ResultDocument
+
+SCHEMA: Final = "fricmodels/diagnosis/1"
+
+
+class Inertia(Part):
+    """Inertia of a drive, or mass of a linear axis."""
+
+    value: Number
+    """In ``unit``."""
+    unit: str
+    """kg m^2, or kg."""
+    estimated: bool
+    """Whether it was estimated, not given."""
+
+
+class Band(Part):
+    """Torque error over one window."""
+
+    window_ms: Number
+    """Width of the window [ms]; of the error per sample, the sampling interval."""
+    SI: Number
+    """Of what was fitted [N m or N]."""
+    percent: Number
+    """Of what was fitted [% of the RMS motor torque]."""
+    held_out_SI: Number
+    """Test error [N m or N]."""
+    held_out_percent: Number
+    """Test error [% of the RMS motor torque]."""
+    noise_floor_percent: Number
+    """What sensor noise alone would leave [% of the RMS motor torque]."""
+
+
+class TorqueError(Part):
+    """RMS torque error of a model."""
+
+    SI: Number
+    """Of what was fitted [N m or N]."""
+    percent: Number
+    """Of what was fitted [% of the RMS motor torque]."""
+    held_out_percent: Number
+    """Test error, on what was kept back [% of the RMS motor torque]."""
+    band_ms: Number = None
+    """Window over which these are averaged [ms]."""
+    bands: tuple[Band, ...] = ()
+    """The error over every window, that per sample first."""
+
+
+class RegimeShare(Part):
+    """How much of the squared error lies in one regime of motion."""
+
+    regime: str
+    """Its name, such as ``reversal``."""
+    share_of_squared_error: Number
+    """Of all that was fitted [1]."""
+    samples: int
+    """How many lie in it."""
+    share_of_samples: Number = None
+    """Of all that was fitted [1]."""
+    rms_torque_error: Number = None
+    """In this regime [N m or N]."""
+
+
+class LogFinding(Part):
+    """One thing that is the matter with a recording."""
+
+    kind: str
+    """What, in one or two words, such as ``torque-sign``."""
+    severity: str
+    """``stop``, ``warn`` or ``note``."""
+    channel: str = ""
+    """Where."""
+    text: str
+    """What was seen, and the likely cause."""
+    remedy: str = ""
+    """What mends it; empty where nothing is to be done."""
+
+
+class Samples(Part):
+    """How many samples took part."""
+
+    fitted: int
+    """In the fit."""
+    kept_back: int
+    """In the test error."""
+
+    @property
+    def total(self) -> int:
+        """All of them."""
+        return self.fitted + self.kept_back
+
+
+class RecordingFacts(Part):
+    """A recording: its file, its channels, its samples."""
+
+    source: str | None
+    """The file, or several, separated by commas; null for a recording that was made in a program."""
+    files: tuple[str, ...] | None = None
+    """Each file, where there are several."""
+    sha256: str | None
+    """Checksum of the file; of several, that of their checksums one after the other."""
+    reader: str | None
+    """What read the file."""
+    columns: tuple[str, ...]
+    """CHANNEL=COLUMN[:UNIT], as ``--column`` takes it."""
+    torque_constant: Number
+    """By which the current was multiplied [N m/A or N/A]; null where the torque was recorded."""
+    channels: tuple[str, ...]
+    """That were recorded."""
+    derived: tuple[str, ...]
+    """That were computed from these."""
+    samples: Samples
+    """How many were fitted and kept back."""
+    interval: Number
+    """Sampling interval [s]."""
+    true_model: str | None
+    """The model that a simulation was made with; null where that is not known."""
+    findings: tuple[LogFinding, ...] = ()
+    """What is the matter with it."""
+
+    @property
+    def paths(self) -> tuple[str, ...]:
+        """The files that it was read from; none where it was made in a program."""
+        return self.files or ((self.source,) if self.source else ())
+
+
+class Step(Part):
+    """One step of the ladder: a model and its errors."""
+
+    model: str
+    """Its name."""
+    rms_percent: Number
+    """Error of what was fitted [% of the RMS motor torque]."""
+    held_out_rms_percent: Number
+    """Test error [% of the RMS motor torque]."""
+    added: str
+    """The effect that was added to come here; empty of the first step."""
+    removed: str = ""
+    """The effect that was removed to come here; empty where none was."""
+    parameters: Numbers = Field(default_factory=dict)
+    """By key, each in its SI unit."""
+    standard_errors: Numbers = Field(default_factory=dict)
+    """By key, in the units of the parameters; none of what was given."""
+
+
+class ComparisonDocument(ResultDocument):
+    """A model fitted to a recording: its parameters, how far off it is, and where."""
+
+    schema_: Literal["fricmodels/diagnosis/1"] = Field(SCHEMA, validation_alias="schema", serialization_alias="schema")
+    """What the document is, with its version."""
+    dataset: str
+    """Name of the recording."""
+    model: str
+    """The model that was given: ``LAW+EFFECT+…``."""
+    motion: Motion
+    """Rotary or linear."""
+    inertia: Inertia
+    """Of the drive."""
+    parameters: Numbers
+    """By key, each in its SI unit."""
+    standard_errors: Numbers
+    """By key, in the units of the parameters; none of what was given."""
+    rms_torque_error: TorqueError
+    """How far off the model is."""
+    noise_floor_percent: Number
+    """Error that sensor noise alone would leave [% of the RMS motor torque]."""
+    where: tuple[RegimeShare, ...]
+    """By regime of motion, the greatest excess of error over samples first."""
+    recording: RecordingFacts
+    """What was recorded, and how it was read."""
+    versions: dict[str, str]
+    """Of all programs that took part."""
+
+    @property
+    def steps(self) -> tuple[Step, ...]:
+        """The models on the way with their parameters, the given one first: here that alone."""
+        errors = self.rms_torque_error
+        return (
+            Step(
+                model=self.model,
+                rms_percent=errors.percent,
+                held_out_rms_percent=errors.held_out_percent,
+                added="",
+                parameters=self.parameters,
+                standard_errors=self.standard_errors,
+            ),
+        )
+
+    @property
+    def quantity(self) -> str:
+        """Torque, or force on a linear axis."""
+        return "force" if self.motion is Motion.LINEAR else "torque"
+
+    @property
+    def unit(self) -> str:
+        """Unit of the torque or force."""
+        return FORCE.unit(self.motion)
