@@ -55,7 +55,7 @@ from fricmodels.report.wording import (
     unit,
     unit_of,
 )
-from fricmodels.results.words import look_alikes
+from fricmodels.results.words import BY_WINDOW, look_alikes
 
 if TYPE_CHECKING:
     from fricmodels.diagnosis.comparison import Comparison
@@ -196,7 +196,7 @@ def bands(comparison: Comparison) -> Table:
         for name, band in zip(names, listed, strict=True)
     ]
     titles = {"averaged over": False, "fit error": True, "test error": True, "sensor noise alone": True}
-    return table("RMS torque error by window, in % of the RMS motor torque", titles, rows)
+    return table(BY_WINDOW, titles, rows)
 
 
 def ladder(data: DiagnosisDocument, picture: Picture | None) -> Section:
@@ -226,10 +226,7 @@ def ladder_words(data: DiagnosisDocument) -> str:
     """Say in one sentence how the error falls."""
     rungs = data.ladder
     parts = [f"to {percent(rung.held_out_rms_percent)} with {rung.added}" for rung in rungs[1:] if rung.added]
-    return (
-        f"The test error falls from {percent(rungs[0].held_out_rms_percent)} {listed(parts, 'and')}. "
-        f"Sensor noise alone would leave about {percent(data.noise_floor_percent)}."
-    )
+    return f"The test error falls from {percent(rungs[0].held_out_rms_percent)} {listed(parts, 'and')}."
 
 
 def measured(comparisons: Sequence[Comparison]) -> Section:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+BY_WINDOW = "RMS torque error by window, in % of the RMS motor torque"
 FOUND = "What was found"
 SIZE = "Its size on the residual"
 NOT_FOUND = "Tested and not found; smallest size we would have detected"

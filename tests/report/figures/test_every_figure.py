@@ -19,6 +19,7 @@ from fricmodels.drive import Drive
 from fricmodels.model import Model
 from fricmodels.report import figures
 from fricmodels.report.figures import DARK, LIGHT, recoloured
+from fricmodels.results.diagnosis import Candidate
 
 from .conftest import INERTIA, moved
 
@@ -38,8 +39,8 @@ ROWS = [
     )
 ]
 CANDIDATES = [
-    {"name": name, "p_value": 0.01, "share_of_residual": 0.2, "held_out_gain": gain, "gates": gain > 0.1}
-    for name, gain in (("cogging", 0.4), (HOSTILE, -0.1), ("stribeck", 0.05))
+    Candidate(name=name, p_value=0.01, share_of_residual=0.2, held_out_gain=gain, gates=gain > 0.1)
+    for name, gain in (("cogging", 0.4), ("stribeck", 0.05), (HOSTILE, -0.1))
 ]
 TABLE = pd.DataFrame([[3, 1], [0, 4]], index=["cogging", HOSTILE], columns=["cogging", "nothing"])
 
