@@ -265,3 +265,20 @@ def test_built_in_plugins_are_not_tried(monkeypatch: pytest.MonkeyPatch) -> None
     tried = counted(monkeypatch)
     loaded_again()
     assert not {"laws", "effects", "estimators", "readers"} & set(tried)
+
+
+def test_plugins_are_tried_whichever_class_their_entry_points_are_of(
+    install: Install, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Once ``importlib_metadata`` is imported, as by Dask, all entry points are of its own class."""
+
+    class Other:
+        def __init__(self, point: importlib.metadata.EntryPoint) -> None:
+            self.name, self.value, self.group, self.dist = point.name, point.value, point.group, point.dist
+            self.module, self.attr, self.load = point.module, point.attr, point.load
+
+    install("exits", DEADLY["exits"][0])
+    points = [Other(point) for point in importlib.metadata.entry_points(group="fricmodels")]
+    monkeypatch.setattr(importlib.metadata, "entry_points", lambda group: points)
+    (failure,) = (f for f in loaded_again().failures if f.plugin == "exits")
+    assert "ends the interpreter with exit code 1" in failure.reason

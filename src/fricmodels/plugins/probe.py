@@ -74,7 +74,7 @@ def verdicts(points: Sequence[EntryPoint]) -> dict[tuple[str, str], Verdict]:
     Raises:
         InputError: where the environment variable of the time limit is no positive number.
     """
-    installed = [point for point in points if isinstance(point, EntryPoint) and point.dist is not None]
+    installed = [point for point in points if _is_installed(point)]
     if not installed or not sys.executable:
         return {}
     limit = _limit()
@@ -87,6 +87,11 @@ def verdicts(points: Sequence[EntryPoint]) -> dict[tuple[str, str], Verdict]:
     return {(point.dist.name, point.name): verdict for point, verdict in found.items() if verdict and point.dist}
 
 
+def _is_installed(point: EntryPoint) -> bool:
+    """Whether an entry point is of a distribution; of whichever class: `importlib_metadata` puts its own in its place."""
+    return getattr(point, "dist", None) is not None
+
+
 def lost(point: EntryPoint, offers: Collection[tuple[str, str]], *, whole: bool) -> tuple[tuple[str, str], ...]:
     """Return kind and name of what a plugin offered when it was last whole and does not any more.
 
@@ -95,7 +100,7 @@ def lost(point: EntryPoint, offers: Collection[tuple[str, str]], *, whole: bool)
         offers: kind and name of what it offers now.
         whole: whether that is all that it has; then it is what is compared with from now on.
     """
-    if not isinstance(point, EntryPoint) or point.dist is None:
+    if not _is_installed(point):
         return ()
     listed = _read(point).get("offers")
     before = [tuple(pair) for pair in listed if _is_pair(pair)] if isinstance(listed, list) else []
