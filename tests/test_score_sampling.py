@@ -46,7 +46,7 @@ def percent(recording: Recording, *, beyond_sampling: bool) -> float:
 def test_an_instant_of_reversal_and_a_shift_within_a_sample_are_hidden_by_sampling() -> None:
     late = swinging(late=0.4)
     assert percent(late, beyond_sampling=False) > 3.0
-    assert percent(late, beyond_sampling=True) < 0.3
+    assert percent(late, beyond_sampling=True) < 1.0  # where a window reaches over a reversal
 
 
 def test_a_shift_of_several_samples_is_not() -> None:

@@ -34,6 +34,8 @@ class Parameter:
         own_time: whether a time or a rate is the drive's own, as that of a resonance, however long was recorded;
             ``scan`` counts it in durations of no more than 20 000 samples.
         periodic: whether it is a wave number in position, to be searched for in the spectrum over position.
+        not_between: two values between which a rotary drive's effect is another one, and is not sought: a wave of about
+            one period a turn is gravity.
         instant: whether it is a point in time, not a duration.
         place: whether it is a point of the travel, not a length; ``scan`` then counts shares of the travel from its
             lower end, wherever the position has its zero.
@@ -56,6 +58,7 @@ class Parameter:
     doubtful_ends: tuple[Literal["lower", "upper"], ...] = ("lower", "upper")
     own_time: bool = False
     periodic: bool = False
+    not_between: tuple[float, float] | None = None
     instant: bool = False
     place: bool = False
     delay: bool = False

@@ -29,7 +29,15 @@ class Cogging(Effect):
     b = Parameter("b", unit="N m", meaning="sine amplitude")
     a_2 = Parameter("a_2", unit="N m", meaning="cosine amplitude of the second harmonic")
     b_2 = Parameter("b_2", unit="N m", meaning="sine amplitude of the second harmonic")
-    k = Parameter("k", unit="1/rad", initial=1.0, lower=0.0, meaning="wave number over position", periodic=True)
+    k = Parameter(
+        "k",
+        unit="1/rad",
+        initial=2.0,
+        lower=0.0,
+        meaning="wave number over position",
+        periodic=True,
+        not_between=(2 / 3, 1.5),
+    )
 
     def torque(self, s: Signals, p: Parameters) -> Expression:
         """Return both waves of the periodic torque."""

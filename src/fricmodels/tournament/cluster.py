@@ -130,13 +130,16 @@ def known(names: list[str]) -> dict[str, str]:
 
 
 def _sent(client: Any, jobs: list[Job]) -> dict[str, Any]:
-    """Send the files that some worker does not have as they are here; return what stands for each, by path."""
+    """Send the files that some worker does not have as they are here; return what stands for each, by path.
+
+    Every worker gets them: what only one holds is lost with it.
+    """
     paths = sorted({path for job in jobs for path in files_of(job.source)})
     sums = {path: checksum(path) for path in paths if Path(path).is_file()}
     lacking: set[str] = set()
     for lacks in client.run(lacked, sums).values():
         lacking |= set(lacks)
-    return {path: client.scatter(Path(path).read_bytes(), hash=False) for path in sorted(lacking)}
+    return {path: client.scatter(Path(path).read_bytes(), hash=False, broadcast=True) for path in sorted(lacking)}
 
 
 def checksum(path: str) -> str:

@@ -11,7 +11,7 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
-from fricmodels.dimension import DIMENSIONLESS
+from fricmodels.dimension import DIMENSIONLESS, Motion
 from fricmodels.drive import Drive
 from fricmodels.parameter import Parameter
 from fricmodels.signals.order_spectrum import WaveNumbers, wave_numbers
@@ -61,9 +61,10 @@ def search(
         found = candidate.found((), 2.0 * len(_SHIFTS) if candidate.delay else 1.0)
         return found if np.any(found.kept) or np.any(regression.visible(problem.columns(alone)[0])) else None
     points, spacing, trials, nonlinear = starting_points(problem, regression, alone, candidate.nonlinear)
+    points = [point for point in points if _is_sought(problem, nonlinear, point)]
     if not points:
         return None
-    value = cache(candidate.explained)
+    value = cache(lambda point: candidate.explained(point) if _is_sought(problem, nonlinear, point) else 0.0)
     starts = sorted(points, key=value, reverse=True)
     if value(starts[0]) <= 0:
         return candidate.found(starts[0], trials) if candidate.is_visible(starts[0]) else None
@@ -149,6 +150,14 @@ def _delay(problem: WeakFormProblem, regression: Regression, alone: Drive) -> fl
     ends = side * _SHIFTS[max(best - 1, 0)], side * _SHIFTS[min(best + 1, len(_SHIFTS) - 1)]
     refined = minimize_scalar(left, bounds=sorted(ends), method="bounded", options={"xatol": 0.01})
     return float(refined.x) * interval
+
+
+def _is_sought(problem: WeakFormProblem, nonlinear: Sequence[Parameter], point: Point) -> bool:
+    """Whether no parameter has a value at which the effect is another one."""
+    if problem.drive.motion is not Motion.ROTARY:
+        return True
+    between = [(p.not_between, x) for p, x in zip(nonlinear, point, strict=True) if p.not_between]
+    return not any(apart[0] < x < apart[1] for apart, x in between)
 
 
 def starting_points(
