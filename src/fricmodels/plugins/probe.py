@@ -88,7 +88,7 @@ def verdicts(points: Sequence[EntryPoint]) -> dict[tuple[str, str], Verdict]:
 
 
 def _is_installed(point: EntryPoint) -> bool:
-    """Whether an entry point is of a distribution; of whichever class: `importlib_metadata` puts its own in its place."""
+    """Whether an entry point is of a distribution, of whichever class: `importlib_metadata` puts its own there."""
     return getattr(point, "dist", None) is not None
 
 
