@@ -34,7 +34,10 @@ class NormalEquations:
 
     @classmethod
     def of(cls, gram: Array, right: Array) -> NormalEquations:
-        """Scale and decompose."""
+        """Scale and decompose. Columns that are not finite, as of a state that runs away, determine nothing."""
+        if not np.all(np.isfinite(gram)):
+            gram = np.zeros_like(gram)
+            right = np.zeros_like(right)
         square = np.diag(gram)
         size = np.sqrt(np.where(square > _NOTHING, square, 1.0))
         scaled = gram / np.outer(size, size)

@@ -31,6 +31,8 @@ from fricmodels.weakform.smoothed import smoothed
 from fricmodels.weakform.test_functions import HOPS, Quadrature, TestFunctions, mean_velocity
 from fricmodels.weakform.unclear import creeping, direction_unclear
 
+_LEAST_DELIVERED = 0.05
+"""Share of the motor torque that is delivered at the least, whatever a fit on the way says of a gain or a ripple."""
 _ROOM = 2**28
 """Bytes of integrals that a problem remembers."""
 
@@ -335,7 +337,8 @@ class WeakFormProblem:
             friction.append(theta @ design + offset)
         slope = friction[1] - friction[0]
         inertia, _ = self.drive.split(self.estimated)
-        return np.asarray((points.load_torque + inertia * points["acceleration"] + friction[0]) / (1.0 - slope))
+        delivered = np.maximum(1.0 - slope, _LEAST_DELIVERED)
+        return np.asarray((points.load_torque + inertia * points["acceleration"] + friction[0]) / delivered)
 
     def base(self, parameters: Mapping[str, float]) -> Array:
         """Return the directions in which the model under test can move by itself, shape (k, rows).

@@ -201,10 +201,12 @@ class Projection:
         return step, float(gradient @ step[moving])
 
     def cost(self, alpha: Array) -> float:
-        """Return the squared error at α."""
+        """Return the squared error at α; infinite where the model is not finite there."""
         columns, target, _ = self._linear_problem(alpha, slopes=False)
-        residual = target - self._solve(columns, target) @ columns
-        return float(residual @ residual)
+        with np.errstate(invalid="ignore", over="ignore"):
+            residual = target - self._solve(columns, target) @ columns
+            cost = float(residual @ residual)
+        return cost if np.isfinite(cost) else float("inf")
 
     def _solve(self, columns: Array, target: Array) -> Array:
         free = columns[self._free] if self._held else columns
