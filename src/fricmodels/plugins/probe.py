@@ -88,8 +88,8 @@ def verdicts(points: Sequence[EntryPoint]) -> dict[tuple[str, str], Verdict]:
 
 
 def _is_installed(point: EntryPoint) -> bool:
-    """Whether an entry point is of a distribution, of whichever class: `importlib_metadata` puts its own there."""
-    return getattr(point, "dist", None) is not None
+    """Whether an entry point has a distribution with files, of whichever class: `importlib_metadata` puts its own."""
+    return hasattr(getattr(point, "dist", None), "locate_file")
 
 
 def lost(point: EntryPoint, offers: Collection[tuple[str, str]], *, whole: bool) -> tuple[tuple[str, str], ...]:
