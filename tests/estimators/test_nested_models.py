@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -68,3 +70,16 @@ def test_one_wave_has_one_number_on_the_rig_too(seed: int) -> None:
     law = recording.provenance["true_model"].split("+")[0]
     drive = Drive(Model.parse(f"{law}+cogging"), rig.inertia, recording.motion)
     assert Batch().fit(drive, recording).parameters["cogging.k"] == pytest.approx(order, rel=1e-3)
+
+
+def test_a_law_that_contains_another_does_not_extrapolate_to_low_speeds(tmp_path: Path) -> None:
+    """On the motor of the demonstration, whose directions differ, a stick torque that no row sees had no bound."""
+    from fricmodels.tournament import run
+    from fricmodels.tournament.demonstration import demonstration
+
+    config = demonstration()
+    batch = [entrant for entrant in config.estimators if entrant.name == "batch"]
+    models = ["coulomb-viscous", "exponential-stick-slip"]
+    board = run(config.model_copy(update={"models": models, "estimators": batch}), tmp_path / "run", executor="serial")
+    errors = {row["model"]: row["held_out_rms_torque_error_percent"] for row in board.rows}
+    assert errors["exponential-stick-slip"] < 1.01 * errors["coulomb-viscous"]

@@ -36,6 +36,10 @@ Array = NDArray[np.float64]
 _SMOOTH = 64
 """Samples that a test function spans where an effect with memory is searched for: through narrower ones a contact that
 closes a sample late is an error of its own, and the search ends where few are late, far from the truth."""
+_EXTRAPOLATES = 2.0
+"""Factor of the sum of squares that the fit to all rows leaves of the whole recording: a fit to a part of the rows that
+leaves more says what these rows cannot know. Clear of reversals no speed may be low, and a stick torque that has decayed
+before the first of them has no bound: the ratio was 10^11."""
 _ROWS = 4
 """Rows for each parameter that a fit needs more of."""
 _STAGES = 3
@@ -107,13 +111,14 @@ def estimate(
                 plain = WeakFormProblem.of(drive, recording, found.parameters, width)
             problem = replace(plain, estimated=found.parameters).carrying(carriers)
             found = _solved(problem, {**start, **found.parameters})
+    whole = None  # the fit to all rows, where there may be one to a part of them
     if drive.model.states or drive.model.delay:
         # A memory or a delay has most to say where it is not certain how the drive moved; that may mislead it, too.
         other = _solved(problem.including_uncertain_motion, {**start, **found.parameters})
         found = min(found, other, key=left)
     elif model_velocity:
-        found = at_model_velocity(found)
-        found = clear_of_reversals(found, left)
+        whole = at_model_velocity(found)
+        found = clear_of_reversals(whole, left)
     final = identified(found)
     if model_velocity and final.plan.held and not drive.model.delay and not drive.model.states:
         # With less to find, the rows clear of reversals may say more than all of them.
@@ -121,6 +126,8 @@ def estimate(
         clear = clear_of_reversals(held, left)
         if clear is not held:
             final = identified(solve(clear.problem, found.plan, timing=found.timing))
+    if whole is not None and final.problem is not whole.problem and left(final) > _EXTRAPOLATES * left(whole):
+        final = identified(whole)
     rows = replace(plain, friction_limits=plain.limits_of_friction(final.parameters), estimated=dict(final.parameters))
     return rows, Estimate(
         final.parameters,
