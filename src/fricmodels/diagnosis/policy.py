@@ -229,11 +229,19 @@ class Policy:
         "Judgement: equal to least_gain.",
         off=0.0,
     )
+    within_sampling: float = _rule(
+        2.0,
+        "samples",
+        "What goes with the rate of the torque tells no cause if it is a shift in time by at most so much: a sample "
+        "for either direction, and one against the shift that the rows have free.",
+        "Physical. Without it 2 of 238 rough drives with nothing hidden more were unknown.",
+        off=-1.0,
+    )
     far_above_noise: float = _rule(
         5.0,
         "% of the RMS torque",
-        "An error is far above noise if it exceeds the noise floor by this (root of a difference of squares). Without "
-        "any finding the verdict is then unknown-effect, not adequate.",
+        "An error is far above noise if it exceeds the noise floor by this (root of a difference of squares), without "
+        "what sampling hides. Without any finding the verdict is then unknown-effect, not adequate.",
         "Found on our rig: on 800 drives with nothing hidden standstill leaves up to 3.6.",
         off=_INF,
     )

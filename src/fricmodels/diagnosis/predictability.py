@@ -65,8 +65,9 @@ def each_predictor(result: CandidateTests, first: Sequence[str] = ()) -> Iterato
             evidence = regression.test(columns[chosen])
             if channels in lasting and _is_only_noise(result, channels, columns[chosen], chosen, evidence):
                 continue
-            if channels == TORQUE_RATE and np.all(np.abs(evidence.coefficients) <= 2.0 * problem.recording.interval):
-                continue  # its coefficients are times: a sample each way is what sampling does, beside the free shift
+            shift = result.policy.within_sampling * problem.recording.interval
+            if channels == TORQUE_RATE and np.all(np.abs(evidence.coefficients) <= shift):  # these are times
+                continue
             yield ChannelPredictor(
                 channels,
                 evidence,

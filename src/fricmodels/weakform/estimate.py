@@ -38,7 +38,7 @@ _SMOOTH = 64
 closes a sample late is an error of its own, and the search ends where few are late, far from the truth."""
 _EXTRAPOLATES = 2.0
 """Factor of the sum of squares that the fit to all rows leaves of the whole recording: a fit to a part of the rows that
-leaves more says what these rows cannot know. Clear of reversals no speed may be low, and a stick torque that has decayed
+leaves more says what these rows cannot know. Clear of reversals no speed may be low, and a stick torque that decays
 before the first of them has no bound: the ratio was 10^11."""
 _ROWS = 4
 """Rows for each parameter that a fit needs more of."""

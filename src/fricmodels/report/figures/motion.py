@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fricmodels.report.figures.downsample import together
-from fricmodels.report.figures.style import LIGHT, Figure, graph_objects, label, styled, subplots, unit_of
+from fricmodels.report.figures.style import Figure, add_lines, label, styled, subplots, unit_of
 
 if TYPE_CHECKING:
     from fricmodels.motion import Judged
@@ -20,7 +20,7 @@ def simulated_motion(judged: Judged) -> Figure:
         judged: a model, with the parameters that were fitted to the motion, or those of the torque where there are
             none.
     """
-    go, simulator = graph_objects(), judged.kept
+    simulator = judged.kept
     recording = simulator.recording
     values = judged.rung.parameters if judged.fit is None else judged.fit.parameters
     position, velocity = simulator(values)
@@ -40,19 +40,7 @@ def simulated_motion(judged: Judged) -> Figure:
         (1, f"{channel} simulated", thin.values[0] + thin.values[1], "vermillion", "4px,2px", 1.4),
         (2, "simulated − measured", thin.values[1], "blue", "solid", 1.2),
     ]
-    for row, name, line, colour, dash, width in drawn:
-        figure.add_trace(
-            go.Scatter(
-                x=thin.x,
-                y=line,
-                name=name,
-                mode="lines",
-                line={"color": LIGHT[colour], "width": width, "dash": dash},
-                hovertemplate=f"{name} %{{y:.4g}} {unit}<extra></extra>",
-            ),
-            row=row,
-            col=1,
-        )
+    add_lines(figure, thin.x, drawn, unit)
     figure.update_layout(meta={"drawn": thin.drawn, "total": len(time)}, hovermode="x unified")
     figure.update_yaxes(title_text=label(channel, unit), row=1, col=1)
     figure.update_yaxes(title_text=label("error", unit), row=2, col=1)

@@ -128,6 +128,31 @@ def series(index: int) -> tuple[str, str, str]:
     return LIGHT[colour], dash, marker
 
 
+def add_lines(figure: Figure, x: Any, lines: Iterable[tuple[int, str, Any, str, str, float]], unit: str) -> None:
+    """Add lines to a figure of several rows.
+
+    Args:
+        figure: of :func:`subplots`.
+        x: shape (n,).
+        lines: row, name, values of shape (n,), name of the colour, dash and width of each.
+        unit: of the values.
+    """
+    go = graph_objects()
+    for row, name, values, colour, dash, width in lines:
+        figure.add_trace(
+            go.Scatter(
+                x=x,
+                y=values,
+                name=name,
+                mode="lines",
+                line={"color": LIGHT[colour], "width": width, "dash": dash},
+                hovertemplate=f"{name} %{{y:.4g}} {unit}<extra></extra>",
+            ),
+            row=row,
+            col=1,
+        )
+
+
 def escaped(text: object) -> str:
     """Return a text that Plotly shows as it stands: no markup, no formula, no template in it, on one line."""
     plain = html.escape(" ".join(str(text).split()), quote=False)

@@ -10,7 +10,7 @@ from fricmodels.arrays import Array
 from fricmodels.recording import RUN
 from fricmodels.report.figures.downsample import together
 from fricmodels.report.figures.samples import Samples
-from fricmodels.report.figures.style import LIGHT, POINTS, Figure, graph_objects, styled, subplots, words
+from fricmodels.report.figures.style import LIGHT, POINTS, Figure, add_lines, graph_objects, styled, subplots, words
 
 if TYPE_CHECKING:
     from fricmodels.diagnosis.comparison import Comparison
@@ -68,19 +68,7 @@ def overlay(
     ]
     if before is not None:
         drawn.insert(2, (2, "residual of the model as given", thin.values[2], "faint", "solid", 1.0))
-    for row, name, values, colour, dash, width in drawn:
-        figure.add_trace(
-            go.Scatter(
-                x=thin.x,
-                y=values,
-                name=name,
-                mode="lines",
-                line={"color": LIGHT[colour], "width": width, "dash": dash},
-                hovertemplate=f"{name} %{{y:.4g}} {samples.torque_unit}<extra></extra>",
-            ),
-            row=row,
-            col=1,
-        )
+    add_lines(figure, thin.x, drawn, samples.torque_unit)
     figure.update_layout(meta={"drawn": thin.drawn, "total": len(place)})
     _shade(figure, samples, between)
     _borders(figure, place, samples.recording.signal(RUN)[chosen])
