@@ -10,7 +10,7 @@ import pytest
 
 from fricmodels.diagnosis import compare
 from fricmodels.diagnosis.candidate_tests import CandidateTests, candidate_tests
-from fricmodels.diagnosis.places import Place, largest_place, profile
+from fricmodels.diagnosis.places import Place, largest_place, moderated, profile
 from fricmodels.recording import Recording
 
 Made = Callable[..., Recording]
@@ -75,3 +75,40 @@ def test_units_change_nothing_but_units(made: Made) -> None:
     assert other is not None
     assert (other.low, other.high) == (pytest.approx(one.low), pytest.approx(one.high))
     assert other.torque == pytest.approx(1000 * one.torque, rel=1e-3)
+
+
+def test_variances_that_differ_by_chance_are_one_variance() -> None:
+    """With equal noise in every group the variance is that of all of them, and so are its degrees of freedom."""
+    rng = np.random.default_rng(0)
+    squares = rng.chisquare(5, 40) / 6
+    variance, freedom = moderated(squares, np.full(40, 5))
+    if np.ptp(variance) == 0.0:
+        assert variance[0] == pytest.approx(np.sum(6 * squares) / 200)
+        assert freedom[0] == 200
+    assert np.ptp(variance) < 0.5
+
+
+def test_variances_that_differ_keep_their_own() -> None:
+    """Smyth's estimate of the prior, by its two moment equations, and the mean of prior and own it makes."""
+    rng = np.random.default_rng(1)
+    own = np.full(4000, 4)
+    true = 2.0 * 8.0 / rng.chisquare(8.0, 4000)  # d_0 = 8, s_0² = 2
+    shares = true * rng.chisquare(4, 4000) / 5
+    variance, freedom = moderated(shares, own)
+    assert freedom[0] - 4 == pytest.approx(8.0, rel=0.15)
+    level = (variance * freedom - 5 * shares) / (freedom - 4)
+    assert level[0] == pytest.approx(2.0, rel=0.05)
+
+
+def test_false_places_are_as_rare_as_said_where_noise_goes_with_the_channel() -> None:
+    """Few passes through bins of very different noise: the ratio of mean and error is Student's t."""
+    from scipy.stats import t as student
+
+    rng = np.random.default_rng(2)
+    deviation = np.exp(0.8 * rng.standard_normal(20_000))
+    values = deviation[:, None] * rng.standard_normal((20_000, 4))
+    mean = values.mean(axis=1)
+    variance, freedom = moderated(np.sum((values - mean[:, None]) ** 2, axis=1) / 4, np.full(20_000, 3))
+    p_values = 2 * student.sf(np.abs(mean) / np.sqrt(variance / 4), freedom)
+    for level in (0.05, 0.005):
+        assert 0.6 * level < np.mean(p_values < level) < 1.5 * level

@@ -181,3 +181,18 @@ def test_a_drive_that_rests_in_noise_keeps_its_friction(rough: Any, index: int) 
     fitted = compare(rough.record.record(case), "coulomb-viscous", case.inertia)
     assert fitted.estimate.parameters["K_c"] == pytest.approx(case.drive.plant.coulomb_forward, rel=0.01)
     assert fitted.errors.headline.held_out_percent < 2.0 * fitted.errors.headline.noise_floor_percent + 1.0
+
+
+def test_two_causes_that_one_pair_of_channels_predicts_are_both_named(rough: Any) -> None:
+    """Friction of the load and an asymmetry: load torque and direction together hold both, and nothing beyond them."""
+    from fricmodels.diagnosis import diagnose
+
+    rng = np.random.default_rng([63, zlib.crc32(b"several:"), 15])
+    listed, unlisted = rough.trials.hidden(rng, "several", "")
+    assert sorted(listed) == ["asymmetry", "load-friction"]
+    case = rough.trials.drawn(rng, listed, unlisted, delayed=True)
+    found = diagnose(rough.record.record(case), "coulomb-viscous", case.inertia)
+    classes = [finding.names for finding in found.findings]
+    assert len(classes) == 2
+    assert any("load-friction" in names for names in classes)
+    assert any("asymmetry" in names for names in classes)

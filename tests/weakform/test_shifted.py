@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -113,3 +114,17 @@ def test_beside_an_effect_that_is_a_delay_there_is_no_second_shift(
     values = {**found.parameters, **{p.key: 0.0 for p in model.parameters if p.key not in found.parameters}}
     inside = WeakFormProblem.of(Drive(model, 2.0), problem.recording, values)
     assert isinstance(regression_of(inside, values), ShiftedRegression) is shifts
+
+
+def test_half_a_sample_is_taken_out_to_the_second_order(made: Callable[..., Recording]) -> None:
+    """Motion from the even samples and torque from the odd ones: without the known shift its square is left."""
+    recording = made(noise=0.0, rate=120.0, samples=8000)
+    late = recording.select(np.arange(0, 8000, 2)).with_channels(derived=False, torque=recording.torque[1::2])
+    problem, found = estimate(Drive(Model.parse("coulomb-viscous"), 2.0), late)
+    assert found.shift == pytest.approx(0.5 / 60.0, rel=0.1)
+    assert problem.shift == found.shift
+    left = [
+        float(np.sum(regression_of(replace(problem, shift=shift), found.parameters).loss))
+        for shift in (0.0, found.shift)
+    ]
+    assert left[1] < 0.5 * left[0]

@@ -25,11 +25,15 @@ from fricmodels.diagnosis.remaining import Remaining, remaining
 from fricmodels.diagnosis.ripple import FastRipple, fast_ripple
 from fricmodels.diagnosis.supported import Judgement, judge
 from fricmodels.diagnosis.verdict import LookAlikes, passing_all_gates, select_effect, torque_share
+from fricmodels.dimension import TIME
 from fricmodels.display import Displayed
 from fricmodels.model import Model
 from fricmodels.recording import Recording
 from fricmodels.split import Split
 from fricmodels.weakform.lines import averaged_from
+
+_AS_SHORT = 1.01
+"""Factor within which a duration is the shortest one that is sought."""
 
 Verdict = Literal["adequate", "missing-effect", "undecided", "unknown-effect"]
 
@@ -134,7 +138,7 @@ def examine(comparison: Comparison, *, leave_out: Iterable[str] = (), policy: Po
     view = next((p for p in predictors if p.channels not in AUTOREGRESSIVE), predictors[0] if predictors else None)
     if noise is not None:
         view = None
-    elif best is not None and named is None:
+    elif best is not None and named is None and not _within_sampling(result, best.first):
         view = view or as_predictor(result, best.first)
     everything = [] if named is None else _all_together(refits, named, together)
     if everything:
@@ -201,6 +205,13 @@ def _confirmed(
         return None
     best = helpful[min(errors)[1]][1]
     return LookAlikes(best, (best,))
+
+
+def _within_sampling(result: CandidateTests, tested: CandidateTest) -> bool:
+    """Whether an effect explains most with a duration as short as sampling alone makes one: it tells no cause."""
+    shortest = result.policy.within_sampling * result.problem.recording.interval
+    durations = [p.symbol for p in tested.effect.parameters if p.dimension == TIME and not p.delay]
+    return any(tested.parameters[symbol] <= _AS_SHORT * shortest for symbol in durations)
 
 
 def _all_together(refits: Refits, first: LookAlikes, together: list[LookAlikes]) -> list[LookAlikes]:

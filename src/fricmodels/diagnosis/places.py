@@ -9,9 +9,14 @@ of the residual over pass p, and :math:`N_p` rows in it,
           s^2 = \frac{n}{n-1} \frac{\sum_p (S_p - N_p m)^2}{(\sum_p N_p)^2},
 
 (Liang and Zeger 1986, means of clusters). Rows of one pass may depend on each other in any way; passes are taken for
-independent. A bin is passed a few times only, so that its own spread is uncertain: the larger of it and of that of all
-bins together is taken, and m/s follows Student's t with the passes of all bins, less the bins, as degrees of freedom.
-p-values are corrected for all bins (Bonferroni).
+independent. A bin is passed a few times only, so that its own spread is uncertain. How far the spreads of bins differ
+beyond that tells how much all of them together say of one (moderated t, Smyth 2004): with :math:`d = n - 1`, and
+:math:`d_0, s_0^2` from the mean and the variance of :math:`\log s^2` over all bins,
+
+.. math:: \tilde s^2 = \frac{d_0 s_0^2 + d s^2}{d_0 + d}, \qquad m / \tilde s \sim t_{d_0 + d}.
+
+Bins with like noise, :math:`d_0 \to \infty`, share one spread; where noise goes with the channel each bin has its own,
+and a few passes prove little. p-values are corrected for all bins (Bonferroni).
 """
 
 from __future__ import annotations
@@ -172,10 +177,9 @@ class _View:
         total, members = (np.bincount(bin_of, values, minlength=self.bins) for values in (sums, rows))
         self._mean = total / np.maximum(members, 1.0)
         spread = np.bincount(bin_of, (sums - rows * self._mean[bin_of]) ** 2, minlength=self.bins)
-        n, rows_in = np.maximum(self._count, 2), np.maximum(members, 1.0)
-        self._freedom = max(int(np.sum(self._count)) - self.bins, 1)
-        pooled = float(np.sum(spread)) / float(np.sum(rows**2)) * np.bincount(bin_of, rows**2, minlength=self.bins)
-        self._error = np.sqrt(np.maximum(n / (n - 1) * spread, pooled)) / rows_in
+        squares = np.maximum(np.bincount(bin_of, rows**2, minlength=self.bins), 1.0)
+        variance, self._freedom = moderated(spread / squares, self._count - 1)
+        self._error = np.sqrt(variance * squares) / np.maximum(members, 1.0)
         self._members = members
 
     def profile(self) -> Profile:
@@ -210,3 +214,44 @@ class _View:
                 float(np.clip(p_values[part].min() * trials, LEAST_P, 1.0)),
                 float(self._mean[part] ** 2 @ members / self._total),
             )
+
+
+def moderated(shares: Array, freedom: NDArray[np.int64]) -> tuple[Array, Array]:
+    """Return variances that borrow from each other as far as they are alike, and their degrees of freedom.
+
+    Args:
+        shares: sum of squares of each group over its number of members, shape (k,).
+        freedom: degrees of freedom of each, members less one, shape (k,); a group without any takes that of all.
+
+    Source: Smyth 2004, "Linear models and empirical Bayes methods", section 6.2.
+    """
+    from scipy.special import digamma, polygamma
+
+    own = np.maximum(freedom, 0).astype(float)
+    variance = shares * (own + 1.0) / np.maximum(own, 1.0)
+    known = (own > 0) & (variance > 0)
+    if np.count_nonzero(known) < 2:
+        return variance, np.maximum(own, 1.0)
+    half = 0.5 * own[known]
+    logarithm = np.log(variance[known]) - digamma(half) + np.log(half)
+    beyond = float(np.var(logarithm, ddof=1) - np.mean(polygamma(1, half)))
+    if beyond <= 0.0:  # as alike as chance makes them
+        pooled = float(np.sum(own * variance) / np.sum(own))
+        return np.full(len(own), pooled), np.full(len(own), max(float(np.sum(own)), 1.0))
+    prior = 2.0 * _inverse_trigamma(beyond)
+    level = float(np.exp(np.mean(logarithm) + digamma(0.5 * prior) - np.log(0.5 * prior)))
+    total = prior + own
+    return (prior * level + own * variance) / total, np.minimum(total, max(float(np.sum(own)), 1.0))
+
+
+def _inverse_trigamma(value: float) -> float:
+    """Return x with trigamma(x) = value > 0, by Newton's method on the reciprocal, which is convex."""
+    from scipy.special import polygamma
+
+    x = 0.5 + 1.0 / value
+    for _ in range(50):
+        step = float(polygamma(1, x) * (1.0 - polygamma(1, x) / value) / polygamma(2, x))
+        x += step
+        if -step < 1e-8 * x:
+            break
+    return x

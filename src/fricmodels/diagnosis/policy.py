@@ -233,7 +233,8 @@ class Policy:
         2.0,
         "samples",
         "What goes with the rate of the torque tells no cause if it is a shift in time by at most so much: a sample "
-        "for either direction, and one against the shift that the rows have free.",
+        "for either direction, and one against the shift that the rows have free. Nor does an effect that is not named "
+        "and explains most with a duration as short.",
         "Physical. Without it 2 of 238 rough drives with nothing hidden more were unknown.",
         off=-1.0,
     )

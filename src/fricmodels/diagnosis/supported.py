@@ -50,7 +50,7 @@ from fricmodels.diagnosis.floor import floor, share_explained
 from fricmodels.diagnosis.policy import Policy
 from fricmodels.diagnosis.predictability import AUTOREGRESSIVE, ChannelPredictor
 from fricmodels.diagnosis.verdict import LookAlikes
-from fricmodels.weakform.regression import compare
+from fricmodels.weakform.regression import Regression, compare
 from fricmodels.weakform.shifted import regression_of
 
 Array = NDArray[np.float64]
@@ -189,7 +189,8 @@ def _one_cause(result: CandidateTests, member: Member, others: list[Member]) -> 
     """Whether one channel does by itself what several effects do together: then these imitate one unknown cause.
 
     Against the channel stand the effect and those others whose place the channel takes. They are several causes all the
-    same if they explain as much with fewer than half of the channel's terms.
+    same if together they encompass the channel (Chong and Hendry 1986): they explain as much, and beside them the
+    channel is not significant. A channel of two quantities holds an effect of each, and says nothing against them.
     """
     policy = result.policy
     lasting = AUTOREGRESSIVE if not member.effect.states else frozenset()
@@ -212,13 +213,18 @@ def _one_cause(result: CandidateTests, member: Member, others: list[Member]) -> 
         )
         before = float(np.sum(without.loss))
         theirs, own, all_own = (before - float(np.sum(r.loss)) for r in (channel, alone, together))
-        few = 2 * (len(member.columns) + sum(len(other.columns) for other in taken)) < len(predictor.columns)
-        if few and all_own >= policy.of_channel * theirs:
+        if all_own >= policy.of_channel * theirs and not _adds(predictor, together, policy):
             continue
         _, p_more = compare(alone.loss, channel.loss, without.terms)
         if own < policy.of_channel * theirs and p_more * predictor.tried <= policy.outpredicted_significance:
             return True
     return False
+
+
+def _adds(predictor: ChannelPredictor, together: Regression, policy: Policy) -> bool:
+    """Whether a channel is significant beside all that a regression has."""
+    seen = visible_of(together, predictor.columns)
+    return len(seen) > 0 and together.test(seen).p_value * predictor.tried < policy.significance
 
 
 def _takes_place(result: CandidateTests, predictor: ChannelPredictor, member: Member, every: list[Member]) -> bool:

@@ -10,6 +10,7 @@ from fricmodels.arrays import Array
 from fricmodels.logcheck.finding import Finding, Severity
 from fricmodels.logcheck.statistics import LEVEL
 from fricmodels.logcheck.view import Log
+from fricmodels.signals.beginnings import false_beginnings
 from fricmodels.signals.noise_level import quantum
 
 _NEAR = 8
@@ -56,6 +57,21 @@ def repeated(log: Log) -> Iterator[Finding]:
             f"{100 * share:.2g} % of the samples of the {log.called(channel)} repeat the one before while it changes"
             f"{often}",
             "log each new value once" if share > 0.3 else "drop repeated samples",
+        )
+
+
+def beginnings(log: Log) -> Iterator[Finding]:
+    """Say where the velocity of a first sample is no velocity: a difference begins so."""
+    at = false_beginnings(log.recording)
+    if len(at):
+        velocity, unit = log.recording.velocity, log.unit("velocity")
+        more = f", as in {len(at) - 1} further stretches" if len(at) > 1 else ""
+        yield Finding(
+            "false-beginning",
+            Severity.WARN,
+            "velocity",
+            f"the {log.called('velocity')} begins with {velocity[at[0]]:.4g} {unit} before {velocity[at[0] + 1]:.4g} "
+            f"{unit}{more}: a difference begins so; the line through the next two samples is taken instead",
         )
 
 

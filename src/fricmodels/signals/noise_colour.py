@@ -69,6 +69,8 @@ class Noise:
         step, course, error: step of a quantised signal, the signal without it, and what the recorded one differs by,
             where the noise is that of a staircase.
         filtered: weights of a filter that all of it has passed.
+        scale: of each sample's white noise against that of all, shape (N,), of mean square 1; ``None`` where they are
+            alike.
     """
 
     white: float
@@ -79,6 +81,7 @@ class Noise:
     course: Array | None = field(default=None, compare=False)
     error: Array | None = field(default=None, compare=False)
     filtered: Array | None = field(default=None, compare=False)
+    scale: Array | None = field(default=None, compare=False)
 
     @property
     def deviation(self) -> float:
@@ -88,6 +91,13 @@ class Noise:
         if self.course is not None:
             return self.step / math.sqrt(12.0)
         return math.sqrt(self.white**2 + 2.0 * self.difference**2 + self.lasting**2)
+
+    @property
+    def at_rest(self) -> Noise:
+        """The noise where the signal does not change."""
+        if self.scale is None:
+            return self
+        return replace(self, white=self.white * float(self.scale.min()), scale=None)
 
     @property
     def is_white(self) -> bool:
@@ -148,6 +158,8 @@ class Noise:
         if self.course is not None:
             return _staircase(self.course, self.step, rng.uniform())
         found = self.white * rng.standard_normal(count)
+        if self.scale is not None:
+            found *= self.scale
         if self.difference:
             found += self.difference * np.diff(rng.standard_normal(count + 1))
         if self.lasting:
@@ -172,6 +184,8 @@ class Noise:
 
     def at(self, index: Index) -> Noise:
         """Return the noise of some of the samples."""
+        if self.scale is not None:
+            return replace(self, scale=self.scale[index])
         if self.course is None or self.error is None:
             return self
         return replace(self, course=self.course[index], error=self.error[index])
@@ -265,11 +279,17 @@ def _squares(parts: Sequence[tuple[Array, Array]], scales: Sequence[int], quiet:
         kept = int(_KEPT * len(every))
         if kept < 40:
             break
-        value = _of_quietest(each, scale) if quiet else float(np.partition(every, kept)[:kept].mean()) / _KEPT_SQUARE
+        value = _of_quietest(each, scale) if quiet else mean_square(every)
         if value <= 0.0 or (len(found) >= _FEWEST and value > _MOSTLY_MOTION * found[1] * scale):
             break
         found[scale] = value
     return found
+
+
+def mean_square(squares: Array) -> float:
+    """Return the mean of squares of normal numbers without regard to the largest tenth, as jumps are few."""
+    kept = int(_KEPT * len(squares))
+    return float(np.partition(squares, kept)[:kept].mean()) / _KEPT_SQUARE
 
 
 def _of_quietest(squares: Sequence[Array], scale: int) -> float:

@@ -9,7 +9,7 @@ and the acceleration a with which this recording otherwise moves at low speed.
 from __future__ import annotations
 
 import weakref
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import wraps
 from typing import Any, TypeVar
@@ -18,13 +18,12 @@ import numpy as np
 
 from fricmodels.arrays import Array, Mask
 from fricmodels.recording import Recording
+from fricmodels.signals.in_place import BAND, bridged, in_place, pieces
 from fricmodels.signals.lanczos import even_weights, lanczos_derivative
 from fricmodels.signals.noise_colour import Noise, coloured_noise, most_noise
 from fricmodels.signals.noise_level import best_half_width, best_smoothing, noise_of, quantum
 from fricmodels.signals.segments import stretches
-
-_BAND = 3.0
-"""Standard errors from zero within which a velocity is no evidence of motion."""
+from fricmodels.signals.stamp_noise import with_false_stamps
 
 _LOOKS, _SAME = 4, 0.9
 """Rests are looked for so many times again, the noise being smaller by a tenth at least: in a band that is too wide
@@ -128,7 +127,7 @@ def _found(recording: Recording) -> _Motion:
     values = recording["position"] if by_position else recording.velocity
     noise = noise_of(recording.time, values, recording.run)
     if by_position:
-        return _seen(recording, noise)
+        return _seen(recording, with_false_stamps(recording, noise))
     noise = _not_less(noise, _where_quiet(recording))
     if "position" in recording and "position" not in recording.derived:
         if noise.lasting:
@@ -190,7 +189,7 @@ def _parts(recording: Recording) -> list[tuple[Array, Array]]:
 
 def _at_rest(recording: Recording, resting: Mask) -> Noise | None:
     """Return the noise of the velocity at rest; ``None`` where there is too little of it."""
-    parts = [(recording.time[a:b], recording.velocity[a:b]) for a, b in _borders(recording, resting)]
+    parts = [(recording.time[a:b], recording.velocity[a:b]) for a, b in pieces(recording, resting)]
     return coloured_noise(parts, moving=False) if sum(len(time) for time, _ in parts) > _ENOUGH else None
 
 
@@ -263,7 +262,7 @@ def _seen(recording: Recording, noise: Noise) -> _Motion:
     else:
         width = best_half_width(time, values, run, noise=noise)
     smooth = lanczos_derivative(time, values, width, run)[order]
-    error = noise.after(even_weights(width)[order]) / (recording.interval if order else 1.0)
+    error = noise.at_rest.after(even_weights(width)[order]) / (recording.interval if order else 1.0)
     rounding = 8.0 * np.spacing(np.abs(values).max()) / (recording.interval if order else 1.0)
     error = max(error, float(rounding))
     mask = _resting(recording, smooth, error)
@@ -312,46 +311,21 @@ def smoothed_velocity(recording: Recording) -> tuple[Array, float]:
 
 
 def _resting(recording: Recording, velocity: Array, error: float) -> Mask:
-    band = _BAND * error
+    band = BAND * error
     if not _from_position(recording):
         band = max(band, 1.01 * quantum(recording.velocity))
     still = np.abs(velocity) <= band
     passage = _passage(recording, velocity, band)
     if "position" in recording and "position" not in recording.derived:
-        still &= _in_place(recording, still, band, passage)
+        still &= in_place(recording, still, band, passage)
     mask = np.zeros(len(recording), dtype=bool)
-    for start, stop in _borders(recording, still):
+    for start, stop in pieces(recording, still):
         mask[start:stop] = recording.time[stop - 1] - recording.time[start] > passage
-    return mask
+    return bridged(recording, mask) if "position" in recording and "position" not in recording.derived else mask
 
 
 def _from_position(recording: Recording) -> bool:
     return "velocity" not in recording or ("velocity" in recording.derived and "position" in recording)
-
-
-def _in_place(recording: Recording, still: Mask, band: float, passage: float) -> Mask:
-    """Tell where the position changes no more than its sensor does at rest, while the velocity may be zero.
-
-    Over as long as a drive that creeps at the limit of the band needs to show it; over the whole of shorter stretches.
-    """
-    position = recording["position"]
-    spread = _BAND * np.sqrt(2.0) * noise_of(recording.time, position, recording.run).deviation
-    allowed = max(spread, 1.01 * quantum(position))
-    count = max(1, round(max(passage, 2.0 * allowed / band) / recording.interval))
-    result = np.zeros(len(position), dtype=bool)
-    for start, stop in _borders(recording, still):
-        at = np.arange(start, stop)
-        first = np.clip(at - count // 2, start, max(start, stop - 1 - count))
-        last = np.minimum(first + count, stop - 1)
-        result[start:stop] = np.abs(position[last] - position[first]) <= allowed
-    return result
-
-
-def _borders(recording: Recording, mask: Mask) -> Iterator[tuple[int, int]]:
-    """Yield start and stop of each piece of an uninterrupted stretch where the mask holds."""
-    for part in stretches(recording.time, recording.run):
-        edges = np.flatnonzero(np.diff(np.r_[0, mask[part].astype(np.int8), 0])) + part.start
-        yield from zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True)
 
 
 def standstill(velocity: Array) -> float:

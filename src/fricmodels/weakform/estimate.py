@@ -103,6 +103,7 @@ def estimate(
     plain = WeakFormProblem.of(drive, recording, found.parameters, width)
     if plain.rows <= _ROWS * len(drive.parameters):
         plain = first  # a friction with which the drive would hardly have moved is not known yet
+    plain = replace(plain, shift=found.shift)
     problem = plain.carrying(carriers)
     found = _solved(problem, start, found.parameters)
     if drive.model.delay or _explains_torque_by_itself(drive):
@@ -128,7 +129,8 @@ def estimate(
             final = identified(solve(clear.problem, found.plan, timing=found.timing))
     if whole is not None and final.problem is not whole.problem and left(final) > _EXTRAPOLATES * left(whole):
         final = identified(whole)
-    rows = replace(plain, friction_limits=plain.limits_of_friction(final.parameters), estimated=dict(final.parameters))
+    limits = plain.limits_of_friction(final.parameters)
+    rows = replace(plain, friction_limits=limits, estimated=dict(final.parameters), shift=final.shift)
     return rows, Estimate(
         final.parameters,
         final.standard_errors,

@@ -9,7 +9,14 @@ import numpy as np
 from fricmodels.errors import InputError
 from fricmodels.recording import Recording
 from fricmodels.signals import best_half_width, noise_of, prepare, velocity_noise, with_derived_velocity
+from fricmodels.signals.beginnings import with_true_beginnings
 from fricmodels.signals.lanczos import even_weights
+from fricmodels.signals.stamp_noise import with_false_stamps
+
+_EQUAL, _EXCEPTIONS = 1e-3, 0.01
+"""Share of the RMS velocity to which a computed velocity equals the difference, and share of samples that may not."""
+_LEAST = 50
+"""Samples from which that is told."""
 
 
 def prepared(recording: Recording) -> Recording:
@@ -35,7 +42,7 @@ def ready(recording: Recording) -> Recording:
     Raises:
         InputError: when the recording does not move.
     """
-    prepared = prepare(surest_velocity(recording))
+    prepared = prepare(surest_velocity(with_true_beginnings(recording)))
     if float(np.ptp(prepared.velocity)) == 0:
         raise InputError(f"recording '{recording.name}' does not move; record some motion")
     return prepared.with_channels(derived="time" in recording.derived, time=prepared.time - prepared.time[0])
@@ -45,14 +52,17 @@ def surest_velocity(recording: Recording) -> Recording:
     """Return the recording with the velocity derived from the position, where that is the more certain of the two.
 
     An encoder's position often gives a better velocity than the noisy channel beside it. The two must agree: the
-    measured velocity is the derived one, to within a hundredth in scale and its own noise.
+    measured velocity is the derived one, to within a hundredth in scale and its own noise. Where it was itself computed
+    as a difference of the positions it says nothing more than they do, and says that smeared or late.
     """
     if "velocity" not in recording or "position" not in recording or "velocity" in recording.derived:
         return recording
     time, run, position, velocity = recording.time, recording.run, recording["position"], recording.velocity
-    counted = noise_of(time, position, run)
+    counted = with_false_stamps(recording, noise_of(time, position, run))
     width = best_half_width(time, position, run, noise=counted)
     result = with_derived_velocity(recording, width)
+    if is_difference(recording):
+        return result
     derived = result.velocity
     error = counted.after(even_weights(width)[1]) / recording.interval
     own = velocity_noise(recording).deviation
@@ -64,3 +74,23 @@ def surest_velocity(recording: Recording) -> Recording:
     if abs(scale - 1) > 0.01 or left > 1.5 * float(np.hypot(own, error)):
         return recording
     return result
+
+
+def is_difference(recording: Recording) -> bool:
+    """Whether the velocity is a difference of the recorded positions: backward, forward or central.
+
+    All but a hundredth of the samples, beginnings and lost ones among them, must be equal to a thousandth of the RMS.
+    """
+    time, position, velocity = recording.time, recording["position"], recording.velocity
+    inside = np.diff(recording.run) == 0
+    if np.count_nonzero(inside) < _LEAST:
+        return False
+    allowed = _EQUAL * float(np.sqrt(np.mean(velocity**2)))
+    steps, changes = np.where(inside, np.diff(time), np.inf), np.diff(position)
+    wide = np.where(inside[1:] & inside[:-1], time[2:] - time[:-2], np.inf)
+    forms = (
+        (changes / steps, velocity[1:], inside),
+        (changes / steps, velocity[:-1], inside),
+        ((position[2:] - position[:-2]) / wide, velocity[1:-1], inside[1:] & inside[:-1]),
+    )
+    return any(float(np.mean(np.abs(form - own)[counts] <= allowed)) > 1.0 - _EXCEPTIONS for form, own, counts in forms)

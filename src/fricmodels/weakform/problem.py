@@ -52,6 +52,7 @@ class WeakFormProblem:
         estimated: parameters of the drive's fit, once there is one; see :attr:`motor_torque`.
         delay: by which the model's own delay, if it has one, was taken out of the recording [s].
         carriers: wave numbers that the test functions carry, see :mod:`.carriers`.
+        shift: time [s] by which an earlier fit saw motion recorded after the torque; see :attr:`torque_rate`.
     """
 
     drive: Drive
@@ -65,6 +66,7 @@ class WeakFormProblem:
     estimated: Mapping[str, float] | None = None
     delay: float = 0.0
     carriers: tuple[float, ...] = ()
+    shift: float = 0.0
 
     @classmethod
     def of(
@@ -216,8 +218,16 @@ class WeakFormProblem:
 
     @cached_property
     def torque_rate(self) -> Array:
-        """∫φ dτ_m = −∫φ' τ_m dt, shape (rows,)."""
-        return np.asarray(self.bumps.change(self.recording.torque))
+        r"""∫φ dτ_m = −∫φ' τ_m dt, shape (rows,), half-way over the shift that is known.
+
+        .. math:: \frac{\tau_m(t) - \tau_m(t - s)}{s} = \dot\tau_m(t - s/2) + O(s^2)
+
+        so that a coefficient of s is a whole shift to the second order.
+        """
+        torque = self.recording.torque
+        if self.shift:
+            torque = torque - 0.5 * self.shift * self.recording.signal("motor_torque_rate")
+        return np.asarray(self.bumps.change(torque))
 
     @cached_property
     def sign_change(self) -> Array:

@@ -150,9 +150,12 @@ class Regression:
         size = np.linalg.norm(base, axis=1)
         self.base = base[size > 0] / size[size > 0, None]
         self.target = target
-        self.terms = cosine_terms(independent, len(target))
         left, singular, _ = np.linalg.svd(self.base.T, full_matrices=False)
         self._basis = left[:, singular > SAME * singular[0]] if len(singular) else left
+        self._independent = independent
+        # Rows that the base directions leave free are all there is to learn a variance from.
+        free = max(int(independent) - self._basis.shape[1], 1)
+        self.terms = min(cosine_terms(independent, len(target)), free)
         self.residual = self.project_out(target[None])[0]
         self._edges = np.linspace(0, len(target), FOLDS + 1).astype(int)
         self.loss = self.residual**2
@@ -248,13 +251,16 @@ class Regression:
         along = directions @ self.residual
         left = self.residual - along @ directions
         q = len(columns)
-        variance = long_run_sum(directions * left, self.terms)
+        # What was fitted took its share of the residual: as many degrees of freedom of the independent rows.
+        gone = min(self._basis.shape[1] + q, 0.75 * self._independent)
+        variance = long_run_sum(directions * left, self.terms) * (self._independent / (self._independent - gone))
         theta = turn @ along
         from scipy.special import fdtrc  # the upper tail of F
 
-        freedom = max(self.terms - q + 1, 1)
-        statistic = float(along @ np.linalg.pinv(variance, rcond=1e-12, hermitian=True) @ along)
-        p_value = float(fdtrc(q, freedom, max(statistic * freedom / (self.terms * q), 0.0)))
+        freedom, p_value = self.terms - q + 1, 1.0  # more columns than that prove nothing, whatever they explain
+        if freedom > 0:
+            statistic = float(along @ np.linalg.pinv(variance, rcond=1e-12, hermitian=True) @ along)
+            p_value = float(fdtrc(q, freedom, max(statistic * freedom / (self.terms * q), 0.0)))
         loss = self.held_out(free) ** 2
         gain, gain_p = compare(without.loss, loss, self.terms)
         total = float(without.residual @ without.residual)
