@@ -18,14 +18,16 @@ def floor(problem: WeakFormProblem, policy: Policy = POLICY) -> float:
 
 
 def share_explained(problem: WeakFormProblem, before: float, left: float, policy: Policy = POLICY) -> float:
-    """Return which share of a sum of squares above the floor is explained.
+    """Return which share of a sum of squares above the floor, and above noise of the motor torque, is explained.
+
+    That noise is what alternates too fast for anything else, and no floor for the search: an effect explains beside it.
 
     Args:
         problem: the fitted model and its rows.
         before, left: sum of squared residuals that is to be explained, and what is left of it [(N m)² or N²].
         policy: decides on the floor.
     """
-    above = before - floor(problem, policy)
+    above = before - floor(problem, policy) - problem.torque_noise
     return (before - left) / above if above > before - left else 1.0
 
 

@@ -21,6 +21,7 @@ from fricmodels.memory import Memory
 from fricmodels.model import Model
 from fricmodels.parameter import Parameter
 from fricmodels.recording import Recording
+from fricmodels.score import noise as score_noise
 from fricmodels.signals import lanczos_derivative
 from fricmodels.term import Effect
 from fricmodels.weakform.carriers import CarrierFunctions
@@ -199,6 +200,14 @@ class WeakFormProblem:
     def momentum_noise(self) -> float:
         """Sum of squares that noise adds to :attr:`momentum`."""
         return float(self.noise_of_momentum @ self.noise_of_momentum)
+
+    @cached_property
+    def torque_noise(self) -> float:
+        """Sum of squares that noise of the motor torque adds to :attr:`driving`."""
+        drawn = score_noise.noise_like(self.recording, "torque", np.random.default_rng(0))
+        cell = self.quadrature.cell
+        rows = self.integrals(np.concatenate([drawn, drawn[cell], drawn[cell + 1]])[None])[0]
+        return float(rows @ rows)
 
     def noise_within(self, regression: Regression, columns: Array, perturbed: Array) -> Array:
         """Return what noise makes of columns freed of the base directions, shape (k, rows).
