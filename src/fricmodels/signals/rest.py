@@ -314,7 +314,7 @@ def smoothed_velocity(recording: Recording) -> tuple[Array, float]:
 def _resting(recording: Recording, velocity: Array, error: float) -> Mask:
     band = _BAND * error
     if not _from_position(recording):
-        band = max(band, 1.01 * quantum(recording.velocity))
+        band = max(band, 1.01 * _step_of_velocity(recording))
     still = np.abs(velocity) <= band
     passage = _passage(recording, velocity, band)
     if "position" in recording and "position" not in recording.derived:
@@ -323,6 +323,11 @@ def _resting(recording: Recording, velocity: Array, error: float) -> Mask:
     for start, stop in _borders(recording, still):
         mask[start:stop] = recording.time[stop - 1] - recording.time[start] > passage
     return mask
+
+
+@once
+def _step_of_velocity(recording: Recording) -> float:
+    return quantum(recording.velocity)
 
 
 def _from_position(recording: Recording) -> bool:

@@ -42,7 +42,7 @@ def identified(found: Solved) -> Solved:
         reasons = {**lost_in_noise(noisy), **reasons, **held}
         choice = to_hold(drive, now.values, now.covariance, searched, set(reasons) - set(held) - refused, noisy)
         if choice is None:
-            return replace(now, not_identified=reasons, free=free if held else None)
+            return now.changed(not_identified=reasons, free=free if held else None)
         key, value = choice
         plan = replace(now.plan, held={**now.plan.held, key: value})
         if key not in lost_in_noise(noisy) and not _may_be(free, plan.held):

@@ -79,18 +79,19 @@ def jackknife_covariance(jacobian: Array, residual: Array, inverse: Array, indep
 
     size = np.sqrt(np.einsum("ij,ij->j", jacobian, jacobian))
     size = np.where(size > 0.0, size, 1.0)
-    jacobian, inverse = jacobian / size, inverse * np.outer(size, size)
+    inverse = inverse * np.outer(size, size)
     blocks = int(np.clip(independent / _IN_BLOCK, _FEWEST, _MOST))
     edges = np.linspace(0, len(residual), blocks + 1).astype(int)
     value, vector = np.linalg.eigh(inverse)
     root = vector * np.sqrt(np.clip(value, 0.0, None))
-    moved = []
-    for first, last in pairwise(edges):
-        own = jacobian[first:last] @ root
-        # (A − A_g)⁻¹ s = R (1 − RᵀA_gR)⁻¹ Rᵀs with A⁻¹ = RRᵀ: by the share of what is known that the block holds.
-        share, direction = np.linalg.eigh(own.T @ own)
-        left = np.maximum(1.0 - share, 1.0 / blocks)
-        moved.append(root @ direction @ (direction.T @ (own.T @ residual[first:last]) / left))
-    apart = (np.array(moved) - np.mean(moved, axis=0)) / size
+    rows = jacobian @ (root / size[:, None])
+    parts = [slice(*ends) for ends in pairwise(edges.tolist())]
+    # (A − A_g)⁻¹ s = R (1 − RᵀA_gR)⁻¹ Rᵀs with A⁻¹ = RRᵀ: by the share of what is known that the block holds.
+    share, direction = np.linalg.eigh(np.array([rows[part].T @ rows[part] for part in parts]))
+    scores = np.array([residual[part] @ rows[part] for part in parts])
+    left = np.maximum(1.0 - share, 1.0 / blocks)
+    along = (scores[:, None] @ direction)[:, 0] / left
+    moved = (direction @ along[:, :, None])[:, :, 0] @ root.T
+    apart = (moved - np.mean(moved, axis=0)) / size
     widen = float(stdtrit(blocks - 1, 0.975)) / 1.959963984540054
     return np.asarray(widen**2 * (blocks - 1) / blocks * apart.T @ apart)

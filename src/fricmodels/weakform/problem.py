@@ -33,6 +33,8 @@ from fricmodels.weakform.unclear import creeping, direction_unclear
 
 _LEAST_DELIVERED = 0.05
 """Share of the motor torque that is delivered at the least, whatever a fit on the way says of a gain or a ripple."""
+_OF_ROWS = frozenset({"momentum", "noise_of_momentum", "driving", "torque_rate", "sign_change", "target", "centre"})
+"""What is computed once for the same rows."""
 _ROOM = 2**28
 """Bytes of integrals that a problem remembers."""
 
@@ -68,7 +70,12 @@ class WeakFormProblem:
 
     @classmethod
     def of(
-        cls, drive: Drive, recording: Recording, parameters: Mapping[str, float], width: int | None = None
+        cls,
+        drive: Drive,
+        recording: Recording,
+        parameters: Mapping[str, float],
+        width: int | None = None,
+        like: WeakFormProblem | None = None,
     ) -> WeakFormProblem:
         """Choose the test functions and evaluate what all candidates share.
 
@@ -77,6 +84,7 @@ class WeakFormProblem:
             recording: with ``velocity``.
             parameters: the model's estimated parameters by key, and the inertia.
             width: samples that a test function spans; as the noise asks for if not given.
+            like: another problem of this drive; where its rows are the same, they are not evaluated anew.
         """
         inertia, _ = drive.split(parameters)
         delay = parameters[drive.model.delay] if drive.model.delay else 0.0
@@ -85,9 +93,29 @@ class WeakFormProblem:
         part, smooth, at_rest = motion.recording, motion.velocity, motion.resting
         width = width or bump_width(part, inertia)
         unclear = direction_unclear(drive, part, smooth, at_rest, width, parameters)
-        quadrature, bumps = _rows(part, smooth, width, unclear)
-        problem = cls(drive, part, smooth, at_rest, quadrature, bumps, motion.half_width, (0.0, 0.0), delay=delay)
-        return replace(problem, friction_limits=problem.limits_of_friction(parameters))
+        if like is not None and like.recording is part and like._is_on(width, unclear) and like.delay == delay:
+            problem = like
+        else:
+            quadrature, bumps = _rows(part, smooth, width, unclear)
+            problem = cls(drive, part, smooth, at_rest, quadrature, bumps, motion.half_width, (0.0, 0.0), delay=delay)
+        return problem._limited(problem.limits_of_friction(parameters))
+
+    def _is_on(self, width: int, unclear: Mask) -> bool:
+        """Whether its rows are those of a width without some samples, and nothing else is known of it."""
+        plain = self.estimated is None and not self.carriers
+        return plain and self.bumps.is_of(width, unclear)
+
+    def has_rows_of(self, other: WeakFormProblem) -> bool:
+        """Whether it has the very rows of another problem."""
+        return self.bumps is other.bumps and self.quadrature is other.quadrature and self.drive is other.drive
+
+    def _limited(self, limits: tuple[float, float]) -> WeakFormProblem:
+        """Return it with other limits of friction, which no row depends on."""
+        limited = replace(self, friction_limits=limits)
+        for name in _OF_ROWS & self.__dict__.keys():
+            limited.__dict__[name] = self.__dict__[name]
+        limited.__dict__["integrated"] = self.integrated
+        return limited
 
     def limits_of_friction(self, parameters: Mapping[str, float]) -> tuple[float, float]:
         """Return the most that can rise with speed [torque/velocity] and fall [torque] of the model's friction.

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fricmodels.recording import Recording
+from fricmodels.signals.rest import once
 from fricmodels.signals import lanczos_derivative, motion_noise, velocity_noise
 from fricmodels.weakform.regression import Regression
 from fricmodels.weakform.test_functions import HOPS, TestFunctions, mean_velocity
@@ -34,10 +35,16 @@ def momentum_noise(bumps: TestFunctions, recording: Recording) -> Array:
         bumps: of the recording.
         recording: whose position or velocity is noisy.
     """
+    return bumps.momentum(_noise_of_cells(recording))
+
+
+@once
+def _noise_of_cells(recording: Recording) -> Array:
+    """Return noise as the velocity has it whose changes are the momentum, shape (N,): always the same."""
     rng = np.random.default_rng(0)
     if not recording.derived_over:
-        return bumps.momentum(noise_like(recording, rng))
-    return bumps.momentum(mean_velocity(recording, motion_noise(recording).like(len(recording), rng)))
+        return noise_like(recording, rng)
+    return mean_velocity(recording, motion_noise(recording).like(len(recording), rng))
 
 
 def noise_in_columns(
@@ -69,7 +76,7 @@ def bump_width(recording: Recording, inertia: float) -> int:
     """Return the least width at which velocity noise adds less than the stated share of the RMS torque to a row."""
     torque = float(np.sqrt(np.mean(recording.torque**2)))
     wanted = _NOISE_SHARE * torque * recording.interval
-    shortest = int(np.min(np.unique(recording.run, return_counts=True)[1]))
+    shortest = min(int(np.count_nonzero(recording.run == number)) for number in recording.run_numbers)
     narrowest = max(_NARROWEST, -(-_DERIVED * recording.derived_over // HOPS) * HOPS)
     widest = max(narrowest, min(WIDEST, shortest // 40 // HOPS * HOPS))
     moving = np.zeros(len(recording), dtype=bool)
