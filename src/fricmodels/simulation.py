@@ -155,10 +155,9 @@ def simulated_velocity(
     Each run starts from its own first velocity (and position); nothing after that is taken from the measured motion.
     """
     simulated = np.empty(len(recording))
-    several = len(recording.run_numbers) > 1
     for number in recording.run_numbers:
-        mask = recording.run == number if several else slice(None)
-        one = recording.select(mask) if several else recording
+        mask = recording.run == number
+        one = recording.select(mask) if len(recording.run_numbers) > 1 else recording
         position = float(one["position"][0]) if "position" in one else 0.0
         simulated[mask], _ = _integrate(drive, values, one, float(one.velocity[0]), position, between_samples, substeps)
     return simulated

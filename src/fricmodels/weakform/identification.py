@@ -37,8 +37,7 @@ def identified(found: Solved) -> Solved:
     held: dict[str, str] = {}
     refused: set[str] = set()
     while True:
-        undetermined = now.solution.normal.null[now.places]
-        reasons = not_identified(drive, now.values, now.covariance, undetermined, searched)
+        reasons = not_identified(drive, now.values, now.covariance, now.undetermined, searched)
         reasons = {**lost_in_noise(noisy), **reasons, **held}
         choice = to_hold(drive, now.values, now.covariance, searched, set(reasons) - set(held) - refused, noisy)
         if choice is None:

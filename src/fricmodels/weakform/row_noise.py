@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fricmodels.recording import Recording
-from fricmodels.signals.rest import once
 from fricmodels.signals import lanczos_derivative, motion_noise, velocity_noise
+from fricmodels.signals.rest import once
 from fricmodels.weakform.regression import Regression
 from fricmodels.weakform.test_functions import HOPS, TestFunctions, mean_velocity
 

@@ -128,7 +128,22 @@ class Solved:
     @property
     def _held(self) -> set[int]:
         keys = self.problem.drive.keys
-        return {int(self.places[keys.index(key)]) for key in self.plan.held}
+        return {int(self.places[keys.index(key)]) for key in self.plan.held} | self._constant
+
+    @property
+    def _constant(self) -> set[int]:
+        parameters = self.problem.drive.parameters
+        return {int(self.places[i]) for i, p in enumerate(parameters) if p.declared.constant}
+
+    @property
+    def undetermined(self) -> Array:
+        """Directions that change nothing, in the order of the drive's parameters, (n, any number); of no constant."""
+        solution = self.solution
+        free = np.array([i for i in range(len(solution.jacobian)) if i not in self._constant], dtype=np.int64)
+        null = (solution.normal if len(free) == len(solution.jacobian) else solution.part(free)).null
+        found = np.zeros((len(solution.jacobian), null.shape[1]))
+        found[free] = null
+        return found[self.places]
 
     @cached_property
     def covariance(self) -> Array:
