@@ -219,6 +219,8 @@ def test_a_constant_is_not_estimated() -> None:
     case = rich_case(subject(TorquePower))
     fit = load().estimators["batch"]().fit(case.drive, case.recording)
     assert "torque-power.T_0" not in fit.standard_errors
+    assert not fit.not_identified, "a constant is no direction in which anything could change"
+    assert fit.parameters["torque-power.n"] == pytest.approx(case.truth["torque-power.n"], rel=2e-3)
     assert fit.parameters["torque-power.T_0"] == 1.0
 
 
