@@ -117,7 +117,7 @@ def estimate(
         other = _solved(problem.including_uncertain_motion, {**start, **found.parameters})
         found = min(found, other, key=left)
     elif model_velocity:
-        whole = at_model_velocity(found)
+        whole = at_model_velocity(found, widen=width is None)
         found = clear_of_reversals(whole, left)
     final = identified(found)
     if model_velocity and final.plan.held and not drive.model.delay and not drive.model.states:

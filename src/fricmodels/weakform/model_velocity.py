@@ -21,6 +21,7 @@ from fricmodels.signals import Noise, velocity_noise
 from fricmodels.signals.lanczos import even_weights
 from fricmodels.weakform.hidden import drowned, sign_is_hidden
 from fricmodels.weakform.nonlinear import Plan
+from fricmodels.weakform.row_noise import FEWEST_WHERE_ALL_COUNT, NOISE_SHARE_WHERE_ALL_COUNT, bump_width
 from fricmodels.weakform.solve import STRONG, Solved, solve
 
 Array = NDArray[np.float64]
@@ -59,7 +60,7 @@ class ModelVelocity:
     own_noise: float
 
 
-def at_model_velocity(found: Solved) -> Solved:
+def at_model_velocity(found: Solved, *, widen: bool = True) -> Solved:
     r"""Return the fit with friction evaluated at the velocity that the model predicts, if that is more certain.
 
     In rounds, while the velocity is not predicted worse. Which velocity is more certain is told by Stein's unbiased
@@ -69,6 +70,7 @@ def at_model_velocity(found: Solved) -> Solved:
     Args:
         found: the fit at the smoothed velocity. A velocity that was derived from positions, or that moves in steps,
             stays as it is: its error goes with the motion, and the risk does not see it.
+        widen: whether test functions may be wider than those of that fit.
     """
     problem = found.problem
     recording = problem.recording
@@ -82,7 +84,7 @@ def at_model_velocity(found: Solved) -> Solved:
             return np.inf
         return _risk(recording.velocity, velocity.velocity, velocity.own_noise)
 
-    best, predicted, settled = _rounds(begin, begin.parameters, first)
+    best, predicted, settled = _rounds(begin, begin.parameters, first, widen=widen)
     lost = not settled or len(best.solution.normal.null.T) > 0 or risk(predicted) > smooth
     if lost and sign_is_hidden(recording):
         # Whether the drive turns at all, and for how long, says more of its Coulomb friction than its speed does.
@@ -91,7 +93,7 @@ def at_model_velocity(found: Solved) -> Solved:
         without = solve(everywhere.problem, replace(everywhere.plan, held=held), timing=False)
         values = sought(problem.drive, [without.values, everywhere.values, found.values], recording, held)
         from_search = {**begin.parameters, **dict(zip(problem.drive.keys, values, strict=True))}
-        other, velocity, _ = _rounds(without, from_search)
+        other, velocity, _ = _rounds(without, from_search, widen=widen)
         if velocity and (predicted is None or velocity.prediction_error < predicted.prediction_error):
             best, predicted = solve(other.problem, found.plan, timing=False), velocity
     if best.with_shift().log_odds_of_a_shift() > STRONG:
@@ -108,7 +110,7 @@ def _left_by(values: Array, found: Solved) -> float:
 
 
 def _rounds(
-    begin: Solved, parameters: Mapping[str, float], first: ModelVelocity | None = None
+    begin: Solved, parameters: Mapping[str, float], first: ModelVelocity | None = None, *, widen: bool
 ) -> tuple[Solved, ModelVelocity | None, bool]:
     r"""Return the fit after rounds of predicting the velocity and fitting anew, its velocity, and whether they settled.
 
@@ -119,10 +121,16 @@ def _rounds(
         begin: gives drive, recording and starts.
         parameters: by which the velocity is predicted first, by key.
         first: that velocity, if it is known.
+        widen: see :func:`at_model_velocity`.
     """
     problem, drive = begin.problem, begin.problem.drive
+    # No row need be clear of uncertain motion: the noise of the momentum alone says how wide is wide enough.
     best, used, least = begin, None, np.inf
     values = np.array([parameters[key] for key in drive.keys])
+    width = problem.bumps.width
+    if widen:
+        inertia, _ = drive.split(parameters)
+        width = max(width, bump_width(problem.recording, inertia, FEWEST_WHERE_ALL_COUNT, NOISE_SHARE_WHERE_ALL_COUNT))
     change: Array | None = None
     for _ in range(MAX_ROUNDS):
         predicted, first = first, None
@@ -131,7 +139,7 @@ def _rounds(
             predicted = model_velocity(drive, now, problem.recording)
         if predicted is None or predicted.prediction_error > WORSE * least:
             break
-        rows = problem.along(predicted.velocity, predicted.resting)
+        rows = problem.along(predicted.velocity, predicted.resting, width)
         if rows.rows <= 4 * len(drive.parameters):
             break
         least, used = min(least, predicted.prediction_error), predicted

@@ -168,15 +168,15 @@ class WeakFormProblem:
             return self
         return replace(self, bumps=CarrierFunctions(self.bumps, self.recording, carriers), carriers=carriers)
 
-    def along(self, velocity: Array, resting: Mask) -> WeakFormProblem:
+    def along(self, velocity: Array, resting: Mask, width: int | None = None) -> WeakFormProblem:
         """Return the same problem with friction evaluated at another velocity, on all samples that do not rest by it.
 
         Args:
-            velocity: shape (N,).
-            resting: samples at rest, shape (N,).
+            velocity, resting: shape (N,).
+            width: samples that a test function spans; as before if not given.
         """
         over_cells = self.recording.derived_over > 0
-        bumps = TestFunctions(self.recording, self.bumps.width, resting, over_cells=over_cells)
+        bumps = TestFunctions(self.recording, width or self.bumps.width, resting, over_cells=over_cells)
         quadrature = Quadrature.of(self.recording, velocity, resting)
         moved = replace(self, smooth=velocity, resting=resting, quadrature=quadrature, bumps=bumps)
         return moved.carrying(self.carriers)

@@ -14,10 +14,13 @@ from fricmodels.weakform.test_functions import HOPS, TestFunctions, mean_velocit
 Array = NDArray[np.float64]
 
 _NARROWEST, WIDEST = 16, 128
+FEWEST, FEWEST_WHERE_ALL_COUNT = 40, 20
+"""Widths that the shortest run has at least, so that some are clear of what is uncertain; and where none need be."""
 _DERIVED = 6
 """A bump spans at least so many half widths of the derivation of the velocity, at which friction is evaluated."""
-_NOISE_SHARE = 0.01
-"""The bump is widened until the noise of the velocity adds less than this share of the RMS torque to a row."""
+NOISE_SHARE, NOISE_SHARE_WHERE_ALL_COUNT = 0.01, 0.005
+"""The bump is widened until the noise of the velocity adds less than this share of the RMS torque to a row; where no row
+need be clear of uncertain motion, until it adds half of that: then a wide bump loses no rows."""
 
 
 def noise_like(recording: Recording, rng: np.random.Generator) -> Array:
@@ -72,13 +75,20 @@ def noise_in_columns(
     return np.asarray(found - share[:, None] * regression.project_out(noise[None]))
 
 
-def bump_width(recording: Recording, inertia: float) -> int:
-    """Return the least width at which velocity noise adds less than the stated share of the RMS torque to a row."""
+def bump_width(recording: Recording, inertia: float, fewest: int = FEWEST, share: float = NOISE_SHARE) -> int:
+    """Return the least width at which velocity noise adds less than the stated share of the RMS torque to a row.
+
+    Args:
+        recording: with velocity and torque.
+        inertia: of the drive.
+        fewest: widths that the shortest run has at least.
+        share: of the RMS torque.
+    """
     torque = float(np.sqrt(np.mean(recording.torque**2)))
-    wanted = _NOISE_SHARE * torque * recording.interval
+    wanted = share * torque * recording.interval
     shortest = min(int(np.count_nonzero(recording.run == number)) for number in recording.run_numbers)
     narrowest = max(_NARROWEST, -(-_DERIVED * recording.derived_over // HOPS) * HOPS)
-    widest = max(narrowest, min(WIDEST, shortest // 40 // HOPS * HOPS))
+    widest = max(narrowest, min(WIDEST, shortest // fewest // HOPS * HOPS))
     moving = np.zeros(len(recording), dtype=bool)
     for width in range(narrowest, widest, HOPS):
         bumps = TestFunctions(recording, width, moving, over_cells=recording.derived_over > 0)
