@@ -21,6 +21,7 @@ from fricmodels.filtering.preparation import (
 )
 from fricmodels.fit import Status
 from fricmodels.recording import Recording
+from fricmodels.signals import velocity_noise
 
 Array = NDArray[np.float64]
 
@@ -28,6 +29,8 @@ _MOVING = 0.05
 """Least speed of a plateau, as a fraction of the peak speed: below, the drive may stick."""
 _SINGULAR = 1e-6
 _VAGUE = 0.5
+_BY_NOISE = 0.1
+"""Share of what tells a coefficient from the others that may be noise of the velocity: it is too small by as much."""
 
 
 class ConstantVelocitySettings(EstimatorSettings):
@@ -91,6 +94,11 @@ class ConstantVelocity(Estimator):
         if smallest < _SINGULAR:
             reason = f"the {count} {method} do not differ enough in speed and direction to separate {', '.join(keys)}"
             return Solution(status=Status.FAILED, message=reason)
+        noise = velocity_noise(kept).deviation * np.random.default_rng(0).standard_normal(len(found.samples))
+        noisy = found.samples.with_channels(velocity=found.samples.velocity + noise)
+        changed = drive.regressors(noisy, [guess[key] for key in held])[0] * size[:, None] / rms - columns
+        blurred = made_by_noise(columns, changed)
+        reason = "the plateaus differ in speed by little more than the noise of the velocity: it is off by an unknown part"
         found_values = {**guess, **dict(zip(keys, (theta * size).tolist(), strict=True))}
         values = {p.key: found_values[p.key] for p in drive.model.parameters}
         if drive.inertia is None:
@@ -100,6 +108,7 @@ class ConstantVelocity(Estimator):
             parameters={drive.inertia_key: inertia, **values},
             estimated=tuple(keys),
             message=f"from {method}" + (f"; held at the best of their scan: {', '.join(held)}" if held else ""),
+            no_interval={p.key: reason for p, share in zip(linear, blurred, strict=True) if share > _BY_NOISE},
             not_identified={
                 p.key: f"its standard error is over {_VAGUE:g} of the value that would carry the whole RMS torque"
                 for p, error in zip(linear, np.sqrt(np.diag(errors)), strict=True)
@@ -150,6 +159,23 @@ def clustered_least_squares(columns: Array, right: Array, cluster: NDArray[np.in
     inverse = np.linalg.inv(normal)
     covariance = inverse @ sums @ sums.T @ inverse * clusters / max(clusters - order, 1)
     return theta / size, covariance / np.outer(size, size), smallest
+
+
+def made_by_noise(columns: Array, changed: Array) -> Array:
+    r"""Return the share of noise in what tells each column from the others, shape (k,).
+
+    .. math:: \frac{[G^{-1} N G^{-1}]_{ii}}{[G^{-1}]_{ii}}
+
+    with the products G of the columns, and N of what noise changes of them. Least squares takes the coefficient too
+    small by that share (W. A. Fuller, "Measurement error models", 1987), and no scatter of the plateaus shows it.
+
+    Args:
+        columns, changed: shape (k, N).
+    """
+    size = np.sqrt(np.mean(columns**2, axis=1))
+    unit, noise = columns / size[:, None], changed / size[:, None]
+    inverse = np.linalg.pinv(unit @ unit.T, hermitian=True, rcond=1e-12)
+    return np.asarray(np.diag(inverse @ (noise @ noise.T) @ inverse) / np.diag(inverse))
 
 
 def _inertia(drive: Drive, recording: Recording, values: dict[str, float]) -> float:

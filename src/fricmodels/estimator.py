@@ -39,6 +39,7 @@ class Solution:
         covariance: of the estimated parameters, in the order of :attr:`estimated`; ``None`` where the estimator does
             not know how far it is off: the distance to an unbiased fit then says it, see :mod:`fricmodels.interval`.
         estimated: keys of the parameters that were estimated; all of ``drive.keys`` by default.
+        no_interval: key → reason, of parameters of which it is known that no interval about them means anything.
         status, message, not_identified, history: as in :class:`fricmodels.fit.Fit`.
         notes: what the provenance says besides settings, recording and versions.
     """
@@ -48,6 +49,7 @@ class Solution:
     estimated: tuple[str, ...] | None = None
     status: Status = Status.OK
     message: str = ""
+    no_interval: Mapping[str, str] = field(default_factory=dict)
     not_identified: Mapping[str, str] = field(default_factory=dict)
     history: pd.DataFrame | None = None
     notes: Mapping[str, Any] = field(default_factory=dict)
@@ -94,6 +96,9 @@ class Estimator(ABC):
             covariance = np.full((len(keys), len(keys)), np.nan)
         elif covariance is None:
             covariance, no_interval = about(drive, kept, parameters, keys)
+        without = np.array([key in found.no_interval for key in keys], dtype=bool)
+        covariance = np.where(without | without[:, None], np.nan, covariance)
+        no_interval = {**no_interval, **found.no_interval}
         free = [i for i, key in enumerate(keys) if key not in _constants(drive)]
         keys, covariance = tuple(keys[i] for i in free), covariance[np.ix_(free, free)]
         no_interval = {key: reason for key, reason in no_interval.items() if key in keys}

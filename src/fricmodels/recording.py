@@ -182,7 +182,7 @@ class Recording(Displayed):
 
     def _rate(self, values: Array) -> Array:
         rate = np.zeros(len(self))
-        for number in np.unique(self.run):
+        for number in self.run_numbers:
             inside = np.flatnonzero(self.run == number)
             if len(inside) > 1:
                 rate[inside] = np.gradient(values[inside], self.time[inside])
@@ -294,8 +294,14 @@ class Recording(Displayed):
 
     def runs(self) -> Iterator[Recording]:
         """Yield each run on its own, in order of run number."""
-        for number in np.unique(self.run):
+        for number in self.run_numbers:
             yield self.select(self.run == number)
+
+    @cached_property
+    def run_numbers(self) -> Index:
+        """The numbers of the runs, ascending."""
+        first = self.run[:1]
+        return first if bool((self.run == first).all()) else np.unique(self.run)
 
     @cached_property
     def interval(self) -> float:

@@ -155,9 +155,9 @@ def simulated_velocity(
     Each run starts from its own first velocity (and position); nothing after that is taken from the measured motion.
     """
     simulated = np.empty(len(recording))
-    for number in np.unique(recording.run):
+    for number in recording.run_numbers:
         mask = recording.run == number
-        one = recording.select(mask)
+        one = recording.select(mask) if len(recording.run_numbers) > 1 else recording
         position = float(one["position"][0]) if "position" in one else 0.0
         simulated[mask], _ = _integrate(drive, values, one, float(one.velocity[0]), position, between_samples, substeps)
     return simulated
@@ -219,9 +219,12 @@ def stepping_rows(
     for name in pushing_signals(drive, loop):
         held = between_samples == "held" and name != "time"
         columns.extend(_ends(driven.signal(name), substeps, held=held))
-    rows = np.repeat(np.column_stack([*columns, np.zeros(len(step_length))]), PHASES, axis=0)
-    rows[PHASES - 1 :: PHASES, -1] = 1.0
-    return rows
+    rows = np.empty((len(step_length), PHASES, len(columns) + 1))
+    for i, column in enumerate(columns):
+        rows[:, :, i] = column[:, None]
+    rows[:, :, -1] = 0.0
+    rows[:, PHASES - 1, -1] = 1.0
+    return rows.reshape(-1, rows.shape[2])
 
 
 def width_of_rest(driven: Recording, inertia: float) -> float:

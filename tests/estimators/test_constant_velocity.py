@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from estimators.constant_velocity import ConstantVelocity, clustered_least_squares
+from estimators.constant_velocity import ConstantVelocity, clustered_least_squares, made_by_noise
 from fricmodels.dimension import Motion
 from fricmodels.drive import Drive
 from fricmodels.errors import EstimationError
@@ -77,6 +77,20 @@ def test_one_sine_cannot_separate_the_coefficients(paper: SimpleNamespace) -> No
     fit = ConstantVelocity().fit(paper.drive(), paper.recording(cycles=30).select(np.arange(4000, 6000)))
     assert fit.status is Status.FAILED or fit.not_identified
     assert fit.parameters["J"] == paper.inertia
+
+
+def test_speeds_that_differ_by_noise_alone_have_no_interval(paper: SimpleNamespace) -> None:
+    """The peaks of one sine: what seems to be a slope is made by noise, and no scatter shows how far it is off."""
+    fit = ConstantVelocity().fit(paper.drive(), paper.recording(noise=2.0))
+    assert fit.status is Status.FAILED or set(fit.no_interval) == set(paper.true)
+    assert not fit.standard_errors
+
+
+def test_how_much_of_a_column_noise_makes() -> None:
+    rng = np.random.default_rng(2)
+    speed, noise = rng.uniform(1.0, 5.0, 4000), 0.5 * rng.standard_normal(4000)
+    columns, changed = np.stack([speed + noise, np.ones(4000)]), np.stack([noise, np.zeros(4000)])
+    assert made_by_noise(columns, changed)[0] == pytest.approx(0.25 / (16 / 12 + 0.25), rel=0.1)
 
 
 def test_too_few_plateaus_fail_with_the_number() -> None:

@@ -63,9 +63,25 @@ class Tenfold(Least):
     factor = 10.0
 
 
+class Fourfold(Least):
+    factor = 4.0
+
+
+class AllBias(Least):
+    """Off by 1.9 standard errors in every recording: intervals of 1.96 hold the truth, and nothing is as said."""
+
+    def fit(self, drive: Drive, recording: Recording, *, seed: int = 0) -> Fit:
+        found = super().fit(drive, recording, seed=seed)
+        truth = EstimatorExam.truth
+        off = {key: truth[key] + 1.9 * error for key, error in found.standard_errors.items()}
+        return dataclasses.replace(found, parameters={**found.parameters, **off})
+
+
 MISTAKES: dict[str, tuple[type[Estimator], str, str]] = {
     "half the standard error": (Half, "coverage", "standard errors are too small; look for a factor such as 1/2"),
     "ten times the standard error": (Tenfold, "coverage", "standard errors are too large; look for a factor"),
+    "four times the standard error": (Fourfold, "coverage", "standard errors are too large; look for what"),
+    "an error that is all bias": (AllBias, "coverage", "errors are 1.9 standard errors"),
     "load torque ignored": (IgnoresLoad, "load_torque", "take recording.load_torque off the torque"),
     "runs ignored": (IgnoresRuns, "runs", "begin anew where recording.run changes"),
 }

@@ -313,7 +313,7 @@ def smoothed_velocity(recording: Recording) -> tuple[Array, float]:
 def _resting(recording: Recording, velocity: Array, error: float) -> Mask:
     band = BAND * error
     if not _from_position(recording):
-        band = max(band, 1.01 * quantum(recording.velocity))
+        band = max(band, 1.01 * _step_of_velocity(recording))
     still = np.abs(velocity) <= band
     passage = _passage(recording, velocity, band)
     if "position" in recording and "position" not in recording.derived:
@@ -322,6 +322,11 @@ def _resting(recording: Recording, velocity: Array, error: float) -> Mask:
     for start, stop in pieces(recording, still):
         mask[start:stop] = recording.time[stop - 1] - recording.time[start] > passage
     return bridged(recording, mask) if "position" in recording and "position" not in recording.derived else mask
+
+
+@once
+def _step_of_velocity(recording: Recording) -> float:
+    return quantum(recording.velocity)
 
 
 def _from_position(recording: Recording) -> bool:

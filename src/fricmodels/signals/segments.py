@@ -35,11 +35,14 @@ def stretches(time: Array, runs: Runs | None = None) -> list[slice]:
     """Return the uninterrupted stretches, in order; together they are all samples."""
     if not len(time):
         return []
-    new = np.diff(time) >= gap_length(time, runs)
-    if runs is not None:
-        new |= np.diff(runs) != 0
-    borders = [0, *(np.flatnonzero(new) + 1).tolist(), len(time)]
-    return [slice(start, stop) for start, stop in pairwise(borders)]
+    step = np.diff(time)
+    new = np.zeros(len(step), dtype=bool) if runs is None else runs[1:] != runs[:-1]
+    within = step[~new] if new.any() else step
+    # Where no step is as long as five others no gap is, and the fence need not be found.
+    if len(within) and not 0.0 < _BRIDGED * within.min() > within.max():
+        new |= step >= gap_length(time, runs)
+    inner = (np.flatnonzero(new) + 1).tolist() if new.any() else []
+    return [slice(start, stop) for start, stop in pairwise([0, *inner, len(time)])]
 
 
 def is_even(time: Array) -> bool:

@@ -28,6 +28,8 @@ _SIDE = 1.96
 _CERTAIN = 3.3
 _NEAR, _WIDE = 0.125, 2.5
 """A share of an interval that tells those that are too wide, and how much too wide is still on the safe side."""
+_TOO_LARGE, _TOO_SMALL = 2.0, 1.1
+"""Factors by which standard errors may be too large, which is the safe side, or too small."""
 _PIECES, _SHIFT = 8, 3
 """Runs into which a motion is cut, and samples by which each is shorter than the one before."""
 _LOOSER = 2.0
@@ -174,7 +176,7 @@ class EstimatorExam(Declared):
             raise Fault("two fits with the same seed differ; draw from numpy.random.default_rng(seed) alone")
 
     def test_coverage(self) -> None:
-        """Intervals of nominally 95 % hold the truth in 90 of 100 cases, and are not far too wide."""
+        """Intervals of nominally 95 % hold the truth in 90 of 100 cases; standard errors are as large as errors are."""
         distances: list[float] = []
         for seed in range(self.seeds):
             fit = self.fit(self.recording(self.noise_percent, seed))
@@ -194,6 +196,14 @@ class EstimatorExam(Declared):
                     f"such as {cause} in fit.covariance, a variance for a standard deviation, autocorrelated residuals "
                     "and the noise of the velocity"
                 )
+        size = math.sqrt(float(np.mean(np.square(distances))))
+        least_size, most_size = _likely_sizes(self.seeds)
+        if not least_size <= size <= most_size:
+            too, cause = ("small", "a bias that they do not include") if size > 1 else ("large", "what they add up")
+            raise Fault(
+                f"over {self.seeds} recordings the errors are {size:.2g} standard errors (root mean square): the "
+                f"standard errors are too {too}; look for {cause}, or give no interval and the reason (no_interval)"
+            )
 
     def test_load_torque(self) -> None:
         """A load torque that was recorded is taken off, or refused."""
@@ -296,6 +306,18 @@ def _likely(share: float, recordings: int) -> tuple[float, float]:
     """Return between what a share can lie that is counted on so many recordings, one parameter each."""
     spread = _CERTAIN * math.sqrt(share * (1 - share) / recordings)
     return share - spread, share + spread
+
+
+def _likely_sizes(recordings: int) -> tuple[float, float]:
+    """Return between what errors in standard errors lie (root mean square), counted on so many recordings.
+
+    By chi-square; standard errors may be too small by a tenth, and too large by a factor.
+    """
+    from scipy.special import chdtri
+
+    tail = 1.0 - _below(_CERTAIN)
+    least, most = (math.sqrt(float(chdtri(recordings, p)) / recordings) for p in (1.0 - tail, tail))
+    return least / _TOO_LARGE, most * _TOO_SMALL
 
 
 def _below(deviations: float) -> float:

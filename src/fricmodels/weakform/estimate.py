@@ -100,12 +100,12 @@ def estimate(
     carriers = carriers_of(first, start)
     found = _solved(first.carrying(carriers), start)
     # Once the friction is known, so is where the drive may stick at a reversal.
-    plain = WeakFormProblem.of(drive, recording, found.parameters, width)
+    plain = WeakFormProblem.of(drive, recording, found.parameters, width, like=first)
     if plain.rows <= _ROWS * len(drive.parameters):
         plain = first  # a friction with which the drive would hardly have moved is not known yet
     plain = replace(plain, shift=found.shift)
     problem = plain.carrying(carriers)
-    found = _solved(problem, start, found.parameters)
+    found = _solved(problem, start, found)
     if drive.model.delay or _explains_torque_by_itself(drive):
         for _ in range(_STAGES):
             if drive.model.delay:
@@ -118,12 +118,12 @@ def estimate(
         other = _solved(problem.including_uncertain_motion, {**start, **found.parameters})
         found = min(found, other, key=left)
     elif model_velocity:
-        whole = at_model_velocity(found)
+        whole = at_model_velocity(found, widen=width is None)
         found = clear_of_reversals(whole, left)
     final = identified(found)
     if model_velocity and final.plan.held and not drive.model.delay and not drive.model.states:
         # With less to find, the rows clear of reversals may say more than all of them.
-        held = replace(final, free=None, other=None)
+        held = final.changed(free=None, other=None)
         clear = clear_of_reversals(held, left)
         if clear is not held:
             final = identified(solve(clear.problem, found.plan, timing=found.timing))
@@ -153,13 +153,13 @@ def _explains_torque_by_itself(drive: Drive) -> bool:
     )
 
 
-def _solved(problem: WeakFormProblem, start: Mapping[str, float], found: Mapping[str, float] | None = None) -> Solved:
+def _solved(problem: WeakFormProblem, start: Mapping[str, float], found: Solved | None = None) -> Solved:
     """Return the fit to the rows of a problem.
 
     Args:
         problem: drive and rows.
         start: nonlinear parameters to begin from; those not given are scanned.
-        found: parameters of an earlier fit to other rows. A scan of these rows may know better where to begin.
+        found: an earlier fit to other rows. A scan of these rows may know better where to begin.
     """
     drive = problem.drive
     if problem.rows <= _ROWS * len(drive.parameters):
@@ -175,10 +175,12 @@ def _solved(problem: WeakFormProblem, start: Mapping[str, float], found: Mapping
 
     if found is None:
         return fit(start)
-    again = fit({**start, **found}, nearly=True)
+    again = fit({**start, **found.parameters}, nearly=True)
     if drive.model.states or nonlinear <= set(start):
         return again
-    return min((again, fit(start)), key=lambda solved: solved.solution.cost)
+    same = found.problem.bumps is problem.bumps and found.problem.quadrature is problem.quadrature
+    scanned = replace(found, problem=problem) if same else fit(start)
+    return min((again, scanned), key=lambda solved: solved.solution.cost)
 
 
 def _left(drive: Drive, recording: Recording, parameters: Mapping[str, float]) -> float:

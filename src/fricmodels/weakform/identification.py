@@ -37,12 +37,11 @@ def identified(found: Solved) -> Solved:
     held: dict[str, str] = {}
     refused: set[str] = set()
     while True:
-        undetermined = now.solution.normal.null[now.places]
-        reasons = not_identified(drive, now.values, now.covariance, undetermined, searched)
+        reasons = not_identified(drive, now.values, now.covariance, now.undetermined, searched)
         reasons = {**lost_in_noise(noisy), **reasons, **held}
         choice = to_hold(drive, now.values, now.covariance, searched, set(reasons) - set(held) - refused, noisy)
         if choice is None:
-            return replace(now, not_identified=reasons, free=free if held else None)
+            return now.changed(not_identified=reasons, free=free if held else None)
         key, value = choice
         plan = replace(now.plan, held={**now.plan.held, key: value})
         if key not in lost_in_noise(noisy) and not _may_be(free, plan.held):

@@ -9,6 +9,9 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
+_WITHIN, _POWERS, _SHORTEST_BLOCK = 0.5, 14, 8
+"""Phase by which a cosine may move from the middle of a block to its end, the powers that then reach the last digit
+(0.5^14/14! = 7e-16), and samples of a block with which that is less work than a transform."""
 _IN_BLOCK, _FEWEST, _MOST = 8.0, 8, 24
 """Independent equations that a block of a jackknife has at least, and how many blocks there are."""
 
@@ -26,12 +29,45 @@ def long_run_covariance(scores: Array, independent: float) -> tuple[Array, int]:
     Returns:
         N × the long-run variance (the covariance of the sum of the scores), and ν.
     """
-    from scipy.fft import dct
-
     count = len(scores)
     terms = int(np.clip(round(0.4 * independent ** (2 / 3)), min(8, max(count - 1, 1)), max(count - 1, 1)))
-    projected = dct(np.ascontiguousarray(scores.T), type=2, norm="ortho")[:, 1 : terms + 1].T
-    return count * (projected.T @ projected) / terms, terms
+    projected = first_cosines(np.ascontiguousarray(scores.T), terms)
+    return count * (projected @ projected.T) / terms, terms
+
+
+def first_cosines(series: Array, terms: int) -> Array:
+    r"""Return the projections of series on the first cosines, without the constant, shape (n, terms).
+
+    .. math:: c_k = \sqrt{2/N} \sum_i x_i \cos\bigl(\pi k (i + \tfrac12)/N\bigr), \qquad k = 1 \dots \nu
+
+    Few cosines are slow: within a block of samples each is a power series about the middle, of so many terms that the
+    next one is below rounding. So the cosines are needed at the blocks only, and nothing hangs on the factors of N.
+
+    Args:
+        series: shape (n, N).
+        terms: ν, less than N.
+    """
+    from scipy.fft import dct
+
+    count = series.shape[1]
+    block = int(_WITHIN * 2.0 * count / (np.pi * terms))
+    if block < _SHORTEST_BLOCK:
+        return np.asarray(dct(series, type=2, norm="ortho")[:, 1 : terms + 1])
+    blocks = -(-count // block)
+    padded = np.zeros((len(series), blocks * block))
+    padded[:, :count] = series
+    step = np.pi / count * np.arange(1, terms + 1)  # of the phase, from sample to sample
+    apart = np.arange(block) - 0.5 * (block - 1)
+    powers = np.ones((_POWERS, block))
+    scales = np.ones((_POWERS, terms))
+    for j in range(1, _POWERS):
+        powers[j] = powers[j - 1] * apart / block
+        scales[j] = scales[j - 1] * step * block / j * (-1.0 if j % 2 == 0 else 1.0)
+    moments = (padded.reshape(-1, block) @ powers.T).reshape(len(series), blocks, _POWERS).transpose(0, 2, 1)
+    phase = np.outer(block * np.arange(blocks) + 0.5 * block, step)
+    even, odd = moments[:, 0::2] @ np.cos(phase), moments[:, 1::2] @ np.sin(phase)
+    found = np.einsum("ijk,jk->ik", even, scales[0::2]) - np.einsum("ijk,jk->ik", odd, scales[1::2])
+    return np.asarray(found * np.sqrt(2.0 / count))
 
 
 def covariance(jacobian: Array, residual: Array, inverse: Array, independent: float) -> Array:
@@ -79,18 +115,19 @@ def jackknife_covariance(jacobian: Array, residual: Array, inverse: Array, indep
 
     size = np.sqrt(np.einsum("ij,ij->j", jacobian, jacobian))
     size = np.where(size > 0.0, size, 1.0)
-    jacobian, inverse = jacobian / size, inverse * np.outer(size, size)
+    inverse = inverse * np.outer(size, size)
     blocks = int(np.clip(independent / _IN_BLOCK, _FEWEST, _MOST))
     edges = np.linspace(0, len(residual), blocks + 1).astype(int)
     value, vector = np.linalg.eigh(inverse)
     root = vector * np.sqrt(np.clip(value, 0.0, None))
-    moved = []
-    for first, last in pairwise(edges):
-        own = jacobian[first:last] @ root
-        # (A − A_g)⁻¹ s = R (1 − RᵀA_gR)⁻¹ Rᵀs with A⁻¹ = RRᵀ: by the share of what is known that the block holds.
-        share, direction = np.linalg.eigh(own.T @ own)
-        left = np.maximum(1.0 - share, 1.0 / blocks)
-        moved.append(root @ direction @ (direction.T @ (own.T @ residual[first:last]) / left))
-    apart = (np.array(moved) - np.mean(moved, axis=0)) / size
+    rows = jacobian @ (root / size[:, None])
+    parts = [slice(*ends) for ends in pairwise(edges.tolist())]
+    # (A − A_g)⁻¹ s = R (1 − RᵀA_gR)⁻¹ Rᵀs with A⁻¹ = RRᵀ: by the share of what is known that the block holds.
+    share, direction = np.linalg.eigh(np.array([rows[part].T @ rows[part] for part in parts]))
+    scores = np.array([residual[part] @ rows[part] for part in parts])
+    left = np.maximum(1.0 - share, 1.0 / blocks)
+    along = (scores[:, None] @ direction)[:, 0] / left
+    moved = (direction @ along[:, :, None])[:, :, 0] @ root.T
+    apart = (moved - np.mean(moved, axis=0)) / size
     widen = float(stdtrit(blocks - 1, 0.975)) / 1.959963984540054
     return np.asarray(widen**2 * (blocks - 1) / blocks * apart.T @ apart)

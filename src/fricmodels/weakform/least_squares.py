@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,30 +37,39 @@ class NormalEquations:
     @classmethod
     def of(cls, gram: Array, right: Array) -> NormalEquations:
         """Scale and decompose. Columns that are not finite, as of a state that runs away, determine nothing."""
-        if not np.all(np.isfinite(gram)):
+        if not np.isfinite(gram).all():
             gram = np.zeros_like(gram)
             right = np.zeros_like(right)
-        square = np.diag(gram)
+        square = gram.diagonal()
         size = np.sqrt(np.where(square > _NOTHING, square, 1.0))
-        scaled = gram / np.outer(size, size)
+        scaled = gram / (size[:, None] * size)
         values, vectors = np.linalg.eigh(scaled)
         return cls(size, scaled, values, vectors, right / size)
 
     @property
     def rank(self) -> int:
         """Number of directions that the data determine."""
-        return int(np.sum(self.values > RANK_TOLERANCE))
+        return int((self.values > RANK_TOLERANCE).sum())
 
     @property
     def null(self) -> Array:
         """Directions, in scaled columns, that the data do not determine, shape (n, n − rank)."""
         return self.vectors[:, self.values <= RANK_TOLERANCE]
 
-    @property
+    @cached_property
+    def _inverse_values(self) -> Array:
+        return np.where(self.values > RANK_TOLERANCE, 1.0 / np.maximum(self.values, RANK_TOLERANCE), 0.0)
+
+    @cached_property
     def inverse(self) -> Array:
         """(XᵀX)⁻¹ in the original columns, of the part that the data determine."""
-        inverse = np.where(self.values > RANK_TOLERANCE, 1.0 / np.maximum(self.values, RANK_TOLERANCE), 0.0)
-        return (self.vectors * inverse) @ self.vectors.T / np.outer(self.size, self.size)
+        return np.asarray((self.vectors * self._inverse_values) @ self.vectors.T / (self.size[:, None] * self.size))
+
+    @property
+    def first_alone(self) -> float:
+        """What the first column has that the others do not explain, squared; infinite where they explain it all."""
+        own = float(self.vectors[0] ** 2 @ self._inverse_values) / float(self.size[0]) ** 2
+        return 1.0 / own if own > 0.0 else math.inf
 
     def solve(self, constraints: Array, limits: Array) -> Array:
         """Return the least-squares solution subject to ``constraints @ x ≥ limits``."""

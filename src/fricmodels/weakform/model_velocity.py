@@ -21,6 +21,7 @@ from fricmodels.signals import Noise, velocity_noise
 from fricmodels.signals.lanczos import even_weights
 from fricmodels.weakform.hidden import drowned, sign_is_hidden
 from fricmodels.weakform.nonlinear import Plan
+from fricmodels.weakform.row_noise import FEWEST_WHERE_ALL_COUNT, NOISE_SHARE_WHERE_ALL_COUNT, bump_width
 from fricmodels.weakform.solve import STRONG, Solved, solve
 
 Array = NDArray[np.float64]
@@ -59,7 +60,7 @@ class ModelVelocity:
     own_noise: float
 
 
-def at_model_velocity(found: Solved) -> Solved:
+def at_model_velocity(found: Solved, *, widen: bool = True) -> Solved:
     r"""Return the fit with friction evaluated at the velocity that the model predicts, if that is more certain.
 
     In rounds, while the velocity is not predicted worse. Which velocity is more certain is told by Stein's unbiased
@@ -69,20 +70,21 @@ def at_model_velocity(found: Solved) -> Solved:
     Args:
         found: the fit at the smoothed velocity. A velocity that was derived from positions, or that moves in steps,
             stays as it is: its error goes with the motion, and the risk does not see it.
+        widen: whether test functions may be wider than those of that fit.
     """
     problem = found.problem
     recording = problem.recording
     if recording.derived_over or velocity_noise(recording).course is not None:
         return found
     smooth = _risk(recording.velocity, problem.smooth, _smoothed_noise(recording, problem.half_width))
-    begin, everywhere = _begin(found)
+    begin, everywhere, first = _begin(found)
 
     def risk(velocity: ModelVelocity | None) -> float:
         if velocity is None:
             return np.inf
         return _risk(recording.velocity, velocity.velocity, velocity.own_noise)
 
-    best, predicted, settled = _rounds(begin, begin.parameters)
+    best, predicted, settled = _rounds(begin, begin.parameters, first, widen=widen)
     lost = not settled or len(best.solution.normal.null.T) > 0 or risk(predicted) > smooth
     if lost and sign_is_hidden(recording):
         # Whether the drive turns at all, and for how long, says more of its Coulomb friction than its speed does.
@@ -91,7 +93,7 @@ def at_model_velocity(found: Solved) -> Solved:
         without = solve(everywhere.problem, replace(everywhere.plan, held=held), timing=False)
         values = sought(problem.drive, [without.values, everywhere.values, found.values], recording, held)
         from_search = {**begin.parameters, **dict(zip(problem.drive.keys, values, strict=True))}
-        other, velocity, _ = _rounds(without, from_search)
+        other, velocity, _ = _rounds(without, from_search, widen=widen)
         if velocity and (predicted is None or velocity.prediction_error < predicted.prediction_error):
             best, predicted = solve(other.problem, found.plan, timing=False), velocity
     if best.with_shift().log_odds_of_a_shift() > STRONG:
@@ -107,7 +109,9 @@ def _left_by(values: Array, found: Solved) -> float:
     return solve(found.problem, Plan(held=held), timing=found.timing).solution.cost
 
 
-def _rounds(begin: Solved, parameters: Mapping[str, float]) -> tuple[Solved, ModelVelocity | None, bool]:
+def _rounds(
+    begin: Solved, parameters: Mapping[str, float], first: ModelVelocity | None = None, *, widen: bool
+) -> tuple[Solved, ModelVelocity | None, bool]:
     r"""Return the fit after rounds of predicting the velocity and fitting anew, its velocity, and whether they settled.
 
     An error of the parameters is one of the velocity, and changes what is fitted next by a factor ρ, seen in how fast
@@ -116,18 +120,26 @@ def _rounds(begin: Solved, parameters: Mapping[str, float]) -> tuple[Solved, Mod
     Args:
         begin: gives drive, recording and starts.
         parameters: by which the velocity is predicted first, by key.
+        first: that velocity, if it is known.
+        widen: see :func:`at_model_velocity`.
     """
     problem, drive = begin.problem, begin.problem.drive
+    # No row need be clear of uncertain motion: the noise of the momentum alone says how wide is wide enough.
     best, used, least = begin, None, np.inf
     values = np.array([parameters[key] for key in drive.keys])
+    width = problem.bumps.width
+    if widen:
+        inertia, _ = drive.split(parameters)
+        width = max(width, bump_width(problem.recording, inertia, FEWEST_WHERE_ALL_COUNT, NOISE_SHARE_WHERE_ALL_COUNT))
     change: Array | None = None
     for _ in range(MAX_ROUNDS):
-        predicted = model_velocity(
-            drive, {**parameters, **dict(zip(drive.keys, values, strict=True))}, problem.recording
-        )
+        predicted, first = first, None
+        if predicted is None:
+            now = {**parameters, **dict(zip(drive.keys, values, strict=True))}
+            predicted = model_velocity(drive, now, problem.recording)
         if predicted is None or predicted.prediction_error > WORSE * least:
             break
-        rows = problem.along(predicted.velocity, predicted.resting)
+        rows = problem.along(predicted.velocity, predicted.resting, width)
         if rows.rows <= 4 * len(drive.parameters):
             break
         least, used = min(least, predicted.prediction_error), predicted
@@ -137,24 +149,26 @@ def _rounds(begin: Solved, parameters: Mapping[str, float]) -> tuple[Solved, Mod
         spread = np.sqrt(np.clip(np.diag(best.covariance), 0.0, None))
         size = np.where(spread > 0.0, spread, np.inf)
         share = 0.0 if before is None else float(np.linalg.norm(change / size) / (np.linalg.norm(before / size) or 1.0))
-        best = replace(best, feedback=(change, min(share, MOST_FEEDBACK)) if share else None)
+        best = best.changed(feedback=(change, min(share, MOST_FEEDBACK)) if share else None)
         if np.all(np.abs(change) <= 0.1 * spread):
             return best, used, True
     return best, used, False
 
 
-def _begin(found: Solved) -> tuple[Solved, Solved]:
-    """Return the fit to certain motion or to all, whichever predicts the velocity better; and the one to all.
+def _begin(found: Solved) -> tuple[Solved, Solved, ModelVelocity | None]:
+    """Return the fit to certain motion or to all, whichever predicts the velocity better; the one to all; and how.
 
     Where noise hides at which instants the drive turns, little motion is certain.
     """
     problem = found.problem
     everywhere = solve(problem.along(problem.smooth, problem.resting), found.plan, timing=False)
 
-    def error(fit: Solved) -> float:
-        return prediction_error(problem.drive, fit.values, problem.recording)
+    def predicted(fit: Solved) -> ModelVelocity | None:
+        return model_velocity(problem.drive, fit.parameters, problem.recording)
 
-    return min((found, everywhere), key=error), everywhere
+    both = [(fit, predicted(fit)) for fit in (found, everywhere)]
+    best, velocity = min(both, key=lambda each: np.inf if each[1] is None else each[1].prediction_error)
+    return best, everywhere, velocity
 
 
 def _nonlinear(found: Solved) -> dict[str, float]:
@@ -195,7 +209,7 @@ def model_velocity(drive: Drive, values: Mapping[str, float], recording: Recordi
     noise = np.empty(len(recording))
     squares = shared = 0.0
     own = velocity_noise(recording)
-    for number in np.unique(recording.run):
+    for number in recording.run_numbers:
         inside = recording.run == number
         level, hidden_by, error, gain = wandering_level(recording.velocity[inside] - simulated[inside], own)
         velocity[inside] = simulated[inside] + level

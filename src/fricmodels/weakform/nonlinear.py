@@ -99,7 +99,7 @@ def nonlinear_search(drive: Drive, recording: Recording, plan: Plan = Plan()) ->
         np.array(upper, dtype=float),
         np.array(logarithmic, dtype=bool),
         np.array(reach, dtype=float),
-        np.array([p.key in plan.held for p in chosen], dtype=bool),
+        np.array([p.key in plan.held or p.declared.constant for p in chosen], dtype=bool),
     )
 
 

@@ -25,6 +25,7 @@ from fricmodels.score import noise as score_noise
 from fricmodels.signals import lanczos_derivative
 from fricmodels.term import Effect
 from fricmodels.weakform.carriers import CarrierFunctions
+from fricmodels.weakform.explained import explained_torque
 from fricmodels.weakform.regression import Regression
 from fricmodels.weakform.remembered import Remembered
 from fricmodels.weakform.row_noise import bump_width, momentum_noise, noise_in_columns, noise_like
@@ -32,8 +33,8 @@ from fricmodels.weakform.smoothed import smoothed
 from fricmodels.weakform.test_functions import HOPS, Quadrature, TestFunctions, mean_velocity
 from fricmodels.weakform.unclear import creeping, direction_unclear
 
-_LEAST_DELIVERED = 0.05
-"""Share of the motor torque that is delivered at the least, whatever a fit on the way says of a gain or a ripple."""
+_OF_ROWS = {"momentum", "noise_of_momentum", "driving", "torque_rate", "sign_change", "target", "centre", "integrated"}
+"""What is computed once for the same rows."""
 _ROOM = 2**28
 """Bytes of integrals that a problem remembers."""
 
@@ -71,7 +72,12 @@ class WeakFormProblem:
 
     @classmethod
     def of(
-        cls, drive: Drive, recording: Recording, parameters: Mapping[str, float], width: int | None = None
+        cls,
+        drive: Drive,
+        recording: Recording,
+        parameters: Mapping[str, float],
+        width: int | None = None,
+        like: WeakFormProblem | None = None,
     ) -> WeakFormProblem:
         """Choose the test functions and evaluate what all candidates share.
 
@@ -80,6 +86,7 @@ class WeakFormProblem:
             recording: with ``velocity``.
             parameters: the model's estimated parameters by key, and the inertia.
             width: samples that a test function spans; as the noise asks for if not given.
+            like: another problem of this drive; where its rows are the same, they are not evaluated anew.
         """
         inertia, _ = drive.split(parameters)
         delay = parameters[drive.model.delay] if drive.model.delay else 0.0
@@ -88,9 +95,19 @@ class WeakFormProblem:
         part, smooth, at_rest = motion.recording, motion.velocity, motion.resting
         width = width or bump_width(part, inertia)
         unclear = direction_unclear(drive, part, smooth, at_rest, width, parameters)
-        quadrature, bumps = _rows(part, smooth, width, unclear)
-        problem = cls(drive, part, smooth, at_rest, quadrature, bumps, motion.half_width, (0.0, 0.0), delay=delay)
-        return replace(problem, friction_limits=problem.limits_of_friction(parameters))
+        plain = like is not None and like.estimated is None and not like.carriers and like.delay == delay
+        if like is not None and plain and like.recording is part and like.bumps.is_of(width, unclear):
+            problem = like
+        else:
+            quadrature, bumps = _rows(part, smooth, width, unclear)
+            problem = cls(drive, part, smooth, at_rest, quadrature, bumps, motion.half_width, (0.0, 0.0), delay=delay)
+        return problem._limited(problem.limits_of_friction(parameters))
+
+    def _limited(self, limits: tuple[float, float]) -> WeakFormProblem:
+        """Return it with other limits of friction, which no row depends on."""
+        limited = replace(self, friction_limits=limits)
+        limited.__dict__.update({name: self.__dict__[name] for name in _OF_ROWS & self.__dict__.keys()})
+        return limited
 
     def limits_of_friction(self, parameters: Mapping[str, float]) -> tuple[float, float]:
         """Return the most that can rise with speed [torque/velocity] and fall [torque] of the model's friction.
@@ -101,7 +118,7 @@ class WeakFormProblem:
         peak = float(np.max(np.abs(self.recording.velocity)))
         grid = np.concatenate([[1e-9], np.geomspace(1e-4, 1.0, 40)]) * (peak or 1.0)
         few = self.recording.select(np.zeros(len(grid), dtype=np.int64))
-        states = self._at_rest(len(grid))
+        states = [np.full(len(grid), state.initial) for state in self.drive.model.states]
         most = max(
             float(np.max(np.abs(self.drive.friction(few, parameters, velocity=side * grid, states=states))))
             for side in (1, -1)
@@ -115,9 +132,6 @@ class WeakFormProblem:
         if parameter.dimension == INERTIA:
             return self.drive.inertia or parameter.upper
         return self.friction_limits[parameter.dimension == FORCE]
-
-    def _at_rest(self, count: int) -> list[Array]:
-        return [np.full(count, state.initial) for state in self.drive.model.states]
 
     @cached_property
     def perturbed(self) -> WeakFormProblem:
@@ -157,15 +171,15 @@ class WeakFormProblem:
             return self
         return replace(self, bumps=CarrierFunctions(self.bumps, self.recording, carriers), carriers=carriers)
 
-    def along(self, velocity: Array, resting: Mask) -> WeakFormProblem:
+    def along(self, velocity: Array, resting: Mask, width: int | None = None) -> WeakFormProblem:
         """Return the same problem with friction evaluated at another velocity, on all samples that do not rest by it.
 
         Args:
-            velocity: shape (N,).
-            resting: samples at rest, shape (N,).
+            velocity, resting: shape (N,).
+            width: samples that a test function spans; as before if not given.
         """
         over_cells = self.recording.derived_over > 0
-        bumps = TestFunctions(self.recording, self.bumps.width, resting, over_cells=over_cells)
+        bumps = TestFunctions(self.recording, width or self.bumps.width, resting, over_cells=over_cells)
         quadrature = Quadrature.of(self.recording, velocity, resting)
         moved = replace(self, smooth=velocity, resting=resting, quadrature=quadrature, bumps=bumps)
         return moved.carrying(self.carriers)
@@ -349,15 +363,14 @@ class WeakFormProblem:
         pairs = list(zip(self.drive.model.parameters, self.drive.model.linear, strict=True))
         nonlinear = [self.estimated[p.key] for p, linear in pairs if not linear]
         theta = np.array([0.0 if p.declared.delay else self.estimated[p.key] for p, linear in pairs if linear])
-        friction = []
-        for level in (0.0, 1.0):
-            at = points.with_channels(torque=np.full(len(points), level))
-            design, offset = self._regressors(self.drive, nonlinear, at)
-            friction.append(theta @ design + offset)
-        slope = friction[1] - friction[0]
+
+        def friction(torque: Array) -> Array:
+            design, offset = self._regressors(self.drive, nonlinear, points.with_channels(torque=torque))
+            return np.asarray(theta @ design + offset)
+
         inertia, _ = self.drive.split(self.estimated)
-        delivered = np.maximum(1.0 - slope, _LEAST_DELIVERED)
-        return np.asarray((points.load_torque + inertia * points["acceleration"] + friction[0]) / delivered)
+        unmoved = points.load_torque + inertia * points["acceleration"]
+        return explained_torque(unmoved, points.torque, friction)
 
     def base(self, parameters: Mapping[str, float]) -> Array:
         """Return the directions in which the model under test can move by itself, shape (k, rows).

@@ -9,7 +9,7 @@ import numpy as np
 from fricmodels.dimension import Dimension
 from fricmodels.parameter import Parameter
 from fricmodels.recording import Recording
-from fricmodels.signals.rest import smoothed_velocity
+from fricmodels.signals.rest import once, smoothed_velocity
 
 _RECORD = 20_000
 """Samples of a record in which a time of the drive's own is counted."""
@@ -20,15 +20,22 @@ def natural_size(recording: Recording, dimension: Dimension) -> float:
 
     Where a displacement is involved time is counted in that of crossing the range at peak velocity, else in durations.
     """
-    peak = float(np.max(np.abs(recording.velocity)))
-    duration = float(np.ptp(recording.time))
-    force = float(np.sqrt(np.mean(recording.torque**2)))
-    length = float(np.ptp(recording["position"])) if "position" in recording else peak * duration
+    peak, duration, force, length = _sizes(recording)
     size = force ** float(dimension.force)
     along, time = float(dimension.displacement), float(dimension.time)
     if along == 0:
         return float(size * duration**time)
     return float(size * peak**-time * length ** (along + time))
+
+
+@once
+def _sizes(recording: Recording) -> tuple[float, float, float, float]:
+    """Return peak velocity, duration, RMS torque and position range."""
+    peak = float(np.max(np.abs(recording.velocity)))
+    duration = float(np.ptp(recording.time))
+    force = float(np.sqrt(np.mean(recording.torque**2)))
+    length = float(np.ptp(recording["position"])) if "position" in recording else peak * duration
+    return peak, duration, force, length
 
 
 def scan_size(recording: Recording, parameter: Parameter) -> float:
@@ -39,7 +46,7 @@ def scan_size(recording: Recording, parameter: Parameter) -> float:
     size = natural_size(recording, parameter.dimension)
     if not parameter.own_time:
         return size
-    records = float(np.ptp(recording.time)) / (_RECORD * recording.interval)
+    records = _sizes(recording)[1] / (_RECORD * recording.interval)
     return float(size * max(records, 1.0) ** -float(parameter.dimension.time))
 
 

@@ -7,16 +7,20 @@ from numpy.typing import NDArray
 
 from fricmodels.recording import Recording
 from fricmodels.signals import lanczos_derivative, motion_noise, velocity_noise
+from fricmodels.signals.rest import once
 from fricmodels.weakform.regression import Regression
 from fricmodels.weakform.test_functions import HOPS, TestFunctions, mean_velocity
 
 Array = NDArray[np.float64]
 
 _NARROWEST, WIDEST = 16, 128
+FEWEST, FEWEST_WHERE_ALL_COUNT = 40, 20
+"""Widths that the shortest run has at least, so that some are clear of what is uncertain; and where none need be."""
 _DERIVED = 6
 """A bump spans at least so many half widths of the derivation of the velocity, at which friction is evaluated."""
-_NOISE_SHARE = 0.01
-"""The bump is widened until the noise of the velocity adds less than this share of the RMS torque to a row."""
+NOISE_SHARE, NOISE_SHARE_WHERE_ALL_COUNT = 0.01, 0.005
+"""The bump is widened until the noise of the velocity adds less than this share of the RMS torque to a row; where no row
+need be clear of uncertain motion, until it adds half of that: then a wide bump loses no rows."""
 
 
 def noise_like(recording: Recording, rng: np.random.Generator) -> Array:
@@ -34,10 +38,16 @@ def momentum_noise(bumps: TestFunctions, recording: Recording) -> Array:
         bumps: of the recording.
         recording: whose position or velocity is noisy.
     """
+    return bumps.momentum(_noise_of_cells(recording))
+
+
+@once
+def _noise_of_cells(recording: Recording) -> Array:
+    """Return noise as the velocity has it whose changes are the momentum, shape (N,): always the same."""
     rng = np.random.default_rng(0)
     if not recording.derived_over:
-        return bumps.momentum(noise_like(recording, rng))
-    return bumps.momentum(mean_velocity(recording, motion_noise(recording).like(len(recording), rng)))
+        return noise_like(recording, rng)
+    return mean_velocity(recording, motion_noise(recording).like(len(recording), rng))
 
 
 def noise_in_columns(
@@ -65,13 +75,20 @@ def noise_in_columns(
     return np.asarray(found - share[:, None] * regression.project_out(noise[None]))
 
 
-def bump_width(recording: Recording, inertia: float) -> int:
-    """Return the least width at which velocity noise adds less than the stated share of the RMS torque to a row."""
+def bump_width(recording: Recording, inertia: float, fewest: int = FEWEST, share: float = NOISE_SHARE) -> int:
+    """Return the least width at which velocity noise adds less than the stated share of the RMS torque to a row.
+
+    Args:
+        recording: with velocity and torque.
+        inertia: of the drive.
+        fewest: widths that the shortest run has at least.
+        share: of the RMS torque.
+    """
     torque = float(np.sqrt(np.mean(recording.torque**2)))
-    wanted = _NOISE_SHARE * torque * recording.interval
-    shortest = int(np.min(np.unique(recording.run, return_counts=True)[1]))
+    wanted = share * torque * recording.interval
+    shortest = min(int(np.count_nonzero(recording.run == number)) for number in recording.run_numbers)
     narrowest = max(_NARROWEST, -(-_DERIVED * recording.derived_over // HOPS) * HOPS)
-    widest = max(narrowest, min(WIDEST, shortest // 40 // HOPS * HOPS))
+    widest = max(narrowest, min(WIDEST, shortest // fewest // HOPS * HOPS))
     moving = np.zeros(len(recording), dtype=bool)
     for width in range(narrowest, widest, HOPS):
         bumps = TestFunctions(recording, width, moving, over_cells=recording.derived_over > 0)

@@ -6,6 +6,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cache, cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -64,6 +65,14 @@ class Solved:
     free: Solved | None = None
     feedback: tuple[Array, float] | None = None
 
+    def changed(self, **changes: Any) -> Solved:
+        """Return a copy with other attributes than the rows, the plan or the solution; what these show is kept."""
+        copy = replace(self, **changes)
+        for name in ("places", "values", "_spread"):
+            if name in self.__dict__:
+                copy.__dict__[name] = self.__dict__[name]
+        return copy
+
     @cached_property
     def places(self) -> NDArray[np.int64]:
         """Place in the solution of each of the drive's parameters."""
@@ -119,7 +128,22 @@ class Solved:
     @property
     def _held(self) -> set[int]:
         keys = self.problem.drive.keys
-        return {int(self.places[keys.index(key)]) for key in self.plan.held}
+        return {int(self.places[keys.index(key)]) for key in self.plan.held} | self._constant
+
+    @property
+    def _constant(self) -> set[int]:
+        parameters = self.problem.drive.parameters
+        return {int(self.places[i]) for i, p in enumerate(parameters) if p.declared.constant}
+
+    @property
+    def undetermined(self) -> Array:
+        """Directions that change nothing, in the order of the drive's parameters, (n, any number); of no constant."""
+        solution = self.solution
+        free = np.array([i for i in range(len(solution.jacobian)) if i not in self._constant], dtype=np.int64)
+        null = (solution.normal if len(free) == len(solution.jacobian) else solution.part(free)).null
+        found = np.zeros((len(solution.jacobian), null.shape[1]))
+        found[free] = null
+        return found[self.places]
 
     @cached_property
     def covariance(self) -> Array:
@@ -234,12 +258,12 @@ def with_or_without_shift(found: Solved, plan: Plan) -> Solved:
     Standard errors are over both, each as probable as it is.
     """
     problem = found.problem
-    shifted, plain = (replace(solve(problem, plan, timing=t), feedback=found.feedback) for t in (True, False))
+    shifted, plain = (solve(problem, plan, timing=t).changed(feedback=found.feedback) for t in (True, False))
     odds = shifted.log_odds_of_a_shift()
     probability = 1.0 / (1.0 + math.exp(min(-odds, 700.0)))
     if odds > STRONG:
-        return replace(shifted, other=plain, weight=probability)
-    return replace(plain, other=shifted, weight=1.0 - probability)
+        return shifted.changed(other=plain, weight=probability)
+    return plain.changed(other=shifted, weight=1.0 - probability)
 
 
 def _is_instant(problem: WeakFormProblem, key: str) -> bool:

@@ -255,6 +255,7 @@ class TestFunctions:
         self.hop = max(1, round(width / HOPS))
         self.width = self.hop * HOPS
         self.over_cells = over_cells
+        self._resting, self._asked = resting, width
         changes, between = _cells(self.width, over_cells)
         self.changes = changes[:-1]
         self._mean = 0.5 * (between[:-1] + between[1:])
@@ -273,9 +274,14 @@ class TestFunctions:
     def clear_of(self, samples: NDArray[np.bool_]) -> TestFunctions:
         """Return the test functions that none of some samples lies within."""
         other = copy(self)
+        other._asked = 0
         other._kept = self._kept[self.integrals(samples.astype(float)[None])[0] == 0.0]
         other.count = len(other._kept)
         return other
+
+    def is_of(self, width: int, resting: NDArray[np.bool_]) -> bool:
+        """Whether they were made for a width and samples of no use."""
+        return self._asked == width and np.array_equal(self._resting, resting)
 
     each = 1
     """Rows of each bump."""

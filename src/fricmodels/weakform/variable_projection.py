@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
@@ -227,8 +228,8 @@ class Projection:
         """
         noise = self._equations.acceleration_noise
         if noise and has_inertia:
-            own = float(NormalEquations.of(gram, np.zeros(len(gram))).inverse[0, 0])
-            gram[0, 0] -= min(noise, 0.5 / own if own > 0.0 else 0.0)
+            alone = NormalEquations.of(gram, np.zeros(len(gram))).first_alone
+            gram[0, 0] -= min(noise, 0.5 * alone) if alone < math.inf else 0.0
         return gram
 
     def _linear_problem(self, alpha: Array, *, slopes: bool) -> tuple[Array, Array, Array]:
