@@ -21,6 +21,7 @@ from fricmodels.errors import InputError
 from fricmodels.model import Model
 from fricmodels.recording import Recording
 from fricmodels.score.torque import filtered_torque_error, sliding_half_width
+from fricmodels.weakform.friction_limits import limits_of_friction
 from fricmodels.weakform.identification import identified
 from fricmodels.weakform.model_velocity import at_model_velocity
 from fricmodels.weakform.nonlinear import Plan
@@ -103,7 +104,7 @@ def estimate(
     plain = WeakFormProblem.of(drive, recording, found.parameters, width, like=first)
     if plain.rows <= _ROWS * len(drive.parameters):
         plain = first  # a friction with which the drive would hardly have moved is not known yet
-    plain = replace(plain, shift=found.shift)
+    plain = plain.at(shift=found.shift)
     problem = plain.carrying(carriers)
     found = _solved(problem, start, found)
     if drive.model.delay or _explains_torque_by_itself(drive):
@@ -129,7 +130,7 @@ def estimate(
             final = identified(solve(clear.problem, found.plan, timing=found.timing))
     if whole is not None and final.problem is not whole.problem and left(final) > _EXTRAPOLATES * left(whole):
         final = identified(whole)
-    limits = plain.limits_of_friction(final.parameters)
+    limits = limits_of_friction(drive, plain.recording, final.parameters)
     rows = replace(plain, friction_limits=limits, estimated=dict(final.parameters), shift=final.shift)
     return rows, Estimate(
         final.parameters,
@@ -179,6 +180,8 @@ def _solved(problem: WeakFormProblem, start: Mapping[str, float], found: Solved 
     if drive.model.states or nonlinear <= set(start):
         return again
     same = found.problem.bumps is problem.bumps and found.problem.quadrature is problem.quadrature
+    if same and found.problem.shift != problem.shift:  # the scan was of these rows, but for the shift's second order
+        return again
     scanned = replace(found, problem=problem) if same else fit(start)
     return min((again, scanned), key=lambda solved: solved.solution.cost)
 

@@ -21,14 +21,14 @@ from fricmodels.memory import Memory
 from fricmodels.model import Model
 from fricmodels.parameter import Parameter
 from fricmodels.recording import Recording
-from fricmodels.score import noise as score_noise
 from fricmodels.signals import lanczos_derivative
 from fricmodels.term import Effect
 from fricmodels.weakform.carriers import CarrierFunctions
 from fricmodels.weakform.explained import explained_torque
+from fricmodels.weakform.friction_limits import limits_of_friction
 from fricmodels.weakform.regression import Regression
 from fricmodels.weakform.remembered import Remembered
-from fricmodels.weakform.row_noise import bump_width, momentum_noise, noise_in_columns, noise_like
+from fricmodels.weakform.row_noise import bump_width, momentum_noise, noise_in_columns, noise_like, torque_noise
 from fricmodels.weakform.smoothed import smoothed
 from fricmodels.weakform.test_functions import HOPS, Quadrature, TestFunctions, mean_velocity
 from fricmodels.weakform.unclear import creeping, direction_unclear
@@ -50,7 +50,7 @@ class WeakFormProblem:
         resting: samples at rest.
         quadrature, bumps: see :mod:`fricmodels.weakform.test_functions`.
         half_width: of the filter that smooths it.
-        friction_limits: see :meth:`limits_of_friction`.
+        friction_limits: see :mod:`.friction_limits`.
         estimated: parameters of the drive's fit, once there is one; see :attr:`motor_torque`.
         delay: by which the model's own delay, if it has one, was taken out of the recording [s].
         carriers: wave numbers that the test functions carry, see :mod:`.carriers`.
@@ -101,29 +101,15 @@ class WeakFormProblem:
         else:
             quadrature, bumps = _rows(part, smooth, width, unclear)
             problem = cls(drive, part, smooth, at_rest, quadrature, bumps, motion.half_width, (0.0, 0.0), delay=delay)
-        return problem._limited(problem.limits_of_friction(parameters))
+        return problem.at(friction_limits=limits_of_friction(drive, part, parameters))
 
-    def _limited(self, limits: tuple[float, float]) -> WeakFormProblem:
-        """Return it with other limits of friction, which no row depends on."""
-        limited = replace(self, friction_limits=limits)
-        limited.__dict__.update({name: self.__dict__[name] for name in _OF_ROWS & self.__dict__.keys()})
-        return limited
-
-    def limits_of_friction(self, parameters: Mapping[str, float]) -> tuple[float, float]:
-        """Return the most that can rise with speed [torque/velocity] and fall [torque] of the model's friction.
-
-        Neither part can be more than all of the friction, in the direction that has more of it. How a model divides its
-        friction between them is not known so well, least of all while an effect is missing.
-        """
-        peak = float(np.max(np.abs(self.recording.velocity)))
-        grid = np.concatenate([[1e-9], np.geomspace(1e-4, 1.0, 40)]) * (peak or 1.0)
-        few = self.recording.select(np.zeros(len(grid), dtype=np.int64))
-        states = [np.full(len(grid), state.initial) for state in self.drive.model.states]
-        most = max(
-            float(np.max(np.abs(self.drive.friction(few, parameters, velocity=side * grid, states=states))))
-            for side in (1, -1)
-        )
-        return most / (peak or 1.0), most
+    def at(self, *, shift: float | None = None, friction_limits: tuple[float, float] | None = None) -> WeakFormProblem:
+        """Return it at another known shift [s], or with other limits of friction; what does not hang on them stays."""
+        limits = self.friction_limits if friction_limits is None else friction_limits
+        other = replace(self, shift=self.shift if shift is None else shift, friction_limits=limits)
+        same = _OF_ROWS if other.shift == self.shift else _OF_ROWS - {"torque_rate"}
+        other.__dict__.update({name: self.__dict__[name] for name in same & self.__dict__.keys()})
+        return other
 
     def upper_bound(self, parameter: Parameter) -> float:
         """Return the most that a linear coefficient may be: of a share of the drive, all that this is known to have."""
@@ -218,9 +204,7 @@ class WeakFormProblem:
     @cached_property
     def torque_noise(self) -> float:
         """Sum of squares that noise of the motor torque adds to :attr:`driving`."""
-        drawn = score_noise.noise_like(self.recording, "torque", np.random.default_rng(0))
-        cell = self.quadrature.cell
-        rows = self.integrals(np.concatenate([drawn, drawn[cell], drawn[cell + 1]])[None])[0]
+        rows = torque_noise(self.bumps, self.quadrature, self.recording)
         return float(rows @ rows)
 
     def noise_within(self, regression: Regression, columns: Array, perturbed: Array) -> Array:
@@ -241,11 +225,9 @@ class WeakFormProblem:
 
     @cached_property
     def torque_rate(self) -> Array:
-        r"""∫φ dτ_m = −∫φ' τ_m dt, shape (rows,), half-way over the shift that is known.
+        """∫φ dτ_m = −∫φ' τ_m dt, shape (rows,), half-way over the known shift s: then s of it is one to second order.
 
-        .. math:: \frac{\tau_m(t) - \tau_m(t - s)}{s} = \dot\tau_m(t - s/2) + O(s^2)
-
-        so that a coefficient of s is a whole shift to the second order.
+        For [τ_m(t) − τ_m(t − s)] / s is dτ_m/dt at t − s/2, but for terms of s².
         """
         torque = self.recording.torque
         if self.shift:
@@ -300,8 +282,7 @@ class WeakFormProblem:
         """Evaluate a drive's linear columns at the quadrature's samples; internal states follow the smooth motion.
 
         Args:
-            drive: whose columns.
-            nonlinear: values of its nonlinear parameters.
+            drive, nonlinear: whose columns, and values of its nonlinear parameters.
             delay: time over which the rate of the torque is taken [s]; with a coefficient of as much, a whole shift.
         """
         points = self.quadrature.recording

@@ -6,10 +6,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fricmodels.recording import Recording
+from fricmodels.score import noise
 from fricmodels.signals import lanczos_derivative, motion_noise, velocity_noise
 from fricmodels.signals.rest import once
 from fricmodels.weakform.regression import Regression
-from fricmodels.weakform.test_functions import HOPS, TestFunctions, mean_velocity
+from fricmodels.weakform.test_functions import HOPS, Quadrature, TestFunctions, mean_velocity
 
 Array = NDArray[np.float64]
 
@@ -19,7 +20,7 @@ FEWEST, FEWEST_WHERE_ALL_COUNT = 40, 20
 _DERIVED = 6
 """A bump spans at least so many half widths of the derivation of the velocity, at which friction is evaluated."""
 NOISE_SHARE, NOISE_SHARE_WHERE_ALL_COUNT = 0.01, 0.005
-"""The bump is widened until the noise of the velocity adds less than this share of the RMS torque to a row; where no row
+"""The bump is widened until noise of the velocity adds less than this share of the RMS torque to a row; where no row
 need be clear of uncertain motion, until it adds half of that: then a wide bump loses no rows."""
 
 
@@ -27,8 +28,8 @@ def noise_like(recording: Recording, rng: np.random.Generator) -> Array:
     """Return noise as the velocity has it, shape (N,): where it was derived, the derivative of the position's."""
     if not recording.derived_over:
         return velocity_noise(recording).like(len(recording), rng)
-    noise = motion_noise(recording).like(len(recording), rng)
-    return np.asarray(lanczos_derivative(recording.time, noise, recording.derived_over, recording.run)[1])
+    drawn = motion_noise(recording).like(len(recording), rng)
+    return np.asarray(lanczos_derivative(recording.time, drawn, recording.derived_over, recording.run)[1])
 
 
 def momentum_noise(bumps: TestFunctions, recording: Recording) -> Array:
@@ -48,6 +49,13 @@ def _noise_of_cells(recording: Recording) -> Array:
     if not recording.derived_over:
         return noise_like(recording, rng)
     return mean_velocity(recording, motion_noise(recording).like(len(recording), rng))
+
+
+def torque_noise(bumps: TestFunctions, quadrature: Quadrature, recording: Recording) -> Array:
+    """Return what noise of the motor torque alone would drive in the rows, shape (rows,)."""
+    drawn = noise.noise_like(recording, "torque", np.random.default_rng(0))
+    cell = quadrature.cell
+    return np.asarray(bumps.torques(quadrature, np.concatenate([drawn, drawn[cell], drawn[cell + 1]])[None])[0])
 
 
 def noise_in_columns(
