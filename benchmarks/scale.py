@@ -4,8 +4,9 @@
 2. What a job costs beside its fit, and whether 10, 1 000 and 100 000 jobs cost alike, in time and in memory.
 3. 100 000 rows exported in every format, and a board of many datasets ranked per dataset.
 4. Long recordings fitted, scored and diagnosed: seconds and peak memory for 1 and for 10 million samples.
+5. From Parquet to parameters by sums: samples a second, beside reading alone; ten files added, against one.
 
-Run: ``python benchmarks/scale.py [--only workers|jobs|export|samples] [--quick]``.
+Run: ``python benchmarks/scale.py [--only workers|jobs|export|samples|sums] [--quick]``.
 """
 
 from __future__ import annotations
@@ -164,7 +165,66 @@ def _arm(path: Path, count: int) -> None:
     pd.DataFrame({"time_s": time_s, "torque_Nm": torque, "velocity_rad_s": noisy}).to_parquet(path)
 
 
-PARTS = {"workers": workers, "jobs": jobs, "export": export, "samples": samples}
+def sums(quick: bool) -> None:
+    """Time sums of a linear law from Parquet, all on one thread; compare ten files added with one of ten runs."""
+    import pandas as pd
+    import pyarrow
+    import pyarrow.parquet
+
+    from fricmodels import sums as made
+
+    pyarrow.set_cpu_count(1)
+    count = 1_000_000 if quick else 10_000_000
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "arm.parquet"
+        _arm(path, count)
+        begin = time.process_time()
+        with pyarrow.parquet.ParquetFile(path) as file:
+            for batch in file.iter_batches(columns=["time_s", "torque_Nm", "velocity_rad_s"], use_threads=False):
+                for column in batch.columns:
+                    column.to_numpy().sum()
+        print(f"{count} samples read alone: {count / (time.process_time() - begin) / 1e6:.1f} M samples/s")
+        begin = time.process_time()
+        plan = made.plan_for(made.pilot(path), "coulomb-viscous")
+        print(f"plan from a part of it: {time.process_time() - begin:.1f} s of CPU, once")
+        for model in ("coulomb-viscous", "asymmetric-coulomb-viscous"):
+            own = plan if model == plan.model else made.plan_for(made.pilot(path), model)
+            made.of_file(path, own)
+            rates = []
+            for _ in range(3):
+                begin = time.process_time()
+                found = made.solved(made.of_file(path, own))
+                rates.append(count / (time.process_time() - begin) / 1e6)
+            print(f"from Parquet to parameters, {model}: {sorted(rates)[1]:.1f} M samples/s of CPU (three times: "
+                  f"{', '.join(f'{rate:.1f}' for rate in rates)}); {len(made.of_file(path, own).to_json())} bytes; "
+                  f"{ {key: round(value, 6) for key, value in found.parameters.items()} }")  # fmt: skip
+        table = pd.read_parquet(path)
+        table["run"] = table.index * 10 // count
+        table.to_parquet(path)
+        whole = made.solved(made.of_file(path, plan))
+        each = []
+        for number, part in table.groupby("run"):
+            part.drop(columns="run").to_parquet(Path(folder) / f"{number}.parquet")
+            each.append(made.of_file(Path(folder) / f"{number}.parquet", plan))
+        merged = made.solved(made.added(each))
+        apart = max(abs(merged.parameters[key] / value - 1) for key, value in whole.parameters.items())
+        print(f"ten files added against one file of ten runs: parameters differ by {apart:.1e}")
+        code = f"import scale; scale.summed({str(path)!r})"
+        done = subprocess.run(
+            [sys.executable, "-c", code], cwd=Path(__file__).parent, capture_output=True, text=True, check=True
+        )
+        print(f"memory of the sums of a file of {count} samples: {done.stdout.strip()}")
+
+
+def summed(path: str) -> None:
+    """Make a plan and sums of a file here; say how much memory that took."""
+    from fricmodels import sums as made
+
+    made.of_file(path, made.plan_for(made.pilot(path), "coulomb-viscous"))
+    print(f"{resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e6:.2f} GB")
+
+
+PARTS = {"workers": workers, "jobs": jobs, "export": export, "samples": samples, "sums": sums}
 
 
 def main() -> None:

@@ -5,15 +5,19 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import TypeAlias
 
 import numpy as np
 
-from fricmodels.arrays import Array, Mask
+from fricmodels.arrays import Array, Index, Mask
 from fricmodels.recording import Recording
 from fricmodels.signals.lanczos import DEGREE, fit_stretch
 from fricmodels.sums.plan import Plan
 from fricmodels.weakform.test_functions import HOPS, Quadrature, TestFunctions, mean_velocity
 from fricmodels.weakform.unclear import hidden_turns, widened
+
+Rows: TypeAlias = tuple[Array, Index]
+"""Rows, shape (columns, rows), and the sample at which each begins."""
 
 _BLOCK = 1 << 16
 """Samples whose rows are made together: enough that margins cost little, few enough for the processor's cache."""
@@ -50,14 +54,14 @@ class Stretch:
         needed = plan.half_width + 2 * plan.derived_over + lasting(plan) + _REACH
         return -(-needed // plan.hop) * plan.hop
 
-    def take(self, channels: Mapping[str, Array]) -> Iterator[tuple[Array, Array]]:
+    def take(self, channels: Mapping[str, Array]) -> Iterator[Rows]:
         """Take further samples; yield the rows that they complete, see :meth:`rest`."""
         self._waiting.append(channels)
         self._held += len(channels["time"])
         while self._begin + self._held >= self._done + self._size + self.plan.width + self._margin:
             yield from self._block(self._done + self._size, last=False)
 
-    def rest(self) -> Iterator[tuple[Array, Array]]:
+    def rest(self) -> Iterator[Rows]:
         """Yield the rows of what is left at the end of the stretch.
 
         Yields:
@@ -66,7 +70,7 @@ class Stretch:
         if self._begin + self._held - self._done >= self.plan.width:
             yield from self._block(self._begin + self._held, last=True)
 
-    def _block(self, until: int, *, last: bool) -> Iterator[tuple[Array, Array]]:
+    def _block(self, until: int, *, last: bool) -> Iterator[Rows]:
         held = {name: np.concatenate([part[name] for part in self._waiting]) for name in self._waiting[0]}
         stop = len(held["time"]) if last else until + self.plan.width + self._margin - self._begin
         part = {name: values[:stop] for name, values in held.items()}
@@ -84,7 +88,7 @@ def lasting(plan: Plan) -> int:
     return max(2, plan.width // HOPS)
 
 
-def block_rows(plan: Plan, channels: Mapping[str, Array], first: int, until: int) -> tuple[Array, Array]:
+def block_rows(plan: Plan, channels: Mapping[str, Array], first: int, until: int) -> Rows:
     r"""Return the rows of the bumps that begin within some samples of a stretch without a gap.
 
     Args:

@@ -19,7 +19,7 @@ from fricmodels.readers.gaps import kept
 from fricmodels.recording import Recording
 from fricmodels.signals.wrapping import unwrap
 from fricmodels.sums.plan import Plan
-from fricmodels.sums.rows import Stretch
+from fricmodels.sums.rows import Rows, Stretch
 from fricmodels.sums.summed import PARTS, Sums
 from fricmodels.weakform.smoothed import blocks_of
 
@@ -118,7 +118,7 @@ class _Cut:
     _turned: float = 0.0
     _closed: set[int] = field(default_factory=set)
 
-    def rows(self, given: Iterator[Block]) -> Iterator[tuple[Array, Array]]:
+    def rows(self, given: Iterator[Block]) -> Iterator[Rows]:
         """Yield the rows of all stretches; see :meth:`.Stretch.take`."""
         for block in given:
             whole = block if self.gaps is None else self._usable(block)
