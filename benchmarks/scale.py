@@ -55,6 +55,15 @@ def workers(quick: bool) -> None:
     print(f"{fits} fits: {taken[1]:.1f} s by one process, {taken[2]:.1f} s by two: {taken[1] / taken[2]:.2f} times")
 
 
+def peak() -> float:
+    """Return the most memory of this process so far [GB].
+
+    Of its own program: what ``getrusage`` says may be that of the process which started it.
+    """
+    status = Path("/proc/self/status").read_text()
+    return int(status.partition("VmHWM:")[2].split()[0]) / 1e6
+
+
 def _nothing(job: Any) -> dict[str, Any]:
     """Return the row of a job that took no time, in the place of a fit."""
     from fricmodels.fit import Status
@@ -80,16 +89,16 @@ def only_overhead(count: int) -> None:
 
     plan(config(1))
     vars(execution)["execute"] = _nothing
-    before = resource.getrusage(resource.RUSAGE_SELF)
+    before, least = resource.getrusage(resource.RUSAGE_SELF), peak()
     with tempfile.TemporaryDirectory() as folder:
         begin = time.perf_counter()
         run(config(count), folder, executor="serial")
         wall = time.perf_counter() - begin
     after = resource.getrusage(resource.RUSAGE_SELF)
     cpu = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
-    memory = (after.ru_maxrss - before.ru_maxrss) / count
+    memory = 1e6 * (peak() - least) / count
     print(f"{count} jobs: {1e3 * wall / count:.2f} ms each beside the fit ({1e3 * cpu / count:.2f} ms of CPU), "
-          f"{memory:.1f} kB each, {after.ru_maxrss / 1e6:.2f} GB in all")  # fmt: skip
+          f"{memory:.1f} kB each, {peak():.2f} GB in all")  # fmt: skip
 
 
 def export(quick: bool) -> None:
@@ -147,7 +156,7 @@ def measured(command: list[str]) -> None:
     code = _run(command)
     used = resource.getrusage(resource.RUSAGE_SELF)
     print(
-        f"{used.ru_utime + used.ru_stime:.1f} s of CPU, {used.ru_maxrss / 1e6:.2f} GB, exit code {code}",
+        f"{used.ru_utime + used.ru_stime:.1f} s of CPU, {peak():.2f} GB, exit code {code}",
         file=sys.stderr,
     )
 
@@ -221,7 +230,7 @@ def summed(path: str) -> None:
     from fricmodels import sums as made
 
     made.of_file(path, made.plan_for(made.pilot(path), "coulomb-viscous"))
-    print(f"{resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e6:.2f} GB")
+    print(f"{peak():.2f} GB")
 
 
 PARTS = {"workers": workers, "jobs": jobs, "export": export, "samples": samples, "sums": sums}

@@ -73,7 +73,7 @@ class Blocks:
         run = self._columns.get("run")
         names = sorted({column.column for column in chosen.values()} | ({run.column} if run else set()))
         first, reader, begin = 0, ParquetReader(), dict[str, Any]()
-        with _told(self.source), pyarrow.parquet.ParquetFile(self.source) as file:
+        with _told(self.source), pyarrow.parquet.ParquetFile(self.source, pre_buffer=False) as file:
             for batch in file.iter_batches(batch_size=_ROWS, columns=names, use_threads=False):
                 channels = {}
                 for name, column in chosen.items():
