@@ -33,13 +33,21 @@ class ParquetReader(Reader):
 
         try:
             check_size(path, pyarrow.parquet.read_metadata(path))
-            table = pyarrow.parquet.read_table(path)
-            frame: pd.DataFrame = in_seconds(table).to_pandas(ignore_metadata=True)
+            table = in_seconds(pyarrow.parquet.read_table(path))
+            units = stated_units(table.schema)
+            frame: pd.DataFrame = table.to_pandas(ignore_metadata=True, split_blocks=True, self_destruct=True)
+            del table  # its columns are the frame's now, and are let go with them
         except (pyarrow.ArrowException, OSError, ValueError) as error:
             reason = " ".join(str(error).split()).rstrip(".")
             raise InputError(f"{path}: cannot be read as Parquet: {reason}") from None
-        frame.attrs["units"] = stated_units(table.schema)
+        frame.attrs["units"] = units
         return frame
+
+    def done(self) -> None:
+        """Give the memory of a table back to the system, which Arrow would keep for the next one."""
+        import pyarrow
+
+        pyarrow.default_memory_pool().release_unused()
 
 
 def stated_units(schema: Any) -> dict[str, str]:

@@ -89,6 +89,8 @@ def read(
         for channel, (column, conversion) in converted.items()
     }
     run = run[order]
+    del table
+    chosen.done()
     left: dict[str, Any] = {}
     if gaps is not None:
         found_rows = kept(channels, run, Gaps(gaps))

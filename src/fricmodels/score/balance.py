@@ -158,7 +158,7 @@ def balances(drive: Drive, values: Mapping[str, float], prepared: Recording) -> 
     inertia, parameters = drive.split(values)
     states = drive.states(moving, parameters)
     for part in _parts(prepared):
-        one = moving.select(np.arange(part.start, part.stop))
+        one = moving.select(part)
         memory = [state[part] for state in states]
         friction = friction_moments(drive, values, one, memory, rest[part], doubtful[part])
         applied = one.torque - one.load_torque
