@@ -157,7 +157,7 @@ def _evaluated(comparison: Comparison) -> Samples:
 
 
 def _cut_from(train: Recording, test: Recording, order: Index) -> Recording | None:
-    """Return the recording of which two parts are all samples, if they stand in its order; its arrays are not copied."""
+    """Return the recording of which two parts are all samples, in its order; its arrays are not copied."""
     if train.origin is None or test.origin is None or train.origin.whole is not test.origin.whole:
         return None
     whole = train.origin.whole
