@@ -55,7 +55,7 @@ def remove_left_over(folder: Path) -> None:
             with suppress(OSError):
                 handle = os.open(left, os.O_RDWR | getattr(os, "O_NOFOLLOW", 0))
                 try:
-                    if _locked(handle):
+                    if locked(handle):
                         left.unlink(missing_ok=True)
                 finally:
                     os.close(handle)
@@ -66,14 +66,14 @@ def _begun(path: Path) -> tuple[int, Path]:
     while True:
         handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.", suffix=_SUFFIX)
         try:
-            if _locked(handle) is not False and os.stat(name).st_ino == os.fstat(handle).st_ino:
+            if locked(handle) is not False and os.stat(name).st_ino == os.fstat(handle).st_ino:
                 return handle, Path(name)
         except FileNotFoundError:  # another process took it for left over before it was locked
             pass
         os.close(handle)
 
 
-def _locked(handle: int) -> bool | None:
+def locked(handle: int) -> bool | None:
     """Lock a file for this process; whether that could be done, ``None`` where the system has no such locks."""
     try:
         import fcntl

@@ -52,6 +52,7 @@ class WeakFormProblem:
         estimated: parameters of the drive's fit, once there is one; see :attr:`motor_torque`.
         delay: by which the model's own delay, if it has one, was taken out of the recording [s].
         carriers: wave numbers that the test functions carry, see :mod:`.carriers`.
+        made_for: the parameters that :meth:`of` was given.
     """
 
     drive: Drive
@@ -65,6 +66,7 @@ class WeakFormProblem:
     estimated: Mapping[str, float] | None = None
     delay: float = 0.0
     carriers: tuple[float, ...] = ()
+    made_for: Mapping[str, float] | None = None
 
     @classmethod
     def of(
@@ -80,6 +82,7 @@ class WeakFormProblem:
         """
         inertia, _ = drive.split(parameters)
         delay = parameters[drive.model.delay] if drive.model.delay else 0.0
+        made_for = dict(parameters)
         recording, parameters = drive.timed(recording, parameters)
         motion = smoothed(recording)
         part, smooth, at_rest = motion.recording, motion.velocity, motion.resting
@@ -87,7 +90,7 @@ class WeakFormProblem:
         unclear = direction_unclear(drive, part, smooth, at_rest, width, parameters)
         quadrature, bumps = _rows(part, smooth, width, unclear)
         problem = cls(drive, part, smooth, at_rest, quadrature, bumps, motion.half_width, (0.0, 0.0), delay=delay)
-        return replace(problem, friction_limits=problem.limits_of_friction(parameters))
+        return replace(problem, friction_limits=problem.limits_of_friction(parameters), made_for=made_for)
 
     def limits_of_friction(self, parameters: Mapping[str, float]) -> tuple[float, float]:
         """Return the most that can rise with speed [torque/velocity] and fall [torque] of the model's friction.
