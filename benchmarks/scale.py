@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import os
 import resource
 import subprocess
 import sys
@@ -41,18 +42,34 @@ def config(seeds: int, **motor: Any) -> Any:
 
 
 def workers(quick: bool) -> None:
-    """Time the same fits by one and by two processes, one after the other, starts of processes included."""
+    """Time the same fits by one and by two processes, one after the other, starts of processes included.
+
+    The ratio of seconds says how the machine was, too: on a busy one see what both cost in CPU. What two processes cost
+    beyond one, and what the planning process does alone, is all that keeps two quiet cores from twice the speed.
+    """
     from fricmodels.tournament import run
 
     fits = 200 if quick else 2000
-    taken = {}
+    taken, cost, alone = {}, {}, {}
     for processes in (1, 2):
         with tempfile.TemporaryDirectory() as folder:
-            begin = time.perf_counter()
+            begin, before = time.perf_counter(), _cpu()
             board = run(config(fits), folder, processes=processes)
-            taken[processes] = time.perf_counter() - begin
+            taken[processes], after = time.perf_counter() - begin, _cpu()
+            alone[processes], cost[processes] = after[0] - before[0], sum(after) - sum(before)
             assert not board.failures
-    print(f"{fits} fits: {taken[1]:.1f} s by one process, {taken[2]:.1f} s by two: {taken[1] / taken[2]:.2f} times")
+    load = os.getloadavg()[1]
+    print(f"{fits} fits: {taken[1]:.1f} s by one process, {taken[2]:.1f} s by two: {taken[1] / taken[2]:.2f} times "
+          f"(load of the machine {load:.1f} on {os.cpu_count()} cores)")  # fmt: skip
+    possible = cost[1] / max(cost[2] / 2, alone[2])
+    print(f"CPU: {cost[1]:.1f} s by one process, {cost[2]:.1f} s by two, of which {alone[2]:.1f} s by the one that plans "
+          f"({1e3 * alone[2] / fits:.2f} ms a fit); on two quiet cores at most {possible:.2f} times")  # fmt: skip
+
+
+def _cpu() -> tuple[float, float]:
+    """Return the CPU seconds of this process, and of those that it started and that have ended."""
+    own, others = (resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN))
+    return own.ru_utime + own.ru_stime, others.ru_utime + others.ru_stime
 
 
 def peak() -> float:

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import json
 import os
 import re
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
+from typing import Any
 
 from fricmodels.errors import InputError
 
@@ -97,4 +99,17 @@ def write_bytes(path: Path, content: bytes) -> Path:
     """Write bytes; see :func:`replaced`."""
     with replaced(path) as beside:
         beside.write_bytes(content)
+    return path
+
+
+def write_json(path: Path, content: Any) -> Path:
+    """Write a JSON document, a line each key, part by part: the text of a long one is never held; see :func:`replaced`.
+
+    Raises:
+        ValueError: for a number that JSON does not have.
+    """
+    encoder = json.JSONEncoder(indent=1, allow_nan=False, ensure_ascii=False)
+    with replaced(path) as beside, beside.open("w", encoding="utf-8") as stream:
+        stream.writelines(encoder.iterencode(content))
+        stream.write("\n")
     return path
