@@ -62,7 +62,7 @@ def workers(quick: bool) -> None:
     print(f"{fits} fits: {taken[1]:.1f} s by one process, {taken[2]:.1f} s by two: {taken[1] / taken[2]:.2f} times "
           f"(load of the machine {load:.1f} on {os.cpu_count()} cores)")  # fmt: skip
     possible = cost[1] / max(cost[2] / 2, alone[2])
-    print(f"CPU: {cost[1]:.1f} s by one process, {cost[2]:.1f} s by two, of which {alone[2]:.1f} s by the one that plans "
+    print(f"CPU: {cost[1]:.1f} s by one process, {cost[2]:.1f} s by two, {alone[2]:.1f} s of it by the one that plans "
           f"({1e3 * alone[2] / fits:.2f} ms a fit); on two quiet cores at most {possible:.2f} times")  # fmt: skip
 
 
