@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import signal
 import subprocess
 import sys
@@ -74,3 +75,13 @@ def test_where_files_cannot_be_locked_they_are_written_all_the_same(
     files.remove_left_over(tmp_path)
     assert left.exists(), "nobody knows whether it is in use"
     assert (tmp_path / "a.json").read_text() == "{}"
+
+
+def test_a_long_document_is_written_as_json_writes_it(tmp_path: Path) -> None:
+    content = {"schema": "x", "rows": [{"a": 1.5, "b": [None, True, {"ω": "é"}]}, {}], "none": []}
+    files.write_json(tmp_path / "a.json", content)
+    text = json.dumps(content, indent=1, allow_nan=False, ensure_ascii=False) + "\n"
+    assert (tmp_path / "a.json").read_text(encoding="utf-8") == text
+    with pytest.raises(ValueError, match="not JSON compliant"):
+        files.write_json(tmp_path / "a.json", {"a": float("nan")})
+    assert (tmp_path / "a.json").read_text(encoding="utf-8") == text, "what was there stays"
