@@ -155,11 +155,16 @@ def faults(out: Path) -> list[str]:
 
 
 def state(out: Path) -> tuple[str, ...]:
-    """Return what tells one moment from another: the files that are there, and how many results are kept."""
+    """Return what tells one moment from another: the files that are there, and how many results are kept.
+
+    Of an improvement these are the steps of its journal that are whole.
+    """
     if not out.is_dir():
         return ()
     names = {path.name.partition(".part")[0] for path in out.iterdir()}
     kept = 0
+    if (out / ".improve.jsonl").is_file():
+        kept = (out / ".improve.jsonl").read_bytes().count(b"\n")
     if (out / "results.sqlite").is_file():
         from fricmodels.errors import FricmodelsError
         from fricmodels.tournament.store import Store

@@ -4,14 +4,16 @@
 2. What a job costs beside its fit, and whether 10, 1 000 and 100 000 jobs cost alike, in time and in memory.
 3. 100 000 rows exported in every format, and a board of many datasets ranked per dataset.
 4. Long recordings fitted, scored and diagnosed: seconds and peak memory for 1 and for 10 million samples.
+5. From Parquet to parameters by sums: samples a second, beside reading alone; ten files added, against one.
 
-Run: ``python benchmarks/scale.py [--only workers|jobs|export|samples] [--quick]``.
+Run: ``python benchmarks/scale.py [--only workers|jobs|export|samples|sums] [--quick]``.
 """
 
 from __future__ import annotations
 
 import argparse
 import json
+import os
 import resource
 import subprocess
 import sys
@@ -40,18 +42,43 @@ def config(seeds: int, **motor: Any) -> Any:
 
 
 def workers(quick: bool) -> None:
-    """Time the same fits by one and by two processes, one after the other, starts of processes included."""
+    """Time the same fits by one and by two processes, one after the other, starts of processes included.
+
+    The ratio of seconds says how the machine was, too: on a busy one see what both cost in CPU. What two processes cost
+    beyond one, and what the planning process does alone, is all that keeps two quiet cores from twice the speed.
+    """
     from fricmodels.tournament import run
 
     fits = 200 if quick else 2000
-    taken = {}
+    taken, cost, alone = {}, {}, {}
     for processes in (1, 2):
         with tempfile.TemporaryDirectory() as folder:
-            begin = time.perf_counter()
+            begin, before = time.perf_counter(), _cpu()
             board = run(config(fits), folder, processes=processes)
-            taken[processes] = time.perf_counter() - begin
+            taken[processes], after = time.perf_counter() - begin, _cpu()
+            alone[processes], cost[processes] = after[0] - before[0], sum(after) - sum(before)
             assert not board.failures
-    print(f"{fits} fits: {taken[1]:.1f} s by one process, {taken[2]:.1f} s by two: {taken[1] / taken[2]:.2f} times")
+    load = os.getloadavg()[1]
+    print(f"{fits} fits: {taken[1]:.1f} s by one process, {taken[2]:.1f} s by two: {taken[1] / taken[2]:.2f} times "
+          f"(load of the machine {load:.1f} on {os.cpu_count()} cores)")  # fmt: skip
+    possible = cost[1] / max(cost[2] / 2, alone[2])
+    print(f"CPU: {cost[1]:.1f} s by one process, {cost[2]:.1f} s by two, {alone[2]:.1f} s of it by the one that plans "
+          f"({1e3 * alone[2] / fits:.2f} ms a fit); on two quiet cores at most {possible:.2f} times")  # fmt: skip
+
+
+def _cpu() -> tuple[float, float]:
+    """Return the CPU seconds of this process, and of those that it started and that have ended."""
+    own, others = (resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN))
+    return own.ru_utime + own.ru_stime, others.ru_utime + others.ru_stime
+
+
+def peak() -> float:
+    """Return the most memory of this process so far [GB].
+
+    Of its own program: what ``getrusage`` says may be that of the process which started it.
+    """
+    status = Path("/proc/self/status").read_text()
+    return int(status.partition("VmHWM:")[2].split()[0]) / 1e6
 
 
 def _nothing(job: Any) -> dict[str, Any]:
@@ -79,16 +106,16 @@ def only_overhead(count: int) -> None:
 
     plan(config(1))
     vars(execution)["execute"] = _nothing
-    before = resource.getrusage(resource.RUSAGE_SELF)
+    before, least = resource.getrusage(resource.RUSAGE_SELF), peak()
     with tempfile.TemporaryDirectory() as folder:
         begin = time.perf_counter()
         run(config(count), folder, executor="serial")
         wall = time.perf_counter() - begin
     after = resource.getrusage(resource.RUSAGE_SELF)
     cpu = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
-    memory = (after.ru_maxrss - before.ru_maxrss) / count
+    memory = 1e6 * (peak() - least) / count
     print(f"{count} jobs: {1e3 * wall / count:.2f} ms each beside the fit ({1e3 * cpu / count:.2f} ms of CPU), "
-          f"{memory:.1f} kB each, {after.ru_maxrss / 1e6:.2f} GB in all")  # fmt: skip
+          f"{memory:.1f} kB each, {peak():.2f} GB in all")  # fmt: skip
 
 
 def export(quick: bool) -> None:
@@ -146,7 +173,7 @@ def measured(command: list[str]) -> None:
     code = _run(command)
     used = resource.getrusage(resource.RUSAGE_SELF)
     print(
-        f"{used.ru_utime + used.ru_stime:.1f} s of CPU, {used.ru_maxrss / 1e6:.2f} GB, exit code {code}",
+        f"{used.ru_utime + used.ru_stime:.1f} s of CPU, {peak():.2f} GB, exit code {code}",
         file=sys.stderr,
     )
 
@@ -164,7 +191,66 @@ def _arm(path: Path, count: int) -> None:
     pd.DataFrame({"time_s": time_s, "torque_Nm": torque, "velocity_rad_s": noisy}).to_parquet(path)
 
 
-PARTS = {"workers": workers, "jobs": jobs, "export": export, "samples": samples}
+def sums(quick: bool) -> None:
+    """Time sums of a linear law from Parquet, all on one thread; compare ten files added with one of ten runs."""
+    import pandas as pd
+    import pyarrow
+    import pyarrow.parquet
+
+    from fricmodels import sums as made
+
+    pyarrow.set_cpu_count(1)
+    count = 1_000_000 if quick else 10_000_000
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "arm.parquet"
+        _arm(path, count)
+        begin = time.process_time()
+        with pyarrow.parquet.ParquetFile(path) as file:
+            for batch in file.iter_batches(columns=["time_s", "torque_Nm", "velocity_rad_s"], use_threads=False):
+                for column in batch.columns:
+                    column.to_numpy().sum()
+        print(f"{count} samples read alone: {count / (time.process_time() - begin) / 1e6:.1f} M samples/s")
+        begin = time.process_time()
+        plan = made.plan_for(made.pilot(path), "coulomb-viscous")
+        print(f"plan from a part of it: {time.process_time() - begin:.1f} s of CPU, once")
+        for model in ("coulomb-viscous", "asymmetric-coulomb-viscous"):
+            own = plan if model == plan.model else made.plan_for(made.pilot(path), model)
+            made.of_file(path, own)
+            rates = []
+            for _ in range(3):
+                begin = time.process_time()
+                found = made.solved(made.of_file(path, own))
+                rates.append(count / (time.process_time() - begin) / 1e6)
+            print(f"from Parquet to parameters, {model}: {sorted(rates)[1]:.1f} M samples/s of CPU (three times: "
+                  f"{', '.join(f'{rate:.1f}' for rate in rates)}); {len(made.of_file(path, own).to_json())} bytes; "
+                  f"{ {key: round(value, 6) for key, value in found.parameters.items()} }")  # fmt: skip
+        table = pd.read_parquet(path)
+        table["run"] = table.index * 10 // count
+        table.to_parquet(path)
+        whole = made.solved(made.of_file(path, plan))
+        each = []
+        for number, part in table.groupby("run"):
+            part.drop(columns="run").to_parquet(Path(folder) / f"{number}.parquet")
+            each.append(made.of_file(Path(folder) / f"{number}.parquet", plan))
+        merged = made.solved(made.added(each))
+        apart = max(abs(merged.parameters[key] / value - 1) for key, value in whole.parameters.items())
+        print(f"ten files added against one file of ten runs: parameters differ by {apart:.1e}")
+        code = f"import scale; scale.summed({str(path)!r})"
+        done = subprocess.run(
+            [sys.executable, "-c", code], cwd=Path(__file__).parent, capture_output=True, text=True, check=True
+        )
+        print(f"memory of the sums of a file of {count} samples: {done.stdout.strip()}")
+
+
+def summed(path: str) -> None:
+    """Make a plan and sums of a file here; say how much memory that took."""
+    from fricmodels import sums as made
+
+    made.of_file(path, made.plan_for(made.pilot(path), "coulomb-viscous"))
+    print(f"{peak():.2f} GB")
+
+
+PARTS = {"workers": workers, "jobs": jobs, "export": export, "samples": samples, "sums": sums}
 
 
 def main() -> None:

@@ -28,7 +28,7 @@ LAYERS = (
     {"logcheck"},
     {"score", "tracking"},
     {"weakform"},
-    {"interval", "motion"},
+    {"interval", "motion", "sums"},
     {"estimator"},
     {"filtering"},
     {"tournament", "diagnosis", "testing"},

@@ -2,13 +2,20 @@
 
 from __future__ import annotations
 
+import json
 import os
+import re
 import tempfile
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
+from typing import Any
 
 from fricmodels.errors import InputError
+
+_SUFFIX = ".fricmodels.part"
+_OURS = re.compile(r"\..+\.[a-z0-9_]{8}\.fricmodels\.part")
+_tidied: set[Path] = set()
 
 
 @contextmanager
@@ -22,17 +29,65 @@ def replaced(path: Path) -> Iterator[Path]:
     """
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.", suffix=".part")
-        os.close(handle)
-        beside = Path(name)
+        remove_left_over(path.parent)
+        handle, beside = _begun(path)
         try:
             yield beside
             beside.chmod(0o644)
             beside.replace(path)
         finally:
             beside.unlink(missing_ok=True)
+            os.close(handle)
     except OSError as error:
         raise InputError(f"{path}: cannot be written: {error.strerror or error}") from None
+
+
+def remove_left_over(folder: Path) -> None:
+    """Remove what a program that was killed left of files it was writing; once for each folder.
+
+    Only files with the name that :func:`replaced` gives, and no file that a living process holds: that one has a lock
+    on it, which ends with the process whatever ends that. Where the system has no such locks nothing is removed.
+    """
+    place = folder.absolute()
+    if place in _tidied:
+        return
+    _tidied.add(place)
+    with suppress(OSError):
+        for left in [Path(entry.path) for entry in os.scandir(folder) if _OURS.fullmatch(entry.name)]:
+            with suppress(OSError):
+                handle = os.open(left, os.O_RDWR | getattr(os, "O_NOFOLLOW", 0))
+                try:
+                    if locked(handle):
+                        left.unlink(missing_ok=True)
+                finally:
+                    os.close(handle)
+
+
+def _begun(path: Path) -> tuple[int, Path]:
+    """Return a new file beside another one, and its handle, which is locked as long as it is open."""
+    while True:
+        handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.", suffix=_SUFFIX)
+        try:
+            if locked(handle) is not False and os.stat(name).st_ino == os.fstat(handle).st_ino:
+                return handle, Path(name)
+        except FileNotFoundError:  # another process took it for left over before it was locked
+            pass
+        os.close(handle)
+
+
+def locked(handle: int) -> bool | None:
+    """Lock a file for this process; whether that could be done, ``None`` where the system has no such locks."""
+    try:
+        import fcntl
+    except ImportError:
+        return None
+    try:
+        fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        return False
+    except OSError:  # a file system without locks
+        return None
+    return True
 
 
 def write_text(path: Path, text: str) -> Path:
@@ -44,4 +99,17 @@ def write_bytes(path: Path, content: bytes) -> Path:
     """Write bytes; see :func:`replaced`."""
     with replaced(path) as beside:
         beside.write_bytes(content)
+    return path
+
+
+def write_json(path: Path, content: Any) -> Path:
+    """Write a JSON document, a line each key, part by part: the text of a long one is never held; see :func:`replaced`.
+
+    Raises:
+        ValueError: for a number that JSON does not have.
+    """
+    encoder = json.JSONEncoder(indent=1, allow_nan=False, ensure_ascii=False)
+    with replaced(path) as beside, beside.open("w", encoding="utf-8") as stream:
+        stream.writelines(encoder.iterencode(content))
+        stream.write("\n")
     return path

@@ -251,7 +251,7 @@ class Recording(Displayed):
                     f"map a column with --column {channel}=COLUMN[:UNIT] or leave that model out"
                 )
 
-    def select(self, mask: NDArray[Any], name: str | None = None) -> Recording:
+    def select(self, mask: NDArray[Any] | slice, name: str | None = None) -> Recording:
         """Return the samples that a boolean mask, an index array or a slice picks."""
         return replace(
             self,

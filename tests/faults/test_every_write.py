@@ -46,6 +46,7 @@ COMMANDS: dict[str, list[str]] = {
     "simulate, Parquet": ["simulate", "rig.yaml", "--out", "out/deep/motor.parquet"],
     "simulate, a model": ["simulate", "arm.model.json", "--torque", "arm.csv", "--out", "out/motion.csv"],
     "fit": ["fit", *ARM, "--out", "out/arm.model.json"],
+    "sums": ["sums", *ARM, "--out", "out"],
     "export": ["export", "arm.model.json", "--to", "c", "--out", "out/friction.h"],
     "info": ["info", "arm.csv", "--out", "out"],
     "run": ["run", "config.yaml", "--executor", "serial", "--out", "out"],

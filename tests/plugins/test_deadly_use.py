@@ -136,3 +136,26 @@ def test_what_is_safe_is_tried_once(install: Install, monkeypatch: pytest.Monkey
         plugins.load.cache_clear()
         assert "fine" in {*plugins.load().effects}
     assert tried.count("safe") == 1
+
+
+def test_improve_refuses_the_wrong_unit_that_a_tournament_refuses(install: Install, tmp_path: Path) -> None:
+    site = install(
+        "wrong-use", PLUGIN.replace("[Loops, Exits, Leaves, Crashes, Nothing, WrongUnit, Fine]", "[WrongUnit]")
+    )
+    data = str(recording(tmp_path / "log.csv"))
+    model = "coulomb-viscous+wrong-unit"
+    text = f"datasets: [{{name: log, files: {data}, inertia: 0.01}}]\nmodels: [{model}]\nestimators: [batch]\n"
+    (tmp_path / "t.yaml").write_text(text)
+    ran = shell(site, "run", str(tmp_path / "t.yaml"), "--executor", "serial", "--out", str(tmp_path / "t"))
+    assert "unexpected" not in ran.stderr
+    (row,) = json.loads((tmp_path / "t" / "leaderboard.json").read_text())["rows"]
+    assert row["status"] == "failed"
+    assert row["message"].startswith("'wrong-unit': ")
+    for command in ("improve", "diagnose", "compare"):
+        asked = shell(site, command, data, "--model", model, "--inertia", "0.01")
+        assert asked.returncode != 0, command
+        assert asked.stdout == ""
+        assert row["message"][:40] in " ".join(asked.stderr.split()), command
+    improved = shell(site, "improve", data, "--model", "coulomb-viscous", "--inertia", "0.01")
+    assert improved.returncode == 0, improved.stderr
+    assert "effect 'wrong-unit' of wrong-use is left out: 'wrong-unit': " in improved.stderr

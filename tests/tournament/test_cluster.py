@@ -106,3 +106,18 @@ def test_files_that_came_along_are_kept_under_their_names(tmp_path: Path, monkey
     (kept,) = tmp_path.rglob("log.csv")
     assert kept.read_bytes() == b"content"
     assert str(kept) in placed
+
+
+def test_a_job_has_its_limit_of_time_on_a_cluster_as_well(
+    dask: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The limit is less than any fit takes: every job is ended, and the workers do the next tournament."""
+    given = config(tmp_path, seeds=1)
+    given = given.model_copy(update={"models": "coulomb-viscous", "datasets": given.datasets[:1]})
+    short = given.model_copy(update={"timeout": 1e-3})
+    address = dask.scheduler_address
+    board = run(short, tmp_path / "short", directory=tmp_path, executor="dask", scheduler=address)
+    assert {row["status"] for row in board.rows} == {"timeout"}
+    assert all("took longer than 0.001 s" in row["message"] for row in board.rows)
+    again = run(given, tmp_path / "again", directory=tmp_path, executor="dask", scheduler=address)
+    assert {row["status"] for row in again.rows} == {"ok"}

@@ -11,6 +11,7 @@ from fricmodels.dimension import Motion
 from fricmodels.drive import Drive
 from fricmodels.model import Model
 from fricmodels.recording import Recording
+from fricmodels.weakform.directions import base_directions
 from fricmodels.weakform.estimate import estimate
 from fricmodels.weakform.problem import WeakFormProblem
 from fricmodels.weakform.smoothed import MAX_SAMPLES, spread
@@ -100,7 +101,7 @@ def test_base_directions_are_the_derivatives_of_the_models_torque(made: Made) ->
     drive = Drive(Model.parse("exponential-stick-slip"), 2.0)
     values = {"J": 2.0, "K_v": 0.5, "K_c": 6.0, "C": 3.0, "B": 1.0}
     problem = WeakFormProblem.of(drive, made(samples=4000), values)
-    directions = problem.base(values)
+    directions = base_directions(problem, values)
     assert directions.shape == (4, problem.rows)
 
     def rows(changed: dict[str, float]) -> np.ndarray:

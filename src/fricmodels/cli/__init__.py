@@ -25,6 +25,7 @@ COMMANDS = {
     "diagnose": "Name the effect that a model is missing.",
     "improve": "Add what is missing, refit, repeat: watch the error fall.",
     "fit": "Fit a model and keep it in a file, to call, simulate and export.",
+    "sums": "Sum up what long or many recordings say of a linear law, to be added and fitted.",
     "export": "Write a fitted model for a program: C, MuJoCo, URDF, Isaac Lab, Drake, ROS 2.",
     "report": "Write it all as one HTML page: verdict, figures, parameters, provenance.",
     "simulate": "Make a recording with hidden effects from a rig file.",

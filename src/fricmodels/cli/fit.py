@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -20,6 +21,12 @@ from fricmodels.cli.measurement import (
     load,
 )
 from fricmodels.cli.motion import ControllerFile, Horizon, Score, check_score, loop_of
+from fricmodels.cli.sums import check_model, is_sums, plan_of, summed
+from fricmodels.errors import InputError
+from fricmodels.gaps import Gaps
+
+if TYPE_CHECKING:
+    from fricmodels.saved import FittedModel
 
 
 def command(
@@ -39,18 +46,28 @@ def command(
     ] = Score.TORQUE,
     horizon: Horizon = None,
     controller: ControllerFile = None,
+    sums: Annotated[
+        bool, typer.Option("--sums", help="Fit a linear law to every sample, read in blocks: for very long recordings.")
+    ] = False,
 ) -> None:
     """Fit a model and keep it in a file, to call, simulate and export.
 
     The fit is that of `compare`; with --objective position its parameters then bring the simulated motion nearest.
+    Files of `sums` may be given in the place of recordings.
     Python reads the file with `fricmodels.load`; `compare`, `diagnose`, `improve` and `simulate` take it in place of a
     model's name, `export` writes it for other programs.
     """
+    if sums or is_sums(data):
+        if objective is not Score.TORQUE:
+            raise InputError("--objective position simulates a recording, of which sums hold no sample; leave one out")
+        how = {"columns": column or (), "reader": reader, "torque_constant": torque_constant}
+        _by_sums(data, model, out, inertia, linear, trust, gaps, how)
+        return
     given = load(data, model, column, torque_constant, reader, linear, None, inertia, trust, gaps)
     check_score(objective, given.recording, horizon, controller, option="--objective")
     loop = loop_of(controller, given.recording)
     from fricmodels.cli.answers import answered
-    from fricmodels.cli.printing import warn, working
+    from fricmodels.cli.printing import working
     from fricmodels.diagnosis import compare
     from fricmodels.saved import keep
 
@@ -61,6 +78,38 @@ def command(
 
             comparison = refitted(comparison, horizon, loop)
         kept = keep(comparison)
+    _say(kept, out)
+
+
+def _by_sums(
+    data: list[Path],
+    model: str,
+    out: Path,
+    inertia: float | None,
+    linear: bool,
+    trust: bool,
+    gaps: Gaps | None,
+    how: Mapping[str, Any],
+) -> None:
+    """Fit to sums, read from files or made here."""
+    from fricmodels.cli.printing import working
+    from fricmodels.saved.summed import keep_sums
+    from fricmodels.sums import added, load
+
+    if is_sums(data):
+        total = added(load(path) for path in data)
+    else:
+        plan = plan_of(data[0], model, inertia, linear, trust, gaps, how)
+        with working(f"fitting {model}"):
+            total = added(one for _, one in summed(data, plan, gaps, how))
+    check_model(total, model)
+    _say(keep_sums(total, inertia), out)
+
+
+def _say(kept: FittedModel, out: Path) -> None:
+    """Print and write a model."""
+    from fricmodels.cli.printing import warn
+
     print(kept)
     warn([f"the fit did not end well: {message}"] if (message := kept.document.provenance.message) else [])
     warn(f"'{key}' is not determined by this recording: {reason}" for key, reason in kept.not_identified.items())

@@ -10,37 +10,47 @@ from fricmodels.cli.motion import Score
 def command(given: Measurement) -> None:
     """Add the missing effect, refit everything, and repeat until nothing is missing: the ladder.
 
-    With --score position each rung is fitted to the simulated motion too, and the one is kept that simulates best what
-    was not fitted.
+    With --out, what was found is kept on the way: an improvement that was interrupted goes on from there, by the same
+    command, to the same end. With --score position each rung is fitted to the simulated motion too, and the one is kept
+    that simulates best what was not fitted.
     """
-    from fricmodels.cli.printing import console, working
+    from contextlib import ExitStack
+
+    from fricmodels.cli.printing import console, warn, working
     from fricmodels.diagnosis import improve
     from fricmodels.diagnosis.document import document, write
+    from fricmodels.diagnosis.journal import FILE, identity, journal
     from fricmodels.diagnosis.present import show_comparison, show_diagnosis, show_ladder
     from fricmodels.report.console import show_answer_of_ladder
 
     shown = console()
-    with working("improving") as say:
-        ladder = improve(given.recording, given.model, given.inertia, leave_out=given.leave_out, progress=say)
-    if given.verbose:
-        show_comparison(shown, ladder.first.comparison)
-        show_diagnosis(shown, ladder.first, ladder)
-        show_ladder(shown, ladder)
-        show_comparison(shown, ladder.rungs[-1].comparison)
-    show_answer_of_ladder(shown, ladder, given.options)
-    judged, best = [], ladder.rungs[-1].comparison
-    if given.score is Score.POSITION:
-        from fricmodels.cli.motion import by_motion, taken
+    with ExitStack() as stack:
+        if given.out is not None:
+            decides = (given.model.name, given.model.known, given.inertia, given.leave_out)
+            kept = stack.enter_context(journal(given.out / FILE, identity(given.recording, *decides)))
+            if len(kept):
+                warn([f"going on after {len(kept)} steps of an improvement that was interrupted"])
+        with working("improving") as say:
+            ladder = improve(given.recording, given.model, given.inertia, leave_out=given.leave_out, progress=say)
+        if given.verbose:
+            show_comparison(shown, ladder.first.comparison)
+            show_diagnosis(shown, ladder.first, ladder)
+            show_ladder(shown, ladder)
+            show_comparison(shown, ladder.rungs[-1].comparison)
+        show_answer_of_ladder(shown, ladder, given.options)
+        judged, best = [], ladder.rungs[-1].comparison
+        if given.score is Score.POSITION:
+            from fricmodels.cli.motion import by_motion, taken
 
-        rungs = list({rung.model: rung.comparison for rung in ladder.rungs}.values())
-        judged = by_motion(shown, rungs, given.horizon, given.loop, given.out)
-        best = taken(rungs, judged)
-    if given.out is not None:
-        from fricmodels.saved import keep
+            rungs = list({rung.model: rung.comparison for rung in ladder.rungs}.values())
+            judged = by_motion(shown, rungs, given.horizon, given.loop, given.out)
+            best = taken(rungs, judged)
+        if given.out is not None:
+            from fricmodels.saved import keep
 
-        shown.print(f"wrote {write(document(ladder.first, ladder), given.out)}", markup=False, soft_wrap=True)
-        kept = keep(best).save(given.out / "model.json")
-        shown.print(f"wrote {kept}", markup=False, soft_wrap=True)
+            shown.print(f"wrote {write(document(ladder.first, ladder), given.out)}", markup=False, soft_wrap=True)
+            saved = keep(best).save(given.out / "model.json")
+            shown.print(f"wrote {saved}", markup=False, soft_wrap=True)
     if given.report is not None:
         from fricmodels.report import story
         from fricmodels.report import write as write_report

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fricmodels import plugins
+from fricmodels.diagnosis.journal import searched
 from fricmodels.diagnosis.policy import POLICY, Policy
 from fricmodels.dimension import Motion
 from fricmodels.drive import Drive
@@ -17,7 +18,6 @@ from fricmodels.term import Effect
 from fricmodels.weakform.candidate import NonlinearOptimum
 from fricmodels.weakform.problem import WeakFormProblem
 from fricmodels.weakform.regression import LEAST_P, Evidence, Regression, compare, unwarned
-from fricmodels.weakform.search import search
 from fricmodels.weakform.shifted import regression_of
 
 Array = NDArray[np.float64]
@@ -159,7 +159,7 @@ def _candidate(
     missing = [signal for signal in sorted(alone.model.required) if not _has(problem, signal)]
     if missing:
         return f"the recording has no {channel_of(missing[0]).replace('_', ' ')}"
-    found = search(problem, regression, effect, alone, rival)
+    found = searched(problem, regression, effect, alone, rival)
     # What an estimated inertia takes up may leave a rest or none; the reason is the same.
     if is_taken_up(problem, regression, _first_columns(problem, effect, alone) if found is None else found.columns):
         return "the inertia is estimated, and the model with it can be all that this would add; give it to see more"

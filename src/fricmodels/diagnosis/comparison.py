@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from fricmodels.diagnosis.journal import estimated
 from fricmodels.diagnosis.where import Regime, where
 from fricmodels.display import Displayed
 from fricmodels.drive import Drive
@@ -21,7 +22,7 @@ from fricmodels.signals import noise_of
 from fricmodels.signals.lanczos import even_weights, lanczos_derivative
 from fricmodels.split import Split, split
 from fricmodels.term import Effect
-from fricmodels.weakform.estimate import Estimate, estimate
+from fricmodels.weakform.estimate import Estimate
 from fricmodels.weakform.prepared import ready
 from fricmodels.weakform.problem import WeakFormProblem
 from fricmodels.weakform.row_noise import noise_like
@@ -96,7 +97,7 @@ def compare_model(
         start: nonlinear parameters to begin from.
     """
     drive = Drive(drive.model.on(train), drive.inertia, drive.motion)
-    problem, found = estimate(drive, train, start)
+    problem, found = estimated(drive, train, start)
     return _compared(problem, found, train, test)
 
 

@@ -9,6 +9,7 @@ import numpy as np
 from fricmodels.diagnosis.candidate_tests import no_evidence
 from fricmodels.diagnosis.comparison import Comparison
 from fricmodels.drive import Drive
+from fricmodels.weakform.directions import base_directions
 from fricmodels.weakform.problem import WeakFormProblem
 from fricmodels.weakform.regression import Evidence, Regression
 from fricmodels.weakform.ripple import carriers_alone, carriers_of
@@ -27,7 +28,7 @@ def necessity(comparison: Comparison, effect: str) -> Evidence:
     carriers = carriers_of(problem, {key: x for key, x in parameters.items() if key.startswith(f"{effect}.")})
     if carriers:
         problem = carriers_alone(problem, carriers)
-    rest = replace(problem, drive=smaller).base(parameters)
+    rest = base_directions(replace(problem, drive=smaller), parameters)
     pairs = zip(own.parameters, alone.model.linear, strict=True)
     nonlinear = [parameters[f"{effect}.{p.symbol}"] for p, linear in pairs if not linear]
     columns, _ = problem.columns(alone, nonlinear, delay)

@@ -54,3 +54,6 @@ class Reader(ABC):
     def place(self, path: Path, row: int) -> str:
         """Say where row ``row`` of the table, from 0, stands in the file: ``line 12``, or ``row 12`` from 1."""
         return f"row {row + 1}"
+
+    def done(self) -> None:  # noqa: B027
+        """Let go of what a table needed, once its columns were taken; most formats need nothing."""

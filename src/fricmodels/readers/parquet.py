@@ -32,20 +32,31 @@ class ParquetReader(Reader):
         import pyarrow.parquet
 
         try:
-            _check_size(path, pyarrow.parquet.read_metadata(path))
-            table = pyarrow.parquet.read_table(path)
-            frame: pd.DataFrame = _plain(table).to_pandas(ignore_metadata=True)
+            check_size(path, pyarrow.parquet.read_metadata(path))
+            table = in_seconds(pyarrow.parquet.read_table(path))
+            units = stated_units(table.schema)
+            frame: pd.DataFrame = table.to_pandas(ignore_metadata=True, split_blocks=True, self_destruct=True)
+            del table  # its columns are the frame's now, and are let go with them
         except (pyarrow.ArrowException, OSError, ValueError) as error:
             reason = " ".join(str(error).split()).rstrip(".")
             raise InputError(f"{path}: cannot be read as Parquet: {reason}") from None
-        fields = [(field.name, field.metadata or {}) for field in table.schema]
-        frame.attrs["units"] = {
-            name: data[b"unit"].decode(errors="replace") for name, data in fields if b"unit" in data
-        }
+        frame.attrs["units"] = units
         return frame
 
+    def done(self) -> None:
+        """Give the memory of a table back to the system, which Arrow would keep for the next one."""
+        import pyarrow
 
-def _check_size(path: Path, metadata: Any) -> None:
+        pyarrow.default_memory_pool().release_unused()
+
+
+def stated_units(schema: Any) -> dict[str, str]:
+    """Return the units that the fields of a file state, by column."""
+    fields = [(field.name, field.metadata or {}) for field in schema]
+    return {name: data[b"unit"].decode(errors="replace") for name, data in fields if b"unit" in data}
+
+
+def check_size(path: Path, metadata: Any) -> None:
     """Refuse what unpacks to far more than a recording of its size does, before it is unpacked."""
     if metadata.num_columns > _MOST_COLUMNS:
         raise InputError(
@@ -59,7 +70,7 @@ def _check_size(path: Path, metadata: Any) -> None:
         )
 
 
-def _plain(table: Any) -> Any:
+def in_seconds(table: Any) -> Any:
     """Return the table with times of day as seconds, which pandas has as objects if at all."""
     import pyarrow
 

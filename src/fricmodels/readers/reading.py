@@ -65,8 +65,8 @@ def read(
         InputError: for a file that is not there or holds nothing usable; one line with the place and the way out.
     """
     source = Path(path)
-    _check_file(source)
-    chosen = _reader(source, reader)
+    check_file(source)
+    chosen = reader_of(source, reader)
     try:
         wanted = asked(columns)
     except InputError as error:
@@ -74,8 +74,8 @@ def read(
     table = _table(chosen, source, wanted)
     try:
         found, kind = assign(columns, [str(column) for column in table.columns], motion)
-        found = _with_stated_units(found, table.attrs.get("units", {}))
-        conversions = _conversions(found, kind, torque_constant)
+        found = with_stated_units(found, table.attrs.get("units", {}))
+        converted = conversions(found, kind, torque_constant)
         further = {channel: units.further(column.unit) for channel, column in _further(found).items() if column.unit}
     except InputError as error:
         raise InputError(f"{source}: {error}") from None
@@ -83,12 +83,14 @@ def read(
         raise InputError(f"{source}: there are no samples")
     run, run_names = _runs(source, chosen, found, table)
     order = np.argsort(run, kind="stable")
-    conversions |= {channel: (channel, further.get(channel, (_AS_IT_IS, ""))[0]) for channel in _further(found)}
+    converted |= {channel: (channel, further.get(channel, (_AS_IT_IS, ""))[0]) for channel in _further(found)}
     channels = {
-        channel: conversion(_numbers(source, chosen, table, found[column]))[order]
-        for channel, (column, conversion) in conversions.items()
+        channel: conversion(numbers(source, chosen, table, found[column]))[order]
+        for channel, (column, conversion) in converted.items()
     }
     run = run[order]
+    del table
+    chosen.done()
     left: dict[str, Any] = {}
     if gaps is not None:
         found_rows = kept(channels, run, Gaps(gaps))
@@ -135,7 +137,12 @@ def _table(reader: Reader, source: Path, wanted: Sequence[str]) -> pd.DataFrame:
         ) from error
 
 
-def _check_file(source: Path) -> None:
+def check_file(source: Path) -> None:
+    """Make sure that a file is there, is one, and has a first byte.
+
+    Raises:
+        InputError: where it is not.
+    """
     try:
         kind = source.stat().st_mode
     except (OSError, ValueError) as error:
@@ -158,7 +165,12 @@ def _check_file(source: Path) -> None:
         raise InputError(f"{source}: the file is empty")
 
 
-def _reader(source: Path, name: str | None) -> Reader:
+def reader_of(source: Path, name: str | None) -> Reader:
+    """Return the reader of a file, by name or by its suffix.
+
+    Raises:
+        InputError: where there is none.
+    """
     from fricmodels import plugins
 
     readers: plugins.Registry[Reader] = plugins.load().readers
@@ -172,7 +184,7 @@ def _reader(source: Path, name: str | None) -> Reader:
     raise InputError(f"{source}: no reader knows the file type '{source.suffix}'; known: {known}; or give --reader")
 
 
-def _with_stated_units(found: Mapping[str, Column], stated: Mapping[str, str]) -> dict[str, Column]:
+def with_stated_units(found: Mapping[str, Column], stated: Mapping[str, str]) -> dict[str, Column]:
     """Complete mappings without unit from the units that the file states."""
     return {
         channel: Column(column.name, column.column, stated[column.column])
@@ -182,7 +194,7 @@ def _with_stated_units(found: Mapping[str, Column], stated: Mapping[str, str]) -
     }
 
 
-def _conversions(
+def conversions(
     found: Mapping[str, Column], motion: Motion, torque_constant: float | None
 ) -> dict[str, tuple[str, units.Conversion]]:
     """Return for each channel which mapped column fills it, and how it is converted."""
@@ -215,7 +227,12 @@ def _further(found: Mapping[str, Column]) -> dict[str, Column]:
     return {channel: column for channel, column in found.items() if channel.startswith(OTHER)}
 
 
-def _numbers(source: Path, reader: Reader, table: pd.DataFrame, column: Column) -> Array:
+def numbers(source: Path, reader: Reader, table: pd.DataFrame, column: Column) -> Array:
+    """Return the numbers of a column; stamps are seconds from the first.
+
+    Raises:
+        InputError: for what is no number, with its place.
+    """
     import pandas as pd
 
     values = table[column.column]

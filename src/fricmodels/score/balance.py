@@ -28,7 +28,7 @@ f_s; from positions 91 %. It enters the error over w with :math:`[\sin(\pi fw)/(
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Literal, TypeAlias
@@ -44,6 +44,8 @@ from fricmodels.score.torque import friction_moments, moments, torque_error
 Array: TypeAlias = NDArray[np.float64]
 Source: TypeAlias = Literal["acceleration", "velocity", "position"]
 
+_BLOCK = 1 << 18
+"""Samples over which windows are moved together, so that memory stays bounded."""
 _SHORTEST = 4
 """Samples that a stretch must have: those of a cubic."""
 
@@ -76,12 +78,15 @@ class Balance:
         """
         if not window:
             return self.at_samples
-        edges = self.edges
+        edges, error = self.edges, np.empty(len(self.time))
         half = min(window, (edges[-1] - edges[0]) / 2)
-        centre = np.clip(self.time, edges[0] + half, edges[-1] - half)
         twice = self._twice_integrated
-        most, least = ((twice(centre + half) - 2 * twice(centre) + twice(centre - half)) / half**2).T
-        return np.asarray(np.maximum(least, 0.0) + np.minimum(most, 0.0))
+        for start in range(0, len(error), _BLOCK):
+            block = slice(start, start + _BLOCK)
+            centre = np.clip(self.time[block], edges[0] + half, edges[-1] - half)
+            most, least = ((twice(centre + half) - 2 * twice(centre) + twice(centre - half)) / half**2).T
+            error[block] = np.maximum(least, 0.0) + np.minimum(most, 0.0)
+        return error
 
     @cached_property
     def _twice_integrated(self) -> Callable[[Array], Array]:
@@ -93,6 +98,24 @@ class Balance:
         return constant
 
 
+def over_windows(found: Iterable[Balance], count: int, windows: Sequence[float]) -> dict[float, Array]:
+    """Return the error over each window about each sample, shape (count,); zero in stretches without a balance.
+
+    One balance is in memory at a time: with what it needs for windows it takes ten times as much as its errors.
+
+    Args:
+        found: balances of some of the stretches of a recording.
+        count: how many samples it has.
+        windows: see :meth:`Balance.over`.
+    """
+    errors = {window: np.zeros(count) for window in windows}
+    for balance in found:
+        for window, error in errors.items():
+            error[balance.part] = balance.over(window)
+        del balance  # before the next one is made
+    return errors
+
+
 def source(prepared: Recording) -> Source:
     """Return the channel that says how the momentum changes."""
     if prepared.derived_over:
@@ -101,8 +124,8 @@ def source(prepared: Recording) -> Source:
     return "velocity" if "velocity" in measured and "acceleration" not in measured else "acceleration"
 
 
-def balances(drive: Drive, values: Mapping[str, float], prepared: Recording) -> list[Balance]:
-    """Return the balances of momentum of every stretch of a recording.
+def balances(drive: Drive, values: Mapping[str, float], prepared: Recording) -> Iterator[Balance]:
+    """Yield the balances of momentum of every stretch of a recording.
 
     The friction torque is taken at the velocity freed of noise, and integrated by :func:`friction_moments`: at a
     reversal on both sides, at rest as what is applied. Where the drive may slide or rest, any friction torque between
@@ -121,7 +144,8 @@ def balances(drive: Drive, values: Mapping[str, float], prepared: Recording) -> 
     of = source(prepared)
     if of == "acceleration":
         error = torque_error(drive, values, prepared)
-        return [_at_its_word(part, prepared.time[part], error[part]) for part in _parts(prepared)]
+        yield from (_at_its_word(part, prepared.time[part], error[part]) for part in _parts(prepared))
+        return
     smooth, spread = smoothed_velocity(prepared)
     rest = resting(prepared)
     # At a reversal the slope of the velocity jumps; there smoothing may change it by more than noise does.
@@ -133,20 +157,18 @@ def balances(drive: Drive, values: Mapping[str, float], prepared: Recording) -> 
     moving = recording.with_channels(velocity=velocity)
     inertia, parameters = drive.split(values)
     states = drive.states(moving, parameters)
-    found = []
     for part in _parts(prepared):
-        one = moving.select(np.arange(part.start, part.stop))
+        one = moving.select(part)
         memory = [state[part] for state in states]
         friction = friction_moments(drive, values, one, memory, rest[part], doubtful[part])
         applied = one.torque - one.load_torque
         balance = _balance(part, one.time, applied, inertia * prepared[of][part], friction, of)
         below, above = drive.sticking_interval(one, values, states=memory)
         balance.at_samples[rest[part]] = (applied - np.clip(applied, below, above))[rest[part]]
-        found.append(balance)
-    return found
+        yield balance
 
 
-def noise_balances(prepared: Recording) -> tuple[list[Balance], list[Balance]]:
+def noise_balances(prepared: Recording) -> tuple[Iterator[Balance], Iterator[Balance]]:
     """Return the balances of noise alone: of the torque, and of the motion of a drive of inertia 1.
 
     Noise with its colour, always the same; see :func:`fricmodels.score.noise.noise_like`. That of an acceleration which
@@ -159,16 +181,14 @@ def noise_balances(prepared: Recording) -> tuple[list[Balance], list[Balance]]:
         motion = np.full(len(prepared), np.nan)
     nothing = np.zeros(len(prepared))
 
-    def of_noise(applied: Array, moved: Array) -> list[Balance]:
-        found = []
+    def of_noise(applied: Array, moved: Array) -> Iterator[Balance]:
         for part in _parts(prepared):
             time = prepared.time[part]
             if of == "acceleration":
-                found.append(_at_its_word(part, time, applied[part] - moved[part]))
+                yield _at_its_word(part, time, applied[part] - moved[part])
             else:
                 none = [np.zeros((2, len(time) - 1))] * 2
-                found.append(_balance(part, time, applied[part], moved[part], none, of))
-        return found
+                yield _balance(part, time, applied[part], moved[part], none, of)
 
     return of_noise(torque, nothing), of_noise(nothing, motion)
 

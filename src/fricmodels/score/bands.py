@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TypeAlias
 
@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from fricmodels.drive import Drive
 from fricmodels.recording import Recording
-from fricmodels.score.balance import Balance, balances, noise_balances
+from fricmodels.score.balance import Balance, balances, noise_balances, over_windows
 from fricmodels.score.noise import apparent_inertia
 from fricmodels.signals.rest import once
 from fricmodels.signals.segments import stretches
@@ -141,7 +141,7 @@ def torque_error_over(drive: Drive, values: Mapping[str, float], prepared: Recor
         prepared: recording with ``velocity`` and ``acceleration``, from :func:`fricmodels.signals.prepare`.
         window: see :func:`windows`.
     """
-    return _along(balances(drive, values, prepared), prepared, window)
+    return over_windows(balances(drive, values, prepared), len(prepared), (window,))[window]
 
 
 def torque_errors(
@@ -157,14 +157,14 @@ def torque_errors(
         train, test: what was fitted and what was kept back, prepared.
     """
     inertia, _ = drive.split(values)
-    fitted = balances(drive, values, train)
-    kept = [] if test is None else balances(drive, values, test)
+    every, floors, headline = windows(train), noise_floors(train), headline_window(train)
+    kept = {} if test is None else _rms_over(balances(drive, values, test), len(test), every)
+    fitted = over_windows(balances(drive, values, train), len(train), every)
     reference = _rms(train.torque)
     found = {}
-    for window in windows(train):
-        own = _rms(_along(fitted, train, window))
-        other = float("nan") if test is None else _rms(_along(kept, test, window))
-        torque, motion = noise_floors(train)[window]
+    for window in every:
+        own, other = _rms(fitted[window]), kept.get(window, float("nan"))
+        torque, motion = floors[window]
         floor = float(np.hypot(torque, inertia * motion))
         found[window] = Band(
             1000 * (window or train.interval),
@@ -174,22 +174,19 @@ def torque_errors(
             float("nan") if test is None else _percent(other, _rms(test.torque)),
             _percent(floor, reference),
         )
-    headline = headline_window(train)
-    return Errors(found[headline], tuple(found.values())), _along(fitted, train, headline)
+    return Errors(found[headline], tuple(found.values())), fitted[headline]
 
 
 @once
 def noise_floors(prepared: Recording) -> dict[float, tuple[float, float]]:
     """Return what noise leaves by window: of the torque [N m or N], and of the motion per unit of inertia."""
-    torque, motion = noise_balances(prepared)
-    return {w: (_rms(_along(torque, prepared, w)), _rms(_along(motion, prepared, w))) for w in windows(prepared)}
+    every = windows(prepared)
+    torque, motion = (_rms_over(found, len(prepared), every) for found in noise_balances(prepared))
+    return {window: (torque[window], motion[window]) for window in every}
 
 
-def _along(found: list[Balance], prepared: Recording, window: float) -> Array:
-    error = np.zeros(len(prepared))
-    for balance in found:
-        error[balance.part] = balance.over(window)
-    return error
+def _rms_over(found: Iterable[Balance], count: int, every: Sequence[float]) -> dict[float, float]:
+    return {window: _rms(error) for window, error in over_windows(found, count, every).items()}
 
 
 def _rms(values: Array) -> float:

@@ -26,6 +26,8 @@ Mask: TypeAlias = NDArray[np.bool_]
 
 _BLOCK = 16384
 """Windows averaged together, so that memory stays bounded."""
+_INTERVALS = 1 << 17
+"""Intervals whose friction is found together, for the same reason."""
 
 
 def torque_error(drive: Drive, values: Mapping[str, float], prepared: Recording) -> Array:
@@ -112,7 +114,7 @@ def filtered_torque_error(
     inertia, parameters = drive.split(values)
     states = drive.states(moving, parameters)
     for part in stretches(recording.time, recording.run):
-        one = moving.select(np.arange(part.start, part.stop))
+        one = moving.select(part)
         if len(one) < 2:
             continue
         needed = _mean(one.torque - one.load_torque) - inertia * np.diff(recording.velocity[part]) / np.diff(one.time)
@@ -152,6 +154,30 @@ def friction_moments(
 
     Where the velocity is zero, though not long enough for a rest, the friction lies anywhere in the sticking interval.
     """
+    count, share = len(one) - 1, share_before_zero(one.velocity)
+    least, greatest = np.empty((2, count)), np.empty((2, count))
+    for start in range(0, count, _INTERVALS):
+        stop = min(start + _INTERVALS, count)
+        part = slice(start, stop + 1)
+        some = one.select(part)
+        vars(some).update(peak_speed=one.peak_speed)  # by which the width of rest is known, of all and not of a part
+        found = _moments_of(
+            drive, values, some, [state[part] for state in states], rest[part], doubtful[part], share[start:stop]
+        )
+        least[:, start:stop], greatest[:, start:stop] = found
+    return least, greatest
+
+
+def _moments_of(
+    drive: Drive,
+    values: Mapping[str, float],
+    one: Recording,
+    states: Sequence[Array],
+    rest: Mask,
+    doubtful: Mask,
+    share: Array,
+) -> tuple[Array, Array]:
+    """Return :func:`friction_moments` of a part of a stretch, with the share of each interval before a reversal."""
     velocity = one.velocity
     at = drive.friction(one, values, states=states)
     below, above = drive.sticking_interval(one, values, states=states)
@@ -161,7 +187,7 @@ def friction_moments(
     first, last = velocity[:-1], velocity[1:]
     passes = (first * last < 0) & ~rest[:-1] & ~rest[1:]
     leaving, entering = np.where(first > 0, above[:-1], below[:-1]), np.where(first > 0, below[1:], above[1:])
-    in_two = _moments_in_two(share_before_zero(velocity), moments(at[:-1], leaving), moments(entering, at[1:]))
+    in_two = _moments_in_two(share, moments(at[:-1], leaving), moments(entering, at[1:]))
     one_rests = rest[:-1] ^ rest[1:]
     held = moments(holding[:-1], holding[1:])
     may_rest = rest | (doubtful & (holding == applied))

@@ -1,6 +1,7 @@
 """Does jobs on a Dask cluster: workers that share no disk get the recordings, those without a plugin are named.
 
-A worker that dies is no matter: the scheduler gives its jobs, and results that nobody has taken yet, to another one.
+Each job has the limit of time that it has elsewhere. A worker that dies is no matter: the scheduler gives its jobs, and
+results that nobody has taken yet, to another one.
 """
 
 from __future__ import annotations
@@ -19,7 +20,8 @@ from fricmodels.errors import InputError
 from fricmodels.files import write_bytes
 from fricmodels.fit import Status
 from fricmodels.tournament.code import digest, distributions
-from fricmodels.tournament.jobs import Job, Row, execute
+from fricmodels.tournament.jobs import Job, Row
+from fricmodels.tournament.served import within
 from fricmodels.tournament.sources import Source
 
 ADDRESS = "DASK_SCHEDULER_ADDRESS"
@@ -32,13 +34,14 @@ _AHEAD = 64
 Results = Iterator[tuple[Job, Row]]
 
 
-def on_cluster(jobs: list[Job], address: str | None, workers: int) -> Results:
+def on_cluster(jobs: list[Job], address: str | None, workers: int, timeout: float) -> Results:
     """Do jobs on a running cluster, or on one that is started here, and yield each with its row as they finish.
 
     Args:
         jobs: what is to be done.
         address: of the scheduler; without it a cluster of processes is started on this machine alone.
         workers: how many processes that one has.
+        timeout: seconds for one job.
 
     Raises:
         InputError: where Dask is not installed, no scheduler answers, or a worker has other code than is here.
@@ -50,17 +53,17 @@ def on_cluster(jobs: list[Job], address: str | None, workers: int) -> Results:
     if address:
         try:
             with dask.Client(address, timeout=_ANSWERS) as client, client.as_current():
-                yield from _done(client, jobs)
+                yield from _done(client, jobs, timeout)
         except (OSError, TimeoutError, ValueError) as error:
             reason = " ".join(str(error).split()) or type(error).__name__
             raise InputError(f"the Dask scheduler at {address} cannot be used: {reason[:200]}") from None
         return
     here = {"n_workers": workers, "threads_per_worker": 1, "dashboard_address": None, "host": "127.0.0.1"}
     with dask.LocalCluster(**here) as cluster, dask.Client(cluster) as client, client.as_current():
-        yield from _done(client, jobs)
+        yield from _done(client, jobs, timeout)
 
 
-def _done(client: Any, jobs: list[Job]) -> Results:
+def _done(client: Any, jobs: list[Job], timeout: float) -> Results:
     if not jobs:
         return
     names = frozenset().union(*(distributions(job.estimator, job.model, *job.source.models) for job in jobs))
@@ -76,7 +79,7 @@ def _done(client: Any, jobs: list[Job]) -> Results:
         if job is None:
             return None
         files = {path: sent[path] for path in files_of(job.source) if path in sent}
-        future = client.submit(far, job, codes, files, pure=False, key=f"fricmodels-{job.key}")
+        future = client.submit(far, job, codes, files, timeout, pure=False, key=f"fricmodels-{job.key}")
         running[future.key] = job
         return future
 
@@ -156,7 +159,7 @@ def lacked(sums: Mapping[str, str]) -> list[str]:
     return [path for path, content in sums.items() if checksum(path) != content]
 
 
-def far(job: Job, codes: Mapping[str, str], files: Mapping[str, bytes]) -> Row:
+def far(job: Job, codes: Mapping[str, str], files: Mapping[str, bytes], timeout: float) -> Row:
     """Do a job on a worker, with the files that came along in the place of those that it does not have.
 
     Raises:
@@ -167,7 +170,7 @@ def far(job: Job, codes: Mapping[str, str], files: Mapping[str, bytes]) -> Row:
     if wrong is not None:
         raise InputError(f"this worker does not have {wrong} as it is where the tournament runs; install it there")
     source = replace(job.source, description=_placed(job.source.description, files)) if files else job.source
-    return execute(replace(job, source=source))
+    return within(replace(job, source=source), timeout)
 
 
 def _placed(description: str, files: Mapping[str, bytes]) -> str:

@@ -41,7 +41,7 @@ def results(
     if executor == "serial":
         return ((job, execute(job)) for job in jobs)
     if executor == "dask":
-        return on_cluster(jobs, scheduler or os.environ.get(ADDRESS), processes or available_cores())
+        return on_cluster(jobs, scheduler or os.environ.get(ADDRESS), processes or available_cores(), timeout)
     if executor == "local":
         if getattr(multiprocessing.current_process(), "_inheriting", False):
             raise InputError(_UNGUARDED)

@@ -12,7 +12,7 @@ from typing import Any
 
 from fricmodels.display import Displayed
 from fricmodels.errors import InputError
-from fricmodels.files import write_text
+from fricmodels.files import write_json
 from fricmodels.results.leaderboard import SCHEMA, LeaderboardDocument
 from fricmodels.stored import read_results
 from fricmodels.tournament.jobs import Row
@@ -32,7 +32,9 @@ class Leaderboard(Displayed):
     def ranked(cls, rows: Iterable[Row], rank_by: str = HELD_OUT) -> Leaderboard:
         """Rank rows by a column, the smallest first, and number them from 1."""
         ordered = sorted(rows, key=lambda row: _place(row, rank_by))
-        return cls(tuple({"rank": rank, **_without_rank(row)} for rank, row in enumerate(ordered, start=1)))
+        for place, row in enumerate(ordered):  # in the place of the one before, so that there are never two of each
+            ordered[place] = {"rank": place + 1, **_without_rank(row)}
+        return cls(tuple(ordered))
 
     @property
     def failures(self) -> tuple[Row, ...]:
@@ -83,10 +85,7 @@ class Leaderboard(Displayed):
 
     def write(self, directory: str | Path) -> Path:
         """Write ``leaderboard.json`` whole, or not at all."""
-        content = {"schema": SCHEMA, "rows": list(self.rows)}
-        return write_text(
-            Path(directory) / FILE, json.dumps(content, indent=1, allow_nan=False, ensure_ascii=False) + "\n"
-        )
+        return write_json(Path(directory) / FILE, {"schema": SCHEMA, "rows": list(self.rows)})
 
     @classmethod
     def read(cls, run: str | Path) -> Leaderboard:

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fricmodels import plugins
-from fricmodels.files import write_text
+from fricmodels.files import write_json
 from fricmodels.stored import as_written, read_results
 from fricmodels.tournament.sources import Source
 
@@ -62,8 +62,7 @@ def write_origin(directory: Path, plan: Plan, config_file: str | Path | None) ->
             for source in sources
         ],
     }
-    text = json.dumps(content, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
-    return write_text(directory / FILE, text)
+    return write_json(directory / FILE, content)
 
 
 def read_origin(directory: Path) -> Origin | None:

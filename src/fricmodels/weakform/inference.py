@@ -93,7 +93,9 @@ def covariance(jacobian: Array, residual: Array, inverse: Array, independent: fl
     return np.asarray(by_cosines * np.outer(grown, grown))
 
 
-def jackknife_covariance(jacobian: Array, residual: Array, inverse: Array, independent: float) -> Array:
+def jackknife_covariance(
+    jacobian: Array, residual: Array, inverse: Array, independent: float, blocks: int | None = None
+) -> Array:
     r"""Return the covariance of least-squares estimates by leaving out one block of equations after the other.
 
     .. math:: V = \frac{G-1}{G} \sum_g (\theta_{(g)} - \bar\theta)(\theta_{(g)} - \bar\theta)^T, \qquad
@@ -110,13 +112,14 @@ def jackknife_covariance(jacobian: Array, residual: Array, inverse: Array, indep
 
     Args:
         jacobian, residual, inverse, independent: see :func:`covariance`.
+        blocks: how many blocks of equally many equations there are; as many as are independent if not given.
     """
     from scipy.special import stdtrit
 
     size = np.sqrt(np.einsum("ij,ij->j", jacobian, jacobian))
     size = np.where(size > 0.0, size, 1.0)
     inverse = inverse * np.outer(size, size)
-    blocks = int(np.clip(independent / _IN_BLOCK, _FEWEST, _MOST))
+    blocks = blocks or int(np.clip(independent / _IN_BLOCK, _FEWEST, _MOST))
     edges = np.linspace(0, len(residual), blocks + 1).astype(int)
     value, vector = np.linalg.eigh(inverse)
     root = vector * np.sqrt(np.clip(value, 0.0, None))

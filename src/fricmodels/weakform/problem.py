@@ -55,6 +55,7 @@ class WeakFormProblem:
         delay: by which the model's own delay, if it has one, was taken out of the recording [s].
         carriers: wave numbers that the test functions carry, see :mod:`.carriers`.
         shift: time [s] by which an earlier fit saw motion recorded after the torque; see :attr:`torque_rate`.
+        made_for: the parameters that :meth:`of` was given.
     """
 
     drive: Drive
@@ -69,6 +70,7 @@ class WeakFormProblem:
     delay: float = 0.0
     carriers: tuple[float, ...] = ()
     shift: float = 0.0
+    made_for: Mapping[str, float] | None = None
 
     @classmethod
     def of(
@@ -90,6 +92,7 @@ class WeakFormProblem:
         """
         inertia, _ = drive.split(parameters)
         delay = parameters[drive.model.delay] if drive.model.delay else 0.0
+        made_for = dict(parameters)
         recording, parameters = drive.timed(recording, parameters)
         motion = smoothed(recording)
         part, smooth, at_rest = motion.recording, motion.velocity, motion.resting
@@ -100,7 +103,18 @@ class WeakFormProblem:
             problem = like
         else:
             quadrature, bumps = _rows(part, smooth, width, unclear)
-            problem = cls(drive, part, smooth, at_rest, quadrature, bumps, motion.half_width, (0.0, 0.0), delay=delay)
+            problem = cls(
+                drive,
+                part,
+                smooth,
+                at_rest,
+                quadrature,
+                bumps,
+                motion.half_width,
+                (0.0, 0.0),
+                delay=delay,
+                made_for=made_for,
+            )
         return problem.at(friction_limits=limits_of_friction(drive, part, parameters))
 
     def at(self, *, shift: float | None = None, friction_limits: tuple[float, float] | None = None) -> WeakFormProblem:
@@ -352,29 +366,6 @@ class WeakFormProblem:
         inertia, _ = self.drive.split(self.estimated)
         unmoved = points.load_torque + inertia * points["acceleration"]
         return explained_torque(unmoved, points.torque, friction)
-
-    def base(self, parameters: Mapping[str, float]) -> Array:
-        """Return the directions in which the model under test can move by itself, shape (k, rows).
-
-        Its linear columns, the tangents of its nonlinear parameters at their estimates, and its inertia if that is
-        estimated.
-        """
-        model = self.drive.model
-        nonlinear = [parameters[p.key] for p, linear in zip(model.parameters, model.linear, strict=True) if not linear]
-        columns, _ = self.columns(self.drive, nonlinear)
-        stacked = [columns]
-        theta = [parameters[p.key] for p, linear in zip(model.parameters, model.linear, strict=True) if linear]
-        for i, value in enumerate(nonlinear):
-            step = 1e-4 * abs(value) or 1e-6
-            ends = []
-            for moved in (value - step, value + step):
-                shifted = [*nonlinear[:i], moved, *nonlinear[i + 1 :]]
-                design, offset = self.columns(self.drive, shifted)
-                ends.append(np.asarray(theta) @ design + offset)
-            stacked.append(((ends[1] - ends[0]) / (2 * step))[None])
-        if self.drive.inertia is None:
-            stacked.append(self.momentum[None])
-        return np.vstack(stacked)
 
     @cached_property
     def inertia_is_noisy(self) -> bool:

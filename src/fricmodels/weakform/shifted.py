@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fricmodels.term import Effect
+from fricmodels.weakform.directions import base_directions
 from fricmodels.weakform.problem import WeakFormProblem
 from fricmodels.weakform.regression import SAME, Evidence, ProjectedGram, Regression, unwarned
 
@@ -110,7 +111,7 @@ def regression_of(
         also: columns that are taken to be in the model already, shape (k, rows).
         added: the effect that the last of these columns belong to.
     """
-    base = problem.base(parameters)
+    base = base_directions(problem, parameters)
     if also is not None:
         base = np.vstack([base, also])
     delayed = problem.drive.model.delay is not None or (added is not None and any(p.delay for p in added.parameters))

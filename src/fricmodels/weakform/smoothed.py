@@ -42,14 +42,21 @@ def smoothed(recording: Recording) -> Smoothed:
     return Smoothed(part, smooth, half_width, resting(part))
 
 
+def blocks_of(count: int) -> list[tuple[int, int]]:
+    """Return the first sample, and the one after the last, of the blocks that stand for so many samples."""
+    if count <= MAX_SAMPLES:
+        return [(0, count)]
+    starts = np.linspace(0, count - _BLOCK, MAX_SAMPLES // _BLOCK).astype(int)
+    return [(start, start + _BLOCK) for start in starts.tolist()]
+
+
 def spread(recording: Recording) -> Recording:
     """Return at most :data:`MAX_SAMPLES` samples, as blocks spread evenly over a longer recording."""
     count = len(recording)
     if count <= MAX_SAMPLES:
         return recording
-    blocks = MAX_SAMPLES // _BLOCK
-    starts = np.linspace(0, count - _BLOCK, blocks).astype(int)
-    index = (starts[:, None] + np.arange(_BLOCK)).ravel()
+    pieces = blocks_of(count)
+    blocks, index = len(pieces), np.concatenate([np.arange(start, stop) for start, stop in pieces])
     chosen = replace(recording, origin=None).select(index)
     # Blocks are runs of their own; a block that spans two runs stays two.
     fresh = np.repeat(np.arange(blocks), _BLOCK)

@@ -299,6 +299,12 @@ class TestFunctions:
         return np.asarray(np.cumsum(marks[:-1]) > 0.5)
 
     @property
+    def begins(self) -> NDArray[np.int64]:
+        """The sample at which each bump begins, shape (number of bumps,)."""
+        starts = [np.arange(piece.start, piece.stop - self.width + 1, self.hop) for piece in self._pieces]
+        return np.concatenate([np.zeros(0, dtype=np.int64), *starts])[self._kept]
+
+    @property
     def weights(self) -> Array:
         """Weight of each sample in a mean over a test function, of sum 1."""
         return self._mean

@@ -37,8 +37,8 @@ def direction_unclear(
         parameters: the model's parameters by key.
     """
     error = smoothed_velocity(recording)[1]
-    unclear = resting | creeping(recording, width) | _hidden_turns(drive, recording, smooth, error, parameters)
-    return _widened(unclear, 1 + recording.derived_over)
+    unclear = resting | creeping(recording, width) | hidden_turns(drive, recording, smooth, error, parameters)
+    return widened(unclear, 1 + recording.derived_over)
 
 
 def creeping(recording: Recording, width: int) -> NDArray[np.bool_]:
@@ -57,7 +57,7 @@ def creeping(recording: Recording, width: int) -> NDArray[np.bool_]:
     return unclear
 
 
-def _hidden_turns(
+def hidden_turns(
     drive: Drive, recording: Recording, smooth: Array, error: float, parameters: Mapping[str, float]
 ) -> NDArray[np.bool_]:
     """Mark passages near zero speed of which the samples do not show the course.
@@ -79,7 +79,7 @@ def _hidden_turns(
     return marked
 
 
-def _widened(mask: NDArray[np.bool_], reach: int) -> NDArray[np.bool_]:
+def widened(mask: NDArray[np.bool_], reach: int) -> NDArray[np.bool_]:
     """Mark also the ``reach`` samples before and after each marked one."""
     near = np.convolve(mask.astype(float), np.ones(2 * reach + 1), "same")
     return np.asarray(near > 0.5)

@@ -66,12 +66,13 @@ def means(x: Array, values: Array, other: Array, piece: Index, edges: Array) -> 
     count = np.bincount(place, minlength=size)
     some = np.maximum(count, 1)
     mean = np.bincount(place, kept, size) / some
-    rest = kept - mean[place]
-    deviation = np.sqrt(np.bincount(place, rest**2, size) / some)
-    alike = correlation_length(rest, piece[inside])
+    second = np.bincount(place, other[inside], size) / some
+    kept -= mean[place]
+    deviation = np.sqrt(np.bincount(place, kept**2, size) / some)
+    del place
+    alike = correlation_length(kept, piece[inside])
     shown = count >= _LEAST
     half = NORMAL_95 * deviation / np.sqrt(np.maximum(count / alike, 1.0))
-    second = np.bincount(place, other[inside], size) / some
     return Means(((edges[:-1] + edges[1:]) / 2)[shown], mean[shown], half[shown], second[shown])
 
 
@@ -100,11 +101,12 @@ def error_over(
     index, x, title, folded = _place(samples, channel, period)
     error = samples.error[index]
     added = error - Samples.of(after).error[index] if after is not None else np.zeros(len(error))
-    along = np.sign(samples.velocity[index])
+    along, piece = np.sign(samples.velocity[index]), samples.recording.run[index]
+    del index
     low, high = (float(q) for q in np.quantile(x, [_OUTER / 2, 1 - _OUTER / 2]))
     edges = even_edges(*((0.0, folded) if folded else (low, high)), _BINS)
-    piece = samples.recording.run[index]
-    plain, turned = (means(x, side * error, side * added, piece, edges) for side in (np.ones(len(x)), along))
+    plain = means(x, error, added, piece, edges)
+    turned = means(x, along * error, along * added if after is not None else added, piece, edges)
     opposes = bool(_strength(turned, after is not None) > _strength(plain, after is not None))
     left = means(x, (along if opposes else 1.0) * (error - added), added, piece, edges) if after is not None else None
     return ErrorOver(turned if opposes else plain, left, title, opposes)

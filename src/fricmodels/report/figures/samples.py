@@ -156,6 +156,21 @@ def _evaluated(comparison: Comparison) -> Samples:
     return Samples(replace(comparison), recording, place, consecutive, kept_back, error, slow, velocity, still)
 
 
+def _cut_from(train: Recording, test: Recording, order: Index) -> Recording | None:
+    """Return the recording of which two parts are all samples, in its order; its arrays are not copied."""
+    if train.origin is None or test.origin is None or train.origin.whole is not test.origin.whole:
+        return None
+    whole = train.origin.whole
+    if len(order) != len(whole) or any(name not in whole for name in train.channels):
+        return None
+    if not np.array_equal(np.concatenate([train.origin.index, test.origin.index])[order], np.arange(len(whole))):
+        return None
+    parts = [(part, part.origin.index) for part in (train, test) if part.origin is not None]
+    names = [name for name in train.channels if name in test]
+    alike = all(np.array_equal(whole[name][index], part[name]) for part, index in parts for name in names)
+    return whole if alike else None
+
+
 def _joined(train: Recording, test: Recording) -> tuple[Recording, Mask, Index, Array, bool]:
     """Put two parts of a recording together again, by time where that says the order."""
     from fricmodels.signals import stretches
@@ -170,7 +185,12 @@ def _joined(train: Recording, test: Recording) -> tuple[Recording, Mask, Index, 
     chosen = np.arange(len(parts)) if consecutive else by_time
     order = np.concatenate([np.arange(offsets[i], offsets[i + 1]) for i in chosen])
     sizes = np.diff(offsets)[chosen]
-    channels = {name: np.concatenate([train[name], test[name]])[order] for name in train.channels if name in test}
+    whole = _cut_from(train, test, order)
+    channels = {
+        name: np.concatenate([train[name], test[name]])[order] if whole is None else whole[name]
+        for name in train.channels
+        if name in test
+    }
     channels[RUN] = np.concatenate([train.signal(RUN), test.signal(RUN)])[order]
     run = np.repeat(np.arange(len(parts)), sizes)
     recording = Recording(train.name, train.motion, channels, run, derived=train.derived, units=train.units)

@@ -1,0 +1,216 @@
+"""What a ladder has found so far, kept as it comes: one that is interrupted goes on from there, to the same end.
+
+A ladder is a fixed sequence of long steps, searches for effects and fits, with quick ones between them. What a long
+step found is a few numbers. They are written down, a line each, and where the same ladder is begun again they are taken
+in the place of the work, in the same order; everything else is computed anew from them, bit for bit.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager, suppress
+from contextvars import ContextVar
+from dataclasses import replace
+from pathlib import Path
+from typing import Any, TextIO, TypeVar
+
+import numpy as np
+
+from fricmodels import plugins
+from fricmodels.drive import Drive
+from fricmodels.files import locked
+from fricmodels.recording import Recording
+from fricmodels.term import Effect
+from fricmodels.tournament.code import digest
+from fricmodels.weakform.candidate import Candidate, NonlinearOptimum
+from fricmodels.weakform.estimate import Estimate, estimate
+from fricmodels.weakform.friction_limits import limits_of_friction
+from fricmodels.weakform.problem import WeakFormProblem
+from fricmodels.weakform.regression import Regression
+from fricmodels.weakform.search import search
+
+FILE = ".improve.jsonl"
+_SCHEMA = "fricmodels/improve-journal/1"
+_open: ContextVar[Journal | None] = ContextVar("journal", default=None)
+
+Found = TypeVar("Found")
+
+
+class Journal:
+    """The long steps of one ladder, in order.
+
+    Args:
+        path: its file; made where there is none, begun anew where it is of another ladder.
+        of: what decides the ladder, as :func:`identity` gives it.
+    """
+
+    def __init__(self, path: Path, of: str) -> None:
+        self._path, self._next = path, 0
+        self._file: TextIO | None = None
+        self._known: list[dict[str, Any]] = []
+        with suppress(OSError):  # without a journal the ladder is the same
+            path.parent.mkdir(parents=True, exist_ok=True)
+            self._file = open(path, "a+", encoding="utf-8")  # noqa: SIM115
+            if locked(self._file.fileno()) is False:  # another one writes it
+                self.close()
+                return
+            self._known = self._read(of)
+            if not self._known:
+                self._file.truncate(0)
+                self._write({"schema": _SCHEMA, "of": of})
+            self._known = self._known[1:]
+
+    def __len__(self) -> int:
+        return len(self._known)
+
+    def step(
+        self, name: str, compute: Callable[[], Found], plain: Callable[[Found], Any], back: Callable[[Any], Found]
+    ) -> Found:
+        """Return what a step finds: as it stands here, or as it is computed, and then it stands here.
+
+        Args:
+            name: what the step is. One of another name, and all after it, are forgotten.
+            compute: does it. plain: its result as plain values. back: the result from them.
+        """
+        number, self._next = self._next, self._next + 1
+        if number < len(self._known) and self._known[number].get("step") == name:
+            return back(self._known[number]["found"])
+        found = compute()
+        if number < len(self._known):  # it was another ladder after all
+            self._known = []
+            self.remove()
+        self._write({"step": name, "found": plain(found)})
+        return found
+
+    def remove(self) -> None:
+        """Remove the file: the ladder has come to its end."""
+        if self._file is not None:
+            with suppress(OSError):
+                self._path.unlink()
+            self.close()
+
+    def _read(self, of: str) -> list[dict[str, Any]]:
+        """Return the whole lines, the heading first; none where they are of another ladder. A half line is cut off."""
+        assert self._file is not None
+        self._file.seek(0)
+        text = self._file.read()
+        whole = text[: text.rfind("\n") + 1]
+        if len(whole) < len(text):
+            os.truncate(self._path, len(whole.encode()))
+        try:
+            lines = [json.loads(line) for line in whole.splitlines()]
+        except ValueError:
+            return []
+        right = all(isinstance(line, dict) for line in lines) and lines[:1] == [{"schema": _SCHEMA, "of": of}]
+        return lines if right else []
+
+    def _write(self, content: Mapping[str, Any]) -> None:
+        if self._file is None:
+            return
+        try:
+            self._file.write(json.dumps(content) + "\n")
+            self._file.flush()
+        except OSError:  # the disk is full: what is kept would have no end
+            self.remove()
+
+    def close(self) -> None:
+        """Let go of the file; what stands in it stays."""
+        file, self._file = self._file, None
+        if file is not None:
+            with suppress(OSError):
+                file.close()
+
+
+@contextmanager
+def journal(path: Path, of: str) -> Iterator[Journal]:
+    """Keep a journal of the ladder within; it is removed at its end, whatever that is but an interruption."""
+    kept = Journal(path, of)
+    token = _open.set(kept)
+    try:
+        yield kept
+    except Exception:
+        kept.remove()
+        raise
+    else:
+        kept.remove()
+    finally:
+        _open.reset(token)
+        kept.close()
+
+
+def identity(recording: Recording, *decides: object) -> str:
+    """Return a hash of what decides a ladder: the recording, what was asked, and the code that does it."""
+    content = hashlib.sha256(f"{recording.checksum} {decides!r}".encode())
+    registries = plugins.load().registries.values()
+    names = {registry.entry(name).distribution for registry in registries for name in registry}
+    for name in sorted(names | {"fricmodels"}):
+        content.update(digest(name).encode())
+    for file in sorted(Path(__file__).parent.glob("*.py")):
+        content.update(file.read_bytes())
+    return content.hexdigest()
+
+
+def searched(
+    problem: WeakFormProblem, regression: Regression, effect: Effect, alone: Drive, rival: float
+) -> NonlinearOptimum | None:
+    """Return :func:`fricmodels.weakform.search.search`, or what it found before."""
+
+    def compute() -> NonlinearOptimum | None:
+        return search(problem, regression, effect, alone, rival)
+
+    def plain(found: NonlinearOptimum | None) -> Any:
+        if found is None:
+            return None
+        point = [float(value) for value in found.nonlinear]
+        return [point, float(found.trials), float(found.delay), bool(found.at_search_bound)]
+
+    def back(known: Any) -> NonlinearOptimum | None:
+        if known is None:
+            return None
+        point, trials, delay, at_search_bound = known
+        rows = regression.unshifted if alone.model.delay else regression
+        candidate = Candidate(problem, rows, effect, alone, delay)
+        return candidate.found(tuple(point), trials, at_search_bound=at_search_bound)
+
+    kept = _open.get()
+    return compute() if kept is None else kept.step(f"{problem.drive.model.name} + {effect.name}", compute, plain, back)
+
+
+def estimated(
+    drive: Drive, recording: Recording, start: Mapping[str, float] | None = None
+) -> tuple[WeakFormProblem, Estimate]:
+    """Return :func:`fricmodels.weakform.estimate.estimate`, or what it found before, with the rows made anew."""
+
+    def plain(found: tuple[WeakFormProblem, Estimate]) -> Any:
+        rows, fit = found
+        covariance = None if fit.covariance is None else fit.covariance.tolist()
+        return {
+            "rows": _floats(rows.made_for or {}),
+            "parameters": _floats(fit.parameters),
+            "standard_errors": _floats(fit.standard_errors),
+            "covariance": covariance,
+            "not_identified": dict(fit.not_identified),
+            "shift": float(fit.shift),
+            "residual_percent": float(fit.residual_percent),
+            "message": fit.message,
+        }
+
+    def back(known: Any) -> tuple[WeakFormProblem, Estimate]:
+        fit = {key: value for key, value in known.items() if key != "rows"}
+        covariance = None if fit["covariance"] is None else np.array(fit["covariance"], dtype=float)
+        made = WeakFormProblem.of(drive, recording, known["rows"])
+        limits = limits_of_friction(drive, made.recording, fit["parameters"])
+        rows = replace(made, friction_limits=limits, estimated=dict(fit["parameters"]), shift=fit["shift"])
+        return rows, Estimate(**{**fit, "covariance": covariance})
+
+    kept = _open.get()
+    if kept is None:
+        return estimate(drive, recording, start)
+    return kept.step(f"fit {drive.model.name}", lambda: estimate(drive, recording, start), plain, back)
+
+
+def _floats(values: Mapping[str, float]) -> dict[str, float]:
+    return {key: float(value) for key, value in values.items()}

@@ -1,0 +1,141 @@
+"""What the rows of sums are: laid down once, so that sums of different files can be added."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from typing import Annotated
+
+import numpy as np
+from pydantic import BaseModel, ConfigDict, Field, PositiveFloat, PositiveInt
+
+from fricmodels.dimension import Motion
+from fricmodels.drive import Drive
+from fricmodels.errors import InputError
+from fricmodels.model import Model
+from fricmodels.recording import Recording, channel_of
+from fricmodels.signals import lanczos_derivative, quantum, standstill, velocity_noise
+from fricmodels.signals.lanczos import even_weights
+from fricmodels.weakform.estimate import estimate
+from fricmodels.weakform.prepared import ready
+from fricmodels.weakform.test_functions import HOPS
+from fricmodels.weakform.unclear import CERTAIN
+
+_SIGNALS = frozenset({"velocity", "position", "load_torque", "temperature"})
+"""Signals that stand in a block of samples by themselves."""
+
+Size = Annotated[float, Field(ge=0.0, allow_inf_nan=False)]
+
+
+class Plan(BaseModel):
+    """What the rows of sums are.
+
+    Attributes:
+        model: name of a model that is linear in its parameters. motion: rotary or linear.
+        interval: sampling interval [s]; a step of more than three begins a new stretch.
+        width: samples that a test function spans. half_width: of the filter that smooths the velocity.
+        derived_over: half width of the differentiator where the velocity comes from the position; 0 where it does not.
+        error: standard error of the smoothed velocity. slow: speed at which the direction of motion is not certain.
+        standstill: speed below which the smoothed velocity is zero.
+        peak: largest speed of the recording that the plan was made from.
+        friction: parameters of a first fit, which tell where a drive may stick between two samples.
+        row_noise: mean square that noise of the velocity adds to ∫φ dω of a row.
+        wrap: period by which the recorded position jumps back; 0 where it does not.
+    """
+
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
+
+    model: str
+    motion: Motion
+    interval: PositiveFloat
+    width: PositiveInt
+    half_width: PositiveInt
+    derived_over: Annotated[int, Field(ge=0)]
+    error: Size
+    slow: Size
+    standstill: Size
+    peak: PositiveFloat
+    friction: dict[str, float]
+    row_noise: Size
+    wrap: Size = 0.0
+
+    @property
+    def hop(self) -> int:
+        """Samples from one test function to the next."""
+        return self.width // HOPS
+
+    @property
+    def drive(self) -> Drive:
+        """The model, its inertia not given: the sums serve both."""
+        return _drive(self.model, self.motion)
+
+    @property
+    def channels(self) -> tuple[str, ...]:
+        """The channels that the rows are made of, beside a load torque that a file may have."""
+        moved = "position" if self.derived_over else "velocity"
+        needed = {channel_of(signal) for signal in self.drive.model.needs} - {"velocity"}
+        return tuple(sorted({"time", "torque", moved, *needed}))
+
+
+@lru_cache(maxsize=32)
+def _drive(model: str, motion: Motion) -> Drive:
+    return Drive(linear_model(model), None, motion)
+
+
+def linear_model(name: str) -> Model:
+    """Return a model by name.
+
+    Raises:
+        InputError: where sums cannot say all that it asks of a recording.
+    """
+    model = Model.parse(name)
+    curved = [p.key for p, linear in zip(model.parameters, model.linear, strict=True) if not linear]
+    if curved:
+        raise InputError(
+            f"'{name}' is not linear in '{curved[0]}', so that no sums can stand for a recording; "
+            f"fit it without sums, or take a law that is linear in its parameters, such as coulomb-viscous"
+        )
+    further = sorted(model.needs - _SIGNALS)
+    if model.states or model.delay or further:
+        what = "a memory" if model.states else f"'{further[0] if further else 'delay'}'"
+        raise InputError(f"'{name}' needs {what}, which sums over blocks of samples do not have; fit it without sums")
+    return model
+
+
+def plan_for(recording: Recording, model: str, inertia: float | None = None) -> Plan:
+    """Return what the rows of sums are, from one recording: as a fit of it in weak form has them.
+
+    Width of the test functions, smoothing and the noise of the velocity are this recording's, as is the friction that
+    tells where the drive may stick at a reversal.
+
+    Args:
+        recording: of the same kind of drive and sampling as all that will be summed.
+        model: name of a model that is linear in its parameters.
+        inertia: where it is known [kg m² or kg]; it is estimated if not. The sums serve both.
+
+    Raises:
+        InputError: where the model is not linear, or the recording moves too little.
+    """
+    linear_model(model)
+    prepared = ready(recording)
+    drive = Drive(linear_model(model), inertia, prepared.motion)
+    problem, found = estimate(drive, prepared, model_velocity=False)
+    part, width = problem.recording, problem.half_width
+    smooth, _ = lanczos_derivative(part.time, part.velocity, width, part.run)
+    rounding = 8.0 * float(np.spacing(np.abs(part.velocity).max()))
+    error = max(float(velocity_noise(part).after(even_weights(width)[0])), rounding)
+    steps = 0.0 if part.derived_over else 1.01 * quantum(part.velocity)
+    return Plan(
+        model=model,
+        motion=part.motion,
+        interval=part.interval,
+        width=problem.bumps.width,
+        half_width=width,
+        derived_over=part.derived_over,
+        error=error,
+        slow=max(CERTAIN * error, steps),
+        standstill=standstill(smooth),
+        peak=part.peak_speed,
+        friction=dict(found.parameters),
+        row_noise=problem.momentum_noise / max(problem.rows, 1),
+        wrap=float(recording.provenance.get("unwrapped", {}).get("period", 0.0)),
+    )

@@ -1,0 +1,154 @@
+"""The rows of one stretch of samples, block by block: the same whatever the blocks are."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import TypeAlias
+
+import numpy as np
+
+from fricmodels.arrays import Array, Index, Mask
+from fricmodels.recording import Recording
+from fricmodels.signals.lanczos import DEGREE, fit_stretch
+from fricmodels.sums.plan import Plan
+from fricmodels.weakform.test_functions import HOPS, Quadrature, TestFunctions, mean_velocity
+from fricmodels.weakform.unclear import hidden_turns, widened
+
+Rows: TypeAlias = tuple[Array, Index]
+"""Rows, shape (columns, rows), and the sample at which each begins."""
+
+_BLOCK = 1 << 16
+"""Samples whose rows are made together: enough that margins cost little, few enough for the processor's cache."""
+_REACH = 4
+"""Samples beside a cell that its integral looks at."""
+
+
+@dataclass
+class Stretch:
+    """Takes the samples of one stretch without a gap as they come, and gives its rows.
+
+    Attributes:
+        plan: what the rows are.
+        first: number of the first sample in the file.
+    """
+
+    plan: Plan
+    first: int
+    _waiting: list[Mapping[str, Array]] = field(default_factory=list)
+    _held: int = 0
+    _begin: int = 0
+    """Sample of the stretch at which what is held begins."""
+    _done: int = 0
+    """Sample of the stretch at which the next bump begins."""
+
+    @cached_property
+    def _size(self) -> int:
+        return max(1, round(_BLOCK / self.plan.hop)) * self.plan.hop
+
+    @cached_property
+    def _margin(self) -> int:
+        """Samples beside a block that its rows depend on, a multiple of the way between bumps."""
+        plan = self.plan
+        needed = plan.half_width + 2 * plan.derived_over + lasting(plan) + _REACH
+        return -(-needed // plan.hop) * plan.hop
+
+    def take(self, channels: Mapping[str, Array]) -> Iterator[Rows]:
+        """Take further samples; yield the rows that they complete, see :meth:`rest`."""
+        self._waiting.append(channels)
+        self._held += len(channels["time"])
+        while self._begin + self._held >= self._done + self._size + self.plan.width + self._margin:
+            yield from self._block(self._done + self._size, last=False)
+
+    def rest(self) -> Iterator[Rows]:
+        """Yield the rows of what is left at the end of the stretch.
+
+        Yields:
+            Rows, shape (columns, rows), and the sample of the file at which each begins.
+        """
+        if self._begin + self._held - self._done >= self.plan.width:
+            yield from self._block(self._begin + self._held, last=True)
+
+    def _block(self, until: int, *, last: bool) -> Iterator[Rows]:
+        held = {name: np.concatenate([part[name] for part in self._waiting]) for name in self._waiting[0]}
+        stop = len(held["time"]) if last else until + self.plan.width + self._margin - self._begin
+        part = {name: values[:stop] for name, values in held.items()}
+        rows, begins = block_rows(self.plan, part, self._done - self._begin, until - self._begin)
+        yield rows, begins + (self.first + self._begin)
+        kept = max(until - self._margin - self._begin, 0)
+        self._waiting = [{name: values[kept:] for name, values in held.items()}]
+        self._held -= kept
+        self._begin += kept
+        self._done = until
+
+
+def lasting(plan: Plan) -> int:
+    """Return how many slow samples in a row are no reversal any more: an eighth of a bump."""
+    return max(2, plan.width // HOPS)
+
+
+def block_rows(plan: Plan, channels: Mapping[str, Array], first: int, until: int) -> Rows:
+    r"""Return the rows of the bumps that begin within some samples of a stretch without a gap.
+
+    Args:
+        plan: what the rows are.
+        channels: of the samples, and of a margin beside them, shape (N,) each.
+        first, until: bumps that begin from sample ``first`` on, and before ``until``.
+
+    Returns:
+        Shape (columns, rows): :math:`\int\varphi(\tau_m-\tau_L)\,dt` less what no parameter multiplies,
+        :math:`\int\varphi\,d\omega`, the integrals of what the model's parameters multiply, and what a shift of
+        reversals and of time would add; and the sample at which each row's bump begins.
+    """
+    recording, smooth = _moving(plan, channels)
+    unclear = _unclear(plan, recording, smooth)
+    quadrature = Quadrature.of(recording, smooth, unclear)
+    index = np.arange(len(recording))
+    elsewhere = (index < first) | (index >= until + plan.width - plan.hop)
+    over_cells = plan.derived_over > 0
+    bumps = TestFunctions(recording, plan.width, unclear | elsewhere, least_moving=1.0, over_cells=over_cells)
+    points = _as_planned(quadrature.recording, plan)
+    design, offset = plan.drive.regressors(points)
+    push = points.torque - points.load_torque - offset
+    integrals = bumps.torques(quadrature, np.vstack([push, design]))
+    velocity = mean_velocity(recording, recording["position"]) if over_cells else recording.velocity
+    turns = np.zeros(len(recording))
+    cells = quadrature.cell
+    if len(cells):
+        side = np.sign(points.velocity)
+        turns[cells] = (side[cells + 1] - side[cells]) * plan.interval
+    further = [bumps.of_cells(turns[None])[0], bumps.change(recording.torque)]
+    rows = np.vstack([integrals[:1], bumps.momentum(velocity)[None], integrals[1:], further])
+    return rows, bumps.begins
+
+
+def _moving(plan: Plan, channels: Mapping[str, Array]) -> tuple[Recording, Array]:
+    """Return samples as a recording with a velocity, and the smoothed velocity."""
+    time, found = channels["time"], dict(channels)
+    if plan.derived_over:
+        found["velocity"] = fit_stretch(time, channels["position"], plan.derived_over, DEGREE)[1]
+    smooth, _ = fit_stretch(time, found["velocity"], plan.half_width, DEGREE)
+    smooth[np.abs(smooth) <= plan.standstill] = 0.0
+    run = np.zeros(len(time), dtype=np.int64)
+    recording = Recording("samples", plan.motion, found, run, derived_over=plan.derived_over)
+    return _as_planned(recording, plan), smooth
+
+
+def _as_planned(recording: Recording, plan: Plan) -> Recording:
+    """Return a recording whose interval and largest speed are the plan's, and not those of a block."""
+    vars(recording).update(interval=plan.interval, peak_speed=plan.peak)  # both are computed once and remembered
+    return recording
+
+
+def _unclear(plan: Plan, recording: Recording, smooth: Array) -> Mask:
+    """Mark the samples whose direction of motion is not certain; see :mod:`fricmodels.weakform.unclear`."""
+    slow = np.abs(smooth) <= plan.slow
+    unclear = np.zeros(len(recording), dtype=bool)
+    if slow.any():
+        edges = np.flatnonzero(np.diff(np.r_[False, slow, False].astype(np.int8)))
+        length = edges[1::2] - edges[::2]
+        for begin, end in zip(edges[::2][length > lasting(plan)], edges[1::2][length > lasting(plan)], strict=True):
+            unclear[begin:end] = True
+    unclear |= hidden_turns(plan.drive, recording, smooth, plan.error, plan.friction)
+    return widened(unclear, 1 + recording.derived_over)

@@ -1,0 +1,32 @@
+"""What is computed block by block, so that memory stays bounded, is what it was in one piece, to the last bit."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from fricmodels.drive import Drive
+from fricmodels.model import Model
+from fricmodels.recording import Recording
+from fricmodels.score import balance, torque
+from fricmodels.score.bands import torque_errors
+from fricmodels.split import split
+from fricmodels.weakform.prepared import ready
+
+MODEL = "exponential-stick-slip"
+
+
+def test_blocks_change_no_torque_error(made: Callable[..., Recording], monkeypatch: pytest.MonkeyPatch) -> None:
+    train, test = split(ready(made(samples=3000)).remembering())
+    drive = Drive(Model.parse(MODEL), 2.0)
+    values = {"J": 2.0} | {p.key: max(p.declared.initial, 0.5) for p in drive.model_parameters}
+    whole, errors = torque_errors(drive, values, train, test)
+    filtered = torque.filtered_torque_error(drive, values, train, 7)
+    monkeypatch.setattr(balance, "_BLOCK", 101)
+    monkeypatch.setattr(torque, "_INTERVALS", 97)
+    blocks, other = torque_errors(drive, values, train, test)
+    assert blocks == whole
+    np.testing.assert_array_equal(errors, other)
+    np.testing.assert_array_equal(torque.filtered_torque_error(drive, values, train, 7), filtered)
