@@ -10,18 +10,25 @@ from fricmodels.cli.motion import Score
 def command(given: Measurement) -> None:
     """Add the missing effect, refit everything, and repeat until nothing is missing: the ladder.
 
+    Stopped by Ctrl-C it shows, and writes, what was found so far.
+
     With --score position each rung is fitted to the simulated motion too, and the one is kept that simulates best what
     was not fitted.
     """
+    from fricmodels.cli.answers import Stopped, so_far
     from fricmodels.cli.printing import console, working
     from fricmodels.diagnosis import improve
     from fricmodels.diagnosis.document import document, write
     from fricmodels.diagnosis.present import show_comparison, show_diagnosis, show_ladder
+    from fricmodels.progress import Cancelled
     from fricmodels.report.console import show_answer_of_ladder
 
     shown = console()
-    with working("improving") as say:
-        ladder = improve(given.recording, given.model, given.inertia, leave_out=given.leave_out, progress=say)
+    try:
+        with working("improving") as say:
+            ladder = improve(given.recording, given.model, given.inertia, leave_out=given.leave_out, progress=say)
+    except Cancelled as stopped:
+        ladder = so_far(shown, stopped)
     if given.verbose:
         show_comparison(shown, ladder.first.comparison)
         show_diagnosis(shown, ladder.first, ladder)
@@ -29,7 +36,7 @@ def command(given: Measurement) -> None:
         show_comparison(shown, ladder.rungs[-1].comparison)
     show_answer_of_ladder(shown, ladder, given.options)
     judged, best = [], ladder.rungs[-1].comparison
-    if given.score is Score.POSITION:
+    if given.score is Score.POSITION and not ladder.partial:
         from fricmodels.cli.motion import by_motion, taken
 
         rungs = list({rung.model: rung.comparison for rung in ladder.rungs}.values())
@@ -47,3 +54,5 @@ def command(given: Measurement) -> None:
 
         page = write_report(story.of_ladder(ladder, given.options, judged), given.report)
         shown.print(f"wrote {page}", markup=False, soft_wrap=True)
+    if ladder.partial:
+        raise Stopped

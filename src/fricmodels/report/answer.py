@@ -65,8 +65,9 @@ def answer(data: DiagnosisDocument, options: Sequence[str] = ()) -> Answer:
         options: more options of its command, for the next one.
     """
     following, command = _next(data, options)
+    sentence = f"Stopped before the end, so far: {_sentence(data)}" if data.partial else _sentence(data)
     return Answer(
-        _sentence(data), tone(data), error_words(data), sure(data), _remains(data), following, command, _details(data)
+        sentence, tone(data), error_words(data), sure(data), _remains(data), following, command, _details(data)
     )
 
 
@@ -174,6 +175,8 @@ def _equals(chance: str) -> str:
 
 def _remains(data: DiagnosisDocument) -> str:
     rest = data.remaining
+    if data.partial:
+        return "not looked at yet: the work was stopped before."
     if rest is None:
         last = data.ladder[-1].held_out_rms_percent
         floor = data.noise_floor_percent
@@ -202,6 +205,8 @@ def _next(data: DiagnosisDocument, options: Sequence[str]) -> tuple[str, str]:
     alike = [effect for effect in data.effects if len(effect.names) > 1]
     rest, improved = data.remaining, len(data.ladder) > 1
     model = data.ladder[-1].model
+    if data.partial:
+        return "Let the same command run to its end:", command_line(data, "improve", data.model, options)
     if alike and data.verdict == "undecided" and rest is None:
         first = alike[0]
         return f"To tell {listed(first.names, 'from')} apart: {first.separated_by}.", ""

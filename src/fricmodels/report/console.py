@@ -99,7 +99,8 @@ def _last(console: Console, data: DiagnosisDocument) -> None:
     errors += [percent(steps[-1].held_out_rms_percent)] if len(steps) > 1 else []
     what = f": {listed(names)}" if names else ""
     console.print()
-    _bold(console, f"Verdict: {data.verdict}{what}; test error {' → '.join(errors)}")
+    verdict = f"{data.verdict}, so far" if data.partial else data.verdict
+    _bold(console, f"Verdict: {verdict}{what}; test error {' → '.join(errors)}")
 
 
 def _ladder(console: Console, data: DiagnosisDocument) -> None:
