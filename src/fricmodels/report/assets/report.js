@@ -122,7 +122,8 @@
   let paper = false;
   const LOWEST = 250, HIGHEST = 310;
   const STACKED = 480; // below this width two panels stand above each other
-  const PAPER = 0.72; // of the height on a screen: two figures and their captions fit a page
+  const PAPER = 0.72; // of the height on a screen: three low figures and their captions fit a page
+  const BESIDE = 0.62; // of figures beside each other: three rows fit
 
   // Labels of a logarithmic axis that would overlap are thinned: to 1, 2 and 5 in each decade, 1 and 3, or 1.
   function sparser(axis, room) {
@@ -139,7 +140,8 @@
     return axis;
   }
 
-  const onPaper = (held) => Math.min(HIGHEST, Math.max(LOWEST, Math.round(PAPER * held.height)));
+  const share = (held) => (held.width === NARROW ? BESIDE : PAPER);
+  const onPaper = (held) => Math.min(HIGHEST, Math.max(LOWEST, Math.round(share(held) * held.height)));
 
   function drawing(held, place) {
     const { data, layout } = recoloured(
@@ -165,6 +167,7 @@
     return [data, { ...layout, title: undefined, margin, ...size, dragmode: TOUCH ? false : "zoom" }];
   }
 
+  const WIDE = 668, NARROW = 322; // pixels of A4 and of half of it
   const TOUCH = window.matchMedia("(pointer: coarse)").matches;
   const settings = { displayModeBar: false, responsive: false, showTips: false, doubleClick: "reset" };
 
@@ -245,7 +248,6 @@
   places.forEach((place) => watcher.observe(place));
 
   // On paper everything is unfolded, drawn at the width of the page (A4 or Letter), dark on white.
-  const WIDE = 668, NARROW = 322;
   let unfolded = [];
   window.addEventListener("beforeprint", () => {
     unfolded = [...document.querySelectorAll("main details:not([open])")].filter((each) => !each.closest(".tools"));

@@ -10,6 +10,7 @@ import html
 import math
 import re
 from collections.abc import Iterable, Mapping
+from functools import lru_cache
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from fricmodels.dimension import Dimension, Motion
@@ -207,8 +208,9 @@ def logarithmic(values: Iterable[float]) -> dict[str, Any]:
     return {"type": "log", "range": [low, high], "tickvals": shown, "ticktext": [f"{tick:g}" for tick in shown]}
 
 
+@lru_cache(maxsize=1)
 def template() -> Any:
-    """Return the template of all figures: transparent, legend below, colours of :data:`LIGHT`."""
+    """Return the template of all figures: transparent, legend below, colours of :data:`LIGHT`; it is not to change."""
     go = graph_objects()
     axis = {
         "automargin": True,
