@@ -17,6 +17,10 @@ CHECKED = VIEWS[1:3]
 PAGES = [("story_page", *view) for view in VIEWS] + [("tournament_page", *view) for view in CHECKED]
 
 
+TWICE = "[...document.querySelectorAll('[id]')].map(e => e.id).filter((id, i, all) => all.indexOf(id) !== i)"
+"""Names that two elements have."""
+
+
 @pytest.mark.parametrize(("page", "width", "scheme"), PAGES)
 def test_draws_everything_quietly_and_can_be_read_by_everybody(
     page: str, width: int, scheme: str, look: Callable[..., Any], axe: str, request: pytest.FixtureRequest
@@ -24,6 +28,7 @@ def test_draws_everything_quietly_and_can_be_read_by_everybody(
     """Text within figures, which axe cannot judge, is judged in tests/report."""
     seen = look(request.getfixturevalue(page), width, scheme)
     assert seen.draw_everything() > 5
+    assert seen.page.evaluate(TWICE) == []
     assert seen.page.evaluate("document.documentElement.scrollWidth") <= width
     assert seen.console == []
     assert seen.requests == []

@@ -52,15 +52,16 @@ def over_time(comparison: Comparison, *, kept_back: bool = True, before: Compari
         first = samples.place[~samples.kept_back]
         figure = figures.overlay(comparison, (float(first[0]), float(first[-1])))
         words = f"Fit error {errors.averaged}: {percent(errors.percent)} of the RMS {what}"
-    drawn = f"{_drawn(*figures.drawn_samples(figure))}{_beyond(figures.beyond_axes(figure))}"
-    words = f"{words}. {drawn} {where_words(comparison)}"
+    shown = f"{drawn(*figures.drawn_samples(figure))}{_beyond(figures.beyond_axes(figure))}"
+    words = f"{words}. {shown} {where_words(comparison)}"
     return Picture(f"{what.capitalize()} over time", words, figure, points_of(figure), "over-time")
 
 
-def _drawn(drawn: int, total: int) -> str:
-    if drawn >= total:
+def drawn(shown: int, total: int) -> str:
+    """Say how many samples a figure draws, and of how many."""
+    if shown >= total:
         return f"All {count(total)} samples are drawn."
-    return f"{count(drawn)} of {count(total)} samples are drawn, the extremes among them, the same for both curves."
+    return f"{count(shown)} of {count(total)} samples are drawn, the extremes among them, the same for both curves."
 
 
 def _beyond(samples: int) -> str:
@@ -75,8 +76,8 @@ def excerpt(comparison: Comparison) -> Picture | None:
     """Return the stretch with the largest error, every sample of it; ``None`` where all samples are drawn anyway."""
     from fricmodels.report import figures
 
-    drawn, total = figures.drawn_samples(figures.overlay(comparison))
-    if drawn >= total:
+    shown, total = figures.drawn_samples(figures.overlay(comparison))
+    if shown >= total:
         return None
     begin, end = figures.worst_stretch(comparison)
     figure = figures.overlay(comparison, (begin, end))

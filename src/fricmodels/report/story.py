@@ -133,7 +133,9 @@ def _ladder_picture(data: DiagnosisDocument, rungs: Sequence[Rung]) -> Picture |
     if not rungs:
         return None
     figure = figures.ladder(cast("Ladder", _Steps(tuple(rungs))))
-    return Picture("The error falls", f"{sections.ladder_words(data)} The axis is logarithmic.", figure, name="ladder")
+    return Picture(
+        "The error falls", f"{sections.ladder_words(data)} The axis is logarithmic.", figure, name="ladder-steps"
+    )
 
 
 @dataclass(frozen=True)

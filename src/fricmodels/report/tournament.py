@@ -183,7 +183,7 @@ def leaderboard(board: Leaderboard) -> Section:
         shown = table(caption, titles, rows)
         figure = figures.leaderboard([row for row in board.rows if row["model"] in with_result])
         words += " The axis is logarithmic." if figure.layout.xaxis.type == "log" else ""
-        blocks.append(Picture("Torque error by model and estimator", words, figure, shown, "leaderboard"))
+        blocks.append(Picture("Torque error by model and estimator", words, figure, shown, "errors-by-model"))
     if len({row["tags"].get("seed") for row in board.rows}) > 1:
         blocks.append(Table("Median and quartiles over seeds, torque error in %", summary(board.summary()[:MOST_ROWS])))
         blocks.append(Fold("Every fit", every_fit(board)))
