@@ -31,6 +31,11 @@ HISTORY = "history"
 """What a kept row has beside what stands in a leaderboard: how the parameters of a sequential estimator came about."""
 
 
+def as_shown(row: Mapping[str, Any]) -> Row:
+    """Return a kept row as it stands in a leaderboard."""
+    return {name: value for name, value in row.items() if name != HISTORY}
+
+
 @dataclass(frozen=True)
 class Job:
     """What one worker does at a time; all plain values, so that it can be sent anywhere.

@@ -10,7 +10,7 @@ from fricmodels.errors import FricmodelsError, InputError
 from fricmodels.tournament.config import Config, load_config
 from fricmodels.tournament.execution import EXECUTORS, results
 from fricmodels.tournament.histories import write_histories
-from fricmodels.tournament.jobs import HISTORY, Job, Row
+from fricmodels.tournament.jobs import Job, Row, as_shown
 from fricmodels.tournament.leaderboard import Leaderboard
 from fricmodels.tournament.origin import write_origin
 from fricmodels.tournament.planning import Plan, plan
@@ -101,5 +101,4 @@ def run(
 
 def _named(row: Row, job: Job) -> Row:
     """Return a kept row under the names that it has in this tournament."""
-    row = {name: value for name, value in row.items() if name != HISTORY}
-    return {**row, "estimator": job.title, "dataset": job.source.dataset, "tags": dict(job.source.tags)}
+    return {**as_shown(row), "estimator": job.title, "dataset": job.source.dataset, "tags": dict(job.source.tags)}
