@@ -138,7 +138,7 @@ def test_made_from_the_files_the_page_is_the_same(page: Page, folder: Path) -> N
     assert cells(again).keys() == cells(page).keys()
     assert cells(again)["coulomb-viscous+cogging+stribeck"] == cells(page)["coulomb-viscous+cogging+stribeck"]
     words = error_words(DiagnosisDocument.read(folder / "diagnosis.json", ""))
-    ladders = [drawn(each, "ladder").table for each in (again, page)]
+    ladders = [drawn(each, "ladder-steps").table for each in (again, page)]
     assert ladders[0] == ladders[1]
     assert ladders[0] is not None
     assert ladders[0].caption == f"{words}, in % of the RMS motor torque"
