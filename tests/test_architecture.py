@@ -15,7 +15,19 @@ SOURCES = ROOT / "src"
 
 # The way of the data: a layer imports those above it in this list, and itself.
 LAYERS = (
-    {"arrays", "errors", "display", "documents", "files", "gaps", "processes", "stored", "terminal", "yaml_file"},
+    {
+        "arrays",
+        "errors",
+        "display",
+        "documents",
+        "files",
+        "gaps",
+        "processes",
+        "progress",
+        "stored",
+        "terminal",
+        "yaml_file",
+    },
     {"dimension"},
     {"results"},
     {"expressions", "parameter"},

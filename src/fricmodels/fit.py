@@ -12,6 +12,10 @@ import pandas as pd
 
 from fricmodels.arrays import Array
 from fricmodels.display import Displayed
+from fricmodels.results.history import Course, ParameterHistory
+
+HISTORY_POINTS = 120
+"""Estimates of a parameter that a thinned history keeps."""
 
 
 class Status(StrEnum):
@@ -64,6 +68,47 @@ class Fit(Displayed):
             key: float(value) for key, value in zip(self.estimated, spread, strict=True) if key not in self.no_interval
         }
 
+    def parameter_history(
+        self, units: Mapping[str, str], truth: Mapping[str, float] | None = None, points: int = HISTORY_POINTS
+    ) -> ParameterHistory | None:
+        """Return how the estimates came about, as plain data; ``None`` where the estimator keeps no history.
+
+        Half of the points are spread evenly, half are the denser the earlier, where estimates change most.
+
+        Args:
+            units: unit of each parameter, by key.
+            truth: values by key, where they are known.
+            points: at most so many estimates of each parameter.
+        """
+        if self.history is None or not len(self.history):
+            return None
+        last = len(self.history) - 1
+        even = np.linspace(0, last, points // 2)
+        early = np.geomspace(1, last + 1, points - points // 2) - 1
+        place = np.unique(np.concatenate([even, early]).round().astype(np.int64))
+        columns = {name: _short(self.history[name].to_numpy(dtype=float)[place]) for name in self.history}
+        known, errors = truth or {}, self.standard_errors
+        courses = {
+            key: Course(
+                unit=units.get(key, "1"),
+                estimates=columns[key],
+                deviations=columns.get(f"sd({key})"),
+                final=self.parameters.get(key),
+                standard_error=errors.get(key),
+                truth=known.get(key),
+            )
+            for key in self.estimated
+            if key in columns
+        }
+        return ParameterHistory(
+            model=self.model,
+            estimator=self.estimator,
+            dataset=self.dataset,
+            kept=last + 1,
+            time=columns["time"],
+            courses=courses,
+        )
+
     @property
     def converged(self) -> bool:
         """Whether the estimator ended well; it says nothing of whether the parameters are identified."""
@@ -73,3 +118,8 @@ class Fit(Displayed):
     def identified(self) -> bool:
         """Whether the recording determines every parameter."""
         return self.converged and not self.not_identified
+
+
+def _short(values: Array) -> tuple[float | None, ...]:
+    """Return numbers in seven figures, as a picture needs them; ``None`` for what is not finite."""
+    return tuple(float(f"{value:.7g}") if np.isfinite(value) else None for value in values.tolist())

@@ -17,6 +17,10 @@ CHECKED = VIEWS[1:3]
 PAGES = [("story_page", *view) for view in VIEWS] + [("tournament_page", *view) for view in CHECKED]
 
 
+TWICE = "[...document.querySelectorAll('[id]')].map(e => e.id).filter((id, i, all) => all.indexOf(id) !== i)"
+"""Names that two elements have."""
+
+
 @pytest.mark.parametrize(("page", "width", "scheme"), PAGES)
 def test_draws_everything_quietly_and_can_be_read_by_everybody(
     page: str, width: int, scheme: str, look: Callable[..., Any], axe: str, request: pytest.FixtureRequest
@@ -24,6 +28,7 @@ def test_draws_everything_quietly_and_can_be_read_by_everybody(
     """Text within figures, which axe cannot judge, is judged in tests/report."""
     seen = look(request.getfixturevalue(page), width, scheme)
     assert seen.draw_everything() > 5
+    assert seen.page.evaluate(TWICE) == []
     assert seen.page.evaluate("document.documentElement.scrollWidth") <= width
     assert seen.console == []
     assert seen.requests == []
@@ -151,6 +156,10 @@ def test_every_figure_prints_uncut(look: Callable[..., Any], story_page: Path) -
     assert seen.console == []
 
 
+LEAST_FILLED = 0.6
+"""Share of the height of a printed page down to which there is something, margins included; the last may be shorter."""
+
+
 def test_a_pdf_has_every_figure_on_full_pages(look: Callable[..., Any], story_page: Path, tmp_path: Path) -> None:
     """Printed before anything was scrolled to, in the dark scheme: the pages are white and none is half empty."""
     pdftoppm = shutil.which("pdftoppm")
@@ -171,7 +180,7 @@ def test_a_pdf_has_every_figure_on_full_pages(look: Callable[..., Any], story_pa
         inked = np.flatnonzero((grey < 245).any(axis=1))
         used.append(float(inked[-1]) / height)
     assert len(used) == pages
-    assert min(used[:-1]) > 0.5, f"half-empty pages: {used}"
+    assert min(used[:-1]) > LEAST_FILLED, f"half-empty pages: {used}"
 
 
 def test_the_page_is_short_and_small(look: Callable[..., Any], story_page: Path) -> None:

@@ -23,6 +23,7 @@ from fricmodels.diagnosis.floor import is_above_noise
 from fricmodels.diagnosis.overlay import write_overlay
 from fricmodels.diagnosis.present import show_comparison, show_diagnosis, show_ladder
 from fricmodels.model import Model
+from fricmodels.progress import Progress
 from fricmodels.recording import Recording
 from fricmodels.results.comparison import SCHEMA
 from fricmodels.results.diagnosis import DiagnosisDocument
@@ -33,10 +34,10 @@ Made = Callable[..., Recording]
 @pytest.fixture(scope="module")
 def ladder(made: Made) -> Ladder:
     values = {"cogging.a": 0.8, "cogging.b": 0.3, "cogging.k": 7.3}
-    lines: list[str] = []
+    lines: list[Progress] = []
     found = improve(made("coulomb-viscous+cogging", values), Model.parse("coulomb-viscous"), 2.0, progress=lines.append)
-    assert lines[0] == "fitting coulomb-viscous"
-    assert "adding cogging" in lines
+    assert lines[0].stage == "fitting coulomb-viscous"
+    assert "adding cogging" in [line.stage for line in lines]
     return found
 
 

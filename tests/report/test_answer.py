@@ -135,7 +135,7 @@ def test_an_answer_without_effects_says_what_it_can() -> None:
     unknown = {"channels": "position", "p_value": 1e-9, "held_out_gain": 0.5}
     found = answer(data(verdict="unknown-effect", effects=[], ladder=one, unknown=unknown, remaining=rest(94.0, 94.0)))
     assert "no known effect explains" in found.sentence
-    assert "position predicts the error is no chance: p is below" in found.sure
+    assert "Position predicts the error, and not by chance: p is below" in found.sure
     adequate = answer(data(verdict="adequate", effects=[], ladder=[step("coulomb-viscous", 3.3)]))
     assert adequate.tone == "good"
     assert "one of these was called adequate" in adequate.sure

@@ -108,7 +108,7 @@ def test_each_figure_has_its_message_and_a_table(page: Page) -> None:
     assert named[:3] == ["evidence-cogging", "low-speed", "candidates"]
     assert "with cogging in the model" in pictures[0].message
     spectrum = next(picture for picture in pictures if picture.name == "spectrum")
-    line = re.search(r"stands at ([\d.]+) ± ([\d.]+) 1/turn", spectrum.message)
+    line = re.search(r"stands at ([\d.]+) ± ([\d.]+) per turn", spectrum.message)
     assert line is not None
     assert abs(float(line[1]) - 7.3) <= float(line[2]), "the line is named no more finely than it is known"
 
@@ -138,7 +138,7 @@ def test_made_from_the_files_the_page_is_the_same(page: Page, folder: Path) -> N
     assert cells(again).keys() == cells(page).keys()
     assert cells(again)["coulomb-viscous+cogging+stribeck"] == cells(page)["coulomb-viscous+cogging+stribeck"]
     words = error_words(DiagnosisDocument.read(folder / "diagnosis.json", ""))
-    ladders = [drawn(each, "ladder").table for each in (again, page)]
+    ladders = [drawn(each, "ladder-steps").table for each in (again, page)]
     assert ladders[0] == ladders[1]
     assert ladders[0] is not None
     assert ladders[0].caption == f"{words}, in % of the RMS motor torque"

@@ -14,6 +14,7 @@ from fricmodels.report.render import render
 from fricmodels.tournament import run
 from fricmodels.tournament.config import Config
 from fricmodels.tournament.demonstration import MOTOR
+from fricmodels.tournament.histories import read_histories
 from fricmodels.tournament.leaderboard import Leaderboard
 
 Made = Callable[..., Path]
@@ -137,3 +138,22 @@ def test_a_run_of_an_old_version_has_its_table(folder: Path, tmp_path: Path) -> 
     page = of_run(tmp_path)
     assert page.verdict == of_run(folder).verdict
     assert any("does not say what it was made of" in b.text for b in blocks(page) if isinstance(b, Words))
+
+
+def test_estimates_over_time_are_kept_typed_and_shown(made: Made) -> None:
+    folder = made(estimators=["rls", "ekf", "batch"], models=["coulomb-viscous", "asymmetric-coulomb-viscous"])
+    found = read_histories(folder)
+    assert {estimator for _, estimator in found} == {"rls", "ekf"}
+    one = found["first", "ekf"]
+    assert one.kept > len(one.time)
+    board = Leaderboard.read(folder)
+    best = next(row for row in board.rows if row["dataset"] == "first" and row["estimator"] == "ekf")
+    assert one.model == best["model"]
+    assert all("history" not in row for row in board.rows)
+    for key, course in one.courses.items():
+        assert course.final == pytest.approx(best["parameters"][key])
+        assert course.truth == pytest.approx(best["true_parameters"][key])
+        assert len(course.estimates) == len(one.time)
+    shown = [block for block in blocks(of_run(folder)) if isinstance(block, Picture) and "history" in block.name]
+    assert {block.title for block in shown} == {"Estimates over time by rls", "Estimates over time by ekf"}
+    assert all("estimates are drawn" in block.message for block in shown)

@@ -84,6 +84,9 @@ ONE_THREAD = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
 """What is solved here is small: on a busy machine threads of linear algebra that wait for each other cost ten times."""
 
 
+INTERRUPTED = 130
+
+
 def main(arguments: list[str] | None = None) -> None:
     """Run the command line. Exit codes: 0 done, 1 the work failed, 2 bad input, 130 interrupted."""
     given = sys.argv[1:] if arguments is None else arguments
@@ -96,7 +99,7 @@ def main(arguments: list[str] | None = None) -> None:
 
 
 def _run(arguments: list[str]) -> int:
-    from fricmodels.cli.boundary import explain, keep_warnings_from_users
+    from fricmodels.cli.boundary import explain, keep_warnings_from_users, say
 
     debug = "--debug" in arguments
     shown = warnings.showwarning
@@ -110,4 +113,6 @@ def _run(arguments: list[str]) -> int:
         return explain(error)
     finally:
         warnings.showwarning = shown
+    if result == INTERRUPTED:  # Typer ends so on Ctrl-C
+        say("interrupted")
     return result if isinstance(result, int) else 0

@@ -11,7 +11,11 @@ import numpy as np
 from fricmodels.errors import FricmodelsError, InputError
 
 if TYPE_CHECKING:
+    from rich.console import Console
+
+    from fricmodels.diagnosis.ladder import Ladder
     from fricmodels.model import Model
+    from fricmodels.progress import Cancelled
     from fricmodels.recording import Recording
 
 _FEWEST = 20
@@ -48,6 +52,35 @@ def check_computable(recording: Recording, inertia: float | None) -> None:
             f"{source}: an inertia of {inertia:.3g} would need {times:.1g} times the torque that was measured; "
             f"give it in kg m² (kg for a linear axis), or leave it out to have it estimated"
         )
+
+
+class Stopped(FricmodelsError):
+    """The work was stopped from outside, after something was found."""
+
+    exit_code = 130
+
+    def __init__(self) -> None:
+        super().__init__("stopped before the end: what stands above is partial; run it again for all of it")
+
+
+def so_far(shown: Console, stopped: Cancelled) -> Ladder:
+    """Return the ladder that work had come to when it was stopped.
+
+    Where it had only fitted the model, that is printed.
+
+    Raises:
+        Stopped: where there is no ladder yet.
+    """
+    from fricmodels.diagnosis.comparison import Comparison
+    from fricmodels.diagnosis.ladder import Ladder
+    from fricmodels.report.console import show_answer_of_comparison
+
+    if isinstance(stopped.partial, Ladder):
+        return stopped.partial
+    if isinstance(stopped.partial, Comparison):
+        show_answer_of_comparison(shown, stopped.partial)
+        raise Stopped from None
+    raise stopped
 
 
 @contextmanager

@@ -10,28 +10,38 @@ from fricmodels.cli.motion import Score
 def command(given: Measurement) -> None:
     """Add the missing effect, refit everything, and repeat until nothing is missing: the ladder.
 
-    With --out, what was found is kept on the way: an improvement that was interrupted goes on from there, by the same
-    command, to the same end. With --score position each rung is fitted to the simulated motion too, and the one is kept
-    that simulates best what was not fitted.
+    Stopped by Ctrl-C it shows, and writes, what was found so far. With --out, what was found is kept on the way: an
+    improvement that was stopped or interrupted goes on from there, by the same command, to the same end.
+
+    With --score position each rung is fitted to the simulated motion too, and the one is kept that simulates best what
+    was not fitted.
     """
     from contextlib import ExitStack
 
+    from fricmodels.cli.answers import Stopped, so_far
     from fricmodels.cli.printing import console, warn, working
     from fricmodels.diagnosis import improve
     from fricmodels.diagnosis.document import document, write
-    from fricmodels.diagnosis.journal import FILE, identity, journal
+    from fricmodels.diagnosis.journal import FILE, Journal, identity, journal
     from fricmodels.diagnosis.present import show_comparison, show_diagnosis, show_ladder
+    from fricmodels.progress import Cancelled
     from fricmodels.report.console import show_answer_of_ladder
 
     shown = console()
     with ExitStack() as stack:
+        kept: Journal | None = None
         if given.out is not None:
             decides = (given.model.name, given.model.known, given.inertia, given.leave_out)
             kept = stack.enter_context(journal(given.out / FILE, identity(given.recording, *decides)))
             if len(kept):
                 warn([f"going on after {len(kept)} steps of an improvement that was interrupted"])
-        with working("improving") as say:
-            ladder = improve(given.recording, given.model, given.inertia, leave_out=given.leave_out, progress=say)
+        try:
+            with working("improving") as say:
+                ladder = improve(given.recording, given.model, given.inertia, leave_out=given.leave_out, progress=say)
+        except Cancelled as stopped:
+            if kept is not None:
+                kept.close()  # it stays, so that the same command goes on from there
+            ladder = so_far(shown, stopped)
         if given.verbose:
             show_comparison(shown, ladder.first.comparison)
             show_diagnosis(shown, ladder.first, ladder)
@@ -39,7 +49,7 @@ def command(given: Measurement) -> None:
             show_comparison(shown, ladder.rungs[-1].comparison)
         show_answer_of_ladder(shown, ladder, given.options)
         judged, best = [], ladder.rungs[-1].comparison
-        if given.score is Score.POSITION:
+        if given.score is Score.POSITION and not ladder.partial:
             from fricmodels.cli.motion import by_motion, taken
 
             rungs = list({rung.model: rung.comparison for rung in ladder.rungs}.values())
@@ -57,3 +67,5 @@ def command(given: Measurement) -> None:
 
         page = write_report(story.of_ladder(ladder, given.options, judged), given.report)
         shown.print(f"wrote {page}", markup=False, soft_wrap=True)
+    if ladder.partial:
+        raise Stopped

@@ -14,6 +14,8 @@ if TYPE_CHECKING:
     from fricmodels.tournament.leaderboard import Leaderboard
 
 
+_OPTIONAL = ("fit", "per sample", "seconds")
+"""Columns that are left out where there is no room for them beside the others."""
 _MOST_REASONS = 10
 """Reasons that are printed below a leaderboard."""
 
@@ -56,11 +58,12 @@ def unfinished(run: Path) -> bool:
 def _so_far(run: Path) -> Leaderboard:
     """Return what was done of a run that was stopped, and say so."""
     from fricmodels.cli.printing import warn
+    from fricmodels.tournament.jobs import as_shown
     from fricmodels.tournament.leaderboard import Leaderboard
     from fricmodels.tournament.store import Store
 
     with Store(run) as store:
-        board = Leaderboard.ranked(store.rows())
+        board = Leaderboard.ranked(as_shown(row) for row in store.rows())
     warn([f"{run}: the run was stopped; this is the part of {len(board.rows)} fits that are kept. The same "
           f"'fricmodels run' goes on from there"])  # fmt: skip
     return board
@@ -80,25 +83,35 @@ def _print(content: bytes, form: str) -> None:
 
 
 def show(board: Leaderboard, rank_by: str | None = None, top: int | None = None) -> None:
-    """Print medians over seeds where there are several, then the fits, each dataset by itself; reasons stand below.
+    """Print who came first, medians over seeds where there are several, the fits of each dataset, and reasons.
 
     Args:
         board: the leaderboard.
         rank_by: the column by which it is ranked.
         top: rows of each table; all if not given.
     """
-    from fricmodels.cli.printing import print_line, print_table
+    from fricmodels.cli.printing import console, print_line, print_table
     from fricmodels.export.columns import NOT_SURE, tables
+    from fricmodels.report.tournament import verdict
+    from fricmodels.terminal.tables import fits
 
-    found = tables(board, top, rank_by)
+    found, left_out = tables(board, top, rank_by), list[str]()
+    if rank_by in (None, board.figure):
+        print_line(verdict(board).sentence)
+        print_line("")
     datasets = {str(row["dataset"]) for row in board.rows}
     only = f" on {datasets.pop()}" if len(datasets) == 1 else ""
     for each in found:
         title = f"{each.title}{only}: torque errors{each.window}, in % of the RMS motor torque"
-        print_table(_compact(each), title=title)
+        columns = _compact(each)
+        while not fits(columns, console().width) and columns[-1].title in _OPTIONAL:
+            left_out.append(columns.pop().title)
+        print_table(columns, title=title)
         print_line("")
+    if left_out:
+        print_line(f"Left out for want of room: {', '.join(dict.fromkeys(reversed(left_out)))}; --format md has all.")
     if any(column.title == "not sure of" for each in found for column in each.columns):
-        print_line(f"after ok: {NOT_SURE}; --format md names them")
+        print_line(f"{NOT_SURE}; --format md names them")
     for row in board.failures[:_MOST_REASONS]:
         print_line(f"{row['status']}: {row['model']} with {row['estimator']} on {row['dataset']}: {row['message']}")
     if len(board.failures) > _MOST_REASONS:

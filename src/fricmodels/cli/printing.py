@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
+from fricmodels.progress import Progress
 from fricmodels.terminal import plain
 
 if TYPE_CHECKING:
@@ -65,19 +66,23 @@ def warn(lines: Iterable[object]) -> None:
 
 
 @contextmanager
-def working(what: str) -> Iterator[Callable[[str], None]]:
+def working(what: str) -> Iterator[Callable[[object], None]]:
     """Say what is being done, and for how long, on standard error; yield what takes the present step.
 
-    A terminal has a line that changes. Elsewhere a line is printed every ten seconds, none before the first ten.
+    A step is a text or a :class:`~fricmodels.progress.Progress`, which says its rate and the time that is left too. A
+    terminal has a line that changes. Elsewhere a line is printed every ten seconds, none before the first ten.
     """
     where = console(errors=True)
-    begin, step = time.monotonic(), [what]
+    begin = time.monotonic()
+    step: list[tuple[object, float]] = [(what, begin)]
 
     def line() -> str:
-        return f"{plain(step[0])} … {time.monotonic() - begin:.0f} s"
+        now, (done, told) = time.monotonic(), step[0]
+        shown = done.later(now - told) if isinstance(done, Progress) else done
+        return f"{plain(str(shown))} … {now - begin:.0f} s"
 
-    def say(text: str) -> None:
-        step[0] = text
+    def say(done: object) -> None:
+        step[0] = (done, time.monotonic())
 
     done = threading.Event()
     status = where.status("") if where.is_terminal else None

@@ -52,25 +52,36 @@ def command(
     RUN is what `run`, `diagnose` or `improve` wrote with --out. DATA is a recording; it is diagnosed and the model
     improved as by `improve`. The page needs no network and no other file.
     """
+    from fricmodels.cli.printing import working
     from fricmodels.report import check, of_run, story, write
 
     first = target[0]
     if len(target) == 1 and (first.is_dir() or first.suffix == ".json"):
         folder = first if first.is_dir() else first.parent
-        print(f"wrote {write(of_run(first), out or folder / 'report.html')}")
+        with working("writing the report"):
+            written = write(of_run(first), out or folder / "report.html")
+        print(f"wrote {written}")
         return
     page = out or Path(f"{first.stem}.html")
     check(page)
     given = load(target, model, column, torque_constant, reader, linear, leave_out, inertia, trust, gaps)
     recording, chosen = given.recording, given.model
-    from fricmodels.cli.answers import answered
-    from fricmodels.cli.printing import working
+    from fricmodels.cli.answers import Stopped, answered, so_far
+    from fricmodels.cli.printing import console
     from fricmodels.diagnosis import improve
+    from fricmodels.progress import Cancelled
 
     left_out = [*(leave_out or ()), *unusable_effects(leave_out or ())]
     with answered(recording, chosen):
-        with working("improving") as say:
-            ladder = improve(recording, chosen, given.inertia, leave_out=left_out, progress=say)
+        try:
+            with working("improving") as say:
+                ladder = improve(recording, chosen, given.inertia, leave_out=left_out, progress=say)
+        except Cancelled as stopped:
+            ladder = so_far(console(), stopped)
         options = [part for name in left_out for part in ("--leave-out", name)] + ["--trust"] * trust
         options += gaps_option(gaps)
-        print(f"wrote {write(story.of_ladder(ladder, options), page)}")
+        with working("writing the report"):
+            written = write(story.of_ladder(ladder, options), page)
+        print(f"wrote {written}")
+        if ladder.partial:
+            raise Stopped

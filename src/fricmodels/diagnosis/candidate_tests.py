@@ -13,6 +13,7 @@ from fricmodels.diagnosis.journal import searched
 from fricmodels.diagnosis.policy import POLICY, Policy
 from fricmodels.dimension import Motion
 from fricmodels.drive import Drive
+from fricmodels.progress import each
 from fricmodels.recording import RUN, channel_of
 from fricmodels.term import Effect
 from fricmodels.weakform.candidate import NonlinearOptimum
@@ -125,9 +126,8 @@ def candidate_tests(
     registered = plugins.load().effects
     rival, total = 0.0, float(regression.residual @ regression.residual)
     # The search for an effect with memory is long, and goes on only as far as it may yet compare with the others.
-    for name in sorted(registered, key=lambda name: bool(registered[name].states)):
-        if name in skipped or (only is not None and name not in only):
-            continue
+    names = [name for name in registered if name not in skipped and (only is None or name in only)]
+    for name in each(f"testing effects on {model.name}", sorted(names, key=lambda name: bool(registered[name].states))):
         candidates = registered[name].candidates(problem.recording)
         if not candidates:
             untested[name] = registered[name].absent

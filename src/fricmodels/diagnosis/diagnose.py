@@ -28,6 +28,7 @@ from fricmodels.diagnosis.verdict import LookAlikes, passing_all_gates, select_e
 from fricmodels.dimension import TIME
 from fricmodels.display import Displayed
 from fricmodels.model import Model
+from fricmodels.progress import Cancelled, Token, Watcher, stage, watched
 from fricmodels.recording import Recording
 from fricmodels.split import Split
 from fricmodels.weakform.lines import averaged_from
@@ -103,6 +104,8 @@ def diagnose(
     leave_out: Iterable[str] = (),
     policy: Policy = POLICY,
     how: Split | None = None,
+    progress: Watcher | None = None,
+    token: Token | None = None,
 ) -> Diagnosis:
     """Say which effect a model is missing.
 
@@ -113,11 +116,21 @@ def diagnose(
         leave_out: effects that are not considered.
         policy: the constants that decide.
         how: what is kept back; blocks or runs spread over the record if not given.
+        progress: called with a :class:`~fricmodels.progress.Progress` at every part of the work.
+        token: stops the work.
 
     Raises:
         InputError: when the recording lacks what the model needs, or does not move enough.
+        Cancelled: when it was stopped; with the fitted model, if it was that far.
     """
-    return examine(compare(recording, model, inertia, how=how), leave_out=leave_out, policy=policy)
+    comparison = None
+    with watched(progress, token):
+        try:
+            stage(f"fitting {Model.of(model).name}")
+            comparison = compare(recording, model, inertia, how=how)
+            return examine(comparison, leave_out=leave_out, policy=policy)
+        except KeyboardInterrupt:
+            raise Cancelled(comparison) from None
 
 
 def examine(comparison: Comparison, *, leave_out: Iterable[str] = (), policy: Policy = POLICY) -> Diagnosis:

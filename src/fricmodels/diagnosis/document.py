@@ -54,6 +54,7 @@ def document(diagnosis: Diagnosis, ladder: Ladder | None = None) -> DiagnosisDoc
         explanation=explain(diagnosis, ladder),
         ladder=_ladder(diagnosis, ladder),
         note="" if ladder is None else ladder.note,
+        partial=ladder is not None and ladder.partial,
     )
 
 

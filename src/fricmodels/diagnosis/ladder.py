@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
 from fricmodels.diagnosis.candidate_tests import CandidateTest
@@ -14,6 +14,7 @@ from fricmodels.diagnosis.policy import POLICY, Policy
 from fricmodels.diagnosis.refits import Refits
 from fricmodels.display import Displayed
 from fricmodels.model import Model
+from fricmodels.progress import Cancelled, Token, Watcher, stage, watched
 from fricmodels.recording import Recording
 from fricmodels.split import Split
 
@@ -42,6 +43,7 @@ class Ladder(Displayed):
         last: diagnosis of the final model.
         steps: the diagnoses that led to each added effect.
         note: why the ladder ended where it did, if not because the model became adequate.
+        partial: whether it was stopped before its end: what remains on the last rung was not looked at.
     """
 
     first: Diagnosis
@@ -49,6 +51,7 @@ class Ladder(Displayed):
     last: Diagnosis
     steps: tuple[Diagnosis, ...]
     note: str = ""
+    partial: bool = False
 
 
 def improve(
@@ -57,7 +60,8 @@ def improve(
     inertia: float | None = None,
     *,
     leave_out: Iterable[str] = (),
-    progress: Callable[[str], None] | None = None,
+    progress: Watcher | None = None,
+    token: Token | None = None,
     policy: Policy = POLICY,
     how: Split | None = None,
 ) -> Ladder:
@@ -70,25 +74,25 @@ def improve(
         model: law plus effects to begin from, or its name.
         inertia: J [kg m²] or M [kg]; estimated if not given.
         leave_out: effects that are not considered.
-        progress: called with one line at every step.
+        progress: called with a :class:`~fricmodels.progress.Progress` at every part of the work.
+        token: stops the work.
         policy: the constants that decide.
         how: what is kept back; blocks or runs spread over the record if not given.
+
+    Raises:
+        Cancelled: when it was stopped; with the ladder so far, or the fitted model before there is one.
     """
-    say = progress or (lambda line: None)
-    model = Model.of(model)
-    say(f"fitting {model.name}")
-    comparison = compare(recording, model, inertia, how=how)
-    say(f"testing effects on {model.name}")
-    first = examine(comparison, leave_out=leave_out, policy=policy)
-    search = _Search({e.name for e in model.effects}, set(leave_out), say, policy, first)
-    search.extend()
-    pruned, exchanged, simplified = search.prune(), search.exchange(), search.simplify()
-    if pruned or exchanged or simplified:
-        search.diagnose()
-        search.extend()
-    if search.steps and not first.findings:  # two effects together
-        first = replace(search.steps[0], verdict="missing-effect")
-    return Ladder(first, tuple(search.rungs), search.diagnosis, tuple(search.steps), search.note)
+    model, comparison, search = Model.of(model), None, None
+    with watched(progress, token):
+        try:
+            stage(f"fitting {model.name}")
+            comparison = compare(recording, model, inertia, how=how)
+            first = examine(comparison, leave_out=leave_out, policy=policy)
+            search = _Search({e.name for e in model.effects}, set(leave_out), policy, first)
+            search.to_the_end()
+        except KeyboardInterrupt:
+            raise Cancelled(comparison if search is None else search.ladder(partial=True)) from None
+    return search.ladder()
 
 
 class _Search:
@@ -97,18 +101,33 @@ class _Search:
     Args:
         given: names of the effects that stay.
         leave_out: as given to :func:`improve`.
-        say: takes one line at every step.
         policy: the constants that decide.
         first: diagnosis of the model that was given.
     """
 
-    def __init__(
-        self, given: set[str], leave_out: set[str], say: Callable[[str], None], policy: Policy, first: Diagnosis
-    ) -> None:
-        self._given, self._out, self._say, self._policy = given, leave_out, say, policy
+    def __init__(self, given: set[str], leave_out: set[str], policy: Policy, first: Diagnosis) -> None:
+        self._given, self._out, self._policy, self._first = given, leave_out, policy, first
         self.rungs, self.diagnosis, self.note = [Rung(first.comparison)], first, ""
         self.steps: list[Diagnosis] = []
         self._superfluous: set[str] = set()
+
+    def to_the_end(self) -> None:
+        """Add what is missing, then remove or exchange what others made superfluous, and look once more."""
+        self.extend()
+        pruned, exchanged, simplified = self.prune(), self.exchange(), self.simplify()
+        if pruned or exchanged or simplified:
+            self.diagnose()
+            self.extend()
+
+    def ladder(self, *, partial: bool = False) -> Ladder:
+        """Return the rungs so far, with the diagnoses that led to them."""
+        first = self._first
+        if self.steps and not first.findings:  # two effects together
+            first = replace(self.steps[0], verdict="missing-effect")
+        last = self.diagnosis
+        if partial and last.comparison is not self._here:  # what remains here was not looked at
+            last = Diagnosis(self._here, "missing-effect", (), None, {}, policy=self._policy)
+        return Ladder(first, tuple(self.rungs), last, tuple(self.steps), self.note, partial)
 
     @property
     def _here(self) -> Comparison:
@@ -123,7 +142,6 @@ class _Search:
 
     def diagnose(self) -> None:
         """Diagnose the model that was reached; an effect that the others made superfluous is not considered again."""
-        self._say(f"testing effects on {self._here.drive.model.name}")
         self.diagnosis = self._examine(self._here, self._superfluous)
 
     def _append(self, rung: Rung) -> None:
@@ -140,8 +158,8 @@ class _Search:
                     self.note = f"'{refused.name}' was found, but the test error does not fall with it"
                 return
             for diagnosis, rung in step:
-                self.steps.append(diagnosis)
                 self._append(rung)
+                self.steps.append(diagnosis)
             self.diagnose()
 
     def _step(self) -> list[tuple[Diagnosis, Rung]]:
@@ -159,7 +177,7 @@ class _Search:
         """Return the rungs of a diagnosis's findings, each beside those before it."""
         refits, rungs = self.diagnosis.refits, []
         for finding in findings:
-            self._say(f"adding {finding.tested.name}")
+            stage(f"adding {finding.tested.name}")
             comparison = None if refits is None else refits.with_effect(finding.tested)
             if comparison is None or refits is None:
                 break
@@ -180,7 +198,7 @@ class _Search:
 
     def _with(self, diagnosis: Diagnosis, tested: CandidateTest) -> Rung | None:
         """Return the diagnosed model with one more effect, refitted; ``None`` where that fails."""
-        self._say(f"adding {tested.name}")
+        stage(f"adding {tested.name}")
         comparison = None if diagnosis.refits is None else diagnosis.refits.with_effect(tested)
         return None if comparison is None else Rung(comparison, added=tested.name)
 
@@ -215,7 +233,7 @@ class _Search:
         changed = False
         for name in self._added if len(self._added) > 1 else []:
             smaller = self._without(self._here, name)
-            self._say(f"looking again for what is missing without {name}")
+            stage(f"looking again for what is missing without {name}")
             refused = self.diagnosis.refused
             out = self._out if refused is None else self._out | {refused.name}  # it does not help the larger model
             seems = seems_missing(smaller, out, self._policy)
@@ -258,8 +276,9 @@ class _Search:
         return changed
 
     def _replace(self, name: str, smaller: Comparison, other: Rung, diagnosis: Diagnosis) -> None:
-        self._append(Rung(smaller, removed=name))
-        self._append(other)
+        rungs = [Rung(smaller, removed=name), other]
+        rungs = [replace(rung, comparison=from_scratch(rung.comparison)) for rung in rungs]
+        self.rungs += rungs  # both or, where this is stopped, none
         self.steps.append(diagnosis)
 
     def _may_replace(self, other: Comparison) -> bool:

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from fricmodels.diagnosis.basis_functions import TORQUE_PAST, TORQUE_RATE, basis_functions
 from fricmodels.diagnosis.candidate_tests import CandidateTests, beside_inertia, is_noise
+from fricmodels.progress import each
 from fricmodels.weakform.problem import WeakFormProblem
 from fricmodels.weakform.regression import LEAST_P, Evidence
 
@@ -58,7 +59,8 @@ def each_predictor(result: CandidateTests, first: Sequence[str] = ()) -> Iterato
     lasting = frozenset(every) - {TORQUE_PAST}
     every[OWN_PAST] = partial(own_past, problem, regression.residual)
     most = max(1, regression.terms // 2)
-    for channels in dict.fromkeys([*(name for name in first if name in every), *every]):
+    ordered = [*dict.fromkeys([*(name for name in first if name in every), *every])]
+    for channels in each(f"looking for what predicts the error of {problem.drive.model.name}", ordered):
         columns = beside_inertia(problem, regression, every[channels]())
         chosen = np.flatnonzero(regression.visible(columns))[:most]
         if len(chosen):

@@ -5,6 +5,7 @@ from __future__ import annotations
 from fricmodels.diagnosis.candidate_tests import CandidateTest
 from fricmodels.diagnosis.comparison import Comparison, with_effect
 from fricmodels.errors import FricmodelsError
+from fricmodels.progress import stage
 
 Key = tuple[str, tuple[float, ...]]
 
@@ -25,6 +26,7 @@ class Refits:
         """Return the model with an effect, fitted from the estimate of it; ``None`` where that fails."""
         key = _key(tested)
         if key not in self._found:
+            stage(f"fitting {self.comparison.drive.model.name}+{tested.name}")
             try:
                 self._found[key] = with_effect(self.comparison, tested.effect, tested.parameters)
             except FricmodelsError:

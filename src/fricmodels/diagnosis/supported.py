@@ -50,6 +50,7 @@ from fricmodels.diagnosis.floor import floor, share_explained
 from fricmodels.diagnosis.policy import Policy
 from fricmodels.diagnosis.predictability import AUTOREGRESSIVE, ChannelPredictor
 from fricmodels.diagnosis.verdict import LookAlikes
+from fricmodels.progress import each
 from fricmodels.weakform.regression import Regression, compare
 from fricmodels.weakform.shifted import regression_of
 
@@ -106,7 +107,8 @@ def judge(result: CandidateTests, leave_out: Iterable[str], first: LookAlikes | 
     # An effect at its search bound only resembles what is missing: it describes, and is not named.
     members, at_bound = [m for m in members if not m.at_bound], [m for m in members if m.at_bound]
     rest = replace(rest, parts=(*rest.parts, *(m.columns for m in at_bound)))
-    judged = [(m, _support(result, m, without(members, m), rest)) for m in members]
+    kept = each("judging each effect beside the others", members)
+    judged = [(m, _support(result, m, without(members, m), rest)) for m in kept]
     one_cause = [m for m, s in judged if s.suffices(policy) and _one_cause(result, m, without(members, m))]
     power = float(np.sum(result.problem.driving**2))
     return Judgement(

@@ -19,7 +19,7 @@ _NESTED = ("tags", "parameters", "standard_errors", "true_parameters", "not_iden
 
 
 _NAMES = {"held_out_rms_torque_error_percent": "test error", "rms_torque_error_percent": "fit error"}
-NOT_SURE = "? cannot be determined from this recording; | at the end of what is physical"
+NOT_SURE = "ok 2?: two parameters cannot be determined from this recording; ok 1|: one is at a physical bound"
 """What the marks of a leaderboard mean."""
 
 

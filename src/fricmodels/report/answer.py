@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Literal
 
 from fricmodels.report.reliability import RECORDS
 from fricmodels.report.wording import counted, listed, percent, small
-from fricmodels.results.words import SAMPLING, form
+from fricmodels.results.words import SAMPLING, form, predictor
 from fricmodels.score.bands import averaged
 
 if TYPE_CHECKING:
@@ -21,11 +21,13 @@ Tone = Literal["good", "warn", "bad", "plain"]
 
 _PLAIN = {
     *("time=time_s", "torque=torque_Nm", "velocity=velocity_rad_s", "position=position_rad"),
-    *("acceleration=acceleration_rad_s2", "load_torque=load_torque_Nm", "temperature=temperature_degC"),
+    *("acceleration=acceleration_rad_s2", "load_torque=load_torque_Nm", "temperature=temperature_degC", "run=run"),
 }
 """Columns that are found by their names, without an option."""
 _WORTH_A_TRY = 0.9
 """Share of the test error to which an effect must lower it to be worth a try."""
+_TOO_LARGE = 1.25
+"""Times the error that is left above which an estimate of the noise is said to be too large."""
 FAR_ABOVE = 2.0
 """Times the noise above which the error that remains is said before what was found."""
 
@@ -63,8 +65,9 @@ def answer(data: DiagnosisDocument, options: Sequence[str] = ()) -> Answer:
         options: more options of its command, for the next one.
     """
     following, command = _next(data, options)
+    sentence = f"Stopped before the end, so far: {_sentence(data)}" if data.partial else _sentence(data)
     return Answer(
-        _sentence(data), tone(data), error_words(data), sure(data), _remains(data), following, command, _details(data)
+        sentence, tone(data), error_words(data), sure(data), _remains(data), following, command, _details(data)
     )
 
 
@@ -109,11 +112,19 @@ def error_words(data: ComparisonDocument) -> str:
     steps = data.steps
     before, after = steps[0].held_out_rms_percent, steps[-1].held_out_rms_percent
     noise = f"noise alone would leave about {percent(data.noise_floor_percent)}"
+    if _within_noise(data):
+        noise = f"the noise, estimated at {percent(data.noise_floor_percent)}, must be smaller"
     over = f", {window(data)}" if window(data) else ""
     where = f"of the RMS motor {data.quantity} on data that took no part in fitting{over}"
     if len(steps) > 1:
         return f"Test error {percent(before)} → {percent(after)} {where}; {noise}."
     return f"Test error {percent(before)} {where}; {noise}."
+
+
+def _within_noise(data: ComparisonDocument) -> bool:
+    """Whether the error that is left is clearly smaller than what noise was estimated to leave."""
+    end, noise = data.steps[-1].held_out_rms_percent, data.noise_floor_percent
+    return end is not None and noise is not None and _TOO_LARGE * end < noise
 
 
 def comparison_words(data: ComparisonDocument) -> tuple[str, str]:
@@ -137,14 +148,25 @@ def sure(data: DiagnosisDocument) -> str:
     if data.effects:
         least = max((effect.p_value for effect in data.effects if effect.p_value is not None), default=None)
         whom = "" if len(data.effects) == 1 else " for each of them"
-        parts.append(f"p {_equals(small(least))}{whom}, corrected for all effects tested.")
+        most = _equals(small(least)) if len(data.effects) == 1 or _least(least) else f"is at most {small(least)}"
+        parts.append(f"p {most}{whom}, corrected for all effects tested.")
     elif data.unknown is not None:
         chance = small(data.unknown.p_value)
-        parts.append(f"That {data.unknown.channels} predicts the error is no chance: p {_equals(chance)}.")
+        parts.append(
+            f"{_upper(predictor(data.unknown.channels))} predicts the error, and not by chance: p {_equals(chance)}."
+        )
     known = RECORDS.get(data.verdict)
     if known is not None:
         parts.append(known.said)
     return " ".join(parts)
+
+
+def _upper(text: str) -> str:
+    return text[:1].upper() + text[1:]
+
+
+def _least(p_value: float | None) -> bool:
+    return small(p_value).startswith("below")
 
 
 def _equals(chance: str) -> str:
@@ -153,6 +175,8 @@ def _equals(chance: str) -> str:
 
 def _remains(data: DiagnosisDocument) -> str:
     rest = data.remaining
+    if data.partial:
+        return "not looked at yet: the work was stopped before."
     if rest is None:
         last = data.ladder[-1].held_out_rms_percent
         floor = data.noise_floor_percent
@@ -163,10 +187,15 @@ def _remains(data: DiagnosisDocument) -> str:
                 if beyond is None
                 else f"all but {percent(beyond)} may be sampling: {SAMPLING}."
             )
-            return f"{percent(last)}, of which noise makes about {percent(floor)}; {why}"
+            noise = f"of which noise makes about {percent(floor)}"
+            if _within_noise(data):
+                noise = f"no more than the {percent(floor)} that noise was estimated to leave"
+            return f"{percent(last)}, {noise}; {why}"
         return ""
     size = f"{percent(rest.percent)} of the motor {data.quantity} beyond noise ({form(rest.SI, '.2g')} {data.unit} RMS)"
-    shown = f", predicted from {rest.channel}" if rest.channel else ", predicted from no recorded channel"
+    if not rest.percent:
+        size = f"No more than the noise was estimated to leave ({percent(data.noise_floor_percent)})"
+    shown = f", predicted from {predictor(rest.channel)}" if rest.channel else ", predicted from no recorded channel"
     place = f"; largest {rest.where}" if rest.place else f"; {rest.where}" if rest.where else ""
     return f"{size}{shown}{place}."
 
@@ -176,6 +205,8 @@ def _next(data: DiagnosisDocument, options: Sequence[str]) -> tuple[str, str]:
     alike = [effect for effect in data.effects if len(effect.names) > 1]
     rest, improved = data.remaining, len(data.ladder) > 1
     model = data.ladder[-1].model
+    if data.partial:
+        return "Let the same command run to its end:", command_line(data, "improve", data.model, options)
     if alike and data.verdict == "undecided" and rest is None:
         first = alike[0]
         return f"To tell {listed(first.names, 'from')} apart: {first.separated_by}.", ""

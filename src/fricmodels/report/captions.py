@@ -27,6 +27,8 @@ _LEAST_LINES, _SEVERAL = 6, 4
 """Rows and columns, and cells in each, of which a map has at least as many where words say how it changes."""
 _BRANCH = 3
 """Means on one side of zero from which two branches are compared."""
+_NONE = 1e-3
+"""Share of a measured difference below which the modelled one is said to be none."""
 _CLEARLY = 1.1
 """Times the whole error from which the error of a regime is called larger."""
 
@@ -81,12 +83,15 @@ def _explained(grid: Array, known: Mask, axis: int) -> float:
 
 def spectrum_words(figure: Figure) -> str:
     """Say where a spectrum has its greatest line, to half a period in what was travelled or recorded."""
+    meta = figure.layout.meta
+    if not meta:
+        return "The recording is too short for a spectrum."
     line = strongest(figure)
     if line is None:
-        return "The recording is too short for a spectrum."
+        return "No line rises above what noise alone exceeds once in a hundred recordings."
     name, order, resolution, amplitude = line
     digits = max(0, math.ceil(-math.log10(resolution)))
-    unit = unit_shown(figure, "xaxis")
+    unit = unit_shown(figure, "xaxis").replace("1/turn", "per turn").replace("1/m", "per metre")
     return (
         f"The strongest line, {name}, stands at {order:.{digits}f} ± {number(resolution, 1)} {unit}, with an amplitude "
         f"of {number(amplitude)} {unit_shown(figure)}."
@@ -95,14 +100,17 @@ def spectrum_words(figure: Figure) -> str:
 
 def loop_words(figure: Figure) -> str:
     """Say how far the branches before and after reversals lie apart, as measured and as modelled."""
-    apart = {name: _apart(figure, name) for name in ("measured", "modelled")}
+    found = {name: _apart(figure, name) for name in ("measured", "modelled")}
     unit = axis_unit(figure.layout.yaxis)
     text = f"Means over {(figure.layout.meta or {}).get('reversals', 'all')} reversals."
-    if any(value is None for value in apart.values()):
+    apart = {name: value for name, value in found.items() if value is not None}
+    if len(apart) < len(found):
         return f"{text} There is too little motion about them to compare before and after."
+    same = apart["modelled"] < _NONE * apart["measured"]
+    modelled = "not at all in the model" if same else f"by {number(apart['modelled'])} {unit} in the model"
     return (
         f"{text} At the same velocity, friction before and after a reversal differs by {number(apart['measured'])} "
-        f"{unit} RMS as measured, and by {number(apart['modelled'])} {unit} in the model."
+        f"{unit} RMS as measured, and {modelled}."
     )
 
 
@@ -133,6 +141,8 @@ def curve_words(figure: Figure, comparison: Comparison) -> str:
     """Say what a friction curve shows, and where measured and modelled part most."""
     meta = figure.layout.meta or {}
     text = "The cloud is what was measured, less everything in the model that is not friction; the line is the model."
+    if meta.get("band beyond"):
+        text += " The band of ±2 standard errors goes beyond the axis: this recording hardly determines the parameters."
     if "gap" not in meta:
         return text
     unit, speed = ("N m", "rad/s") if comparison.drive.motion is Motion.ROTARY else ("N", "m/s")

@@ -14,6 +14,7 @@ from fricmodels.report.captions import where_words
 from fricmodels.report.channels import channel_of_rest, shown_over
 from fricmodels.report.figures.against import error_over
 from fricmodels.report.wording import counted, listed, percent, share, small
+from fricmodels.results.words import of_motion
 from fricmodels.terminal import Band, Column, Marks, bar, plain, show_plot, show_table
 
 if TYPE_CHECKING:
@@ -74,7 +75,7 @@ def show_answer_of_comparison(console: Console, comparison: Comparison) -> None:
 def _first(console: Console, data: DiagnosisDocument, found: Answer, findings: Sequence[Finding]) -> None:
     _bold(console, f"{data.dataset}: {found.sentence}")
     for finding in findings[:_EXPLAINED]:
-        say(console, f"{finding.tested.name}: {finding.tested.effect.physics}.")
+        say(console, f"{finding.tested.name}: {of_motion(finding.tested.effect.physics, data.motion)}.")
     say(console, found.error)
     console.print()
 
@@ -98,7 +99,8 @@ def _last(console: Console, data: DiagnosisDocument) -> None:
     errors += [percent(steps[-1].held_out_rms_percent)] if len(steps) > 1 else []
     what = f": {listed(names)}" if names else ""
     console.print()
-    _bold(console, f"Verdict: {data.verdict}{what}; test error {' → '.join(errors)}")
+    verdict = f"{data.verdict}, so far" if data.partial else data.verdict
+    _bold(console, f"Verdict: {verdict}{what}; test error {' → '.join(errors)}")
 
 
 def _ladder(console: Console, data: DiagnosisDocument) -> None:

@@ -56,8 +56,9 @@ def points_of(figure: Figure) -> Table | None:
 
 def cells_of(figure: Figure) -> Table | None:
     """Return a map as a coarse table: means of its cells, rows from the top."""
-    trace = figure.data[0]
-    grid = np.asarray(trace.z, dtype=float)
+    trace, meta = figure.data[0], figure.layout.meta or {}
+    grid = np.asarray(trace.customdata if "cells" in meta else trace.z, dtype=float)
+    grid = np.where(np.isfinite(np.asarray(trace.z, dtype=float)), grid, np.nan)
     rows, columns = (np.array_split(np.arange(size), min(size, _GRID)) for size in grid.shape)
     x, y = np.asarray(trace.x, dtype=float), np.asarray(trace.y, dtype=float)
     titles = {f"{axis_title(figure.layout.yaxis)} ↓ {axis_title(figure.layout.xaxis)} →": True}
@@ -65,7 +66,7 @@ def cells_of(figure: Figure) -> Table | None:
     body = [
         (number(float(y[part].mean())), *(_mean(grid[np.ix_(part, other)]) for other in columns)) for part in rows[::-1]
     ]
-    return table(f"Mean residual [{unit_shown(figure)}]", titles, body)
+    return table(meta.get("cells") or f"Mean residual [{unit_shown(figure)}]", titles, body)
 
 
 def _mean(cells: Array) -> str:

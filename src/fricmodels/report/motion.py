@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from fricmodels.motion.document import error_words, how, position_unit
 from fricmodels.report.figure_tables import points_of
 from fricmodels.report.page import Block, Picture, Section, Words, table
+from fricmodels.report.pictures import drawn
 from fricmodels.report.wording import number
 
 if TYPE_CHECKING:
@@ -28,9 +29,12 @@ def motion_section(found: Sequence[Judged]) -> Section:
     motion, simulator = shown.rung.drive.motion, shown.kept
     what = how(simulator.horizon, simulator.recording.interval, closed=simulator.loop is not None)
     by = "the parameters that the torque gave" if shown.fit is None else "parameters fitted to the motion"
-    sentence = f"{shown.rung.name}, simulated {what}, with {by}: {error_words(errors, motion)}, on what was kept back."
+    sentence = f"{shown.rung.name}, simulated {what}, with {by}: {error_words(errors, motion)}, on test data."
     figure = figures.simulated_motion(shown)
-    blocks: list[Block] = [Picture("Simulated beside measured motion", sentence, figure, points_of(figure), "motion")]
+    sentence += f" {drawn(*figures.drawn_samples(figure))}"
+    blocks: list[Block] = [
+        Picture("Simulated beside measured motion", sentence, figure, points_of(figure), "simulated-motion")
+    ]
     unit = position_unit(motion)
     rows = []
     for each in found:
@@ -51,12 +55,10 @@ def motion_section(found: Sequence[Judged]) -> Section:
         f"its velocity [{unit}/s]": True,
         "taken": False,
     }
-    blocks.append(table("RMS errors of the simulated motion on what was kept back", titles, rows))
+    blocks.append(table("RMS errors of the simulated motion on test data", titles, rows))
     if len(found) > 1:
         blocks.append(
-            Words(
-                "Taken is the smallest model within one standard error of the best; what was kept back decides alone."
-            )
+            Words("Taken is the smallest model within one standard error of the best; the test data decide alone.")
         )
     if simulator.loop is None:
         blocks.append(Words(_FREE))

@@ -64,6 +64,7 @@ class Picture:
         figure: of plotly.
         table: the same in numbers, or ``None`` where a table of the report says it already.
         name: of the figure in the page, the same in every page that has it; a number follows where there are several.
+        wide: whether it takes a whole row of a gallery.
     """
 
     kind: ClassVar[str] = "picture"
@@ -72,6 +73,7 @@ class Picture:
     figure: Figure
     table: Table | None = None
     name: str = ""
+    wide: bool = False
 
 
 @dataclass(frozen=True)

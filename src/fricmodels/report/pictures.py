@@ -22,7 +22,7 @@ from fricmodels.report.channels import channel_of_rest, shown_over
 from fricmodels.report.figure_tables import axis_title, cells_of, points_of
 from fricmodels.report.figures.residuals import changing
 from fricmodels.report.page import Picture, Table, table
-from fricmodels.report.wording import count, number, percent, share, small
+from fricmodels.report.wording import count, counted, number, percent, share, small
 
 if TYPE_CHECKING:
     from fricmodels.diagnosis.comparison import Comparison
@@ -52,22 +52,32 @@ def over_time(comparison: Comparison, *, kept_back: bool = True, before: Compari
         first = samples.place[~samples.kept_back]
         figure = figures.overlay(comparison, (float(first[0]), float(first[-1])))
         words = f"Fit error {errors.averaged}: {percent(errors.percent)} of the RMS {what}"
-    words = f"{words}. {_drawn(*figures.drawn_samples(figure))} {where_words(comparison)}"
+    shown = f"{drawn(*figures.drawn_samples(figure))}{_beyond(figures.beyond_axes(figure))}"
+    words = f"{words}. {shown} {where_words(comparison)}"
     return Picture(f"{what.capitalize()} over time", words, figure, points_of(figure), "over-time")
 
 
-def _drawn(drawn: int, total: int) -> str:
-    if drawn >= total:
+def drawn(shown: int, total: int) -> str:
+    """Say how many samples a figure draws, and of how many."""
+    if shown >= total:
         return f"All {count(total)} samples are drawn."
-    return f"{count(drawn)} of {count(total)} samples are drawn, the extremes among them, the same for both curves."
+    return f"{count(shown)} of {count(total)} samples are drawn, the extremes among them, the same for both curves."
+
+
+def _beyond(samples: int) -> str:
+    return (
+        f" {counted(samples, 'sample').capitalize()} far off {'lies' if samples == 1 else 'lie'} beyond the axes."
+        if samples
+        else ""
+    )
 
 
 def excerpt(comparison: Comparison) -> Picture | None:
     """Return the stretch with the largest error, every sample of it; ``None`` where all samples are drawn anyway."""
     from fricmodels.report import figures
 
-    drawn, total = figures.drawn_samples(figures.overlay(comparison))
-    if drawn >= total:
+    shown, total = figures.drawn_samples(figures.overlay(comparison))
+    if shown >= total:
         return None
     begin, end = figures.worst_stretch(comparison)
     figure = figures.overlay(comparison, (begin, end))
@@ -115,7 +125,9 @@ def marks(comparison: Comparison) -> list[Picture]:
     found.append(Picture("Spectrum of the residual", words, spectrum, points_of(spectrum), "spectrum"))
     with suppress(InputError):  # a drive that never reverses has no loops
         loops = figures.hysteresis(comparison)
-        found.append(Picture("Friction around reversals", loop_words(loops), loops, points_of(loops), "reversals"))
+        found.append(
+            Picture("Friction around reversals", loop_words(loops), loops, points_of(loops), "reversals", wide=True)
+        )
     return found
 
 
@@ -163,6 +175,10 @@ def left_over(comparison: Comparison, rest: Remaining) -> Picture:
     from fricmodels.report import figures
 
     channel = channel_of_rest(rest)
+    if rest.channel.startswith(FINELY):
+        figure = figures.residual_spectrum(comparison)
+        title = "What remains: the waves of the error over position"
+        return Picture(title, spectrum_words(figure), figure, points_of(figure), "rest")
     try:
         figure = figures.error_against(comparison, channel)
     except InputError:
@@ -204,6 +220,8 @@ def correlated(known: Correlation) -> Picture | None:
 
 
 _ALIKE = 0.95
+FINELY = "position, finely"
+"""How a diagnosis calls many waves over the position, which means over it would hide."""
 
 
 def ranked(best: Sequence[Candidate], model: str) -> Picture:
@@ -225,7 +243,8 @@ def ranked(best: Sequence[Candidate], model: str) -> Picture:
     elif passing == 1:
         words += ". One passes all three tests."
     else:
-        words += f". {count(passing)} pass all three tests by themselves; most of these only resemble the first."
+        several = counted(passing, "effect").partition(" ")[0].capitalize()
+        words += f". {several} pass all three tests by themselves; most of these only resemble the first."
     cells = [
         (
             row.name,

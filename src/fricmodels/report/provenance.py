@@ -64,7 +64,7 @@ def versions(known: Mapping[str, str]) -> str:
 
 
 def _sampling(known: RecordingFacts) -> str:
-    return f"every {form(None if known.interval is None else 1000 * known.interval, '.6g')} ms"
+    return f"every {form(None if known.interval is None else 1000 * known.interval, '.3g')} ms"
 
 
 def _derived(name: str, known: RecordingFacts) -> str:

@@ -12,6 +12,7 @@ import hashlib
 import json
 import re
 from collections.abc import Iterable, Iterator, Sequence
+from copy import deepcopy
 from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -142,7 +143,7 @@ def _content(figure: Figure) -> str:
 def _style() -> str:
     from fricmodels.report.figures import style
 
-    template = style.template()
+    template = deepcopy(style.template())
     # Each axis makes room on its own side only: a label at the end of a narrow figure would move both in turn.
     template.layout.xaxis.automargin = "height"
     template.layout.yaxis.automargin = "width"

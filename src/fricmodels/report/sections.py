@@ -55,7 +55,7 @@ from fricmodels.report.wording import (
     unit,
     unit_of,
 )
-from fricmodels.results.words import BY_WINDOW, look_alikes
+from fricmodels.results.words import BY_WINDOW, look_alikes, of_motion
 
 if TYPE_CHECKING:
     from fricmodels.diagnosis.comparison import Comparison
@@ -172,7 +172,8 @@ def parameters(
         elif not half:
             half = "given" if errors.get(key) is None and key in ("J", "M") else "not determined"
         own = (number(truth[key], 4) if key in truth else "–",) if truth else ()
-        rows.append((key, middle, half, *own, unit_of(key, known, motion), _meaning(key, known, effects > 1)))
+        meaning = of_motion(_meaning(key, known, effects > 1), motion)
+        rows.append((key, middle, half, *own, unit_of(key, known, motion), meaning))
     titles = {"parameter": False, "value": True, "95 % interval": True} | ({"truth": True} if truth else {})
     return table(caption, titles | {"unit": False, "meaning": False}, rows, symbols=True)
 
@@ -329,8 +330,8 @@ def limits(data: DiagnosisDocument, comparisons: Sequence[Comparison] = ()) -> S
         blocks += [
             Heading("Could not have been seen"),
             Words(
-                f"{listed(blind).capitalize()} may act on the drive all the same; nothing here speaks for or against "
-                f"{'them' if len(blind) > 1 else 'it'}."
+                f"Nothing here speaks for or against {listed(blind)}; "
+                f"{'they' if len(blind) > 1 else 'it'} may act on the drive all the same."
             ),
             Fold(
                 "Why not, and what to record to see them",

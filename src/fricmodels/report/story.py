@@ -7,9 +7,11 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, cast
 
 from fricmodels import plugins
+from fricmodels.dimension import Motion
 from fricmodels.report import sections
 from fricmodels.report.answer import answer, comparison_words, window
 from fricmodels.report.captions import where_words
+from fricmodels.report.linear import in_forces
 from fricmodels.report.motion import motion_section
 from fricmodels.report.page import Page, Picture, Section, Tile, Verdict
 from fricmodels.report.provenance import recording_section
@@ -87,7 +89,7 @@ def page(
 
 
 def _page(data: ComparisonDocument, answer: Verdict, found: Sequence[Section]) -> Page:
-    return Page(
+    page = Page(
         title=data.dataset,
         kicker="Friction report on a recording",
         verdict=answer,
@@ -95,6 +97,7 @@ def _page(data: ComparisonDocument, answer: Verdict, found: Sequence[Section]) -
         sections=found,
         made_by=f"fricmodels {data.versions['fricmodels']}",
     )
+    return in_forces(page) if data.motion is Motion.LINEAR else page
 
 
 def story(
@@ -130,7 +133,9 @@ def _ladder_picture(data: DiagnosisDocument, rungs: Sequence[Rung]) -> Picture |
     if not rungs:
         return None
     figure = figures.ladder(cast("Ladder", _Steps(tuple(rungs))))
-    return Picture("The error falls", sections.ladder_words(data), figure, name="ladder")
+    return Picture(
+        "The error falls", f"{sections.ladder_words(data)} The axis is logarithmic.", figure, name="ladder-steps"
+    )
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fricmodels.dimension import Motion
-from fricmodels.export.columns import concise, summary, window_words
+from fricmodels.export.columns import Column, concise, summary, window_words
+from fricmodels.report.estimates import histories
 from fricmodels.report.page import (
     Block,
     Code,
@@ -29,10 +30,12 @@ from fricmodels.report.provenance import versions
 from fricmodels.report.sections import equations, parameters
 from fricmodels.report.tournament_recordings import best_of_each, identity, recordings
 from fricmodels.report.wording import counted, percent
+from fricmodels.tournament.histories import read_histories
 from fricmodels.tournament.leaderboard import HELD_OUT, Leaderboard
 from fricmodels.tournament.origin import Origin
 
 if TYPE_CHECKING:
+    from fricmodels.results.history import ParameterHistory
     from fricmodels.tournament.sources import Source
 
 Row = Mapping[str, Any]
@@ -80,7 +83,7 @@ def sections(board: Leaderboard, origin: Origin | None, directory: Path) -> list
     best = best_of_each(board)
     if origin is not None:
         found.append(recordings(board, best, origin))
-    found.append(best_parameters(best))
+    found.append(best_parameters(best, read_histories(directory)))
     if any(row.get("not_identified") for row in board.rows):
         found.append(not_identified(board))
     if board.failures:
@@ -136,7 +139,7 @@ def tiles(board: Leaderboard) -> list[Tile]:
     estimators = {row["estimator"] for row in board.rows}
     finite = [each.middle for each in entrants(board) if math.isfinite(each.middle)]
     return [
-        Tile(percent(finite[0]) if finite else "–", "smallest median torque error", "of all models and estimators"),
+        Tile(percent(finite[0]) if finite else "–", _smallest(board), "of all models and estimators"),
         Tile(
             str(len(models)), "models" if len(models) > 1 else "model", f"with {counted(len(estimators), 'estimator')}"
         ),
@@ -147,6 +150,10 @@ def tiles(board: Leaderboard) -> list[Tile]:
         ),
         Tile(f"{ok} of {len(board.rows)}", "fits with a result"),
     ]
+
+
+def _smallest(board: Leaderboard) -> str:
+    return f"smallest {'median ' if len(_recordings(board)) > 1 else ''}{_part(board)}"
 
 
 def _recordings(board: Leaderboard) -> list[str]:
@@ -161,16 +168,22 @@ def leaderboard(board: Leaderboard) -> Section:
     ranked = [each for each in entrants(board) if math.isfinite(each.middle)]
     if ranked:
         with_result = {each.model for each in ranked}
-        rows = [
+        rows: list[tuple[str, ...]] = [
             (each.model, each.estimator, percent(each.middle), f"{percent(each.low)} to {percent(each.high)}")
             for each in ranked[:MOST_ROWS]
         ]
         titles = {"model": False, "estimator": False, "median": True, "quartiles": True}
         over = "Marks are medians, bars quartiles, over recordings and seeds"
+        caption = f"{over}; a fit without a result counts as infinitely bad"
+        if len(_recordings(board)) == 1:
+            titles = {"model": False, "estimator": False, "error": True}
+            rows = [row[:3] for row in rows]
+            over, caption = "Each mark is one fit", f"{_part(board).capitalize()} of each fit"
         words = f"{over}. The smaller, the better; {ranked[0].model} with {ranked[0].estimator} leads."
-        shown = table(f"{over}; a fit without a result counts as infinitely bad", titles, rows)
+        shown = table(caption, titles, rows)
         figure = figures.leaderboard([row for row in board.rows if row["model"] in with_result])
-        blocks.append(Picture("Torque error by model and estimator", words, figure, shown))
+        words += " The axis is logarithmic." if figure.layout.xaxis.type == "log" else ""
+        blocks.append(Picture("Torque error by model and estimator", words, figure, shown, "errors-by-model"))
     if len({row["tags"].get("seed") for row in board.rows}) > 1:
         blocks.append(Table("Median and quartiles over seeds, torque error in %", summary(board.summary()[:MOST_ROWS])))
         blocks.append(Fold("Every fit", every_fit(board)))
@@ -183,6 +196,10 @@ def leaderboard(board: Leaderboard) -> Section:
     return Section("leaderboard", "Leaderboard", blocks)
 
 
+def _part(board: Leaderboard) -> str:
+    return "test error" if board.figure == HELD_OUT else "fit error"
+
+
 def every_fit(board: Leaderboard) -> list[Block]:
     """Return the table of all fits, or of the first of them where there are many."""
     found: list[Block] = [_fits(Leaderboard(board.rows[:MOST_ROWS]), "Every fit, the best first")]
@@ -193,15 +210,31 @@ def every_fit(board: Leaderboard) -> list[Block]:
 
 def _fits(board: Leaderboard, caption: str) -> Table:
     """Return the leaderboard without what is the same in all rows; reasons of failures stand in a section of theirs."""
-    columns = [column for column in concise(board) if column.title != "reason"]
+    listed = {column.title: column for column in concise(board) if column.title != "reason"}
+    marks = listed.pop("not sure of", None)
+    if marks is not None:
+        listed["status"] = _judged(listed["status"], marks)
+    columns = [*listed.values()]
     same = {column.title: column.cells[0] for column in columns if len({*column.cells}) == 1 and len(column.cells) > 1}
     kept = [column for column in columns if column.title not in same or column.title not in ("dataset", "status")]
     note = f", on {same['dataset']}" if "dataset" in same else ""
     return Table(f"{caption}{note}; torque errors in % of the RMS motor torque", kept)
 
 
-def best_parameters(best: Mapping[str, list[Row]]) -> Section:
-    """List the parameters of the best model on each recording."""
+def _judged(status: Column, marks: Column) -> Column:
+    """Return the column of the status with how many parameters mean nothing by themselves; a section names them."""
+    cells = []
+    for cell, own in zip(status.cells, marks.cells, strict=True):
+        loose, held = own.count("?"), own.count("|")
+        parts = [cell, f"{loose} not determined" if loose else "", f"{held} at a bound" if held else ""]
+        cells.append(", ".join(filter(None, parts)))
+    return Column(status.title, tuple(cells))
+
+
+def best_parameters(
+    best: Mapping[str, list[Row]], found: Mapping[tuple[str, str], ParameterHistory] | None = None
+) -> Section:
+    """List the parameters of the best model on each recording, and show how sequential estimators came to theirs."""
     blocks: list[Block] = []
     described: set[str] = set()
     for dataset, rows in best.items():
@@ -214,6 +247,7 @@ def best_parameters(best: Mapping[str, list[Row]]) -> Section:
         truth = row.get("true_parameters")
         shown = parameters(row["model"], row["parameters"], row["standard_errors"], motion, "Parameters", truth)
         blocks.append(shown)
+        blocks += histories(dataset, row["estimator"], found or {})
     if not blocks:
         blocks.append(Words("No fit gave a result."))
     return Section("parameters", "Parameters of the best models", blocks)

@@ -17,6 +17,7 @@ from fricmodels.results.words import in_percent
 NORMAL_95 = 1.959964
 """Standard errors on either side of a 95 % interval."""
 _SUPERSCRIPT = str.maketrans("-0123456789/.", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹ᐟ·")
+_LEAST_PERCENT = 0.001
 _UNCERTAIN_DIGITS = 2
 _SIGNALS = {
     "ω(?!_)": "ω: velocity",
@@ -31,7 +32,9 @@ _SIGNALS = {
 
 
 def percent(value: float | None) -> str:
-    """Return a percentage in three figures; a dash for none."""
+    """Return a percentage in three figures; a dash for none. Less than a thousandth of a percent is not told apart."""
+    if value is not None and 0 < value < _LEAST_PERCENT:
+        return f"<\u00a0{_LEAST_PERCENT}\u00a0%"
     return "–" if value is None or not math.isfinite(value) else f"{number(value)}\u00a0%"
 
 

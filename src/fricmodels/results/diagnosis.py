@@ -195,6 +195,8 @@ class DiagnosisDocument(ComparisonDocument):
     """The models on the way, the given one first."""
     note: str = ""
     """Why the ladder ended where it did, if not because the model became adequate."""
+    partial: bool = False
+    """Whether it was stopped before its end: what remains on the last step was not looked at."""
 
     @property
     def steps(self) -> tuple[Step, ...]:

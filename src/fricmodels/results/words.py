@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import re
+
+from fricmodels.dimension import Motion
+
 BY_WINDOW = "RMS torque error by window, in % of the RMS motor torque"
 FOUND = "What was found"
 SIZE = "Its size on the residual"
@@ -15,6 +19,35 @@ SAMPLING = "when the drive turned or stopped between two samples, and a shift of
 def look_alikes(others: str, separated_by: str) -> str:
     """Say which effects a recording cannot tell from one, and what would tell them apart."""
     return f"This recording cannot tell it from {others}; what would: {separated_by}."
+
+
+_TORQUE = re.compile(r"(?<![\w-])([Tt])orque(s?)(?![\w-])")
+_ROTATION = re.compile(r"(?<![\w-])rotation(?![\w-])")
+
+
+def of_motion(text: str, motion: Motion) -> str:
+    """Return a text about a drive as it reads for its motion: on a linear axis a torque is a force.
+
+    Names of effects and columns, such as ``torque-ripple`` and ``torque_Nm``, stay as they are.
+
+    Args:
+        text: in words of a rotary drive.
+        motion: of the drive.
+    """
+    if motion is not Motion.LINEAR:
+        return text
+    forces = _TORQUE.sub(lambda found: f"{'F' if found[1] == 'T' else 'f'}orce{found[2]}", text)
+    return _ROTATION.sub("motion", forces)
+
+
+def predictor(channel: str) -> str:
+    """Return a channel that predicts the error as in a sentence: what its additions mean, in parentheses."""
+    name, *parts = channel.split(", ")
+    meant = [_MEANT.get(part, part) for part in parts]
+    return f"{name} ({', '.join(meant)})" if meant else name
+
+
+_MEANT = {"finely": "with many waves", "along the motion": "turning its sign with the motion"}
 
 
 def form(value: float | None, how: str) -> str:

@@ -51,6 +51,11 @@ def show_table(console: Console, columns: Sequence[Column], title: str = "") -> 
         console.print(Text("  none"))
 
 
+def fits(columns: Sequence[Column], width: int) -> bool:
+    """Whether columns stand side by side in so many characters."""
+    return len(_parts(columns, width)) < 2
+
+
 def _parts(columns: Sequence[Column], width: int) -> list[list[Column]]:
     """Distribute columns over as many tables as the width asks for, the first column in each."""
     if not columns:

@@ -27,6 +27,13 @@ from fricmodels.tournament.config import Config
 from fricmodels.tournament.sources import Loaded, Source, load
 
 Row = dict[str, Any]
+HISTORY = "history"
+"""What a kept row has beside what stands in a leaderboard: how the parameters of a sequential estimator came about."""
+
+
+def as_shown(row: Mapping[str, Any]) -> Row:
+    """Return a kept row as it stands in a leaderboard."""
+    return {name: value for name, value in row.items() if name != HISTORY}
 
 
 @dataclass(frozen=True)
@@ -192,6 +199,10 @@ def _fit_and_score(job: Job) -> Row:
     _describe(row, fit)
     if loaded.true_parameters is not None:
         row["true_parameters"] = dict(loaded.true_parameters)
+    units = {p.key: p.declared.unit_for(drive.motion) for p in drive.parameters}
+    history = fit.parameter_history(units, row["true_parameters"])
+    if history is not None:
+        row[HISTORY] = history.model_dump(mode="json")
     if fit.status is not Status.OK:
         return row
     figures = score(

@@ -9,7 +9,8 @@ from pathlib import Path
 from fricmodels.errors import FricmodelsError, InputError
 from fricmodels.tournament.config import Config, load_config
 from fricmodels.tournament.execution import EXECUTORS, results
-from fricmodels.tournament.jobs import Job, Row
+from fricmodels.tournament.histories import write_histories
+from fricmodels.tournament.jobs import Job, Row, as_shown
 from fricmodels.tournament.leaderboard import Leaderboard
 from fricmodels.tournament.origin import write_origin
 from fricmodels.tournament.planning import Plan, plan
@@ -93,10 +94,11 @@ def run(
             ) from None
     board = Leaderboard.ranked((_named(rows[job.key], job) for job in ready.jobs), config.ranking)
     board.write(target)
+    write_histories(target, board, rows)
     write_origin(target, ready, config_file)
     return board
 
 
 def _named(row: Row, job: Job) -> Row:
     """Return a kept row under the names that it has in this tournament."""
-    return {**row, "estimator": job.title, "dataset": job.source.dataset, "tags": dict(job.source.tags)}
+    return {**as_shown(row), "estimator": job.title, "dataset": job.source.dataset, "tags": dict(job.source.tags)}

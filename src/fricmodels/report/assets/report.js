@@ -120,8 +120,28 @@
   }
 
   let paper = false;
-  const LOWEST = 250;
-  const PAPER = 0.72; // of the height on a screen: two figures and their captions fit a page
+  const LOWEST = 250, HIGHEST = 310;
+  const STACKED = 480; // below this width two panels stand above each other
+  const PAPER = 0.72; // of the height on a screen: three low figures and their captions fit a page
+  const BESIDE = 0.62; // of figures beside each other: three rows fit
+
+  // Labels of a logarithmic axis that would overlap are thinned: to 1, 2 and 5 in each decade, 1 and 3, or 1.
+  function sparser(axis, room) {
+    if (axis.type !== "log" || !axis.tickvals) return axis;
+    const digit = (value) => Number((value / 10 ** Math.floor(Math.log10(value) + 1e-9)).toPrecision(2));
+    const needed = (kept) => kept.reduce((sum, i) => sum + 8 * String(axis.ticktext[i]).length + 10, 0);
+    const all = axis.tickvals.map((_, i) => i);
+    for (const digits of [null, [1, 2, 5], [1, 3], [1]]) {
+      const kept = digits ? all.filter((i) => digits.includes(digit(axis.tickvals[i]))) : all;
+      if (kept.length < 2 || needed(kept) > room) continue;
+      const only = (values) => kept.map((i) => values[i]);
+      return { ...axis, tickvals: only(axis.tickvals), ticktext: only(axis.ticktext), tickangle: 0 };
+    }
+    return axis;
+  }
+
+  const share = (held) => (held.width === NARROW ? BESIDE : PAPER);
+  const onPaper = (held) => Math.min(HIGHEST, Math.max(LOWEST, Math.round(share(held) * held.height)));
 
   function drawing(held, place) {
     const { data, layout } = recoloured(
@@ -131,12 +151,23 @@
     const margin = { ...layout.margin };
     margin.r = Math.max(22, margin.r ?? 0); // half a label beyond the last tick
     margin.t = Math.max(12, (margin.t ?? 58) - 46); // the caption has the title
+    const width = paper ? held.width : place.clientWidth;
+    const stacked = layout.meta?.stack && width < STACKED ? 1.7 : 1;
+    if (stacked > 1) {
+      Object.assign(layout.yaxis, { domain: [0.57, 1] });
+      Object.assign(layout.yaxis2, { domain: [0, 0.43] });
+      for (const name of ["xaxis", "xaxis2"]) Object.assign(layout[name], { domain: [0, 1] });
+    }
+    const height = Math.round(stacked * held.height);
+    if (!paper) place.style.height = `${height}px`;
     const size = paper
-      ? { autosize: false, width: held.width, height: Math.max(LOWEST, Math.round(PAPER * held.height)) }
-      : { autosize: true, height: held.height };
+      ? { autosize: false, width, height: onPaper(held) }
+      : { autosize: true, height };
+    for (const name of Object.keys(layout)) if (/^xaxis\d*$/.test(name)) layout[name] = sparser(layout[name], width - 90);
     return [data, { ...layout, title: undefined, margin, ...size, dragmode: TOUCH ? false : "zoom" }];
   }
 
+  const WIDE = 668, NARROW = 322; // pixels of A4 and of half of it
   const TOUCH = window.matchMedia("(pointer: coarse)").matches;
   const settings = { displayModeBar: false, responsive: false, showTips: false, doubleClick: "reset" };
 
@@ -217,7 +248,6 @@
   places.forEach((place) => watcher.observe(place));
 
   // On paper everything is unfolded, drawn at the width of the page (A4 or Letter), dark on white.
-  const WIDE = 668, NARROW = 322;
   let unfolded = [];
   window.addEventListener("beforeprint", () => {
     unfolded = [...document.querySelectorAll("main details:not([open])")].filter((each) => !each.closest(".tools"));
@@ -226,14 +256,13 @@
     paper = true;
     for (const [place, held] of drawn) {
       if (!held) continue;
-      held.width = place.closest(".gallery") ? NARROW : WIDE;
-      place.style.height = `${Math.max(LOWEST, Math.round(PAPER * held.height))}px`;
+      held.width = place.closest(".gallery") && !place.closest(".wide") ? NARROW : WIDE;
+      place.style.height = `${onPaper(held)}px`;
     }
     again(() => true);
   });
   window.addEventListener("afterprint", () => {
     paper = false;
-    for (const [place, held] of drawn) if (held) place.style.height = `${held.height}px`;
     unfolded.forEach((each) => { each.open = false; });
     again(() => true);
   });

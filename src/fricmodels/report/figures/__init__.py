@@ -19,13 +19,14 @@ from fricmodels.report.figures.shares import error_shares
 from fricmodels.report.figures.spectrum import residual_spectrum
 from fricmodels.report.figures.steps import ladder
 from fricmodels.report.figures.style import DARK, LIGHT, recoloured
-from fricmodels.report.figures.time_course import drawn_samples, overlay, worst_stretch
+from fricmodels.report.figures.time_course import beyond_axes, drawn_samples, overlay, worst_stretch
 from fricmodels.report.figures.tournament import confusion, leaderboard
 
 __all__ = [
     "DARK",
     "LIGHT",
     "SINCE_REVERSAL",
+    "beyond_axes",
     "candidates",
     "confusion",
     "correlation",

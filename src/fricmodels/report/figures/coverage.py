@@ -15,6 +15,8 @@ if TYPE_CHECKING:
     from fricmodels.diagnosis.comparison import Comparison
 
 CELLS = 40
+_NUMBERED = 12
+"""Parameters up to which there is room for a number in each cell of their correlations."""
 
 
 def coverage(comparison: Comparison) -> Figure:
@@ -46,7 +48,12 @@ def coverage(comparison: Comparison) -> Figure:
             ),
         )
     )
-    figure.update_layout(meta={"visited": float(np.mean(count > 0)), "other": words(other, samples.motion)})
+    meta = {
+        "visited": float(np.mean(count > 0)),
+        "other": words(other, samples.motion),
+        "cells": "Mean time in a cell [s]",
+    }
+    figure.update_layout(meta=meta)
     figure.update_xaxes(title_text=samples.axis(other))
     figure.update_yaxes(title_text=samples.axis("velocity"))
     return styled(figure, f"Coverage of velocity and {words(other, samples.motion)}", samples.subtitle, height=380)
@@ -72,7 +79,7 @@ def correlation(names: Sequence[str], matrix: Sequence[Sequence[float | None]]) 
             y=shown[1:],
             z=below[1:, :-1].astype(np.float32),
             text=[["" if np.isnan(each) else f"{each:.2f}" for each in row] for row in below[1:, :-1]],
-            texttemplate="%{text}",
+            texttemplate="%{text}" if len(shown) <= _NUMBERED else "",
             textfont={"size": 11, "color": LIGHT["text"]},
             zmin=-1.6,
             zmax=1.6,

@@ -23,6 +23,8 @@ _CURVE = 150
 _BINS = 80
 _OUTER = 0.002
 """Share of samples that may lie beyond the axis, so that a few outliers do not flatten all the rest."""
+_BAND = 0.5
+"""Share of the height of cloud and curve from which a band about the curve may leave the axis."""
 _EVALUATED = 20_000
 _GAP_BINS, _LEAST_IN_BIN = 40, 10
 
@@ -55,7 +57,8 @@ def friction_curve(comparison: Comparison) -> Figure:
     curve = _curve(samples)
     torque = words("friction torque", samples.motion)
     figure = go.Figure()
-    figure.add_trace(_density(samples, curve, torque))
+    cloud = _density(samples, curve, torque)
+    figure.add_trace(cloud)
     figure.add_trace(
         go.Scatter(
             x=[None], y=[None], mode="markers", name="measured (stronger: more samples)",
@@ -101,7 +104,14 @@ def friction_curve(comparison: Comparison) -> Figure:
             ),
         )
     )
-    figure.update_layout(meta=_largest_gap(samples))
+    meta: dict[str, float | bool] = {**_largest_gap(samples)}
+    held = np.concatenate([cloud.y, curve.torque])
+    bottom, top = float(held.min()), float(held.max())
+    reached = float(np.nanmax(2 * curve.uncertainty, initial=0.0))
+    if reached > _BAND * (top - bottom) > 0:  # the band of what is not determined would leave nothing else to see
+        figure.update_yaxes(range=[bottom - 0.15 * (top - bottom), top + 0.15 * (top - bottom)])
+        meta["band beyond"] = True
+    figure.update_layout(meta=meta)
     figure.update_xaxes(title_text=samples.axis("velocity"))
     figure.update_yaxes(title_text=samples.torque_axis("friction torque"))
     return styled(figure, f"{torque.capitalize()} against velocity", samples.subtitle, height=380)

@@ -108,7 +108,7 @@ def hysteresis(comparison: Comparison) -> Figure:
     """
     samples = Samples.of(comparison)
     near = reversals(samples)
-    figure = subplots()(rows=2, cols=1, vertical_spacing=0.16)
+    figure = subplots()(rows=1, cols=2, horizontal_spacing=0.12)
     for name, torque, colour in (
         ("measured", samples.measured_friction, "measured"),
         ("modelled", samples.modelled_friction, "vermillion"),
@@ -125,18 +125,19 @@ def hysteresis(comparison: Comparison) -> Figure:
         style = {"color": LIGHT[colour], "width": 1.8, "dash": dash}
         _add(figure, 2, *_binned(after.way, opposing), f"{name}, after", style, "circle", samples.torque_unit)
     torque_name = words("friction torque", samples.motion)
-    figure.update_xaxes(title_text=samples.axis("velocity"), row=1, col=1)
+    figure.update_xaxes(title_text=samples.axis("velocity"), nticks=6, row=1, col=1)
     figure.update_yaxes(title_text=samples.torque_axis("friction torque"), row=1, col=1)
     figure.update_xaxes(
         title_text=label("distance since reversal", unit_of(DISPLACEMENT, samples.motion)),
         rangemode="tozero",
-        row=2,
-        col=1,
+        nticks=6,
+        row=1,
+        col=2,
     )
-    figure.update_yaxes(title_text=samples.torque_axis("opposing motion"), row=2, col=1)
-    figure.update_layout(meta={"reversals": near.count})
+    figure.update_yaxes(title_text=samples.torque_axis("opposing motion"), row=1, col=2)
+    figure.update_layout(meta={"reversals": near.count, "stack": True})
     title = f"{torque_name.capitalize()} around {near.count} reversal{'s' if near.count > 1 else ''}"
-    return styled(figure, title, samples.subtitle, height=620)
+    return styled(figure, title, samples.subtitle, height=380)
 
 
 def _branch(samples: Samples, near: Reversals, torque: Array) -> tuple[Array, Array]:
@@ -158,19 +159,19 @@ def _binned(x: Array, y: Array) -> tuple[Array, Array]:
 
 
 def _add(
-    figure: Figure, row: int, x: Array, y: Array, name: str, style: Mapping[str, Any], symbol: str, unit: str
+    figure: Figure, column: int, x: Array, y: Array, name: str, style: Mapping[str, Any], symbol: str, unit: str
 ) -> None:
     figure.add_trace(
         graph_objects().Scatter(
             x=x,
             y=y.astype(np.float32),
             name=name,
-            showlegend=row == 1,
+            showlegend=column == 1,
             hovertemplate=f"{name}: %{{y:.4g}} {unit}<extra></extra>",
             mode="lines+markers",
             line=style,
             marker={"symbol": symbol, "size": 5, "color": style["color"]},
         ),
-        row=row,
-        col=1,
+        row=1,
+        col=column,
     )

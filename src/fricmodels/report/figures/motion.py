@@ -6,11 +6,32 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from fricmodels.arrays import Array
 from fricmodels.report.figures.downsample import together
 from fricmodels.report.figures.style import Figure, add_lines, label, styled, subplots, unit_of
 
 if TYPE_CHECKING:
     from fricmodels.motion import Judged
+
+
+_EMPTY, _GAP = 0.4, 0.04
+"""Share of the axis that nothing fills from which the pieces stand beside each other, and the share between them."""
+
+
+def _without_gaps(time: Array, interval: float) -> tuple[Array, str]:
+    """Return times without long gaps between pieces, and what the axis is; times as they are where little is empty.
+
+    Args:
+        time: not decreasing [s], shape (N,).
+        interval: of sampling [s].
+    """
+    steps = np.diff(time)
+    gaps = steps > 2 * interval
+    whole, empty = float(steps.sum()), float(steps[gaps].sum())
+    if not empty > _EMPTY * whole:
+        return time, "time"
+    steps = np.where(gaps, _GAP * (whole - empty), steps)
+    return np.concatenate([[0.0], np.cumsum(steps)]), "time, pieces of test data beside each other"
 
 
 def simulated_motion(judged: Judged) -> Figure:
@@ -31,6 +52,7 @@ def simulated_motion(judged: Judged) -> Figure:
     if np.any(np.diff(time) < 0):  # runs with clocks of their own stand one after the other
         steps = np.diff(time)
         time = np.concatenate([[0.0], np.cumsum(np.where(steps > 0, steps, recording.interval))])
+    time, axis = _without_gaps(time, recording.interval)
     unit = unit_of(channel, recording.motion)
     error = np.nan_to_num(simulated - measured)
     thin = together(time, [measured, error], recording.run)
@@ -44,5 +66,5 @@ def simulated_motion(judged: Judged) -> Figure:
     figure.update_layout(meta={"drawn": thin.drawn, "total": len(time)}, hovermode="x unified")
     figure.update_yaxes(title_text=label(channel, unit), row=1, col=1)
     figure.update_yaxes(title_text=label("error", unit), row=2, col=1)
-    figure.update_xaxes(title_text=label("time", "s"), row=2, col=1)
+    figure.update_xaxes(title_text=label(axis, "s"), row=2, col=1)
     return styled(figure, f"{channel.capitalize()} over time, measured and simulated", judged.rung.name, height=400)

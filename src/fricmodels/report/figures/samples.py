@@ -21,6 +21,37 @@ if TYPE_CHECKING:
 
 
 _known: dict[int, tuple[weakref.ref[Comparison], Samples]] = {}
+_joined_before: weakref.WeakValueDictionary[tuple[int, int], _Joined] = weakref.WeakValueDictionary()
+
+
+@dataclass(frozen=True, eq=False)
+class _Joined:
+    """The two parts of a recording put together again; all models of a ladder share it.
+
+    Attributes:
+        train, test: the parts.
+        recording, place, consecutive, kept_back, velocity, resting: as of :class:`Samples`.
+        order: where each sample of the whole stands in the two parts one after the other.
+    """
+
+    train: Recording
+    test: Recording
+    recording: Recording
+    place: Array
+    consecutive: bool
+    kept_back: Mask
+    velocity: Array
+    resting: Mask
+    order: Index
+
+    @classmethod
+    def of(cls, train: Recording, test: Recording) -> _Joined:
+        """Join two parts, once for all models of them."""
+        key = (id(train), id(test))
+        known = _joined_before.get(key)  # it holds the parts: as long as it is there, so are their numbers
+        if known is None:
+            known = _joined_before[key] = _together(train, test)
+        return known
 
 
 @dataclass(frozen=True)
@@ -41,14 +72,9 @@ class Samples:
     """
 
     comparison: Comparison
-    recording: Recording
-    place: Array
-    consecutive: bool
-    kept_back: Mask
+    joined: _Joined
     error: Array
     smoothed_error: Array
-    velocity: Array
-    resting: Mask
 
     @classmethod
     def of(cls, comparison: Comparison) -> Samples:
@@ -61,6 +87,36 @@ class Samples:
         # The samples hold what they need of the comparison, not the comparison itself, or it would never be freed.
         _known[key] = (weakref.ref(comparison, lambda _: _known.pop(key, None)), samples)
         return samples
+
+    @property
+    def recording(self) -> Recording:
+        """All channels, in order."""
+        return self.joined.recording
+
+    @property
+    def place(self) -> Array:
+        """Time on the axis of a figure."""
+        return self.joined.place
+
+    @property
+    def consecutive(self) -> bool:
+        """Whether runs stand one after another."""
+        return self.joined.consecutive
+
+    @property
+    def kept_back(self) -> Mask:
+        """Samples that took no part in the fit."""
+        return self.joined.kept_back
+
+    @property
+    def velocity(self) -> Array:
+        """Velocity freed of noise, zero at rest."""
+        return self.joined.velocity
+
+    @property
+    def resting(self) -> Mask:
+        """Samples at rest."""
+        return self.joined.resting
 
     @property
     def drive(self) -> Drive:
@@ -138,22 +194,13 @@ class Samples:
 
 def _evaluated(comparison: Comparison) -> Samples:
     from fricmodels.score import filtered_torque_error, headline_window, sliding_half_width, torque_error_over
-    from fricmodels.signals import resting, smoothed_velocity
 
     window, half_width = headline_window(comparison.train), sliding_half_width(comparison.train)
     drive, parameters = comparison.drive, comparison.estimate.parameters
-    errors, smoothed, velocities, rests = [], [], [], []
-    for part in (comparison.train, comparison.test):
-        errors.append(torque_error_over(drive, parameters, part, window))
-        smoothed.append(filtered_torque_error(drive, parameters, part, half_width))
-        rest = resting(part)
-        smooth, _ = smoothed_velocity(part)
-        velocities.append(np.where(rest, 0.0, smooth))
-        rests.append(rest)
-    recording, kept_back, order, place, consecutive = _joined(comparison.train, comparison.test)
-    error, slow, velocity, rest = (np.concatenate(parts)[order] for parts in (errors, smoothed, velocities, rests))
-    still = np.asarray(rest, dtype=bool)
-    return Samples(replace(comparison), recording, place, consecutive, kept_back, error, slow, velocity, still)
+    parts, joined = (comparison.train, comparison.test), _Joined.of(comparison.train, comparison.test)
+    error = np.concatenate([torque_error_over(drive, parameters, part, window) for part in parts])[joined.order]
+    slow = np.concatenate([filtered_torque_error(drive, parameters, part, half_width) for part in parts])[joined.order]
+    return Samples(replace(comparison), joined, error, slow)
 
 
 def _cut_from(train: Recording, test: Recording, order: Index) -> Recording | None:
@@ -171,9 +218,9 @@ def _cut_from(train: Recording, test: Recording, order: Index) -> Recording | No
     return whole if alike else None
 
 
-def _joined(train: Recording, test: Recording) -> tuple[Recording, Mask, Index, Array, bool]:
+def _together(train: Recording, test: Recording) -> _Joined:
     """Put two parts of a recording together again, by time where that says the order."""
-    from fricmodels.signals import stretches
+    from fricmodels.signals import resting, smoothed_velocity, stretches
 
     parts = [*((train, piece) for piece in stretches(train.time, train.run))]
     parts += [(test, piece) for piece in stretches(test.time, test.run)]
@@ -199,4 +246,9 @@ def _joined(train: Recording, test: Recording) -> tuple[Recording, Mask, Index, 
     if consecutive:
         lengths = stops - starts + train.interval
         place = place + np.repeat(np.cumsum(lengths) - lengths - starts, sizes)
-    return recording, kept_back[order], order, place, consecutive
+    rests = [resting(part) for part in (train, test)]
+    velocities = [
+        np.where(rest, 0.0, smoothed_velocity(part)[0]) for rest, part in zip(rests, (train, test), strict=True)
+    ]
+    velocity, still = np.concatenate(velocities)[order], np.concatenate(rests)[order].astype(bool)
+    return _Joined(train, test, recording, place, consecutive, kept_back[order], velocity, still, order)

@@ -157,9 +157,9 @@ def _digits(order: float, resolution: float) -> int:
 
 
 def strongest(figure: Figure) -> tuple[str, float, float, float] | None:
-    """Return name, order, resolution and amplitude of the strongest line; ``None`` where there is no spectrum."""
+    """Return name, order, resolution and amplitude of the strongest line; ``None`` where none rises above noise."""
     found = (figure.layout.meta or {}).get("strongest")
-    return None if found is None else tuple(found)
+    return tuple(found) if found else None
 
 
 def residual_spectrum(comparison: Comparison) -> Figure:
@@ -196,11 +196,11 @@ def residual_spectrum(comparison: Comparison) -> Figure:
     few = np.unique(np.linspace(0, len(level) - 1, _LEVEL_POINTS).astype(int))
     _add(figure, found[0].order[few], level[few], "1 % noise threshold", samples, "muted", "dot", 1.2, unit)
     _name_peaks(figure, found)
-    best = max(zip(found, lines, strict=True), key=lambda pair: float(pair[0].amplitude.max(initial=0.0)))
-    if len(best[0].order):
-        top = int(np.argmax(best[0].amplitude))
-        line = [best[1][0], best[0].top(top), best[0].resolution, float(best[0].amplitude[top])]
-        figure.update_layout(meta={"strongest": line})
+    tops = [(each, what, peak) for each, (what, _) in zip(found, lines, strict=True) for peak in each.peaks()[:1]]
+    tops.sort(key=lambda top: -float(top[0].amplitude[top[2]]))
+    if len(found[0].order):
+        named = [[what, each.top(peak), each.resolution, float(each.amplitude[peak])] for each, what, peak in tops[:1]]
+        figure.update_layout(meta={"strongest": named[0] if named else []})
     figure.update_xaxes(
         title_text=axis, tickangle=0, **logarithmic(float(x) for trace in figure.data for x in trace.x[[0, -1]])
     )

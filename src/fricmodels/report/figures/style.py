@@ -10,6 +10,7 @@ import html
 import math
 import re
 from collections.abc import Iterable, Mapping
+from functools import lru_cache
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from fricmodels.dimension import Dimension, Motion
@@ -192,20 +193,24 @@ def label(text: str, unit: str) -> str:
 
 
 def logarithmic(values: Iterable[float]) -> dict[str, Any]:
-    """Return a logarithmic axis around positive values, labelled at 1, 2 and 5 times powers of ten, or sparser."""
+    """Return a logarithmic axis around positive values, labelled at 1, 2 and 5 times powers of ten.
+
+    Over less than a decade there are more labels, over several fewer, so that the axis is seen not to be even.
+    """
     positive = [value for value in values if value > 0] or [1.0]
     low, high = math.log10(min(positive)), math.log10(max(positive))
     margin = 0.06 * (high - low) or 0.3
     low, high = low - margin, high + margin
-    digits = (1, 2, 5) if high - low < 3.5 else (1,)
+    digits = (1, 1.5, 2, 3, 4, 5, 6, 8) if high - low < 1 else (1, 2, 5) if high - low < 3.5 else (1,)
     powers = range(math.floor(low), math.ceil(high) + 1)
     ticks = [digit * 10.0**power for power in powers for digit in digits]
     shown = [tick for tick in ticks if low <= math.log10(tick) <= high]
     return {"type": "log", "range": [low, high], "tickvals": shown, "ticktext": [f"{tick:g}" for tick in shown]}
 
 
+@lru_cache(maxsize=1)
 def template() -> Any:
-    """Return the template of all figures: transparent, legend below, colours of :data:`LIGHT`."""
+    """Return the template of all figures: transparent, legend below, colours of :data:`LIGHT`; it is not to change."""
     go = graph_objects()
     axis = {
         "automargin": True,

@@ -19,6 +19,10 @@ _PIXEL = 1 / 500
 """Share of the axis by which two shaded spans must be apart to be shown apart."""
 
 
+_OUTER = 0.004
+"""Share of samples that may lie beyond the axis, so that a few outliers do not flatten all the rest."""
+_ROOM, _FAR = 0.15, 1.6
+"""Room about the curves as a share of their span, and times the axis that outliers must need to be left out of it."""
 _MOST_BORDERS = 60
 """More borders of runs than this would hide the curves."""
 
@@ -30,6 +34,11 @@ def worst_stretch(comparison: Comparison, count: int = POINTS) -> tuple[float, f
     total = np.concatenate([[0.0], np.cumsum(np.nan_to_num(samples.error) ** 2)])
     first = int(np.argmax(total[count:] - total[:-count]))
     return float(samples.place[first]), float(samples.place[first + count - 1])
+
+
+def beyond_axes(figure: Figure) -> int:
+    """Return how many samples of an :func:`overlay` lie beyond its axes."""
+    return int(figure.layout.meta["beyond"])
 
 
 def drawn_samples(figure: Figure) -> tuple[int, int]:
@@ -69,7 +78,14 @@ def overlay(
     if before is not None:
         drawn.insert(2, (2, "residual of the model as given", thin.values[2], "faint", "solid", 1.0))
     add_lines(figure, thin.x, drawn, samples.torque_unit)
-    figure.update_layout(meta={"drawn": thin.drawn, "total": len(place)})
+    model, rest = measured - error, [error] if before is None else [error, Samples.of(before).error[chosen]]
+    top, low = _axis_without_outliers([measured], [model]), _axis_without_outliers([], rest)
+    beyond = np.zeros(len(place), dtype=bool)
+    for row, limits, values in ((1, top, [measured, model]), (2, low, rest)):
+        if limits is not None:
+            figure.update_yaxes(range=limits, row=row, col=1)
+            beyond |= np.logical_or.reduce([(each < limits[0]) | (each > limits[1]) for each in values])
+    figure.update_layout(meta={"drawn": thin.drawn, "total": len(place), "beyond": int(np.count_nonzero(beyond))})
     _shade(figure, samples, between)
     _borders(figure, place, samples.recording.signal(RUN)[chosen])
     noise = 2 * comparison.noise_floor_percent / 100 * float(np.sqrt(np.mean(comparison.train.torque**2)))
@@ -93,6 +109,24 @@ def overlay(
     figure.update_xaxes(title_text=samples.time_axis, row=2, col=1)
     figure.update_layout(hovermode="x unified")
     return styled(figure, f"{torque.capitalize()} over time, measured and modelled", samples.subtitle, height=400)
+
+
+def _axis_without_outliers(whole: list[Array], curves: list[Array]) -> list[float] | None:
+    """Return an axis that leaves out a few values far off, which would flatten all the rest; ``None`` for all of them.
+
+    Args:
+        whole: curves that are shown entirely.
+        curves: curves of which the outermost samples may lie beyond the axis.
+    """
+    joined = [each[np.isfinite(each)] for each in curves]
+    if not all(len(each) for each in joined):
+        return None
+    ends = [np.quantile(each, [_OUTER / 2, 1 - _OUTER / 2]) for each in joined]
+    ends += [np.array([each.min(), each.max()]) for each in whole]
+    low, high = min(float(each[0]) for each in ends), max(float(each[1]) for each in ends)
+    margin = _ROOM * (high - low)
+    needed = max(float(each.max()) for each in joined) - min(float(each.min()) for each in joined)
+    return [low - margin, high + margin] if needed > _FAR * (high - low + 2 * margin) else None
 
 
 def _borders(figure: Figure, place: Array, run: Array) -> None:
