@@ -93,7 +93,9 @@ def evolved(
         path = (1 - c_path) * path + (math.sqrt(c_path * (2 - c_path) * effective) * moved if steady else 0.0)
         kept = 0.0 if steady else c_path * (2 - c_path)
         matrix = (
-            (1 - c_one * (1 - kept) - c_mu) * matrix + c_one * np.outer(path, path) + c_mu * (chosen.T * weights) @ chosen
+            (1 - c_one * (1 - kept) - c_mu) * matrix
+            + c_one * np.outer(path, path)
+            + c_mu * (chosen.T * weights) @ chosen
         )
         sigma *= math.exp(min(1.0, c_sigma / damping * (length / expected - 1)))
         squares, vectors = np.linalg.eigh((matrix + matrix.T) / 2)

@@ -128,6 +128,7 @@ def fit_motion(
     objective: Objective = "position",
     loss: Loss = "squares",
     most: int = 60,
+    kinks: bool = True,
 ) -> MotionFit:
     r"""Return the parameters with the least squared (or absolute) error of the simulated motion.
 
@@ -142,14 +143,14 @@ def fit_motion(
         starts: parameters by key to begin from; those that are missing begin as declared.
         objective: ``position``, or ``velocity``.
         loss: ``squares``, or ``absolute`` (iteratively reweighted).
-        most: Jacobians, for each start.
+        most: Jacobians, for each start. kinks: whether to go on without derivatives where the error has kinks.
 
     Raises:
         EstimationError: where no start can be simulated to the end.
     """
     problem = Problem.of(simulator, objective)
     begun = [problem.at(start) for start in starts]
-    best = searched(problem.residual, begun, problem.size, problem.bounds, loss=loss, most=most)
+    best = searched(problem.residual, begun, problem.size, problem.bounds, loss=loss, most=most, kinks=kinks)
     if not np.isfinite(best.cost):
         raise EstimationError(
             f"the simulation of '{simulator.drive.model.name}' does not reach the end of "

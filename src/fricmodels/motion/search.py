@@ -62,6 +62,7 @@ def searched(
     *,
     loss: Loss = "squares",
     most: int = 60,
+    kinks: bool = True,
     seed: int = 0,
 ) -> Found:
     r"""Return the best of all ends.
@@ -77,7 +78,8 @@ def searched(
 
     Args:
         residual: of shape (N,). starts: each of shape (n,). size: of each parameter. bounds: least and greatest.
-        loss: what is summed. most: Jacobians, for each start. seed: of the draws.
+        loss: what is summed. most: Jacobians, for each start.
+        kinks: whether to take the second step. seed: of the draws.
     """
     weights = absolute if loss == "absolute" else None
     count = 0
@@ -101,12 +103,12 @@ def searched(
         return best
 
     best = min((descended(np.clip(start, *bounds), (COARSE, STEP)) for start in starts), key=lambda end: end.cost)
-    rises = list(_RISES)
+    rises = list(_RISES) if kinks else []
     for number in range(_ROUNDS):
         if not rises or not math.isfinite(best.cost) or best.cost == 0.0:
             break
-        axes = valley(evaluated, best.at, size, bounds, rises[0] * best.cost, loss)
-        if number == 0 and _is_bowl(cost, best, axes, bounds):
+        axes, risen = valley(evaluated, best.at, size, bounds, rises[0] * best.cost, loss)
+        if number == 0 and _is_bowl(cost, best, axes, risen, bounds):
             break
         before = best.cost
         further = evolved(cost, best.at, axes, bounds, most=_EVALUATIONS * len(size), seed=seed + number)
@@ -121,8 +123,11 @@ def searched(
 
 def valley(
     residual: Residual, at: Array, size: Array, bounds: tuple[Array, Array], rise: float, loss: Loss = "squares"
-) -> Array:
+) -> tuple[Array, Array]:
     r"""Return the axes of the valley about a point, a column each, as long as the cost rises by so much on them.
+
+    Beside them, the share of that rise which the derivatives say for the end of each: less than 1 where the greatest
+    distance is what ends it.
 
     With the normal matrix :math:`N = J^TWJ/\text{rise}` of long differences and :math:`\Lambda` for the greatest distances,
     the axes are those of :math:`(N + \Lambda^{-2})^{-1}`.
@@ -132,23 +137,26 @@ def valley(
         jacobian(residual, at, here, COARSE * np.maximum(np.abs(at), size), bounds, central=True), posinf=0, neginf=0
     )
     weight = absolute(here) if loss == "absolute" else np.ones(len(here))
-    normal = slope.T @ (slope * weight[:, None]) / rise
+    alone = slope.T @ (slope * weight[:, None]) / rise
     widest = _WIDEST * np.maximum(np.abs(at), 10 * size)
-    normal += np.diag(widest**-2.0)
+    normal = alone + np.diag(widest**-2.0)
     scale = 1 / np.sqrt(np.diag(normal))
     values, vectors = np.linalg.eigh(normal * np.outer(scale, scale))
-    return np.asarray(scale[:, None] * vectors / np.sqrt(np.maximum(values, 1e-12)))
+    axes = scale[:, None] * vectors / np.sqrt(np.maximum(values, 1e-12))
+    return axes, np.asarray(np.sum(axes * (alone @ axes), axis=0))
 
 
-def _is_bowl(cost: Callable[[Array], float], best: Found, axes: Array, bounds: tuple[Array, Array]) -> bool:
+def _is_bowl(
+    cost: Callable[[Array], float], best: Found, axes: Array, risen: Array, bounds: tuple[Array, Array]
+) -> bool:
     """Say whether the cost rises along each axis as the derivatives say, far from the end and near to it."""
     if not best.converged:
         return False
     for rise in _RISES:
-        for axis in axes.T * math.sqrt(rise / _RISES[0]):
+        for axis, said in zip(axes.T * math.sqrt(rise / _RISES[0]), risen, strict=True):
             for sign in (1, -1):
                 there = np.clip(best.at + sign * axis, *bounds)
                 share = float(np.linalg.norm(there - best.at) / max(float(np.linalg.norm(axis)), 1e-300))
-                if cost(there) < best.cost * (1 + rise * share**2 / 2):
+                if cost(there) < best.cost * (1 + rise * said * share**2 / 2):
                     return False
     return True
