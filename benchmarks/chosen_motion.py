@@ -1,9 +1,9 @@
 """Is the right structure chosen by simulated motion? On simulated rigs with hidden effects, judged on another motion.
 
-``python benchmarks/chosen_motion.py --seed 2032`` draws one rig an effect, climbs its ladder from the law that it states, adds rungs
-that are not in it, and asks :func:`fricmodels.motion.judged`. Beside it the rule by three blocks (the least squared
-error of what was kept back, within one standard error over the blocks). Each is refitted to all of the recording, and
-simulates the same rig along another motion. Rows go to a JSONL file as they come.
+``python benchmarks/chosen_motion.py --seed 2032`` draws one rig an effect, climbs its ladder from the law that it
+states, adds rungs that are not in it, and asks :func:`fricmodels.motion.judged`. Beside it the rule by three blocks
+(the least squared error of what was kept back, within one standard error over the blocks). Each is refitted to all of
+the recording, and simulates the same rig along another motion. Rows go to a JSONL file as they come.
 """
 
 from __future__ import annotations
@@ -108,9 +108,7 @@ def _neutral(drive: Any, recording: Any) -> dict[str, float]:
 
 def lines(rows: list[dict[str, Any]]) -> list[str]:
     """Return the table."""
-    text = [
-        "| rig | rungs of the ladder | taken by parts | by blocks | error, by parts over by blocks | over the best |"
-    ]
+    text = ["| rig | ladder | taken by parts | by blocks | error, by parts over by blocks | over the best |"]
     text.append("|---|---|---|---|---|---|")
     ratios, over, wide = [], [], []
     for row in rows:
@@ -130,8 +128,9 @@ def lines(rows: list[dict[str, Any]]) -> list[str]:
         better, worse = sum(r < 0.99 for r in ratios), sum(r > 1.01 for r in ratios)
         text += [
             "",
-            f"{len(ratios)} rigs: geometric mean of the error by parts over that by blocks {mean[0]:.3f}; smaller on {better}, "
-            f"larger on {worse}. Over the best rung with hindsight: {mean[1]:.2f} by parts, {mean[2]:.2f} by blocks.",
+            f"{len(ratios)} rigs: geometric mean of the error by parts over that by blocks {mean[0]:.3f}; "
+            f"smaller on {better}, larger on {worse}. "
+            f"Over the best rung with hindsight: {mean[1]:.2f} by parts, {mean[2]:.2f} by blocks.",
         ]
     return text
 

@@ -41,8 +41,8 @@ class Judged:
         by_torque: errors of the kept back part with the parameters that the torque gave.
         fit: to the motion of what was fitted; ``None`` where no simulation reaches its end.
         test: errors of the kept back part with these; ``None`` without a fit.
-        behind: mean and standard error, over the parts that were held out in turn, of the logarithm of the RMS error over
-            that of the best model: 0.1 is an error that is a tenth larger.
+        behind: mean and standard error, over the parts that were held out in turn, of the logarithm of the RMS error
+            over that of the best model: 0.1 is an error that is a tenth larger.
         chosen: whether it is the smallest model that is not clearly behind the best one.
     """
 
@@ -64,13 +64,14 @@ def judged(
     horizon: int | None = None,
     refit: bool = True,
 ) -> list[Judged]:
-    """Fit models to the motion of what is fitted, and say which to take.
+    r"""Fit models to the motion of what is fitted, and say which to take.
 
     Where both parts are cut from one recording, it is cut anew into six parts, each of which is held out in turn and
-    simulated with what the others give, in windows of three lengths (:mod:`fricmodels.motion.validate`); else the pieces
-    of ``test`` count. The best model has the least mean logarithm of the error; the choice is the first one, in order
-    of the number of parameters, that is within one standard error of it (the standard error, over the parts, of the
-    difference between two models). Nothing but the recording that is fitted takes part.
+    simulated with what the others give, in windows of three lengths (:mod:`fricmodels.motion.validate`); else the
+    pieces of ``test`` count. The best model has the least mean logarithm of the error; the choice is the first one, in
+    order of the number of parameters, that is within one standard error of it: that of the difference between two
+    models over K parts, :math:`s\sqrt{1/K + 1/(K-1)}`, as the fits share most of their data. Nothing but the recording
+    that is fitted takes part.
 
     Args:
         rungs: models with a start for each; the optimum of each is a start for the next, which may contain it.
@@ -79,7 +80,8 @@ def judged(
         horizon: samples of a window.
         refit: whether to fit the parameters to the motion; where not, only :attr:`Judged.by_torque` is known.
 
-    Source of the rule: L. Breiman et al., "Classification and regression trees", 1984.
+    Source of the rule: L. Breiman et al., "Classification and regression trees", 1984; of the standard error:
+    C. Nadeau, Y. Bengio, "Inference for the generalization error", Machine Learning 52, 2003.
     """
     found: list[Judged] = []
     errors = []
@@ -135,10 +137,12 @@ def _by_piece(simulator: Simulator, values: Mapping[str, float]) -> Array:
 
 
 def _difference(own: Array, best: Array) -> tuple[float, float]:
-    """Return by how much a model is behind on the mean, and the standard error of that over the pieces."""
+    """Return by how much a model is behind on the mean, and the standard error of that over the parts."""
     if own is best:
         return 0.0, 0.0
     if not np.all(np.isfinite(own)):
         return float("inf"), 0.0
-    more = own - best
-    return float(np.mean(more)), float(np.std(more, ddof=1) / np.sqrt(len(more))) if len(more) > 1 else 0.0
+    more, parts = own - best, len(own)
+    if parts < 2:
+        return float(np.mean(more)), 0.0
+    return float(np.mean(more)), float(np.std(more, ddof=1) * np.sqrt(1 / parts + 1 / (parts - 1)))

@@ -35,9 +35,9 @@ def evolved(
 ) -> Evolved:
     r"""Return the best point of a search in which the distribution of steps learns the shape of the valley.
 
-    Each generation draws :math:`x_i = m + \sigma A z_i` with independent normal :math:`z_i`, ranks the draws by cost, moves m to
-    a weighted mean of the better half and adapts σ and the covariance :math:`C` of the steps. Ranks alone count, so
-    kinks and jumps do no harm. What a draw has beyond a bound is cut off before it is evaluated.
+    Each generation draws :math:`x_i = m + \sigma A z_i` with independent normal :math:`z_i`, ranks the draws by
+    cost, moves m to a weighted mean of the better half and adapts σ and the covariance :math:`C` of the steps. Ranks
+    alone count, so kinks and jumps do no harm. What a draw has beyond a bound is cut off before it is evaluated.
 
     Args:
         cost: the function; what is not finite is worse than anything.

@@ -134,9 +134,9 @@ def fit_motion(
 
     .. math:: \min_\theta \sum_k \big(q_k(\theta) - q_k\big)^2
 
-    by :func:`fricmodels.motion.search.searched`: Levenberg–Marquardt from each start, and CMA-ES about the best end where the error
-    has kinks. A start that is the optimum of a model which this one contains makes sure that the larger model is never
-    worse on what is fitted.
+    by :func:`fricmodels.motion.search.searched`: Levenberg–Marquardt from each start, and CMA-ES about the best end
+    where the error has kinks. A start that is the optimum of a model which this one contains makes sure that the larger
+    model is never worse on what is fitted.
 
     Args:
         simulator: of what is fitted: in one piece, where an error of force adds up, or in windows, which forget it.

@@ -129,8 +129,8 @@ def valley(
     Beside them, the share of that rise which the derivatives say for the end of each: less than 1 where the greatest
     distance is what ends it.
 
-    With the normal matrix :math:`N = J^TWJ/\text{rise}` of long differences and :math:`\Lambda` for the greatest distances,
-    the axes are those of :math:`(N + \Lambda^{-2})^{-1}`.
+    With the normal matrix :math:`N = J^TWJ/\text{rise}` of long differences and :math:`\Lambda` for the greatest
+    distances, the axes are those of :math:`(N + \Lambda^{-2})^{-1}`.
     """
     here = residual(at)
     slope = np.nan_to_num(

@@ -19,7 +19,7 @@ from fricmodels.split import part_of
 PARTS = 6
 """Parts that are held out in turn; whole runs where there are as many."""
 _SHARES = (1, 2, 4)
-"""Windows of a held-out part: all of it, its half, its quarter. What is wrong slowly and what is wrong fast both count."""
+"""Windows of a held-out part: all, half, a quarter of it. What is wrong slowly and what is wrong fast both count."""
 _JACOBIANS = 8
 """Of a fit that begins from that of all parts."""
 
@@ -64,9 +64,10 @@ def scores(
     loop: Loop | None = None,
     horizon: int | None = None,
 ) -> Array:
-    """Return the logarithm of the RMS error of each held-out part, simulated by what the others gave, shape (parts, windows).
+    """Return the logarithm of the RMS error of each held-out part, simulated by what the others gave.
 
-    Without a horizon the windows are a whole piece, half and a quarter of it. Infinite where nothing can be simulated.
+    The shape is (parts, windows). Without a horizon the windows are a whole piece, half and a quarter
+    of it. Infinite where nothing can be simulated.
 
     Args:
         drive: the model. start: parameters of a fit to the motion of all parts. parts: of :func:`folds`.
