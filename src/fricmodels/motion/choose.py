@@ -20,7 +20,10 @@ from fricmodels.recording import Recording
 
 @dataclass(frozen=True)
 class Rung:
-    """A model that may be chosen: its drive, and parameters by key that a fit of the torque found."""
+    """A model that may be chosen: its drive, and parameters by key that a fit of the torque found.
+
+    Those of a loop may be among them; it begins as declared where they are not.
+    """
 
     drive: Drive
     parameters: Mapping[str, float]
@@ -92,7 +95,7 @@ def judged(
         kept = Simulator(rung.drive, test, loop=loop, horizon=horizon)
         started = dict(rung.parameters)
         if loop is not None:
-            started |= {key: p.initial for key, p in zip(loop.keys, loop.parameters, strict=True)}
+            started = {key: p.initial for key, p in zip(loop.keys, loop.parameters, strict=True)} | started
         by_torque = motion_errors(kept, started)
         if not refit:
             found.append(Judged(rung, kept, by_torque, None, None))

@@ -12,10 +12,14 @@ def described(document: ModelDocument) -> str:
     wide = max(len(key) for key in document.parameters)
     lines += [f"  {key.ljust(wide)} = {_value(p)}" for key, p in document.parameters.items()]
     lines += [
-        f"  fitted for {name.replace('_', ' ')} from {seen.least:.4g} to {seen.greatest:.4g} {seen.unit}"
+        f"  fitted for {name.replace('_', ' ')} from {seen.least:.4g} to {seen.greatest:.4g} {seen.unit}".rstrip()
         for name, seen in document.range.items()
         if name != "time"
     ]
+    if document.controller is not None:
+        given = document.controller
+        found = "".join(f", {symbol} = {_value(p)}" for symbol, p in given.parameters.items())
+        lines.append(f"  simulated through the controller '{given.settings.get('kind')}'{found}")
     if document.error is not None:
         lines.append(f"  {error_in_words(document)}")
     return "\n".join(lines)
