@@ -72,7 +72,7 @@ def _fitted(path: Path, data: list[Path], column: list[str] | None, out: Path, *
     model = load(path)
     recording = read_together(data, columns=column or (), motion=model.motion)
     simulated = (closed_loop if closed else driven)(model, recording)
-    data = write_recording(simulated, out)
-    print(f"{data}: {len(simulated)} samples of {', '.join(simulated.channels)}")
+    written = write_recording(simulated, out)
+    print(f"{written}: {len(simulated)} samples of {', '.join(simulated.channels)}")
     for line in errors_in_words(simulated, recording, closed=closed):
         print(line)

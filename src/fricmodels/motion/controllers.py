@@ -187,7 +187,8 @@ def read_controller(path: str | Path) -> Controller | PluginController:
             _brought(str(document.content["kind"]))
         except InputError as error:
             raise document.error(("kind",), str(error)) from None
-    return validate(document, Controller if _which(document.content) == "usual" else PluginController)
+        return validate(document, PluginController)
+    return validate(document, Controller)
 
 
 def stored_controller(given: Mapping[str, Any]) -> Controller | PluginController:
@@ -200,7 +201,7 @@ def stored_controller(given: Mapping[str, Any]) -> Controller | PluginController
 
     from fricmodels.documents import first_problem
 
-    kind = Controller if _which(given) == "usual" else PluginController
+    kind: type[Controller] | type[PluginController] = Controller if _which(given) == "usual" else PluginController
     try:
         return kind.model_validate(given)
     except ValidationError as error:

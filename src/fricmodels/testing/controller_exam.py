@@ -131,11 +131,14 @@ class ControllerExam(Declared):
 
     def _recording(self) -> Recording:
         time = _INTERVAL * np.arange(_SAMPLES)
-        channels = {"time": time, "torque": np.zeros(_SAMPLES), "position": np.zeros(_SAMPLES)}
-        channels["velocity"] = np.zeros(_SAMPLES)
-        for name in self.controller.channels:
-            given = self.channels.get(name, lambda t: np.sin(np.pi * t))
-            if name not in channels:
-                channels[name] = np.broadcast_to(given(time) if callable(given) else given, time.shape).astype(float)
+        channels: dict[str, Array] = {"time": time}
+        channels |= {name: np.zeros(_SAMPLES) for name in ("torque", "position", "velocity")}
+        for name in set(self.controller.channels) - set(channels):
+            given: Any = self.channels.get(name, _sine)
+            channels[name] = np.full(_SAMPLES, given(time) if callable(given) else given, dtype=float)
         run = np.zeros(_SAMPLES, dtype=np.int64)
         return Recording("exam", Motion.ROTARY, channels, run)
+
+
+def _sine(time: Array) -> Array:
+    return np.asarray(np.sin(np.pi * time))
