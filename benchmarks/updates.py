@@ -1,7 +1,7 @@
 """Updates of the filters on line in Python: time of the first and the last tenth, size of the state, covariance.
 
-``python benchmarks/updates.py [--updates 1000000] [--only ekf]`` prints the table of docs/compensation.md: in motion all
-the time, and at rest after a tenth. ``benchmarks/instructions.py`` does the same for the exported C.
+``python benchmarks/updates.py [--updates 1000000] [--only ekf]`` prints the table of docs/compensation.md: in motion
+all the time, and at rest after a tenth. ``benchmarks/instructions.py`` does the same for the exported C.
 """
 
 from __future__ import annotations

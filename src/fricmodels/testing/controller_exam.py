@@ -131,7 +131,7 @@ class ControllerExam(Declared):
 
     def _recording(self) -> Recording:
         time = _INTERVAL * np.arange(_SAMPLES)
-        channels: dict[str, Array] = {"time": time}
+        channels: dict[str, Array] = {"time": np.asarray(time)}
         channels |= {name: np.zeros(_SAMPLES) for name in ("torque", "position", "velocity")}
         for name in set(self.controller.channels) - set(channels):
             given: Any = self.channels.get(name, _sine)
