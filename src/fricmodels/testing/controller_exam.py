@@ -130,8 +130,8 @@ class ControllerExam(Declared):
         return said
 
     def _recording(self) -> Recording:
-        time = _INTERVAL * np.arange(_SAMPLES)
-        channels: dict[str, Array] = {"time": np.asarray(time)}
+        time: Array = np.arange(_SAMPLES, dtype=np.float64) * _INTERVAL
+        channels: dict[str, Array] = {"time": time}
         channels |= {name: np.zeros(_SAMPLES) for name in ("torque", "position", "velocity")}
         for name in set(self.controller.channels) - set(channels):
             given: Any = self.channels.get(name, _sine)
