@@ -81,7 +81,7 @@ def tables(data: Path, say: Callable[[str], None], *, peers: bool = True) -> dic
 
 
 def _chosen(fitted: Recording, pulses: Recording, say: Callable[[str], None]) -> list[list[str]]:
-    """Take the ladder of `improve`, fit every rung to the motion, and let the parts that are held out in turn choose."""
+    """Take the ladder of `improve`, fit every rung to the motion, and let the parts that are held out choose."""
     begin = time.process_time()
     ladder = improve(fitted, BASE)
     say(f"improve: {time.process_time() - begin:.0f} s")
