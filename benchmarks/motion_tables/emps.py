@@ -69,6 +69,9 @@ def tables(data: Path, say: Callable[[str], None], *, peers: bool = True) -> dic
     for name, (values, printed) in AUTHORS.items():
         drive = _drive(name)
         rows.append([name, printed, _error(drive, values, fitted), _error(drive, values, pulses)])
+    count = min(len(fitted), len(pulses))
+    replayed = fitted["position"][:count] - pulses["position"][:count]
+    rows.append(["the identification file, replayed", "", "0", f"{1e3 * float(np.sqrt(np.mean(replayed**2))):.2f}"])
     return {
         "The authors' parameters, simulated": rows,
         "The structure chosen on the identification file alone": _chosen(fitted, pulses, say),
@@ -78,13 +81,13 @@ def tables(data: Path, say: Callable[[str], None], *, peers: bool = True) -> dic
 
 
 def _chosen(fitted: Recording, pulses: Recording, say: Callable[[str], None]) -> list[list[str]]:
-    """Take the ladder of `improve`, fit every rung to the motion, and let the blocks that are kept back choose."""
+    """Take the ladder of `improve`, fit every rung to the motion, and let the parts that are held out choose."""
     begin = time.process_time()
     ladder = improve(fitted, BASE)
     say(f"improve: {time.process_time() - begin:.0f} s")
     rungs = list({rung.model: rung.comparison for rung in ladder.rungs}.values())
     found = judged([Rung(r.drive, r.estimate.parameters) for r in rungs], rungs[0].train, rungs[0].test)
-    titles = ["rung of the ladder", "kept back, by torque", "kept back, fitted to the motion", "taken"]
+    titles = ["rung of the ladder", "kept back, by torque", "kept back, fitted to the motion", "behind", "taken"]
     rows = [[*titles, "refitted to the whole file: itself", "pulses file", "pulses, parameters of the torque"]]
     for each in found:
         drive = each.rung.drive
@@ -95,6 +98,7 @@ def _chosen(fitted: Recording, pulses: Recording, say: Callable[[str], None]) ->
                 each.rung.name,
                 f"{1e3 * each.by_torque.position:.2f}",
                 "–" if each.test is None else f"{1e3 * each.test.position:.2f}",
+                f"{each.behind[0]:.2f} ({each.behind[1]:.2f})",
                 "yes" if each.chosen else "",
                 f"{1e3 * whole.errors.position:.2f}",
                 _error(drive, whole.parameters, pulses),

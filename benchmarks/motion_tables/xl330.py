@@ -44,7 +44,7 @@ RANGES = {
 """From which starts are drawn, evenly in logarithms; the peers search in them too."""
 KEPT = "/200"
 """Logs of this gain take no part in fitting."""
-_DRAWS, _BEST, _JACOBIANS = 100, 2, 20
+_DRAWS, _BEST, _JACOBIANS = 100, 2, 10
 _FEW = 8
 """Jacobians of a fit that begins from that of all gains."""
 _PEER = 1000

@@ -1,4 +1,4 @@
-"""The hooks through which laws, effects, estimators and readers register, built-in ones included.
+"""The hooks through which laws, effects, estimators, readers and controllers register, built-in ones included.
 
 A plugin is a distribution with an entry point in the group ``fricmodels`` that names a module with hook
 implementations::
@@ -41,3 +41,8 @@ def fricmodels_estimators() -> list[type]:  # type: ignore[empty-body]
 @hookspec
 def fricmodels_readers() -> list[type]:  # type: ignore[empty-body]
     """Return readers of recordings: subclasses of :class:`fricmodels.readers.base.Reader`."""
+
+
+@hookspec
+def fricmodels_controllers() -> list[type]:  # type: ignore[empty-body]
+    """Return controllers that drive a simulation: subclasses of :class:`fricmodels.loop.Loop`."""

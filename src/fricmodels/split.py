@@ -89,10 +89,10 @@ def split(recording: Recording, how: Split | None = None) -> tuple[Recording, Re
             f"splitting recording '{recording.name}' by {how.by} leaves {what} to fit and "
             f"{'everything' if test.all() else 'nothing'} to score; change the split"
         )
-    return _part(recording, ~test), _part(recording, test)
+    return part_of(recording, ~test), part_of(recording, test)
 
 
-def _part(recording: Recording, mask: Mask) -> Recording:
+def part_of(recording: Recording, mask: Mask) -> Recording:
     """Select samples; where a run is cut out of the middle, what follows becomes a run of its own."""
     part = recording.select(mask)
     where = np.flatnonzero(mask)

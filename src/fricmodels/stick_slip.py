@@ -166,6 +166,7 @@ def phase_of_step(drive: Drive, loop: Loop | None = None) -> Any:
     end = [inputs[2 + 2 * i] for i in range(count)]
     begin = [inputs[1 + 2 * i] + done * (inputs[2 + 2 * i] - inputs[1 + 2 * i]) for i in range(count)]
     left = (1 - done) * inputs[0]
+    goes_on = done < 1  # what the first phase has brought to the end is not computed again
 
     # At rest: held while neither limit is passed; ``wait`` is the share of what is left until one of them is.
     above = [motion.excess(1, position, x[1:], ends) for ends in (begin, end)]
@@ -195,5 +196,7 @@ def phase_of_step(drive: Drive, loop: Loop | None = None) -> Any:
     final = [choose(held[i], stopped[i], slid[i]) for i in range(x.numel())]
     final_position = choose(position, position + part * left * x[0] / 2, reached)
     final_done = casadi.if_else(last_phase, 0, done + (1 - done) * choose(wait, part, 1))
-    following = casadi.vertcat(final[0], final_position, *final[1:], final_done)
+    moved = [final[0], final_position, *final[1:], final_done]
+    kept = [*(state[i] for i in range(len(moved) - 1)), casadi.if_else(last_phase, 0, done)]
+    following = casadi.vertcat(*(casadi.if_else(goes_on, m, k) for m, k in zip(moved, kept, strict=True)))
     return casadi.Function("step", [state, inputs, constants], [following, following[:2]], {"cse": True})

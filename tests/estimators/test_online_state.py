@@ -9,6 +9,8 @@ from typing import Any
 
 import numpy as np
 import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
 
 from estimators.detchmendy_sridhar import DetchmendySridhar
 from estimators.ekf import ExtendedKalman
@@ -47,12 +49,12 @@ def test_a_saved_filter_goes_on_to_the_last_bit(paper: SimpleNamespace, cls: Any
     """Through JSON, without the recording, in the middle of a rest and of a run."""
     drive = paper.drive(inertia=paper.inertia if known else None)
     online = cls().start(drive, paper.recording(0.02, cycles=4))
-    given = list(samples(paper, 700, _REST, 300))
-    for sample in given[:350]:
+    listed = list(samples(paper, 700, _REST, 300))
+    for sample in listed[:350]:
         online.update(sample)
     again = cls().resume(json.loads(json.dumps(online.state)))
     assert again.parameters == online.parameters
-    for sample in given[350:]:
+    for sample in listed[350:]:
         assert again.update(sample) == online.update(sample)
     np.testing.assert_array_equal(again.covariance, online.covariance)
     assert again.state == online.state
@@ -108,6 +110,42 @@ def test_the_covariance_stays_one(paper: SimpleNamespace, cls: Any) -> None:
         if i % 500 == 499:
             bare.append(smallest_eigenvalue(online))
     assert min(bare) > 1e-9
+
+
+@pytest.mark.parametrize("cls", ESTIMATORS)
+@settings(max_examples=12, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(
+    pieces=st.lists(
+        st.tuples(st.sampled_from(["motion", "rest", "speed", "gap", "jerk", "new run"]), st.integers(5, 120)),
+        min_size=2,
+        max_size=6,
+    ),
+    seed=st.integers(0, 99),
+)
+def test_the_covariance_stays_one_whatever_comes(
+    paper: SimpleNamespace, cls: Any, pieces: list[tuple[str, int]], seed: int
+) -> None:
+    """Motion, rest, one speed, gaps in time, wild torques and new runs in any order: positive definite and finite."""
+    made = paper.recording(0.02, cycles=4)
+    online, random = cls().start(paper.drive(), made), np.random.default_rng(seed)
+    step = float(made.time[1] - made.time[0])
+    time, run, place = 0.0, 0, 0
+    for kind, count in pieces:
+        run += kind == "new run"
+        for _ in range(count):
+            torque, velocity = float(made.torque[place]), float(made.velocity[place])
+            place = (place + 1) % len(made)
+            if kind == "rest":
+                torque, velocity = 0.0, 0.0
+            elif kind == "speed":
+                velocity = 20.0
+            elif kind == "jerk":
+                torque *= 10 * float(random.standard_normal())
+            time += step * (50 if kind == "gap" else 1)
+            found = online.update({"time": time, "torque": torque, "velocity": velocity, "run": float(run)})
+        assert all(np.isfinite(value) for value in found.values())
+        assert np.all(np.isfinite(online.covariance))
+        assert smallest_eigenvalue(online) > 0.0
 
 
 @pytest.mark.long

@@ -144,6 +144,20 @@ def test_without_a_recording_it_is_projected_and_says_so(curved: tuple[Any, Reco
             assert rms(full - found.drive.friction(motion, other)) > found.cost
 
 
+def test_a_bending_contact_does_not_become_viscous(kept: Callable[..., Any]) -> None:
+    """Over strokes as long as recorded a contact that bends over a hundredth of them hardly counts."""
+    bend = {"presliding.F_1": 0.2, "presliding.F_2": 0.2, "presliding.D": 0.5, "presliding.x_s": 0.01}
+    model = kept("coulomb-viscous+presliding", {"K_v": 0.3, "K_c": 0.8, **bend})
+    motion = motion_over(model)
+    low, high = model.ranges["position"]
+    turns = np.flatnonzero(np.diff(np.sign(motion.velocity)) != 0)
+    ways = np.abs(np.add.reduceat(motion.velocity * np.gradient(motion.time), turns))[:-1]
+    assert np.median(ways) == pytest.approx(high - low, rel=0.1)
+    found = nearest(model, COULOMB_VISCOUS)
+    assert found.parameters["K_v"] == pytest.approx(0.3, rel=0.1)
+    assert found.parameters["K_c"] == pytest.approx(0.8, rel=0.1)
+
+
 def test_a_law_of_the_target_comes_through_unchanged(kept: Callable[..., Any]) -> None:
     model = kept("coulomb-viscous", {"K_v": 0.125, "K_c": 0.75})
     for target in ("urdf", "ros2", "isaac", "mjcf"):

@@ -5,12 +5,16 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from fricmodels.diagnosis import kept_back, ready
 from fricmodels.drive import Drive
 from fricmodels.errors import EstimationError
 from fricmodels.model import Model
 from fricmodels.motion import Controller, Rung, Simulator, fit_motion, judged, motion_errors
+from fricmodels.motion.evolution import evolved
 from fricmodels.motion.fit import Problem
 from fricmodels.motion.least_squares import minimised
+from fricmodels.motion.search import searched
+from fricmodels.motion.validate import folds
 from fricmodels.recording import Recording
 from fricmodels.simulation import simulate
 
@@ -157,3 +161,60 @@ def test_a_fit_that_cannot_begin_says_so() -> None:
     with pytest.raises(EstimationError, match="horizon"):
         fit_motion(unstable, [{**TRUE, "stiffness.k": -1e9, "stiffness.tau_0": 0.0}])
     assert Problem.of(simulator).keys == ("J", "K_v", "K_c")
+
+
+def test_each_part_is_held_out_in_turn_where_one_recording_was_cut() -> None:
+    """What was not there is not taken, what was is; by one recording cut as `improve` cuts it."""
+    names = ("coulomb-viscous", "coulomb-viscous+stribeck")
+    extra = {"stribeck.F_s": 0.01, "stribeck.omega_s": 0.5, "stribeck.delta": 1.0}
+    rungs = [Rung(drive(names[0]), START), Rung(drive(names[1]), {**START, **extra})]
+    for there in (True, False):
+        whole = recorded(count=3000, noise=1e-3, name=names[there], **(STRIBECK if there else {}))
+        found = judged(rungs, *kept_back(ready(whole)))
+        assert [each.chosen for each in found] == ([False, True] if there else [True, False])
+        assert found[there].behind[0] <= found[there].behind[1]
+
+
+def test_parts_that_are_held_out_cover_the_recording_once() -> None:
+    prepared = ready(recorded(count=600))
+    parts = folds(prepared)
+    assert len(parts) == 6
+    assert np.array_equal(np.sort(np.concatenate([part.held_out.time for part in parts])), prepared.time)
+    assert all(len(part.fitted) + len(part.held_out) == 600 for part in parts)
+    runs = prepared.select(np.arange(600))
+    many = Recording("runs", runs.motion, runs.channels, np.arange(600) // 50)
+    assert [np.unique(part.held_out.run).tolist() for part in folds(many)] == [[2 * i, 2 * i + 1] for i in range(6)]
+
+
+def test_a_search_with_kinks_goes_on_where_derivatives_stop() -> None:
+    """Many small steps on a bowl: a search by derivatives ends on one of them; a smooth bowl is left alone."""
+
+    def rough(x: np.ndarray) -> np.ndarray:
+        return np.array([x[0] - 3 + 0.5 * np.sin(25 * x[0]), 2 * (x[1] + 1) + 0.5 * np.sin(25 * x[1]), 1.0])
+
+    bounds = (np.full(2, -10.0), np.full(2, 10.0))
+    start, size = np.zeros(2), np.full(2, 0.01)
+    with_kinks = searched(rough, [start], size, bounds)
+    without = searched(rough, [start], size, bounds, kinks=False)
+    assert with_kinks.cost <= without.cost
+    assert with_kinks.cost < 1.02
+    assert searched(rough, [start], size, bounds).at.tolist() == with_kinks.at.tolist()
+    smooth = searched(lambda x: np.array([x[0] - 3, 2 * (x[1] + 1), 1.0]), [start], size, bounds)
+    assert smooth.at == pytest.approx([3, -1], abs=1e-6)
+    assert smooth.evaluations < 120
+
+
+def test_evolution_finds_the_bottom_of_a_bent_valley() -> None:
+    """Rosenbrock's, with a bound that cuts the way to it off, too."""
+
+    def banana(x: np.ndarray) -> float:
+        return float(100 * (x[1] - x[0] ** 2) ** 2 + (1 - x[0]) ** 2)
+
+    free = (np.full(2, -5.0), np.full(2, 5.0))
+    assert evolved(banana, np.array([-1.0, 1.0]), np.eye(2), free, most=2000).at == pytest.approx([1, 1], abs=1e-2)
+    short = (np.full(2, -5.0), np.array([0.5, 5.0]))
+    assert evolved(banana, np.array([-1.0, 1.0]), np.eye(2), short, most=2000).at == pytest.approx(
+        [0.5, 0.25], abs=1e-2
+    )
+    nowhere = evolved(lambda x: float("nan"), np.zeros(2), np.eye(2), free, most=50)
+    assert np.isinf(nowhere.cost)

@@ -1,4 +1,4 @@
-"""``fricmodels check``: the exam of a law, an effect, an estimator or a reader."""
+"""``fricmodels check``: the exam of a law, an effect, an estimator, a reader or a controller."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ def command(
     ] = False,
     timeout: Annotated[float, typer.Option(min=1.0, help="Seconds for one check.")] = 120.0,
 ) -> None:
-    """Let a law, an effect, an estimator or a reader sit its exam.
+    """Let a law, an effect, an estimator, a reader or a controller sit its exam.
 
     Each check that fails says what to change; the exit code is 1 if one does.
     """

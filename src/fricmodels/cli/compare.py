@@ -50,7 +50,7 @@ def command(
     recording, chosen = given.recording, given.model
     check(report)
     check_score(score, recording, horizon, controller)
-    loop = loop_of(controller, recording)
+    loop = loop_of(controller, recording, given.file if score is Score.POSITION else None)
     from fricmodels.cli.answers import answered
     from fricmodels.cli.printing import console, working
     from fricmodels.diagnosis import compare
@@ -71,7 +71,7 @@ def command(
         if score is Score.POSITION:
             from fricmodels.cli.motion import by_motion
 
-            judged = by_motion(shown, [comparison], horizon, loop, out, fixed=fixed)
+            judged = by_motion(shown, [comparison], horizon, loop, out, fixed=fixed, known=given.of_controller)
         if report is not None:
             from fricmodels.report import story
             from fricmodels.report import write as write_report

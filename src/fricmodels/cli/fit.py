@@ -20,7 +20,7 @@ from fricmodels.cli.measurement import (
     Trust,
     load,
 )
-from fricmodels.cli.motion import ControllerFile, Horizon, Score, check_score, loop_of
+from fricmodels.cli.motion import ControllerFile, Horizon, Score, check_score, controller_for
 from fricmodels.cli.sums import check_model, is_sums, plan_of, summed
 from fricmodels.errors import InputError
 from fricmodels.gaps import Gaps
@@ -52,8 +52,10 @@ def command(
 ) -> None:
     """Fit a model and keep it in a file, to call, simulate and export.
 
-    The fit is that of `compare`; with --objective position its parameters then bring the simulated motion nearest.
+    The fit is that of `compare`; with --objective position its parameters then bring the simulated motion nearest, and
+    the file keeps the --controller through which it was simulated.
     Files of `sums` may be given in the place of recordings.
+
     Python reads the file with `fricmodels.load`; `compare`, `diagnose`, `improve` and `simulate` take it in place of a
     model's name, `export` writes it for other programs.
     """
@@ -65,7 +67,8 @@ def command(
         return
     given = load(data, model, column, torque_constant, reader, linear, None, inertia, trust, gaps)
     check_score(objective, given.recording, horizon, controller, option="--objective")
-    loop = loop_of(controller, given.recording)
+    by_position = objective is Score.POSITION
+    control = controller_for(controller, given.recording, given.file if by_position else None)
     from fricmodels.cli.answers import answered
     from fricmodels.cli.printing import working
     from fricmodels.diagnosis import compare
@@ -73,11 +76,15 @@ def command(
 
     with answered(given.recording, given.model), working(f"fitting {given.model.name}"):
         comparison = compare(given.recording, given.model, given.inertia)
-        if objective is Score.POSITION:
-            from fricmodels.cli.motion import refitted
-
-            comparison = refitted(comparison, horizon, loop)
         kept = keep(comparison)
+        if by_position:
+            from fricmodels.cli.motion import refitted
+            from fricmodels.saved.controlled import found_of, with_controller
+
+            known = {} if given.file is None else found_of(given.file)
+            comparison, fit = refitted(comparison, horizon, None if control is None else control.loop(), known)
+            kept = keep(comparison)
+            kept = kept if control is None else with_controller(kept, control, fit)
     _say(kept, out)
 
 

@@ -53,7 +53,7 @@ def command(given: Measurement) -> None:
             from fricmodels.cli.motion import by_motion, taken
 
             rungs = list({rung.model: rung.comparison for rung in ladder.rungs}.values())
-            judged = by_motion(shown, rungs, given.horizon, given.loop, given.out)
+            judged = by_motion(shown, rungs, given.horizon, given.loop, given.out, known=given.of_controller)
             best = taken(rungs, judged)
         if given.out is not None:
             from fricmodels.saved import keep

@@ -19,6 +19,7 @@ class Kind(StrEnum):
     EFFECTS = "effects"
     ESTIMATORS = "estimators"
     READERS = "readers"
+    CONTROLLERS = "controllers"
     DATASETS = "datasets"
 
 
@@ -27,7 +28,7 @@ def command(
     config: Annotated[Path | None, typer.Option(help="The tournament whose data sets are listed.")] = None,
     linear: Annotated[bool, typer.Option("--linear", help="Units of a linear axis instead of a rotary drive.")] = False,
 ) -> None:
-    """List laws, effects, estimators, readers or the data sets of a run.
+    """List laws, effects, estimators, readers, controllers of plugins, or the data sets of a run.
 
     Each with its equation, its parameters with units, and the distribution that it comes from.
     """
@@ -48,6 +49,13 @@ def command(
         entries = [(name, registered.estimators.entry(name)) for name in registered.estimators]
         rows = [[name, e.cls.summary, ", ".join(e.cls.Settings.model_fields), e.distribution] for name, e in entries]
         titles = ["name", "what it does", "settings", "distribution"]
+    elif kind is Kind.CONTROLLERS:
+        rows = []
+        for name in registered.controllers:
+            entry = registered.controllers.entry(name)
+            parameters = ", ".join(f"{p.symbol} [{p.unit_for(motion)}]" for p in entry.cls.parameters)
+            rows.append([name, ", ".join(entry.cls.channels), parameters, entry.distribution])
+        titles = ["name", "follows", "parameters", "distribution"]
     else:
         readers = [(name, registered.readers.entry(name)) for name in registered.readers]
         rows = [[name, " ".join(e.cls.suffixes), e.distribution] for name, e in readers]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -74,6 +74,13 @@ class Loaded:
     model: Model
     inertia: float | None
     file: FittedModel | None = None
+
+    @property
+    def of_controller(self) -> dict[str, float]:
+        """What the file's fit found of the controller that it carries, by key."""
+        from fricmodels.saved.controlled import found_of
+
+        return {} if self.file is None else found_of(self.file)
 
 
 def load(
@@ -202,6 +209,7 @@ class Measurement:
     score: Score = Score.TORQUE
     horizon: int | None = None
     loop: Loop | None = None
+    of_controller: dict[str, float] = field(default_factory=dict)
 
     @property
     def options(self) -> list[str]:
@@ -255,7 +263,7 @@ def _command(work: Callable[[Measurement], None]) -> Callable[..., None]:
         given = load(data, model, column, torque_constant, reader, linear, leave_out, inertia, trust, gaps, fixed)
         check(report)
         check_score(score, given.recording, horizon, controller)
-        loop = loop_of(controller, given.recording)
+        loop = loop_of(controller, given.recording, given.file if score is Score.POSITION else None)
         left_out = (*(leave_out or ()), *unusable_effects(leave_out or ()))
         measurement = Measurement(
             given.recording,
@@ -270,6 +278,7 @@ def _command(work: Callable[[Measurement], None]) -> Callable[..., None]:
             score,
             horizon,
             loop,
+            given.of_controller if score is Score.POSITION else {},
         )
         with answered(given.recording, given.model):
             work(measurement)

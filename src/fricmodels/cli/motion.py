@@ -9,12 +9,13 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Mapping, Sequence
 
     from fricmodels.diagnosis.comparison import Comparison
     from fricmodels.loop import Loop
-    from fricmodels.motion import Judged, MotionFit
+    from fricmodels.motion import Controller, Judged, MotionFit, PluginController
     from fricmodels.recording import Recording
+    from fricmodels.saved import FittedModel
 
 
 class Score(StrEnum):
@@ -33,23 +34,39 @@ Horizon = Annotated[
 ]
 ControllerFile = Annotated[
     Path | None,
-    typer.Option("--controller", metavar="FILE.yaml", help="Simulate through this controller, from its reference."),
+    typer.Option(
+        "--controller",
+        metavar="FILE.yaml",
+        help="Simulate through this controller, from its reference; that of a model's file if left out.",
+    ),
 ]
 
 
-def loop_of(path: Path | None, recording: Recording) -> Loop | None:
-    """Return what a controller's file makes of a simulation.
+def loop_of(path: Path | None, recording: Recording, file: FittedModel | None = None) -> Loop | None:
+    """Return what a controller's file makes of a simulation, or else the controller that a model carries.
 
     Raises:
         InputError: for a mistake in the file, or a channel that the recording does not have.
     """
-    if path is None:
-        return None
-    from fricmodels.motion import check_controller, read_controller
+    controller = controller_for(path, recording, file)
+    return None if controller is None else controller.loop()
 
-    controller = read_controller(path)
-    check_controller(controller, frozenset(recording.channels), recording.name)
-    return controller.loop()
+
+def controller_for(
+    path: Path | None, recording: Recording, file: FittedModel | None = None
+) -> Controller | PluginController | None:
+    """Return the controller of a file, or else the one that a model carries, or ``None``.
+
+    Raises:
+        InputError: for a mistake in the file, or a channel that the recording does not have.
+    """
+    from fricmodels.motion import check_controller, read_controller
+    from fricmodels.saved.controlled import controller_of
+
+    controller = read_controller(path) if path is not None else None if file is None else controller_of(file)
+    if controller is not None:
+        check_controller(controller, frozenset(recording.channels), recording.name)
+    return controller
 
 
 def check_score(
@@ -80,14 +97,18 @@ def by_motion(
     out: Path | None,
     *,
     fixed: bool = False,
+    known: Mapping[str, float] | None = None,
 ) -> list[Judged]:
-    """Say, and write as ``motion.json``, what the simulated motion says of models that were fitted to the torque."""
+    """Say, and write as ``motion.json``, what the simulated motion says of models that were fitted to the torque.
+
+    What is known of the loop's parameters is where a fit of them begins, or what they are.
+    """
     from fricmodels.cli.printing import working
     from fricmodels.motion import Rung, judged
     from fricmodels.motion.document import motion_document, write_motion
 
     first = comparisons[0]
-    rungs = [Rung(each.drive, each.estimate.parameters) for each in comparisons]
+    rungs = [Rung(each.drive, {**(known or {}), **each.estimate.parameters}) for each in comparisons]
     with working("simulating"):
         found = judged(rungs, first.train, first.test, loop=loop, horizon=horizon, refit=not fixed)
     console.print()
@@ -128,8 +149,10 @@ def show_motion(console: Any, found: Sequence[Judged], horizon: int | None, inte
             console.print(f"{each.rung.name}, refitted to the motion: {words}.", markup=False, highlight=False)
 
 
-def refitted(comparison: Comparison, horizon: int | None, loop: Loop | None) -> Comparison:
-    """Return a comparison with the parameters that bring the simulated motion nearest to the measured one.
+def refitted(
+    comparison: Comparison, horizon: int | None, loop: Loop | None, known: Mapping[str, float] | None = None
+) -> tuple[Comparison, MotionFit]:
+    """Return a comparison with the parameters that bring the simulated motion nearest to the measured one, and the fit.
 
     Raises:
         EstimationError: where no simulation reaches its end.
@@ -137,7 +160,8 @@ def refitted(comparison: Comparison, horizon: int | None, loop: Loop | None) -> 
     from fricmodels.motion import Simulator, fit_motion
 
     simulator = Simulator(comparison.drive, comparison.train, horizon=horizon, loop=loop)
-    return with_parameters(comparison, fit_motion(simulator, [comparison.estimate.parameters]))
+    fit = fit_motion(simulator, [{**(known or {}), **comparison.estimate.parameters}])
+    return with_parameters(comparison, fit), fit
 
 
 def with_parameters(comparison: Comparison, fit: MotionFit) -> Comparison:

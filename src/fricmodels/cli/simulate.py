@@ -21,26 +21,37 @@ def command(
         list[Path] | None,
         typer.Option("--torque", metavar="DATA", help="Recording whose torque drives a fitted model; repeatable."),
     ] = None,
+    reference: Annotated[
+        list[Path] | None,
+        typer.Option(
+            "--reference",
+            metavar="DATA",
+            help="Recording with the reference that drives a fitted model through the controller in its file; "
+            "repeatable.",
+        ),
+    ] = None,
     column: Column = None,
 ) -> None:
     """Simulate a drive with hidden effects.
 
     Writes the recording, and the truth beside it as DATA.truth.json. A fitted model is driven by the torque of a
-    recording, open loop from its first sample; how far its motion goes from the recorded one is printed.
+    recording, open loop from its first sample, or by its reference through the controller that `fit --controller`
+    stored; how far its motion goes from the recorded one is printed.
     """
     from fricmodels.errors import InputError
 
     if rig.suffix == ".json":
-        if not torque:
+        if bool(torque) == bool(reference):
             raise InputError(
-                f"{rig}: a fitted model needs a torque that drives it; give a recording with --torque DATA"
+                f"{rig}: a fitted model needs what drives it; give a recording with --torque DATA, or with "
+                f"--reference DATA for the controller in its file"
             )
         if seed is not None:
             raise InputError("a fitted model has no noise, and no seed; leave --seed out")
-        _fitted(rig, torque, column, out)
+        _fitted(rig, torque or reference or [], column, out, closed=bool(reference))
         return
-    if torque:
-        raise InputError("--torque drives a fitted model; a rig has its own excitation")
+    if torque or reference:
+        raise InputError("--torque and --reference drive a fitted model; a rig has its own excitation")
     from fricmodels.rig import load_rig, write
 
     chosen = load_rig(rig)
@@ -52,15 +63,16 @@ def command(
     print(f"{truth}: the truth, {chosen.true_model}")
 
 
-def _fitted(path: Path, torque: list[Path], column: list[str] | None, out: Path) -> None:
+def _fitted(path: Path, data: list[Path], column: list[str] | None, out: Path, *, closed: bool) -> None:
     from fricmodels.readers import read_together
     from fricmodels.saved import load
+    from fricmodels.saved.controlled import closed_loop
     from fricmodels.saved.driven import driven, errors_in_words, write_recording
 
     model = load(path)
-    recording = read_together(torque, columns=column or (), motion=model.motion)
-    simulated = driven(model, recording)
-    data = write_recording(simulated, out)
-    print(f"{data}: {len(simulated)} samples of {', '.join(simulated.channels)}")
-    for line in errors_in_words(simulated, recording):
+    recording = read_together(data, columns=column or (), motion=model.motion)
+    simulated = (closed_loop if closed else driven)(model, recording)
+    written = write_recording(simulated, out)
+    print(f"{written}: {len(simulated)} samples of {', '.join(simulated.channels)}")
+    for line in errors_in_words(simulated, recording, closed=closed):
         print(line)

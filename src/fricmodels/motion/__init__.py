@@ -3,18 +3,28 @@
 from __future__ import annotations
 
 from fricmodels.motion.choose import Judged, Rung, judged
-from fricmodels.motion.controllers import Controller, Motor, check_controller, read_controller
+from fricmodels.motion.controllers import (
+    AnyController,
+    Controller,
+    Motor,
+    PluginController,
+    check_controller,
+    read_controller,
+    stored_controller,
+)
 from fricmodels.motion.errors import MotionErrors, motion_errors
 from fricmodels.motion.fit import MotionFit, fit_motion
 from fricmodels.motion.simulator import Simulator
 from fricmodels.motion.start import state_at
 
 __all__ = [
+    "AnyController",
     "Controller",
     "Judged",
     "MotionErrors",
     "MotionFit",
     "Motor",
+    "PluginController",
     "Rung",
     "Simulator",
     "check_controller",
@@ -23,4 +33,5 @@ __all__ = [
     "motion_errors",
     "read_controller",
     "state_at",
+    "stored_controller",
 ]

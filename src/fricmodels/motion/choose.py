@@ -1,4 +1,4 @@
-"""Chooses among models by the motion that they simulate on what was kept back."""
+"""Chooses among models by the motion that they simulate on what they were not fitted to."""
 
 from __future__ import annotations
 
@@ -14,12 +14,16 @@ from fricmodels.loop import Loop
 from fricmodels.motion.errors import MotionErrors, motion_errors
 from fricmodels.motion.fit import MotionFit, fit_motion
 from fricmodels.motion.simulator import Simulator
+from fricmodels.motion.validate import folds, log_error, scores
 from fricmodels.recording import Recording
 
 
 @dataclass(frozen=True)
 class Rung:
-    """A model that may be chosen: its drive, and parameters by key that a fit of the torque found."""
+    """A model that may be chosen: its drive, and parameters by key that a fit of the torque found.
+
+    Those of a loop may be among them; it begins as declared where they are not.
+    """
 
     drive: Drive
     parameters: Mapping[str, float]
@@ -40,8 +44,8 @@ class Judged:
         by_torque: errors of the kept back part with the parameters that the torque gave.
         fit: to the motion of what was fitted; ``None`` where no simulation reaches its end.
         test: errors of the kept back part with these; ``None`` without a fit.
-        behind: mean and standard error of the squared error beyond that of the best model, over the pieces that were
-            kept back [position²].
+        behind: mean and standard error, over the parts that were held out in turn, of the logarithm of the RMS error
+            over that of the best model: 0.1 is an error that is a tenth larger.
         chosen: whether it is the smallest model that is not clearly behind the best one.
     """
 
@@ -63,11 +67,14 @@ def judged(
     horizon: int | None = None,
     refit: bool = True,
 ) -> list[Judged]:
-    """Fit models to the motion of what is fitted, and say which to take by the motion of what was kept back.
+    r"""Fit models to the motion of what is fitted, and say which to take.
 
-    The least squared position error on the pieces that were kept back is that of the best model; the choice is the
-    first one, in order of the number of parameters, that is within one standard error of it (the standard error of the
-    difference between two models over the pieces). Nothing but the recording that is fitted takes part.
+    Where both parts are cut from one recording, it is cut anew into six parts, each of which is held out in turn and
+    simulated with what the others give, in windows of three lengths (:mod:`fricmodels.motion.validate`); else the
+    pieces of ``test`` count. The best model has the least mean logarithm of the error; the choice is the first one, in
+    order of the number of parameters, that is within one standard error of it: that of the difference between two
+    models over K parts, :math:`s\sqrt{1/K + 1/(K-1)}`, as the fits share most of their data. Nothing but the recording
+    that is fitted takes part.
 
     Args:
         rungs: models with a start for each; the optimum of each is a start for the next, which may contain it.
@@ -76,17 +83,19 @@ def judged(
         horizon: samples of a window.
         refit: whether to fit the parameters to the motion; where not, only :attr:`Judged.by_torque` is known.
 
-    Source of the rule: L. Breiman et al., "Classification and regression trees", 1984.
+    Source of the rule: L. Breiman et al., "Classification and regression trees", 1984; of the standard error:
+    C. Nadeau, Y. Bengio, "Inference for the generalization error", Machine Learning 52, 2003.
     """
     found: list[Judged] = []
-    squares = []
+    errors = []
+    parts = folds(train.origin.whole) if _of_one(train, test) and refit and train.origin is not None else []
     before: dict[str, float] = {}
     for rung in rungs:
         fitted = Simulator(rung.drive, train, loop=loop, horizon=horizon)
         kept = Simulator(rung.drive, test, loop=loop, horizon=horizon)
         started = dict(rung.parameters)
         if loop is not None:
-            started |= {key: p.initial for key, p in zip(loop.keys, loop.parameters, strict=True)}
+            started = {key: p.initial for key, p in zip(loop.keys, loop.parameters, strict=True)} | started
         by_torque = motion_errors(kept, started)
         if not refit:
             found.append(Judged(rung, kept, by_torque, None, None))
@@ -95,18 +104,22 @@ def judged(
             fit = fit_motion(fitted, [started, {**started, **before}])
         except EstimationError:
             found.append(Judged(rung, kept, by_torque, None, None))
-            squares.append(np.full(len(np.unique(test.run)), np.inf))
+            errors.append(np.full(len(parts) or len(np.unique(test.run)), np.inf))
             continue
         before = dict(fit.parameters)
         found.append(Judged(rung, kept, by_torque, fit, motion_errors(kept, fit.parameters)))
-        squares.append(_by_piece(kept, fit.parameters))
-    if not squares:
+        if parts and len(rungs) > 1:
+            own = scores(rung.drive, fit.parameters, parts, loop=loop, horizon=horizon)
+            errors.append(np.mean(own, axis=1))
+        else:
+            errors.append(_by_piece(kept, fit.parameters))
+    if not errors:
         return found
-    means = [float(np.mean(each)) if np.all(np.isfinite(each)) else np.inf for each in squares]
+    means = [float(np.mean(each)) if np.all(np.isfinite(each)) else np.inf for each in errors]
     if not np.isfinite(min(means)):
         return found
     best = int(np.argmin(means))
-    behind = [_difference(each, squares[best]) for each in squares]
+    behind = [_difference(each, errors[best]) for each in errors]
     within = [i for i, (more, error) in enumerate(behind) if np.isfinite(more) and more <= error]
     chosen = min(within or [best], key=lambda i: (len(rungs[i].drive.parameters), i))
     return [
@@ -115,22 +128,24 @@ def judged(
     ]
 
 
+def _of_one(train: Recording, test: Recording) -> bool:
+    """Say whether both were cut from the same recording."""
+    return train.origin is not None and test.origin is not None and train.origin.whole is test.origin.whole
+
+
 def _by_piece(simulator: Simulator, values: Mapping[str, float]) -> Array:
-    """Return the mean squared error of the position (of the velocity without one) on each piece."""
-    position, velocity = simulator(values)
-    measured = simulator.recording
-    known = "position" in measured
-    error = position - measured["position"] if known else velocity - measured.velocity
-    return np.array(
-        [np.mean(error[simulator.scored & (measured.run == number)] ** 2) for number in np.unique(measured.run)]
-    )
+    """Return the logarithm of the RMS error of each piece."""
+    run = simulator.recording.run
+    return np.array([log_error(simulator, values, run == number) for number in np.unique(run)])
 
 
 def _difference(own: Array, best: Array) -> tuple[float, float]:
-    """Return by how much a model is behind on the mean, and the standard error of that over the pieces."""
+    """Return by how much a model is behind on the mean, and the standard error of that over the parts."""
     if own is best:
         return 0.0, 0.0
     if not np.all(np.isfinite(own)):
         return float("inf"), 0.0
-    more = own - best
-    return float(np.mean(more)), float(np.std(more, ddof=1) / np.sqrt(len(more))) if len(more) > 1 else 0.0
+    more, parts = own - best, len(own)
+    if parts < 2:
+        return float(np.mean(more)), 0.0
+    return float(np.mean(more)), float(np.std(more, ddof=1) * np.sqrt(1 / parts + 1 / (parts - 1)))

@@ -1,14 +1,14 @@
-"""The usual controllers of a drive, as they are written in YAML."""
+"""Controllers of a drive as they are written in YAML: the usual ones, and those that plugins bring."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, TypeAlias, get_args
 
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag, field_validator, model_validator
 
-from fricmodels.errors import InputError
+from fricmodels.errors import InputError, suggestion
 from fricmodels.expressions import Expression
 from fricmodels.loop import Loop
 from fricmodels.parameter import Parameter, State
@@ -17,6 +17,8 @@ from fricmodels.term import Parameters, Signals
 
 Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 Number = Annotated[float, Field(ge=0, allow_inf_nan=False)]
+Kind: TypeAlias = Literal["position-gain", "pd", "speed-loop"]
+_KINDS: tuple[str, ...] = get_args(Kind)
 
 
 class Motor(BaseModel):
@@ -57,7 +59,7 @@ class Controller(BaseModel):
     """
 
     model_config = ConfigDict(extra="forbid", frozen=True)
-    kind: Literal["position-gain", "pd", "speed-loop"]
+    kind: Kind
     reference: str
     reference_velocity: str | None = None
     gain: Positive
@@ -99,7 +101,79 @@ def _channel(name: str) -> str:
     return name if name.startswith(OTHER) else f"{OTHER}{name}"
 
 
-def read_controller(path: str | Path) -> Controller:
+class PluginController(BaseModel):
+    """A controller that a plugin brings, by its name.
+
+    Attributes:
+        kind: under which it is registered.
+        values: of its parameters that are known, by symbol; the others are estimated.
+    """
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+    kind: str
+    values: dict[str, Annotated[float, Field(allow_inf_nan=False)]] = Field(default_factory=dict)
+
+    @field_validator("kind")
+    @classmethod
+    def _registered(cls, kind: str) -> str:
+        try:
+            _brought(kind)
+        except InputError as error:
+            raise ValueError(str(error)) from None
+        return kind
+
+    @model_validator(mode="after")
+    def _has_them(self) -> PluginController:
+        try:
+            self.loop()
+        except InputError as error:
+            raise ValueError(str(error)) from None
+        return self
+
+    @property
+    def channels(self) -> tuple[str, ...]:
+        """The channels of a recording that it follows."""
+        return tuple(name for name in self.loop().channels if name.startswith(OTHER))
+
+    def loop(self) -> Loop:
+        """Return what drives a simulation with it.
+
+        Raises:
+            InputError: where no plugin has it, or it has no such parameter.
+        """
+        return _brought(self.kind)(**self.values)
+
+
+def _brought(kind: str) -> type[Loop]:
+    """Return the class of a controller that a plugin brings."""
+    from fricmodels import plugins
+
+    registry = plugins.load().controllers
+    if kind not in registry:
+        known = (*_KINDS, *registry.names)
+        try:
+            registry.entry(kind)
+        except plugins.LeftOut:
+            raise
+        except InputError:
+            raise InputError(f"unknown kind of controller '{kind}'{suggestion(kind, known)}") from None
+    found: type[Loop] = registry[kind]
+    return found
+
+
+def _which(given: Any) -> str:
+    """Say whether a controller is one of the usual ones; one without a kind is taken for one of them."""
+    kind = given.get("kind") if isinstance(given, Mapping) else getattr(given, "kind", None)
+    return "usual" if kind is None or kind in _KINDS else "plugin"
+
+
+AnyController: TypeAlias = Annotated[
+    Annotated[Controller, Tag("usual")] | Annotated[PluginController, Tag("plugin")], Discriminator(_which)
+]
+"""A usual controller, or one that a plugin brings; ``kind`` says which."""
+
+
+def read_controller(path: str | Path) -> Controller | PluginController:
     """Read a controller from a YAML file.
 
     Raises:
@@ -107,7 +181,31 @@ def read_controller(path: str | Path) -> Controller:
     """
     from fricmodels.documents import read_yaml, validate
 
-    return validate(read_yaml(path), Controller)
+    document = read_yaml(path)
+    if _which(document.content) == "plugin":
+        try:
+            _brought(str(document.content["kind"]))
+        except InputError as error:
+            raise document.error(("kind",), str(error)) from None
+        return validate(document, PluginController)
+    return validate(document, Controller)
+
+
+def stored_controller(given: Mapping[str, Any]) -> Controller | PluginController:
+    """Return a controller from what :meth:`pydantic.BaseModel.model_dump` made of it.
+
+    Raises:
+        InputError: where it is none that is known here.
+    """
+    from pydantic import ValidationError
+
+    from fricmodels.documents import first_problem
+
+    kind: type[Controller] | type[PluginController] = Controller if _which(given) == "usual" else PluginController
+    try:
+        return kind.model_validate(given)
+    except ValidationError as error:
+        raise InputError(f"the controller: {first_problem(error, kind)}") from None
 
 
 class _Controlled(Loop):
@@ -203,7 +301,7 @@ class _VoltageIntegrating(_Voltage, _Integrating):
     states = _Integrating.states
 
 
-def check_controller(controller: Controller, channels: frozenset[str], name: str) -> None:
+def check_controller(controller: Controller | PluginController, channels: frozenset[str], name: str) -> None:
     """Refuse a controller whose channels a recording does not have.
 
     Raises:

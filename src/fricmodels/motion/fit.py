@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
@@ -12,7 +12,8 @@ from fricmodels.arrays import Array
 from fricmodels.dimension import Dimension
 from fricmodels.errors import EstimationError
 from fricmodels.motion.errors import MotionErrors, motion_errors
-from fricmodels.motion.least_squares import STEP, Minimum, jacobian, minimised
+from fricmodels.motion.least_squares import STEP, jacobian
+from fricmodels.motion.search import Found, Loss, absolute, searched
 from fricmodels.motion.simulator import Simulator
 from fricmodels.score.criteria import information_criteria
 from fricmodels.weakform.inference import covariance
@@ -20,14 +21,9 @@ from fricmodels.weakform.least_squares import NormalEquations
 from fricmodels.weakform.ranges import natural_size
 
 Objective: TypeAlias = Literal["position", "velocity"]
-Loss: TypeAlias = Literal["squares", "absolute"]
 
-_COARSE = 3e-2
-"""Of a difference that looks over a kink, in sizes of a parameter."""
 _SMALL = 1e-2
 """Share of a parameter's natural size below which it is not counted in its own value."""
-_NEARLY = 1e-2
-"""Share of the median absolute error below which an absolute error is squared, so that it has a derivative."""
 
 
 @dataclass(frozen=True)
@@ -132,69 +128,43 @@ def fit_motion(
     objective: Objective = "position",
     loss: Loss = "squares",
     most: int = 60,
+    kinks: bool = True,
 ) -> MotionFit:
     r"""Return the parameters with the least squared (or absolute) error of the simulated motion.
 
     .. math:: \min_\theta \sum_k \big(q_k(\theta) - q_k\big)^2
 
-    by Levenberg–Marquardt from each start, first with long differences that look over the kinks where the drive stops
-    or starts; the best end counts. A start that is the optimum of a model which this one contains makes sure that the
-    larger model is never worse on what is fitted.
+    by :func:`fricmodels.motion.search.searched`: Levenberg–Marquardt from each start, and CMA-ES about the best end
+    where the error has kinks. A start that is the optimum of a model which this one contains makes sure that the larger
+    model is never worse on what is fitted.
 
     Args:
         simulator: of what is fitted: in one piece, where an error of force adds up, or in windows, which forget it.
         starts: parameters by key to begin from; those that are missing begin as declared.
         objective: ``position``, or ``velocity``.
         loss: ``squares``, or ``absolute`` (iteratively reweighted).
-        most: Jacobians, for each start.
+        most: Jacobians, for each start. kinks: whether to go on without derivatives where the error has kinks.
 
     Raises:
         EstimationError: where no start can be simulated to the end.
     """
     problem = Problem.of(simulator, objective)
-    weights = _absolute if loss == "absolute" else None
-    ends = []
-    for start in starts:
-        begin = at = np.clip(problem.at(start), *problem.bounds)
-        for length in (_COARSE, STEP):
-            end = minimised(
-                problem.residual, at, problem.size, problem.bounds, most=most, weights=weights, relative_step=length
-            )
-            at = end.at
-            ends.append(end)
-        here = problem.residual(begin)
-        ends.append(Minimum(begin, float(here @ here) if np.all(np.isfinite(here)) else np.inf, 1, False))
-    best = min(ends, key=_cost(problem, loss))
+    begun = [problem.at(start) for start in starts]
+    best = searched(problem.residual, begun, problem.size, problem.bounds, loss=loss, most=most, kinks=kinks)
     if not np.isfinite(best.cost):
         raise EstimationError(
             f"the simulation of '{simulator.drive.model.name}' does not reach the end of "
             f"'{simulator.recording.name}' from any start; give a shorter horizon"
         )
-    return _inferred(problem, best, sum(end.evaluations for end in ends), weights)
+    return _inferred(problem, best, loss)
 
 
-def _cost(problem: Problem, loss: Loss) -> Callable[[Minimum], float]:
-    def cost(end: Minimum) -> float:
-        if loss == "squares" or not np.isfinite(end.cost):
-            return end.cost
-        return float(np.sum(np.abs(problem.residual(end.at))))
-
-    return cost
-
-
-def _absolute(residual: Array) -> Array:
-    """Return the weights with which squares are absolute errors, squares again where an error is nearly zero."""
-    size = np.abs(residual)
-    least = _NEARLY * float(np.median(size)) or 1.0
-    return np.asarray(1.0 / np.maximum(size, least))
-
-
-def _inferred(problem: Problem, best: Minimum, evaluations: int, weights: Callable[[Array], Array] | None) -> MotionFit:
+def _inferred(problem: Problem, best: Found, loss: Loss) -> MotionFit:
     """Return the fit with its covariance; a parameter at its bound, or without effect, has none."""
     here = problem.residual(best.at)
     step = STEP * np.maximum(np.abs(best.at), problem.size)
     slope = np.nan_to_num(jacobian(problem.residual, best.at, here, step, problem.bounds))
-    root = np.ones(len(here)) if weights is None else np.sqrt(weights(here))
+    root = np.sqrt(absolute(here)) if loss == "absolute" else np.ones(len(here))
     slope, residual = slope * root[:, None], -here * root
     normal = NormalEquations.of(slope.T @ slope, slope.T @ residual)
     run = problem.simulator.recording.run[problem.simulator.scored]
@@ -208,7 +178,7 @@ def _inferred(problem: Problem, best: Minimum, evaluations: int, weights: Callab
         normal.null,
         motion_errors(problem.simulator, problem.values(best.at)),
         best.converged,
-        evaluations + len(problem.keys) + 2,
+        best.evaluations + len(problem.keys) + 2,
     )
 
 

@@ -1,4 +1,4 @@
-"""Finds laws, effects, estimators and readers: the plugin manager, and nothing else, knows who provides them."""
+"""Finds laws, effects, estimators, readers, controllers: the plugin manager, and nothing else, knows whose they are."""
 
 from __future__ import annotations
 

@@ -13,7 +13,8 @@ def exercise(kind: str, cls: type[Any], doing: Callable[[str], None]) -> None:
     """Make a law or an effect and build its equations; what goes wrong with them is told where they are used.
 
     Args:
-        kind: ``law``, ``effect``, ``estimator`` or ``reader``; the last two are called in processes of their own.
+        kind: ``law``, ``effect``, ``estimator``, ``reader`` or ``controller``; the first two are used without being
+            asked for by name.
         cls: the class.
         doing: is told which method is called next.
     """

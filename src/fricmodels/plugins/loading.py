@@ -26,12 +26,14 @@ _HOOKS = {
     "effect": "fricmodels_effects",
     "estimator": "fricmodels_estimators",
     "reader": "fricmodels_readers",
+    "controller": "fricmodels_controllers",
 }
 _BASES = {
     "law": "fricmodels.term.Law",
     "effect": "fricmodels.term.Effect",
     "estimator": "fricmodels.estimator.Estimator",
     "reader": "fricmodels.readers.base.Reader",
+    "controller": "fricmodels.loop.Loop",
 }
 """Base class of each kind; by name, as some of them stand above this room."""
 
@@ -75,6 +77,7 @@ def load() -> Plugins:
         effects=Registry("effect", found["effect"], kept, dangers),  # type: ignore[arg-type]
         estimators=Registry("estimator", found["estimator"], kept),
         readers=Registry("reader", found["reader"], kept),
+        controllers=Registry("controller", found["controller"], kept),
         failures=kept,
         unsafe=tuple(unsafe),
     )

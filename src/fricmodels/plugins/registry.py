@@ -121,17 +121,24 @@ class Plugins:
     """All that is registered, what failed to register, and what must not be used in a process that is to live.
 
     Estimators derive from :class:`fricmodels.estimator.Estimator`, readers from
-    :class:`fricmodels.readers.base.Reader`; both stand above this room.
+    :class:`fricmodels.readers.base.Reader`, controllers from :class:`fricmodels.loop.Loop`; all stand above this room.
     """
 
     laws: Registry[Law]
     effects: Registry[Effect]
     estimators: Registry[Any]
     readers: Registry[Any]
+    controllers: Registry[Any]
     failures: tuple[Failure, ...]
     unsafe: tuple[Failure, ...] = ()
 
     @property
     def registries(self) -> dict[str, Registry[Any]]:
-        """The registry of each kind: ``law``, ``effect``, ``estimator``, ``reader``."""
-        return {"law": self.laws, "effect": self.effects, "estimator": self.estimators, "reader": self.readers}
+        """The registry of each kind: ``law``, ``effect``, ``estimator``, ``reader``, ``controller``."""
+        return {
+            "law": self.laws,
+            "effect": self.effects,
+            "estimator": self.estimators,
+            "reader": self.readers,
+            "controller": self.controllers,
+        }

@@ -29,6 +29,8 @@ if TYPE_CHECKING:
 
 _HELD = 0.9
 """Share that is held at rest of what bent contacts carry: a drive that is known to a tenth is not pushed on by it."""
+_TURNED = 0.5
+"""Share that pushes a contact over which gives back more than it took; see :mod:`fricmodels.tracking.compensator`."""
 _REST = 1e-9
 """A reference slower than this share of its fastest rests; so does a model's compensation, at a width of 1e-6."""
 
@@ -37,7 +39,7 @@ def true_torque(rig: Rig, interval: float, motion: Array, load: Array, *, origin
     """Return the motor torque under which the drive follows a motion, shape (N,).
 
     At rest dry friction is left out, which opposes motion and is there to hold, and nine tenths are held of what bent
-    contacts carry.
+    contacts carry; those that give back more than they took are pushed over.
     Bristles, ageing contacts and a load behind a joint are followed from rest along the motion.
 
     Args:
@@ -86,7 +88,9 @@ def _invert(p: Any, motion: Any, load: Any, step: float, origin: float, rest: fl
             tiny = 1e-3 * rest
             up = friction_torque(p, 1.0, tiny, lagged, q1, known, slow, peak, carried)
             down = friction_torque(p, -1.0, -tiny, lagged, q1, known, slow, peak, carried)
-            friction = _HELD * min(abs(up), abs(down)) * math.copysign(1.0, up) if up * down > 0.0 else 0.0
+            takes, gives = (up, down) if up > 0.0 else (-down, -up)
+            share = _HELD if _HELD * gives <= takes else -_TURNED
+            friction = share * min(abs(up), abs(down)) * math.copysign(1.0, up) if up * down > 0.0 else 0.0
         else:
             friction = friction_torque(p, s1, w1, lagged, q1, known, slow, peak, carried)
         without, _ = applied_torques(p, q1, w1, q2, w2, 0.0, known)

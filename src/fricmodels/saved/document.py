@@ -122,6 +122,20 @@ class StoredProvenance(_Part):
     versions: dict[str, str] = Field(default_factory=dict)
 
 
+class StoredController(_Part):
+    """A controller through which the motion was simulated: how it was written, and what was found of it.
+
+    Attributes:
+        settings: as in its YAML file. distribution, version: what brings it, where a plugin does.
+        parameters: those that were estimated, by symbol.
+    """
+
+    settings: dict[str, Any]
+    distribution: str = "fricmodels"
+    version: str | None = None
+    parameters: dict[str, StoredParameter] = Field(default_factory=dict)
+
+
 class ModelDocument(_Part):
     """A fitted model as it stands in a file.
 
@@ -134,6 +148,7 @@ class ModelDocument(_Part):
         range: what the recording covered, by channel.
         units: of further channels. runs: numbers of the runs.
         error: how far off it is. provenance: where it came from.
+        controller: through which it was fitted to the motion; none where the recorded torque drove it.
     """
 
     schema_: Literal["fricmodels/model/1"] = Field("fricmodels/model/1", alias="schema")
@@ -148,6 +163,7 @@ class ModelDocument(_Part):
     runs: tuple[int, ...] = (0,)
     error: StoredError | None = None
     provenance: StoredProvenance
+    controller: StoredController | None = None
 
     def to_json(self) -> str:
         """Return the file's text; equal documents have equal texts."""

@@ -42,13 +42,13 @@ def driven(model: FittedModel, recording: Recording) -> Recording:
     return Recording("simulated", whole.motion, joined, np.sort(whole.run, kind="stable"), units=whole.units)
 
 
-def errors_in_words(simulated: Recording, recording: Recording) -> list[str]:
+def errors_in_words(simulated: Recording, recording: Recording, *, closed: bool = False) -> list[str]:
     """Return in sentences how far the simulated motion is from the recorded one; open loop, every error adds up."""
     from fricmodels.weakform.prepared import ready
 
     whole = ready(recording)
     order = np.argsort(whole.run, kind="stable")
-    lines = []
+    lines, loop = [], "closed loop" if closed else "open loop"
     for name, unit in (("velocity", "rad/s"), ("position", "rad")):
         if name in whole:
             error = simulated[name] - whole[name][order]
@@ -56,7 +56,7 @@ def errors_in_words(simulated: Recording, recording: Recording) -> list[str]:
                 lines.append(f"{name}: the simulation ended before the recording did")
                 continue
             size = unit if whole.motion.value == "rotary" else unit.replace("rad", "m")
-            lines.append(f"{name}: RMS error {float(np.sqrt(np.mean(error**2))):.4g} {size}, open loop")
+            lines.append(f"{name}: RMS error {float(np.sqrt(np.mean(error**2))):.4g} {size}, {loop}")
     return lines
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from fricmodels.dimension import Motion
+from fricmodels.recording import OTHER
 from fricmodels.saved.document import ModelDocument, StoredParameter
 
 
@@ -9,13 +11,17 @@ def described(document: ModelDocument) -> str:
     """Return name, equations, parameters, ranges and the test error of a model, one a line."""
     lines = [f"{document.model}  ({document.motion.value}; ± is half the 95 % interval)"]
     lines += [f"  {term.name}: {term.equation}" for term in document.terms]
-    wide = max(len(key) for key in document.parameters)
+    wide, motion = max(len(key) for key in document.parameters), document.motion
     lines += [f"  {key.ljust(wide)} = {_value(p)}" for key, p in document.parameters.items()]
     lines += [
-        f"  fitted for {name.replace('_', ' ')} from {seen.least:.4g} to {seen.greatest:.4g} {seen.unit}"
+        f"  fitted for {_channel(name, motion)} from {seen.least:.4g} to {seen.greatest:.4g} {seen.unit}".rstrip()
         for name, seen in document.range.items()
         if name != "time"
     ]
+    if document.controller is not None:
+        given = document.controller
+        found = "".join(f", {symbol} = {_value(p)}" for symbol, p in given.parameters.items())
+        lines.append(f"  simulated through the controller '{given.settings.get('kind')}'{found}")
     if document.error is not None:
         lines.append(f"  {error_in_words(document)}")
     return "\n".join(lines)
@@ -27,7 +33,14 @@ def error_in_words(document: ModelDocument) -> str:
     if error is None:
         return "test error unknown"
     test = "unknown" if error.test_percent is None else f"{error.test_percent:.4g} %"
-    return f"test error {test} of the RMS motor torque, averaged over {error.window_ms:.3g} ms"
+    what = "force" if document.motion is Motion.LINEAR else "motor torque"
+    return f"test error {test} of the RMS {what}, averaged over {error.window_ms:.3g} ms"
+
+
+def _channel(name: str, motion: Motion) -> str:
+    """Return what a channel is called; a linear axis has forces."""
+    plain = name if name.startswith(OTHER) else name.replace("_", " ")
+    return plain.replace("torque", "force") if motion is Motion.LINEAR and plain == name.replace("_", " ") else plain
 
 
 def _value(p: StoredParameter) -> str:

@@ -1,4 +1,4 @@
-"""The exam that laws, effects, estimators and readers sit, the built-in ones and those of plugins alike.
+"""The exam that laws, effects, estimators, readers and controllers sit, the built-in ones and those of plugins alike.
 
 A plugin's test is a class with one line::
 
@@ -12,6 +12,7 @@ Each check that fails says what to change. ``fricmodels check NAME`` runs the sa
 
 from __future__ import annotations
 
+from fricmodels.testing.controller_exam import ControllerExam
 from fricmodels.testing.estimator_exam import EstimatorExam
 from fricmodels.testing.exam import EffectExam, LawExam, TermExam
 from fricmodels.testing.faults import Fault
@@ -19,6 +20,7 @@ from fricmodels.testing.reader_exam import ReaderExam
 from fricmodels.testing.sitting import Outcome, checks, examine, sit
 
 __all__ = [
+    "ControllerExam",
     "EffectExam",
     "EstimatorExam",
     "Fault",

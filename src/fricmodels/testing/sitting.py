@@ -13,6 +13,7 @@ from typing import Any
 from fricmodels import plugins
 from fricmodels.errors import InputError, suggestion
 from fricmodels.processes import end_with_parent
+from fricmodels.testing.controller_exam import ControllerExam
 from fricmodels.testing.estimator_exam import EstimatorExam
 from fricmodels.testing.exam import EffectExam, LawExam
 from fricmodels.testing.faults import SkipTest
@@ -23,10 +24,17 @@ EXAMS: dict[str, type[Any]] = {
     "effect": EffectExam,
     "estimator": EstimatorExam,
     "reader": ReaderExam,
+    "controller": ControllerExam,
 }
 """Kind of plugin → its exam."""
 
-_SUBJECT = {"law": "term", "effect": "term", "estimator": "estimator", "reader": "reader"}
+_SUBJECT = {
+    "law": "term",
+    "effect": "term",
+    "estimator": "estimator",
+    "reader": "reader",
+    "controller": "controller",
+}
 _THOROUGH_SEEDS = 100
 
 
@@ -124,7 +132,7 @@ def examine(kind: str, name: str, *, timeout: float = 120.0, thorough: bool = Fa
     """Let a registered class sit its exam, each check in a process of its own that may die or hang.
 
     Args:
-        kind: ``law``, ``effect``, ``estimator`` or ``reader``.
+        kind: ``law``, ``effect``, ``estimator``, ``reader`` or ``controller``.
         name: under which it is registered.
         timeout: seconds for one check.
         thorough: recovery by every estimator, coverage over 100 seeds.

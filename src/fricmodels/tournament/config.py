@@ -14,7 +14,7 @@ from fricmodels.dimension import Motion
 from fricmodels.documents import Document, read_yaml, validate
 from fricmodels.errors import InputError
 from fricmodels.gaps import Gaps
-from fricmodels.motion.controllers import Controller
+from fricmodels.motion.controllers import AnyController
 from fricmodels.signals import Preparation
 from fricmodels.split import Split
 
@@ -191,7 +191,7 @@ class Config(Closed):
     horizon: int | None = Field(
         default=None, ge=1, description="with score: position, samples after which a simulation starts anew"
     )
-    controller: Controller | None = Field(
+    controller: AnyController | None = Field(
         default=None, description="with score: position, what drives the simulation in place of the recorded torque"
     )
     decimate: int = Field(default=1, ge=1, description="score every so many-th sample, low-pass filtered")

@@ -238,14 +238,14 @@ def _tracked(source: Source, drive: Drive, fit: Fit, recording: Recording) -> di
 
 def _motion(job: Job, drive: Drive, fit: Fit, loaded: Loaded) -> Row:
     """Return the errors of the simulated motion, on what was kept back where there is such a part."""
-    from fricmodels.motion import Controller, Simulator, check_controller, motion_errors
+    from fricmodels.motion import Simulator, check_controller, motion_errors, stored_controller
 
     scored = loaded.prepared_test if loaded.prepared_test is not None else loaded.prepared_train
     if "position" not in scored:
         raise InputError(f"score: position needs the position, which recording '{scored.name}' does not have")
     loop = None
     if job.controller:
-        controller = Controller.model_validate_json(job.controller)
+        controller = stored_controller(json.loads(job.controller))
         check_controller(controller, frozenset(scored.channels), scored.name)
         loop = controller.loop()
     errors = motion_errors(Simulator(drive, scored, loop=loop, horizon=job.horizon), fit.parameters)

@@ -1,8 +1,10 @@
-"""The friction laws M1 to M6 of Duclusaud, Passault, Padois and Ly (2025), as plugins of fricmodels."""
+"""The friction laws M1 to M6 of Duclusaud, Passault, Padois and Ly (2025), and the servo, as plugins of fricmodels."""
 
 from __future__ import annotations
 
 from fricmodels import Law, hookimpl
+from fricmodels.loop import Loop
+from fricmodels_bam.firmware import Firmware, SaggingSupply
 from fricmodels_bam.m1 import CoulombViscous
 from fricmodels_bam.m2 import Stribeck
 from fricmodels_bam.m3 import LoadDependent
@@ -14,10 +16,13 @@ __all__ = [
     "LAWS",
     "CoulombViscous",
     "Directional",
+    "Firmware",
     "LoadDependent",
     "Quadratic",
+    "SaggingSupply",
     "Stribeck",
     "StribeckLoadDependent",
+    "fricmodels_controllers",
     "fricmodels_laws",
 ]
 
@@ -36,3 +41,9 @@ LAWS: tuple[type[CoulombViscous], ...] = (
 def fricmodels_laws() -> list[type[Law]]:
     """Return the laws of this distribution."""
     return list(LAWS)
+
+
+@hookimpl
+def fricmodels_controllers() -> list[type[Loop]]:
+    """Return the servo on the bench, with a stiff supply and with one that sags."""
+    return [Firmware, SaggingSupply]

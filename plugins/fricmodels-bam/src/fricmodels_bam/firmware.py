@@ -33,7 +33,8 @@ class Firmware(Loop):
     Source: Duclusaud et al. (2025), and the authors' program.
     """
 
-    name = "XL330 firmware"
+    name = "xl330-firmware"
+    exam: ClassVar = {"channels": {ENABLED: 1.0, GAIN: 100.0, SUPPLY: 7.5}}
     channels = (GOAL, ENABLED, GAIN, SUPPLY)
     load: ClassVar[bool] = True
     k_t = Parameter("k_t", unit="N m", initial=0.4, lower=0.05, upper=5.0, meaning="torque constant [N m/A]")
@@ -61,7 +62,8 @@ class SaggingSupply(Firmware):
     the sag in it already.
     """
 
-    name = "XL330 firmware, sagging supply"
+    name = "xl330-sagging-supply"
+    exam: ClassVar = {"channels": {ENABLED: 1.0, GAIN: 100.0, IDLE: 7.5}}
     channels = (GOAL, ENABLED, GAIN, IDLE)
     rho = Parameter("rho", initial=0.3, lower=0.0, upper=5.0, meaning="resistance of the supply, of the motor's")
 

@@ -79,6 +79,10 @@ class LeftOut:
     reason: str
 
 
+_ROUNDING = 1e-9
+"""Share of the friction torque below which a difference is one of rounding."""
+
+
 @dataclass(frozen=True)
 class Nearest:
     """What is written for a target.
@@ -115,7 +119,9 @@ class Nearest:
                 f"recording, and it will be"
             )
         share = 100 * self.cost / self.torque if self.torque > 0 else 0.0
-        if self.how != "exact" or self.cost > 0:
+        if share < 100 * _ROUNDING:
+            lines += ["cost: none, what is written has the same torque"] * (self.how != "exact")
+        else:
             lines.append(f"cost: RMS {self.cost:.3g} {unit} {self.over}, {share:.3g} % of the model's friction torque")
         if self.test_percent is not None:
             full, here = self.test_percent
@@ -220,10 +226,17 @@ def _projected(
     right = _friction(Drive(model.model, model.inertia, model.motion), model.parameters, motion) - offset
     moving = np.abs(motion.velocity) > 1e-3 * motion.peak_speed
     found = bounded_least_squares(design[:, moving], right[moving], lower, upper, [])
+    parts = np.sqrt(np.mean((found[:, None] * design) ** 2, axis=1))
+    found[parts < _ROUNDING * rms(right)] = 0.0
     values = {**held, **dict(zip((p.key for p in declared), found.tolist(), strict=True))}
     values[drive.inertia_key] = model.inertia
     kept = {k: why for k, why in model.not_identified.items() if k in values}
-    behind = ", ".join(k for k in undetermined(model) if "." not in k or k not in values)
+    idle = {one.name for one in model.model.effects if _adds(model, one, motion) < _ROUNDING * rms(right)}
+    behind = ", ".join(
+        f"the model's {k}"
+        for k in undetermined(model)
+        if "." not in k or (k not in values and k.split(".")[0] not in idle)
+    )
     law = sorted(p.symbol for p in drive.model.law.parameters)
     return values, {**kept, **(dict.fromkeys(law, f"it was projected from {behind}") if behind else {})}, None
 
@@ -245,11 +258,15 @@ def _left_out(
     reasons = {**OF_RECORDING, **OF_LINKS}
     for kind in ("lost", "links", "recording"):
         for effect in effects[kind]:
-            alone = Drive(Model(NoFriction(), [effect]), model.inertia, model.motion)
-            torque = rms(_friction(alone, model.parameters, motion))
             reason = reasons.get(effect.name.partition("(")[0], "the target has nothing of its kind")
-            found.append(LeftOut(effect.name, torque, reason))
+            found.append(LeftOut(effect.name, _adds(model, effect, motion), reason))
     return tuple(found)
+
+
+def _adds(model: FittedModel, effect: Effect, motion: Recording) -> float:
+    """Return the RMS torque that an effect of a model adds over a motion."""
+    alone = Drive(Model(NoFriction(), [effect]), model.inertia, model.motion)
+    return rms(_friction(alone, model.parameters, motion))
 
 
 def _friction(drive: Drive, values: Mapping[str, float], motion: Recording) -> Array:
@@ -265,16 +282,26 @@ def _motion(model: FittedModel, recording: Recording | None) -> tuple[Recording,
 
 
 def motion_over(model: FittedModel) -> Recording:
-    """Return a motion that goes through the ranges that a model is valid in, evenly, each channel at its own pace."""
+    """Return a motion that goes through the ranges that a model is valid in, evenly, each channel at its own pace.
+
+    Where the model remembers its way and does not look at the clock, the drive goes as far between two reversals as it
+    did in the recording: a contact that bends over a millimetre is not bent all the time.
+    """
     time = np.linspace(*model.ranges.get("time", (0.0, 40.0)), _SAMPLES)
     passed = 40.0 * np.arange(_SAMPLES) / _SAMPLES
     channels: dict[str, Array] = {"time": time}
-    paces = iter(np.sqrt([2.0, 3.0, 5.0, 7.0, 11.0, 13.0, 17.0, 19.0, 23.0, 29.0, 31.0, 37.0]))
+    reversals, paces = 0.0, iter(np.sqrt([2.0, 3.0, 5.0, 7.0, 11.0, 13.0, 17.0, 19.0, 23.0, 29.0, 31.0, 37.0]))
     wanted = {*CHANNELS, *(n for n in model.document.units)} | {n for n in model.document.range if n.startswith(OTHER)}
     for name in sorted(wanted - {"time", "current", "torque_rate"}):
         low, high = model.ranges.get(name, (-1.0, 1.0))
         phase = passed * next(paces) / 2.0
         channels[name] = low + (high - low) * np.abs(2 * (phase % 1.0) - 1)
+        if name == "velocity":
+            reversals = 2 * float(phase[-1])
+    low, high = model.ranges.get("position", (0.0, 0.0))
+    way, speed = high - low, float(np.mean(np.abs(channels["velocity"])))
+    if model.model.states and "time" not in model.needs and way > 0 and speed > 0:
+        channels["time"] = np.linspace(0.0, reversals * way / speed, _SAMPLES)
     run = np.full(_SAMPLES, model.document.runs[0], dtype=np.int64)
     return Recording("range of validity", Motion(model.motion), channels, run, units=dict(model.document.units))
 
