@@ -8,7 +8,7 @@ import numpy as np
 from numba import njit
 
 
-@njit(cache=True, nogil=True)  # type: ignore[untyped-decorator]
+@njit(cache=True, nogil=True)
 def along_cubics(rows: Any, half: Any, cell: Any, before: Any, after: Any, bending: Any, values: Any) -> None:
     """Write the integral of each row over each cell; see :meth:`.test_functions.Quadrature.along_cubics`.
 
@@ -32,7 +32,7 @@ def along_cubics(rows: Any, half: Any, cell: Any, before: Any, after: Any, bendi
         _bend(row, bending, value, count)
 
 
-@njit(cache=True, nogil=True)  # type: ignore[untyped-decorator]
+@njit(cache=True, nogil=True)
 def _bend(row: Any, bending: Any, value: Any, count: int) -> None:
     """Add what a cubic differs by from the straight line over each cell but the first and last."""
     for k in range(1, count - 2):
@@ -40,7 +40,7 @@ def _bend(row: Any, bending: Any, value: Any, count: int) -> None:
         value[k] += bending[2, k - 1] * (row[k + 2] - row[k + 1]) + bending[0, k - 1] * (row[k] - row[k - 1]) + own
 
 
-@njit(cache=True, nogil=True)  # type: ignore[untyped-decorator]
+@njit(cache=True, nogil=True)
 def under_hats(
     rows: Any, half: Any, cell: Any, before: Any, after: Any, half_step: Any, bending: Any, values: Any
 ) -> None:
