@@ -97,7 +97,7 @@ def at_model_velocity(found: Solved, *, widen: bool = True) -> Solved:
         if velocity and (predicted is None or velocity.prediction_error < predicted.prediction_error):
             best, predicted = solve(other.problem, found.plan, timing=False), velocity
     # Simulated with the torque at another time the velocity would be another, and what it is now hides the shift.
-    if max(fit.log_odds_of_a_shift() for fit in (found, best.with_shift())) > STRONG:
+    if max(found.log_odds_of_a_shift(reversals=False), best.with_shift().log_odds_of_a_shift()) > STRONG:
         return found
     if _left_by(best.values, found) > _CONTRADICTED * found.solution.cost:
         return found  # what the rows at the measured velocity contradict is not more certain than they are
