@@ -98,9 +98,7 @@ class ConstantVelocity(Estimator):
         noisy = found.samples.with_channels(velocity=found.samples.velocity + noise)
         changed = drive.regressors(noisy, [guess[key] for key in held])[0] * size[:, None] / rms - columns
         blurred = made_by_noise(columns, changed)
-        reason = (
-            "the plateaus differ in speed by little more than the noise of the velocity: it is off by an unknown part"
-        )
+        reason = f"the {method} differ in speed by little more than noise makes them: it is off by an unknown part"
         found_values = {**guess, **dict(zip(keys, (theta * size).tolist(), strict=True))}
         values = {p.key: found_values[p.key] for p in drive.model.parameters}
         if drive.inertia is None:

@@ -35,6 +35,14 @@ def test_intervals_hold_or_say_why_not(matrix: ModuleType, number: int) -> None:
             assert found.good, (cell.name, estimator, p.key, found)
 
 
+def test_a_held_torque_is_not_simulated_half_a_sample_early(matrix: ModuleType) -> None:
+    """A velocity that is simulated so has the shift in it, and hides it: K_v was off by up to nine standard errors."""
+    cell = matrix.Cell(motion="sine")
+    for row in matrix.collected([cell], ("batch",), 5, 1, None):
+        for key, error in row["errors"].items():
+            assert abs(row["values"][key] - cell.truth[key]) < 3.0 * error
+
+
 def test_replications_do_not_depend_on_their_order(matrix: ModuleType) -> None:
     one, other = matrix.quick_cells()[:2]
     first = one.recording(3).velocity

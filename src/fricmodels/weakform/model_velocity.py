@@ -96,8 +96,9 @@ def at_model_velocity(found: Solved, *, widen: bool = True) -> Solved:
         other, velocity, _ = _rounds(without, from_search, widen=widen)
         if velocity and (predicted is None or velocity.prediction_error < predicted.prediction_error):
             best, predicted = solve(other.problem, found.plan, timing=False), velocity
-    if best.with_shift().log_odds_of_a_shift() > STRONG:
-        return found  # simulated with the torque at another time, the velocity would be another
+    # Simulated with the torque at another time the velocity would be another, and what it is now hides the shift.
+    if max(found.log_odds_of_a_shift(reversals=False), best.with_shift().log_odds_of_a_shift()) > STRONG:
+        return found
     if _left_by(best.values, found) > _CONTRADICTED * found.solution.cost:
         return found  # what the rows at the measured velocity contradict is not more certain than they are
     return best if risk(predicted) <= smooth else found

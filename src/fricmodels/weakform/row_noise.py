@@ -20,8 +20,8 @@ FEWEST, FEWEST_WHERE_ALL_COUNT = 40, 20
 _DERIVED = 6
 """A bump spans at least so many half widths of the derivation of the velocity, at which friction is evaluated."""
 NOISE_SHARE, NOISE_SHARE_WHERE_ALL_COUNT = 0.01, 0.005
-"""The bump is widened until noise of the velocity adds less than this share of the RMS torque to a row; where no row
-need be clear of uncertain motion, until it adds half of that: then a wide bump loses no rows."""
+"""The bump is widened until the noise of the velocity adds less than this share of the RMS torque to a row. Where no
+row need be clear of uncertain motion, a wide bump loses no rows, and it is widened until that is half as much."""
 
 
 def noise_like(recording: Recording, rng: np.random.Generator) -> Array:

@@ -186,7 +186,7 @@ class Solved:
         solution = self.solution
         return "" if solution.converged else f"no minimum after {solution.iterations} iterations"
 
-    def log_odds_of_a_shift(self) -> float:
+    def log_odds_of_a_shift(self, *, reversals: bool = True) -> float:
         r"""Return the logarithm of how much more probable a shift in time is than none.
 
         A shift is equally probable anywhere within a sample either way; with none, instants are true to a twentieth of
@@ -198,6 +198,10 @@ class Solved:
 
         summed over the nuisances, along the axes of their covariance.
 
+        Args:
+            reversals: whether their instants count as well, or only that of the torque against the motion. A smoothed
+                velocity turns at another instant, whatever the recording.
+
         Source: R. E. Kass, A. E. Raftery, "Bayes factors", J. Amer. Statist. Assoc. 90 (1995), with Student's t for a
         variance that is estimated.
         """
@@ -207,6 +211,7 @@ class Solved:
             sizes[0] = 2 * self.problem.friction_limits[1]
             torque = float(np.max(np.abs(self.problem.recording.torque)))
             some = np.append(sizes[:1] > _NO_FRICTION * torque, np.ones(len(sizes) - 1, dtype=bool))
+            some[0] &= reversals
             nuisances, sizes = nuisances[some], sizes[some]
         own = self._spread[np.ix_(nuisances, nuisances)] / np.outer(sizes, sizes)
         estimate = self.solution.theta[nuisances] / sizes

@@ -111,8 +111,11 @@ class Quadrature:
 
     def along_cubics(self, rows: Array) -> Array:
         """Return :meth:`impulses`, by cubics where four samples lie in one stretch of motion, shape (k, N)."""
-        values = self.impulses(rows)
-        values[:, 1:-2] += self._bend(rows)
+        from fricmodels.weakform.cells import along_cubics
+
+        values = np.empty((len(rows), len(self.half) + 1))
+        rows = np.ascontiguousarray(rows, dtype=float)
+        along_cubics(rows, self.half, self.cell, self.before, self.after, self._bending, values)
         return values
 
     def under_hats(self, rows: Array) -> Array:
@@ -120,22 +123,11 @@ class Quadrature:
 
         By cubics as :meth:`along_cubics`.
         """
-        count = len(self.half) + 1
-        first, last = rows[:, : count - 1], rows[:, 1:count]
-        whole = self._straight(rows)
-        late = self.half / 3.0 * (first + 2.0 * last)  # weighted by what rises from 0 to 1 within the cell
-        if len(self.cell):
-            stopping, starting = self._at_zero(rows)
-            rising = self.before**2 / self.half_step * (rows[:, self.cell] + 2.0 * stopping)
-            falling = self.after**2 / self.half_step * (2.0 * starting + rows[:, self.cell + 1])
-            after = self.after * (starting + rows[:, self.cell + 1])
-            late[:, self.cell] = rising / 3.0 + after - falling / 3.0
-        bend = self._bend(rows)
-        whole[:, 1:-1] += bend
-        late[:, 1:-1] += 0.5 * bend
-        values = np.zeros((len(rows), count))
-        values[:, :-1] = whole - late
-        values[:, 1:] += late
+        from fricmodels.weakform.cells import under_hats
+
+        values = np.empty((len(rows), len(self.half) + 1))
+        rows = np.ascontiguousarray(rows, dtype=float)
+        under_hats(rows, self.half, self.cell, self.before, self.after, self.half_step, self._bending, values)
         return values
 
     def _straight(self, rows: Array) -> Array:
@@ -155,25 +147,13 @@ class Quadrature:
         count, cells = len(self.half) + 1, len(self.cell)
         return rows[:, count : count + cells], rows[:, count + cells :]
 
-    def _bend(self, rows: Array) -> Array:
-        r"""Return what a cubic adds to the straight line over each cell but the first and last, shape (k, N − 3).
-
-        :math:`-\frac{h^3}{12} f''`, with the mean of the second derivatives at both ends of the cell.
-        """
-        before, own, after = self._bending
-        change = np.diff(rows[:, : len(self.half) + 1])
-        bend = change[:, 2:] * after
-        bend += change[:, :-2] * before
-        if own is not None:
-            bend += change[:, 1:-1] * own
-        return np.asarray(bend)
-
     @cached_property
-    def _bending(self) -> tuple[Array, Array | None, Array]:
-        """Weights of the changes within the cell before, each cell, and the cell after, shape (N − 3,) each.
+    def _bending(self) -> Array:
+        r"""Weights of the changes within the cell before, each cell, and the cell after, shape (3, N − 3).
 
-        They are zero where the cell or a neighbour is split, rests or is missing; the middle one is ``None`` where all
-        cells are equal.
+        What a cubic adds to the straight line over each cell but the first and last: :math:`-\frac{h^3}{12} f''`, with
+        the mean of the second derivatives at both ends of the cell. They are zero where the cell or a neighbour is
+        split, rests or is missing; the middle one is where all cells are equal, but for rounding.
         """
         step, whole = 2.0 * self.half, self.half > 0.0
         slope = np.divide(1.0, step, out=np.zeros(len(step)), where=whole)
@@ -183,7 +163,7 @@ class Quadrature:
         own = cube * (second[:-1] - second[1:]) * slope[1:-1]
         after = cube * second[1:] * slope[2:]
         uneven = float(np.max(np.abs(own), initial=0.0)) > 1e-6 * float(np.max(np.abs(after), initial=0.0))
-        return -cube * second[:-1] * slope[:-2], own if uneven else None, after
+        return np.array([-cube * second[:-1] * slope[:-2], own if uneven else np.zeros(len(own)), after])
 
 
 def mean_velocity(recording: Recording, position: Array) -> Array:
