@@ -113,7 +113,7 @@ def test_a_job_has_its_limit_of_time_on_a_cluster_as_well(
 ) -> None:
     """The limit is less than any fit takes: every job is ended, and the workers do the next tournament."""
     given = config(tmp_path, seeds=1)
-    given = given.model_copy(update={"models": "coulomb-viscous", "datasets": given.datasets[:1]})
+    given = given.model_copy(update={"models": ("coulomb-viscous",), "datasets": given.datasets[:1]})
     short = given.model_copy(update={"timeout": 1e-3})
     address = dask.scheduler_address
     board = run(short, tmp_path / "short", directory=tmp_path, executor="dask", scheduler=address)

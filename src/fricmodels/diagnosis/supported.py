@@ -49,7 +49,7 @@ from fricmodels.diagnosis.effect_set import (
 from fricmodels.diagnosis.floor import floor, share_explained
 from fricmodels.diagnosis.policy import Policy
 from fricmodels.diagnosis.predictability import AUTOREGRESSIVE, ChannelPredictor
-from fricmodels.diagnosis.verdict import LookAlikes
+from fricmodels.diagnosis.verdict import LookAlikes, predicts
 from fricmodels.progress import each
 from fricmodels.weakform.regression import Regression, compare
 from fricmodels.weakform.shifted import regression_of
@@ -191,8 +191,9 @@ def _one_cause(result: CandidateTests, member: Member, others: list[Member]) -> 
     """Whether one channel does by itself what several effects do together: then these imitate one unknown cause.
 
     Against the channel stand the effect and those others whose place the channel takes. They are several causes all the
-    same if together they encompass the channel (Chong and Hendry 1986): they explain as much, and beside them the
-    channel is not significant. A channel of two quantities holds an effect of each, and says nothing against them.
+    same if they explain as much with fewer than half of its terms, or encompass it (Chong and Hendry 1986): beside them
+    it predicts nothing that counts, and beside it they do. Load torque and direction hold friction of the load and an
+    asymmetry both, but know neither's form; a channel of the position is all that two waves over it can be.
     """
     policy = result.policy
     lasting = AUTOREGRESSIVE if not member.effect.states else frozenset()
@@ -215,18 +216,25 @@ def _one_cause(result: CandidateTests, member: Member, others: list[Member]) -> 
         )
         before = float(np.sum(without.loss))
         theirs, own, all_own = (before - float(np.sum(r.loss)) for r in (channel, alone, together))
-        if all_own >= policy.of_channel * theirs and not _adds(predictor, together, policy):
-            continue
+        if all_own >= policy.of_channel * theirs:
+            effects = np.vstack([member.columns, *(other.columns for other in taken)])
+            few = 2 * len(effects) < len(predictor.columns)
+            adds = _predicts_beside(result, together, predictor.columns, predictor.tried)
+            if few or (not adds and _predicts_beside(result, channel, effects)):
+                continue
         _, p_more = compare(alone.loss, channel.loss, without.terms)
         if own < policy.of_channel * theirs and p_more * predictor.tried <= policy.outpredicted_significance:
             return True
     return False
 
 
-def _adds(predictor: ChannelPredictor, together: Regression, policy: Policy) -> bool:
-    """Whether a channel is significant beside all that a regression has."""
-    seen = visible_of(together, predictor.columns)
-    return len(seen) > 0 and together.test(seen).p_value * predictor.tried < policy.significance
+def _predicts_beside(result: CandidateTests, regression: Regression, columns: Array, tried: int = 1) -> bool:
+    """Whether columns predict what a regression leaves, as any channel has to that is to count."""
+    seen = visible_of(regression, columns)
+    if not len(seen):
+        return False
+    evidence = regression.test(seen)
+    return predicts(replace(result, regression=regression), evidence, min(1.0, evidence.p_value * tried))
 
 
 def _takes_place(result: CandidateTests, predictor: ChannelPredictor, member: Member, every: list[Member]) -> bool:

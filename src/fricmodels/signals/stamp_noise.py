@@ -16,6 +16,7 @@ import numpy as np
 from fricmodels.arrays import Array
 from fricmodels.recording import Recording
 from fricmodels.signals.noise_colour import Noise, mean_square
+from fricmodels.signals.noise_level import quantum
 from fricmodels.signals.segments import is_even, stretches
 
 _WEIGHTS = np.array([1.0, -8.0, 28.0, -56.0, 70.0, -56.0, 28.0, -8.0, 1.0])
@@ -50,7 +51,8 @@ def with_false_stamps(recording: Recording, noise: Noise) -> Noise:
     if not squares:
         return noise
     own, slope, certain = _division(np.concatenate(squares), np.concatenate(rates))
-    variance = own + slope * rate
+    # A position that stands on a step of its sensor shows no noise, and may be off by a part of the step.
+    variance = max(own, quantum(position) ** 2 / 12.0) + slope * rate
     mean = float(np.mean(variance))
     if not certain or mean <= _CLEARLY * noise.deviation**2:
         return noise

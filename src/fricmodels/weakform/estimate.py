@@ -43,6 +43,9 @@ leaves more says what these rows cannot know. Clear of reversals no speed may be
 before the first of them has no bound: the ratio was 10^11."""
 _ROWS = 4
 """Rows for each parameter that a fit needs more of."""
+_CLEARLY = 1e-4
+"""Share by which a new scan must leave less than the fit that began from an earlier one: less is no reason to go where
+parameters stand for each other in another way."""
 _STAGES = 3
 """Fits in which the motor torque of a column is the one that the last fit explains, and the record at its delay."""
 
@@ -179,11 +182,10 @@ def _solved(problem: WeakFormProblem, start: Mapping[str, float], found: Solved 
     again = fit({**start, **found.parameters}, nearly=True)
     if drive.model.states or nonlinear <= set(start):
         return again
-    same = found.problem.bumps is problem.bumps and found.problem.quadrature is problem.quadrature
-    if same and found.problem.shift != problem.shift:  # the scan was of these rows, but for the shift's second order
-        return again
+    before = found.problem
+    same = before.bumps is problem.bumps and before.quadrature is problem.quadrature and before.shift == problem.shift
     scanned = replace(found, problem=problem) if same else fit(start)
-    return min((again, scanned), key=lambda solved: solved.solution.cost)
+    return scanned if scanned.solution.cost < (1.0 - _CLEARLY) * again.solution.cost else again
 
 
 def _left(drive: Drive, recording: Recording, parameters: Mapping[str, float]) -> float:
