@@ -106,7 +106,7 @@ def filtered_torque_error(
     smooth, _ = lanczos_derivative(recording.time, recording.velocity, width, recording.run)
     rest = resting(recording)
     smooth[rest | (np.abs(smooth) <= standstill(smooth))] = 0.0
-    doubtful = np.abs(smooth) <= 3 * velocity_noise(recording).at_rest.after(even_weights(width)[0])
+    doubtful = np.abs(smooth) <= 3 * velocity_noise(recording).slow.after(even_weights(width)[0])
     moving = recording.with_channels(velocity=smooth)
     if beyond_sampling:
         doubtful |= np.abs(smooth) <= slowest_certain(drive, values, moving)

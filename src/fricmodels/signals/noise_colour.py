@@ -71,6 +71,7 @@ class Noise:
         filtered: weights of a filter that all of it has passed.
         scale: of each sample's white noise against that of all, shape (N,), of mean square 1; ``None`` where they are
             alike.
+        at_rest: the noise of a drive at rest, where it is another.
     """
 
     white: float
@@ -82,6 +83,7 @@ class Noise:
     error: Array | None = field(default=None, compare=False)
     filtered: Array | None = field(default=None, compare=False)
     scale: Array | None = field(default=None, compare=False)
+    at_rest: Noise | None = field(default=None, compare=False)
 
     @property
     def deviation(self) -> float:
@@ -93,11 +95,9 @@ class Noise:
         return math.sqrt(self.white**2 + 2.0 * self.difference**2 + self.lasting**2)
 
     @property
-    def at_rest(self) -> Noise:
-        """The noise where the signal does not change."""
-        if self.scale is None:
-            return self
-        return replace(self, white=self.white * float(self.scale.min()), scale=None)
+    def slow(self) -> Noise:
+        """The noise where the signal changes slowly, or not at all."""
+        return self if self.at_rest is None else self.at_rest
 
     @property
     def is_white(self) -> bool:
@@ -185,7 +185,7 @@ class Noise:
     def at(self, index: Index) -> Noise:
         """Return the noise of some of the samples."""
         if self.scale is not None:
-            return replace(self, scale=self.scale[index])
+            return replace(self, scale=self.scale[index], at_rest=self.at_rest and self.at_rest.at(index))
         if self.course is None or self.error is None:
             return self
         return replace(self, course=self.course[index], error=self.error[index])

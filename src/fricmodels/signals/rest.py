@@ -254,15 +254,15 @@ def _square_beside_position(recording: Recording) -> float:
 
 
 def _seen(recording: Recording, noise: Noise) -> _Motion:
-    time, run = recording.time, recording.run
+    time, run, slow = recording.time, recording.run, noise.slow
     order = int(_from_position(recording))
     values = recording["position"] if order else recording.velocity
-    if noise.lasting and not order:
-        width = best_smoothing(time, values, noise, run)
+    if slow.lasting and not order:
+        width = best_smoothing(time, values, slow, run)
     else:
-        width = best_half_width(time, values, run, noise=noise)
+        width = best_half_width(time, values, run, noise=slow)
     smooth = lanczos_derivative(time, values, width, run)[order]
-    error = noise.at_rest.after(even_weights(width)[order]) / (recording.interval if order else 1.0)
+    error = slow.after(even_weights(width)[order]) / (recording.interval if order else 1.0)
     rounding = 8.0 * np.spacing(np.abs(values).max()) / (recording.interval if order else 1.0)
     error = max(error, float(rounding))
     mask = _resting(recording, smooth, error)
@@ -291,7 +291,8 @@ def velocity_noise(recording: Recording) -> Noise:
     """Return the noise of the velocity that stands in a recording, measured or derived."""
     if recording.derived_over:
         weights = even_weights(recording.derived_over)[1][::-1] / recording.interval
-        return replace(motion_noise(recording), filtered=weights)
+        noise = motion_noise(recording)
+        return replace(noise, filtered=weights, at_rest=noise.at_rest and replace(noise.at_rest, filtered=weights))
     if _from_position(recording):
         return noise_of(recording.time, recording.velocity, recording.run)
     return motion_noise(recording)

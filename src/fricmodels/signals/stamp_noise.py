@@ -16,7 +16,6 @@ import numpy as np
 from fricmodels.arrays import Array
 from fricmodels.recording import Recording
 from fricmodels.signals.noise_colour import Noise, mean_square
-from fricmodels.signals.noise_level import quantum
 from fricmodels.signals.segments import is_even, stretches
 
 _WEIGHTS = np.array([1.0, -8.0, 28.0, -56.0, 70.0, -56.0, 28.0, -8.0, 1.0])
@@ -35,6 +34,8 @@ _ROUNDS = 20
 def with_false_stamps(recording: Recording, noise: Noise) -> Noise:
     """Return the noise of the position, larger where it changes fast if the time stamps are seen to be false.
 
+    At rest, and for how far a motion is smoothed, it is what it was: where the drive is slow friction has most to say.
+
     Args:
         recording: as measured.
         noise: of its position, found without regard to the rate.
@@ -51,12 +52,11 @@ def with_false_stamps(recording: Recording, noise: Noise) -> Noise:
     if not squares:
         return noise
     own, slope, certain = _division(np.concatenate(squares), np.concatenate(rates))
-    # A position that stands on a step of its sensor shows no noise, and may be off by a part of the step.
-    variance = max(own, quantum(position) ** 2 / 12.0) + slope * rate
+    variance = own + slope * rate
     mean = float(np.mean(variance))
     if not certain or mean <= _CLEARLY * noise.deviation**2:
         return noise
-    return Noise(float(np.sqrt(mean)), scale=np.sqrt(variance / mean))
+    return Noise(float(np.sqrt(mean)), scale=np.sqrt(variance / mean), at_rest=noise)
 
 
 def _squared_rate(time: Array, values: Array) -> Array:

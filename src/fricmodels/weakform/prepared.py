@@ -59,7 +59,7 @@ def surest_velocity(recording: Recording) -> Recording:
         return recording
     time, run, position, velocity = recording.time, recording.run, recording["position"], recording.velocity
     counted = with_false_stamps(recording, noise_of(time, position, run))
-    width = best_half_width(time, position, run, noise=counted)
+    width = best_half_width(time, position, run, noise=counted.slow)
     result = with_derived_velocity(recording, width)
     if is_difference(recording):
         return result
