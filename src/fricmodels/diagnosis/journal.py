@@ -194,16 +194,17 @@ def estimated(
             "covariance": covariance,
             "not_identified": dict(fit.not_identified),
             "shift": float(fit.shift),
+            "known_shift": float(rows.shift),
             "residual_percent": float(fit.residual_percent),
             "message": fit.message,
         }
 
     def back(known: Any) -> tuple[WeakFormProblem, Estimate]:
-        fit = {key: value for key, value in known.items() if key != "rows"}
+        fit = {key: value for key, value in known.items() if key not in ("rows", "known_shift")}
         covariance = None if fit["covariance"] is None else np.array(fit["covariance"], dtype=float)
         made = WeakFormProblem.of(drive, recording, known["rows"])
         limits = limits_of_friction(drive, made.recording, fit["parameters"])
-        rows = replace(made, friction_limits=limits, estimated=dict(fit["parameters"]), shift=fit["shift"])
+        rows = replace(made, friction_limits=limits, estimated=dict(fit["parameters"]), shift=known["known_shift"])
         return rows, Estimate(**{**fit, "covariance": covariance})
 
     kept = _open.get()

@@ -46,6 +46,8 @@ _ROWS = 4
 _CLEARLY = 1e-4
 """Share by which a new scan must leave less than the fit that began from an earlier one: less is no reason to go where
 parameters stand for each other in another way."""
+_WITHIN = 0.999
+"""Share of a sample up to which a shift is within its bound."""
 _STAGES = 3
 """Fits in which the motor torque of a column is the one that the last fit explains, and the record at its delay."""
 
@@ -107,7 +109,7 @@ def estimate(
     plain = WeakFormProblem.of(drive, recording, found.parameters, width, like=first)
     if plain.rows <= _ROWS * len(drive.parameters):
         plain = first  # a friction with which the drive would hardly have moved is not known yet
-    plain = plain.at(shift=found.shift)
+    plain = plain.at(shift=_known(found))
     problem = plain.carrying(carriers)
     found = _solved(problem, start, found)
     if drive.model.delay or _explains_torque_by_itself(drive):
@@ -134,7 +136,7 @@ def estimate(
     if whole is not None and final.problem is not whole.problem and left(final) > _EXTRAPOLATES * left(whole):
         final = identified(whole)
     limits = limits_of_friction(drive, plain.recording, final.parameters)
-    rows = replace(plain, friction_limits=limits, estimated=dict(final.parameters), shift=final.shift)
+    rows = replace(plain, friction_limits=limits, estimated=dict(final.parameters), shift=_known(final))
     return rows, Estimate(
         final.parameters,
         final.standard_errors,
@@ -186,6 +188,12 @@ def _solved(problem: WeakFormProblem, start: Mapping[str, float], found: Solved 
     same = before.bumps is problem.bumps and before.quadrature is problem.quadrature and before.shift == problem.shift
     scanned = replace(found, problem=problem) if same else fit(start)
     return scanned if scanned.solution.cost < (1.0 - _CLEARLY) * again.solution.cost else again
+
+
+def _known(found: Solved) -> float:
+    """Return the shift in time [s] that a fit has seen; none where it is at its bound, and of unknown size."""
+    within = abs(found.shift) < _WITHIN * found.problem.recording.interval
+    return found.shift if within else 0.0
 
 
 def _left(drive: Drive, recording: Recording, parameters: Mapping[str, float]) -> float:
