@@ -169,6 +169,13 @@ class Policy:
         "(docs/decisions/unknown.md).",
         off=0.0,
     )
+    fewer_terms: float = _rule(
+        0.5,
+        "share of the channel's terms",
+        "Effects that explain as much as a channel with fewer terms than this are several causes, not one.",
+        "Judgement (Occam). Without it an asymmetry and gravity are one cause: 12 terms of a position hold both.",
+        off=0.0,
+    )
     own_sizes: float = _rule(
         0.2,
         "share of the squared residual that the effect explains",

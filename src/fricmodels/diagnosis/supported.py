@@ -191,7 +191,7 @@ def _one_cause(result: CandidateTests, member: Member, others: list[Member]) -> 
     """Whether one channel does by itself what several effects do together: then these imitate one unknown cause.
 
     Against the channel stand the effect and those others whose place the channel takes. They are several causes all the
-    same if they explain as much with fewer than half of its terms, or encompass it (Chong and Hendry 1986): beside them
+    same if they explain as much with far fewer terms, or encompass it (Chong and Hendry 1986): beside them
     it predicts nothing that counts, and beside it they do. Load torque and direction hold friction of the load and an
     asymmetry both, but know neither's form; a channel of the position is all that two waves over it can be.
     """
@@ -218,7 +218,7 @@ def _one_cause(result: CandidateTests, member: Member, others: list[Member]) -> 
         theirs, own, all_own = (before - float(np.sum(r.loss)) for r in (channel, alone, together))
         if all_own >= policy.of_channel * theirs:
             effects = np.vstack([member.columns, *(other.columns for other in taken)])
-            few = 2 * len(effects) < len(predictor.columns)
+            few = len(effects) < policy.fewer_terms * len(predictor.columns)
             adds = _predicts_beside(result, together, predictor.columns, predictor.tried)
             if few or (not adds and _predicts_beside(result, channel, effects)):
                 continue

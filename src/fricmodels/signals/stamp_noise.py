@@ -12,17 +12,20 @@ divided between both parts by maximum likelihood (McCullagh and Nelder 1989, cha
 from __future__ import annotations
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 
 from fricmodels.arrays import Array
 from fricmodels.recording import Recording
 from fricmodels.signals.noise_colour import Noise, mean_square
-from fricmodels.signals.segments import is_even, stretches
+from fricmodels.signals.segments import stretches
 
-_WEIGHTS = np.array([1.0, -8.0, 28.0, -56.0, 70.0, -56.0, 28.0, -8.0, 1.0])
-_WIDTH = len(_WEIGHTS)
+_WIDTH = 9
+"""Samples of an eighth difference."""
 _GROUPS = 12
 _LEAST = 600
 """Samples from which the groups are large enough."""
+_MOST = 20_000
+"""About so many differences are taken, spread over the record."""
 _CERTAIN = 20.0
 """Twice the logarithm of the likelihood ratio from which the noise grows with the rate: more than chance asks for, as
 neighbouring differences share samples."""
@@ -41,41 +44,43 @@ def with_false_stamps(recording: Recording, noise: Noise) -> Noise:
         noise: of its position, found without regard to the rate.
     """
     position, squares, rates = recording["position"], [], []
-    rate = np.zeros(len(position))
     if len(position) < _LEAST:
         return noise
-    for part in stretches(recording.time, recording.run):
-        if part.stop - part.start > 2 * _WIDTH:
-            rate[part] = _squared_rate(recording.time[part], position[part])
-            squares.append(_differences(recording.time[part], position[part]) ** 2)
-            rates.append(rate[part][_WIDTH // 2 : -(_WIDTH // 2)])
+    every = max(1, len(position) // _MOST)
+    parts = [p for p in stretches(recording.time, recording.run) if p.stop - p.start > 2 * _WIDTH]
+    for part in parts:
+        places, values = (sliding_window_view(each[part], _WIDTH)[::every] for each in (recording.time, position))
+        squares.append(_differences(places, values) ** 2)
+        rates.append(_squared_slope(places, values))
     if not squares:
         return noise
     own, slope, certain = _division(np.concatenate(squares), np.concatenate(rates))
-    variance = own + slope * rate
+    if not certain:
+        return noise
+    variance = np.full(len(position), own)
+    for part in parts:
+        middle = slice(part.start + _WIDTH // 2, part.stop - _WIDTH // 2)
+        variance[middle] += slope * _squared_slope(
+            *(sliding_window_view(each[part], _WIDTH) for each in (recording.time, position))
+        )
     mean = float(np.mean(variance))
-    if not certain or mean <= _CLEARLY * noise.deviation**2:
+    if mean <= _CLEARLY * noise.deviation**2:
         return noise
     return Noise(float(np.sqrt(mean)), scale=np.sqrt(variance / mean), at_rest=noise)
 
 
-def _squared_rate(time: Array, values: Array) -> Array:
-    """Return the squared rate of change about each sample, over as many samples as a difference takes."""
-    middle = np.convolve(values, np.full(3, 1.0 / 3.0), "valid")
-    rate = np.pad(np.gradient(middle, time[1:-1]) ** 2, 1 + _WIDTH // 2, "edge")
-    return np.convolve(rate, np.full(_WIDTH, 1.0 / _WIDTH), "valid")
+def _squared_slope(time: Array, values: Array) -> Array:
+    """Return the squared slope from the first to the last sample of each window, shape (windows,)."""
+    return np.asarray(((values[:, -1] - values[:, 0]) / (time[:, -1] - time[:, 0])) ** 2)
 
 
 def _differences(time: Array, values: Array) -> Array:
-    """Return eighth differences, on uneven samples divided ones, in which unit white noise has unit variance."""
-    if is_even(time):
-        return np.convolve(values, _WEIGHTS / np.linalg.norm(_WEIGHTS), "valid")
-    places, at = (np.lib.stride_tricks.sliding_window_view(each, _WIDTH) for each in (time, values))
-    apart = places[:, :, None] - places[:, None, :]
-    apart[:, np.arange(_WIDTH), np.arange(_WIDTH)] = np.median(np.diff(time))
+    """Return the divided eighth difference of each window, scaled so that unit white noise has unit variance."""
+    apart = time[:, :, None] - time[:, None, :]
+    apart[:, np.arange(_WIDTH), np.arange(_WIDTH)] = np.median(np.diff(time[0]))
     weights = 1.0 / apart.prod(axis=2)
     weights /= np.linalg.norm(weights, axis=1)[:, None]
-    return np.asarray(np.einsum("ij,ij->i", weights, at))
+    return np.asarray(np.einsum("ij,ij->i", weights, values))
 
 
 def _division(squares: Array, rates: Array) -> tuple[float, float, bool]:
