@@ -173,13 +173,13 @@ def test_an_error_that_nothing_predicts_is_told(diagnosis: Diagnosis) -> None:
     comparison = diagnosis.comparison
     silent = replace(diagnosis, verdict="unknown-effect", findings=(), view=None)
     for fitted, held_out in ((40.0, 1.0), (1.0, 40.0)):
-        spoilt = replace(comparison, sliding=SlidingErrors(fitted, held_out, 0.2))
+        spoilt = replace(comparison, sliding=SlidingErrors(fitted, held_out, 0.2, 0.2))
         assert is_above_noise(spoilt)
         told = explain(replace(silent, comparison=spoilt))
         assert "far above the noise" in told
         assert f"lie in '{comparison.where[0].regime}'" in told
     for fitted, noise in ((1.0, 0.2), (40.0, 39.8)):
-        assert not is_above_noise(replace(comparison, sliding=SlidingErrors(fitted, 1.0, noise)))
+        assert not is_above_noise(replace(comparison, sliding=SlidingErrors(fitted, 1.0, noise, noise)))
 
 
 def test_tables_hold_no_colours_where_they_are_piped(diagnosis: Diagnosis, ladder: Ladder) -> None:

@@ -13,7 +13,7 @@ from fricmodels.diagnosis.candidate_tests import CandidateTest, CandidateTests, 
 from fricmodels.diagnosis.coloured_residual import ColouredNoise, coloured_residual
 from fricmodels.diagnosis.comparison import Comparison, compare
 from fricmodels.diagnosis.effect_set import as_predictor, passing_predictors
-from fricmodels.diagnosis.floor import is_far_above_noise
+from fricmodels.diagnosis.floor import is_far_above_noise, is_noticed
 from fricmodels.diagnosis.look_alikes import separated_by
 from fricmodels.diagnosis.places import Place, largest_place
 from fricmodels.diagnosis.policy import POLICY, Policy
@@ -58,7 +58,8 @@ class Diagnosis(Displayed):
         findings: the effect that explains the residual best, with its look-alikes; none where none passes. What else
             may be missing shows once this one is in the model (:func:`fricmodels.diagnosis.improve`).
         view: the channel that predicts the residual best, whatever the physics, or else its own past; ``None`` if
-            nothing does. Without one an unknown effect acts about standstill, or shows in no recorded channel.
+            nothing does. Without one an unknown effect acts about standstill, or shows in no recorded channel. It may
+            predict so little that the verdict is ``adequate`` all the same.
         visibility: for every effect that was not found, the smallest that would have been, or what is missing.
         passing: every effect that passes the gates by itself, best first; most only resemble the first.
         policy: the constants that decided.
@@ -151,7 +152,7 @@ def examine(comparison: Comparison, *, leave_out: Iterable[str] = (), policy: Po
     view = next((p for p in predictors if p.channels not in AUTOREGRESSIVE), predictors[0] if predictors else None)
     if noise is not None:
         view = None
-    elif best is not None and named is None and not _within_sampling(result, best.first):
+    elif best is not None and found is None and not _within_sampling(result, best.first):
         view = view or as_predictor(result, best.first)
     everything = [] if named is None else _all_together(refits, named, together)
     if everything:
@@ -161,7 +162,7 @@ def examine(comparison: Comparison, *, leave_out: Iterable[str] = (), policy: Po
     verdict: Verdict = "adequate"
     if everything:
         verdict = "missing-effect" if len(everything[0].names) == 1 else "undecided"
-    elif view is not None or place is not None or is_far_above_noise(comparison, policy):
+    elif _is_seen(result, comparison, view) or place is not None or is_far_above_noise(comparison, policy):
         verdict = "unknown-effect"
     passing = tuple(passing_all_gates(result)) if found is not None else ()
     seen = visibility(result, {name for one in everything[:1] for name in one.names})
@@ -193,7 +194,13 @@ def is_predictable(comparison: Comparison, policy: Policy = POLICY) -> bool:
     result = candidate_tests(replace(comparison.problem), parameters, only=(), policy=policy)
     if is_far_above_noise(comparison, policy) or largest_place(result) is not None:
         return True
-    return any(p.channels not in AUTOREGRESSIVE for p in passing_predictors(result))
+    found = [p for p in passing_predictors(result) if p.channels not in AUTOREGRESSIVE]
+    return any(_is_seen(result, comparison, p) for p in found)
+
+
+def _is_seen(result: CandidateTests, comparison: Comparison, view: ChannelPredictor | None) -> bool:
+    """Whether a channel predicts a noticeable part of the error."""
+    return view is not None and is_noticed(comparison, 100 * torque_share(result, view.evidence), result.policy)
 
 
 def seems_missing(comparison: Comparison, leave_out: Iterable[str], policy: Policy = POLICY) -> LookAlikes | None:

@@ -4,11 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 
-from fricmodels.diagnosis.comparison import Comparison
+from fricmodels.diagnosis.comparison import Comparison, noise_torques
 from fricmodels.diagnosis.policy import POLICY, Policy
+from fricmodels.recording import Recording
 from fricmodels.score.torque import filtered_torque_error, sliding_half_width
 from fricmodels.score.zeroed import zeroed
 from fricmodels.weakform.problem import WeakFormProblem
+
+_DRAWS, _CERTAIN = 12, 3.0
+"""How often noise is drawn to see by how much its mean square varies, and so many standard deviations are chance."""
 
 
 def floor(problem: WeakFormProblem, policy: Policy = POLICY) -> float:
@@ -32,19 +36,52 @@ def share_explained(problem: WeakFormProblem, before: float, left: float, policy
 
 
 def is_above_noise(comparison: Comparison, policy: Policy = POLICY) -> bool:
-    """Whether the error is far more than the noise of the sensors leaves."""
+    """Whether the error is far more than the noise of the sensors leaves, of what was fitted or of what was kept back."""
     sliding = comparison.sliding
-    return _is_far_above(max(sliding.percent, sliding.held_out_percent), comparison, policy)
+    return _is_far_above((sliding.percent, sliding.held_out_percent), comparison, policy)
 
 
 def is_far_above_noise(comparison: Comparison, policy: Policy = POLICY) -> bool:
     """Whether the error is far more than noise and sampling leave, even where no channel predicts it."""
-    return is_above_noise(comparison, policy) and _is_far_above(beyond_sampling_percent(comparison), comparison, policy)
+    return is_above_noise(comparison, policy) and _is_far_above(_beyond_sampling(comparison), comparison, policy)
 
 
-def _is_far_above(percent: float, comparison: Comparison, policy: Policy) -> bool:
-    noise = policy.noise_known_to * comparison.sliding.noise_percent
-    return percent**2 - noise**2 > policy.far_above_noise**2
+def is_noticed(comparison: Comparison, percent: float, policy: Policy = POLICY) -> bool:
+    """Whether what could be predicted makes up a noticeable part of the error that users are shown.
+
+    Args:
+        comparison: the fitted model.
+        percent: RMS torque that a channel predicts, in % of the RMS torque.
+        policy: decides how much is noticed.
+    """
+    line = comparison.errors.headline
+    return percent**2 >= policy.noticed * 0.5 * (line.percent**2 + line.held_out_percent**2)
+
+
+def _is_far_above(percents: tuple[float, float], comparison: Comparison, policy: Policy) -> bool:
+    """Whether an error is far above noise on either part: what was fitted, and what was kept back.
+
+    Few windows of noise may by chance be far larger than it is on average.
+    """
+    sliding = comparison.sliding
+    parts = (comparison.train, sliding.noise_percent), (comparison.test, sliding.held_out_noise_percent)
+    for percent, (part, noise) in zip(percents, parts, strict=True):
+        least = policy.far_above_noise**2 + (policy.noise_known_to * noise) ** 2
+        if percent**2 > least and percent**2 > least + _chance(comparison, part) * (policy.noise_known_to * noise) ** 2:
+            return True
+    return False
+
+
+def _chance(comparison: Comparison, part: Recording) -> float:
+    """Return by which share the mean square of noise may exceed its expectation by chance: three standard deviations.
+
+    That noise is drawn a few times.
+    """
+    inertia = comparison.drive.split(comparison.estimate.parameters)[0]
+    half_width = sliding_half_width(comparison.train)
+    drawn = [np.hypot(*noise_torques(part, inertia, half_width, draw)) ** 2 for draw in range(_DRAWS)]
+    mean, first = float(np.mean(drawn)), float(drawn[0])
+    return (mean - first + _CERTAIN * float(np.std(drawn, ddof=1))) / first if first > 0.0 else 0.0
 
 
 def beyond_sampling_percent(comparison: Comparison) -> float:
@@ -52,9 +89,14 @@ def beyond_sampling_percent(comparison: Comparison) -> float:
 
     Of what was fitted and what was kept back, the larger.
     """
+    return max(_beyond_sampling(comparison))
+
+
+def _beyond_sampling(comparison: Comparison) -> tuple[float, float]:
     drive, values, half_width = comparison.drive, comparison.estimate.parameters, sliding_half_width(comparison.train)
-    found = []
-    for part in (comparison.train, zeroed(drive, values, comparison.test)):
+
+    def percent(part: Recording) -> float:
         error = filtered_torque_error(drive, values, part, half_width, beyond_sampling=True)
-        found.append(100 * float(np.sqrt(np.mean(error**2) / np.mean(part.torque**2))))
-    return max(found)
+        return 100 * float(np.sqrt(np.mean(error**2) / np.mean(part.torque**2)))
+
+    return percent(comparison.train), percent(zeroed(drive, values, comparison.test))

@@ -96,7 +96,7 @@ class WeakFormProblem:
         recording, parameters = drive.timed(recording, parameters)
         motion = smoothed(recording)
         part, smooth, at_rest = motion.recording, motion.velocity, motion.resting
-        width = width or bump_width(part, inertia)
+        width = width or bump_width(part, inertia, estimated=drive.inertia is None)
         unclear = direction_unclear(drive, part, smooth, at_rest, width, parameters)
         plain = like is not None and like.estimated is None and not like.carriers and like.delay == delay
         if like is not None and plain and like.recording is part and like.bumps.is_of(width, unclear):

@@ -19,6 +19,8 @@ FEWEST, FEWEST_WHERE_ALL_COUNT = 40, 20
 """Widths that the shortest run has at least, so that some are clear of what is uncertain; and where none need be."""
 _DERIVED = 6
 """A bump spans at least so many half widths of the derivation of the velocity, at which friction is evaluated."""
+_FEWEST_FOR_INERTIA, _OF_MOMENTUM = 8, 0.01
+"""Widths that it has at least where noise would make an estimated inertia too small by more than this share."""
 NOISE_SHARE, NOISE_SHARE_WHERE_ALL_COUNT = 0.01, 0.005
 """The bump is widened until the noise of the velocity adds less than this share of the RMS torque to a row. Where no
 row need be clear of uncertain motion, a wide bump loses no rows, and it is widened until that is half as much."""
@@ -83,24 +85,40 @@ def noise_in_columns(
     return np.asarray(found - share[:, None] * regression.project_out(noise[None]))
 
 
-def bump_width(recording: Recording, inertia: float, fewest: int = FEWEST, share: float = NOISE_SHARE) -> int:
-    """Return the least width at which velocity noise adds less than the stated share of the RMS torque to a row.
+def bump_width(
+    recording: Recording,
+    inertia: float,
+    fewest: int = FEWEST,
+    share: float = NOISE_SHARE,
+    *,
+    estimated: bool = False,
+) -> int:
+    r"""Return the least width at which velocity noise adds less than the stated share of the RMS torque to a row.
+
+    An inertia that is estimated is too small by the share λ of noise in the squared momentum, whatever it is. Then a
+    bump is widened, beyond what leaves the shortest run many, until that is less than a hundredth.
 
     Args:
         recording: with velocity and torque.
         inertia: of the drive.
         fewest: widths that the shortest run has at least.
         share: of the RMS torque.
+        estimated: whether the inertia is estimated from the same rows.
     """
     torque = float(np.sqrt(np.mean(recording.torque**2)))
     wanted = share * torque * recording.interval
     shortest = min(int(np.count_nonzero(recording.run == number)) for number in recording.run_numbers)
     narrowest = max(_NARROWEST, -(-_DERIVED * recording.derived_over // HOPS) * HOPS)
     widest = max(narrowest, min(WIDEST, shortest // fewest // HOPS * HOPS))
-    moving = np.zeros(len(recording), dtype=bool)
-    for width in range(narrowest, widest, HOPS):
-        bumps = TestFunctions(recording, width, moving, over_cells=recording.derived_over > 0)
-        rows = inertia * momentum_noise(bumps, recording)
-        if not len(rows) or float(np.sqrt(np.mean(rows**2))) <= wanted:
+    most = max(widest, min(WIDEST, shortest // _FEWEST_FOR_INERTIA // HOPS * HOPS)) if estimated else widest
+    moving, over_cells = np.zeros(len(recording), dtype=bool), recording.derived_over > 0
+    velocity = mean_velocity(recording, recording["position"]) if over_cells else recording.velocity
+    for width in range(narrowest, most, HOPS):
+        bumps = TestFunctions(recording, width, moving, over_cells=over_cells)
+        rows = momentum_noise(bumps, recording)
+        quiet = width >= widest or not len(rows) or inertia * float(np.sqrt(np.mean(rows**2))) <= wanted
+        if quiet and not (
+            estimated and float(rows @ rows) > _OF_MOMENTUM * float(np.sum(bumps.momentum(velocity) ** 2))
+        ):
             return width
-    return widest
+    return most
