@@ -42,8 +42,8 @@ class SlidingErrors:
 
     Attributes:
         percent, held_out_percent: of the RMS motor torque, on what was fitted and on what was kept back.
-        noise_percent, held_out_noise_percent: what sensor noise alone would leave of each. False time stamps make more of
-            it where the drive is fast, and blocks that were kept back may be just there.
+        noise_percent, held_out_noise_percent: what sensor noise alone would leave of each. Some noise is larger where
+            the drive is fast, and blocks that were kept back may be just there.
     """
 
     percent: float

@@ -36,7 +36,7 @@ def share_explained(problem: WeakFormProblem, before: float, left: float, policy
 
 
 def is_above_noise(comparison: Comparison, policy: Policy = POLICY) -> bool:
-    """Whether the error is far more than the noise of the sensors leaves, of what was fitted or of what was kept back."""
+    """Whether the error is far more than the noise of the sensors leaves, where it was fitted or where it was not."""
     sliding = comparison.sliding
     return _is_far_above((sliding.percent, sliding.held_out_percent), comparison, policy)
 

@@ -249,7 +249,7 @@ class Policy:
         0.1,
         "share of the squared error",
         "What a channel predicts, and no effect explains, is called unknown only if it makes up so much of the squared "
-        "error of the headline, the mean of fit and test error. Less is said beside the verdict, but leaves it adequate.",
+        "error of the headline, the mean of fit and test error. A model that leaves less is adequate.",
         "Judgement: without a tenth of its square the error is 5 % lower. Of 212 rough drives with nothing hidden six "
         "were unknown for 0.3 to 0.6 % of the torque beside errors of 1.3 to 8 % that sampling makes.",
         off=0.0,

@@ -10,8 +10,8 @@ import numpy as np
 from fricmodels.arrays import Array, Index
 from fricmodels.logcheck.balance import Balance, Cells
 from fricmodels.logcheck.finding import Finding, Severity
-from fricmodels.logcheck.statistics import significance, slope
 from fricmodels.logcheck.view import Log
+from fricmodels.signals.clusters import significance, slope
 
 _SPEEDS = {"deg": "deg/s", "turn": "turn/s", "rpm": "rpm"}
 _TURN = {"deg": 360.0, "turn": 1.0}

@@ -16,9 +16,9 @@ from numpy.lib.stride_tricks import sliding_window_view
 
 from fricmodels.arrays import Array
 from fricmodels.logcheck.finding import Finding, Severity
-from fricmodels.logcheck.stamps import jitter
-from fricmodels.logcheck.statistics import LEVEL, significance
 from fricmodels.logcheck.view import Log
+from fricmodels.signals.clusters import LEVEL, significance
+from fricmodels.signals.stamps import unevenness
 
 _LENGTH = 64
 _FEWEST = 16
@@ -115,11 +115,11 @@ def colour(log: Log, noises: dict[str, Noise]) -> Iterator[Finding]:
     The colour of a torque's noise is only noted, at a level of a thousandth: a controller colours it by its own.
 
     The tilt, less that of a correlation of a tenth from sample to sample, over its error is compared with Student's t
-    of the number of pieces, at the level of :data:`~fricmodels.logcheck.statistics.LEVEL`. The noise must be a two
+    of the number of pieces, at the level of :data:`~fricmodels.signals.clusters.LEVEL`. The noise must be a two
     hundredth of the channel's RMS value about its mean, larger than its rounding, and than what uneven sampling makes
     of the signal.
     """
-    wandering = jitter(log.short)
+    wandering = unevenness(log.short.recording)
     for channel, found in noises.items():
         if channel not in ("torque", "velocity") or not np.isfinite(found.error):
             continue

@@ -12,8 +12,8 @@ import numpy as np
 from fricmodels.arrays import Array
 from fricmodels.logcheck.balance import CLUSTERS, Balance, Cells, balances, best
 from fricmodels.logcheck.finding import Finding, Severity
-from fricmodels.logcheck.statistics import certain, clusters, slope
 from fricmodels.logcheck.view import Log
+from fricmodels.signals.clusters import certain, clusters, slope
 
 _WIDTHS = (1, 4, 16, 64, 256)
 _LEAST = 16
@@ -222,7 +222,7 @@ def lag(log: Log) -> Iterator[Finding]:
 
     T by least squares with the slope of the measured velocity as the instrument of the slope of the position's, so
     that noise and rounding do not shrink it; error over 32 clusters. Said where T is longer than a sample at the level
-    of :data:`~fricmodels.logcheck.statistics.LEVEL`: half a sample is what a difference costs.
+    of :data:`~fricmodels.signals.clusters.LEVEL`: half a sample is what a difference costs.
     """
     if not {"position", "velocity"} <= set(log.measured):
         return

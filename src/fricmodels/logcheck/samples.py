@@ -8,9 +8,9 @@ import numpy as np
 
 from fricmodels.arrays import Array
 from fricmodels.logcheck.finding import Finding, Severity
-from fricmodels.logcheck.statistics import LEVEL
 from fricmodels.logcheck.view import Log
 from fricmodels.signals.beginnings import false_beginnings
+from fricmodels.signals.clusters import LEVEL
 from fricmodels.signals.noise_level import quantum
 
 _NEAR = 8

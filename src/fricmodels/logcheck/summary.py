@@ -11,11 +11,11 @@ from fricmodels.arrays import Array
 from fricmodels.logcheck.check import findings_of
 from fricmodels.logcheck.colour import channel_noise
 from fricmodels.logcheck.finding import Finding
-from fricmodels.logcheck.stamps import jitter
-from fricmodels.logcheck.statistics import LEVEL
 from fricmodels.logcheck.view import Log
 from fricmodels.recording import Recording
+from fricmodels.signals.clusters import LEVEL
 from fricmodels.signals.rest import resting
+from fricmodels.signals.stamps import unevenness
 
 SCHEMA = "fricmodels/info/1"
 
@@ -143,7 +143,7 @@ def summary(recording: Recording, inertia: float | None = None) -> Summary:
         },
         duration=float(log.steps[log.joined].sum()),
         rate=1.0 / recording.interval,
-        jitter=jitter(log),
+        jitter=unevenness(log.recording),
         gaps=len(lost),
         gap_time=float(lost.sum()),
         rest=1.0 - float(np.mean(moving)),
@@ -177,7 +177,7 @@ def _feedback(log: Log) -> bool:
 
     Third differences of both have nothing left but noise; their correlation times the root of the number of
     independent samples (a third of them, for third differences) is compared with the normal distribution, four lags at
-    once, at the level of :data:`~fricmodels.logcheck.statistics.LEVEL`. A controller's answer is against the noise.
+    once, at the level of :data:`~fricmodels.signals.clusters.LEVEL`. A controller's answer is against the noise.
     """
     from scipy.special import ndtr
 

@@ -9,8 +9,8 @@ import numpy as np
 
 from fricmodels.logcheck.balance import CLUSTERS, Balance
 from fricmodels.logcheck.finding import Finding, Severity
-from fricmodels.logcheck.statistics import LEVEL, PROBABLE, certain, significance, slope
 from fricmodels.logcheck.view import Log
+from fricmodels.signals.clusters import LEVEL, PROBABLE, certain, significance, slope
 
 _FACTORS = {
     180.0 / math.pi: ("velocity", "deg/s"),
@@ -114,7 +114,7 @@ def delay(log: Log, rows: list[Balance]) -> Iterator[Finding]:
     frictional lag look like a delay, with columns for |ω| and ω|ω| besides. T is the coefficient of the change of m
     after all columns of the balance are projected out, at the width at which it explains most; its error is over 32
     clusters. Said where T is longer than two samples at the level of
-    :data:`~fricmodels.logcheck.statistics.PROBABLE`. A motion that is recorded late is not told here from friction with
+    :data:`~fricmodels.signals.clusters.PROBABLE`. A motion that is recorded late is not told here from friction with
     memory; that is the effect ``sensor-delay``.
     """
     interval = log.recording.interval

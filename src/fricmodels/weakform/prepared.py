@@ -12,6 +12,7 @@ from fricmodels.signals import best_half_width, noise_of, prepare, velocity_nois
 from fricmodels.signals.beginnings import with_true_beginnings
 from fricmodels.signals.lanczos import even_weights
 from fricmodels.signals.stamp_noise import with_false_stamps
+from fricmodels.signals.stamps import with_even_stamps
 
 _EQUAL, _EXCEPTIONS = 1e-3, 0.01
 """Share of the RMS velocity to which a computed velocity equals the difference, and share of samples that may not."""
@@ -42,26 +43,36 @@ def ready(recording: Recording) -> Recording:
     Raises:
         InputError: when the recording does not move.
     """
-    prepared = prepare(surest_velocity(with_true_beginnings(recording)))
+    begun = with_true_beginnings(recording)
+    known_by_position = _both_measured(begun) and is_difference(begun)  # as told by the stamps that it was made with
+    prepared = prepare(surest_velocity(with_even_stamps(begun), known_by_position=known_by_position))
     if float(np.ptp(prepared.velocity)) == 0:
         raise InputError(f"recording '{recording.name}' does not move; record some motion")
     return prepared.with_channels(derived="time" in recording.derived, time=prepared.time - prepared.time[0])
 
 
-def surest_velocity(recording: Recording) -> Recording:
+def _both_measured(recording: Recording) -> bool:
+    return "velocity" in recording and "position" in recording and "velocity" not in recording.derived
+
+
+def surest_velocity(recording: Recording, *, known_by_position: bool = False) -> Recording:
     """Return the recording with the velocity derived from the position, where that is the more certain of the two.
 
     An encoder's position often gives a better velocity than the noisy channel beside it. The two must agree: the
     measured velocity is the derived one, to within a hundredth in scale and its own noise. Where it was itself computed
     as a difference of the positions it says nothing more than they do, and says that smeared or late.
+
+    Args:
+        recording: as measured.
+        known_by_position: whether the velocity is such a difference.
     """
-    if "velocity" not in recording or "position" not in recording or "velocity" in recording.derived:
+    if not _both_measured(recording):
         return recording
     time, run, position, velocity = recording.time, recording.run, recording["position"], recording.velocity
     counted = with_false_stamps(recording, noise_of(time, position, run))
     width = best_half_width(time, position, run, noise=counted.slow)
     result = with_derived_velocity(recording, width)
-    if is_difference(recording):
+    if known_by_position:
         return result
     derived = result.velocity
     error = counted.after(even_weights(width)[1]) / recording.interval
@@ -79,7 +90,8 @@ def surest_velocity(recording: Recording) -> Recording:
 def is_difference(recording: Recording) -> bool:
     """Whether the velocity is a difference of the recorded positions: backward, forward, central or a parabola's slope.
 
-    The last is what `numpy.gradient` gives for unequal steps; for equal ones it is the central difference. All but a hundredth of the samples, beginnings and lost ones among them, must be equal to a thousandth of the RMS.
+    The last is what `numpy.gradient` gives for unequal steps; for equal ones it is the central difference. All but a
+    hundredth of the samples, beginnings and lost ones among them, must be equal to a thousandth of the RMS.
     """
     some = slice(max(0, (len(recording) - _MOST) // 2), (len(recording) + _MOST) // 2)
     time, position, velocity = recording.time[some], recording["position"][some], recording.velocity[some]

@@ -1,4 +1,4 @@
-"""The level at which a finding is sure, and tests over clusters of the record."""
+"""Slopes and tests over clusters of a record, and the level at which a finding is sure."""
 
 from __future__ import annotations
 
