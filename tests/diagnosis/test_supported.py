@@ -190,3 +190,19 @@ def test_friction_that_lags_is_no_wrong_inertia(made: Made, samples: int) -> Non
     (lag,) = [v for v in channel_predictors(result) if v.channels == "acceleration and speed"]
     assert lag.evidence.explained > wrong.evidence.explained + 0.1
     assert named(result, ["inertia-error"]) == []
+
+
+def test_what_is_predicted_is_noticed_only_as_a_part_of_the_error(made: Made) -> None:
+    comparison = compare(made(noise=1.0), LAW, 2.0)
+    line = comparison.errors.headline
+    whole = float(np.hypot(line.percent, line.held_out_percent)) / np.sqrt(2.0)
+    policy = errors_floor.POLICY
+    assert errors_floor.is_noticed(comparison, 1.01 * np.sqrt(policy.noticed) * whole)
+    assert not errors_floor.is_noticed(comparison, 0.99 * np.sqrt(policy.noticed) * whole)
+    assert errors_floor.is_noticed(comparison, 1e-9, replace(policy, noticed=0.0))
+
+
+def test_an_error_is_above_noise_by_the_noise_of_its_own_part(made: Made) -> None:
+    comparison = compare(made(noise=1.0), LAW, 2.0)
+    assert errors_floor.is_above_noise(replace(comparison, sliding=SlidingErrors(1.0, 9.0, 1.0, 1.0)))
+    assert not errors_floor.is_above_noise(replace(comparison, sliding=SlidingErrors(1.0, 9.0, 1.0, 8.0)))
