@@ -94,11 +94,13 @@ def _chosen(fitted: Recording, pulses: Recording, say: Callable[[str], None]) ->
     rungs = list({rung.model: rung.comparison for rung in ladder.rungs}.values())
     found = judged([Rung(r.drive, r.estimate.parameters) for r in rungs], rungs[0].train, rungs[0].test)
     titles = ["rung of the ladder", "kept back, by torque", "kept back, fitted to the motion", "behind", "taken"]
+    before: dict[str, float] = {}
     rows = [[*titles, "refitted to the whole file: itself", "pulses file", "pulses, parameters of the torque"]]
     for each in found:
         drive = each.rung.drive
         start = each.rung.parameters if each.fit is None else each.fit.parameters
-        whole = fit_motion(Simulator(drive, fitted), [start, each.rung.parameters])
+        whole = fit_motion(Simulator(drive, fitted), [start, each.rung.parameters, {**each.rung.parameters, **before}])
+        before = dict(whole.parameters)
         rows.append(
             [
                 each.rung.name,
@@ -170,7 +172,9 @@ def _coloured(fitted: Recording, pulses: Recording, say: Callable[[str], None]) 
     drive = _drive("coulomb-viscous+asymmetry")
     rows = [["unrecorded force", "M [kg]", "K_v [N s/m]", "K_c [N]", "delay [ms]", "identification file", "pulses"]]
     listed = tuple(coloured.PARTS)
-    for parts, delay in (((), False), (listed[:1], False), (listed[:2], False), (listed, False), (listed, True)):
+    offsets, wave = listed[:2], listed[-1:]
+    tried = ((), False), (listed[:1], False), (offsets, False), (listed, False), ((*offsets, *wave), True)
+    for parts, delay in tried:
         found = coloured.fitted(fitted, parts, delay=delay)
         told = [f"{found.parameters[key]:.2f} ± {found.errors[key]:.2f}" for key in ("M", "K_v", "K_c")]
         late = f"{1e3 * found.delay:.2f}" if delay else "–"
