@@ -33,6 +33,7 @@ AUTHORS = {
 }  # fmt: skip
 """Parameters of Janot, Gautier and Brunot (2019), and the error that a prototype measured with them [mm]."""
 BASE = "coulomb-viscous"
+FILES = ("id", "pulses")
 STRUCTURES = (
     "coulomb-viscous+torque-offset",
     "coulomb-viscous+asymmetry",
@@ -82,6 +83,7 @@ def tables(data: Path, say: Callable[[str], None], *, peers: bool = True) -> dic
         "How much of it is the level of friction, which differs between the files": _levels(fitted, pulses),
         "Maximum likelihood with a coloured force": _coloured(fitted, pulses, say),
         "Windows of several lengths at once": _several(fitted, pulses, say),
+        "Friction of the pulses file above that of the identification file, at constant speed": _above(data),
         "If the friction of the identification file were known without an error": _replayed(fitted, pulses),
     }
 
@@ -227,4 +229,28 @@ def _replayed(fitted: Recording, pulses: Recording) -> list[list[str]]:
                 place += step * off
             found.append(f"{1e3 * float(np.sqrt(np.mean(placed**2))):.1f}")
         rows.append([f"{mass:.0f}", f"{forward:.0f}, {backward:.0f}", *found])
+    return rows
+
+
+def _above(data: Path) -> list[list[str]]:
+    """Compare the mean forces [N] where the reference's speed is constant and no pulse was within 80 ms."""
+    one, two = (np.genfromtxt(data / "emps" / f"emps_{which}.csv", delimiter=",", names=True) for which in FILES)
+    step = float(np.mean(np.diff(one["t"])))
+    speed = np.gradient(one["pos_ref_m"], step)
+    steady = (np.abs(np.gradient(speed, step)) < 1e-2) & (np.abs(speed) > 0.02)
+    edges = np.flatnonzero(np.diff(two["pulse_N"]) != 0) + 1
+    last = np.searchsorted(edges, np.arange(len(speed)), side="right") - 1
+    quiet = (last < 0) | (np.arange(len(speed)) - edges[np.maximum(last, 0)] > 80)
+    begins, ends = (np.flatnonzero(np.diff(np.concatenate([[0], steady, [0]])) == sign) for sign in (1, -1))
+    found = []
+    for begin, end in zip(begins, ends, strict=True):
+        if end - begin > 160:
+            part = np.arange(begin + 100, end)
+            more = np.mean(two["force_N"][part[quiet[part]]]) - np.mean(one["force_N"][part])
+            found.append((abs(speed[begin + 100]), one["t"][begin] // 6.24, more * np.sign(speed[begin + 100])))
+    rows = [["speed [m/s]", *(f"period {number + 1}" for number in range(4)), "all"]]
+    for least, most in ((0.02, 0.06), (0.06, 0.1), (0.1, 0.15), (0.02, 0.15)):
+        own = np.array([[n, more] for at, n, more in found if least < at < most])
+        means = [f"{np.mean(own[own[:, 0] == number, 1]):.2f}" for number in range(4)]
+        rows.append([f"{least} to {most}", *means, f"{np.mean(own[:, 1]):.2f}"])
     return rows
