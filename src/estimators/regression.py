@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property, lru_cache
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
@@ -17,7 +18,6 @@ Array = NDArray[np.float64]
 
 RESTING = 0.01
 """Speed below which a sample counts as standing still, as a fraction of the peak speed."""
-_BLOCK = 20_000
 _CUBIC = 5
 
 
@@ -47,7 +47,7 @@ class Design:
         """Samples from the oldest that a window uses to the newest."""
         return self.window + span(self.smoothing) - 1
 
-    @property
+    @cached_property
     def size(self) -> Array:
         """SI size of one unit of each estimated parameter."""
         natural = Scales(force=self.torque, displacement=self.peak / self.omega, time=1 / self.omega)
@@ -67,68 +67,42 @@ class Design:
         inner = np.arange(half, count - half)
         velocity, acceleration = smooth(run.time, run.velocity, self.smoothing)
         middle = run.select(inner).with_channels(velocity=velocity, acceleration=acceleration)
-        columns, offset = self._columns(middle)
-        slow = np.abs(velocity) < RESTING * self.peak
-        standing = np.concatenate([slow[1:] & slow[:-1], [False]])
-        values = np.concatenate([columns, [middle.torque - middle.load_torque - offset, velocity, standing]])
-        for start in range(0, len(middle) - self.window + 1, _BLOCK):
-            stop = min(start + _BLOCK, len(middle) - self.window + 1)
-            part = slice(start, stop + self.window - 1)
-            rows[self.length - 1 + start : self.length - 1 + stop] = self._weak(
-                middle.time[part], run.velocity[inner][part], values[:, part]
-            )
+        columns, offset = self.drive.regressors(middle, self.nonlinear)
+        values = np.concatenate([columns, [middle.torque - middle.load_torque - offset, velocity]])
+        rows[self.length - 1 :] = self.rows(middle.time, run.velocity[inner], values)
         return rows
 
-    def _columns(self, middle: Recording) -> tuple[Array, Array]:
-        """Return the regressors of the estimated model parameters and what the fixed ones contribute."""
-        nonlinear = [
-            self.fixed[p.key]
-            for p, linear in zip(self.drive.model.parameters, self.drive.model.linear, strict=True)
-            if not linear
-        ]
-        return self.drive.regressors(middle, nonlinear)
+    def rows(self, time: Array, velocity: Array, values: Array) -> Array:
+        """Return the row of each window; see :func:`estimators.window_rows.weak_rows`."""
+        from estimators.window_rows import weak_rows
 
-    def _weak(self, time: Array, velocity: Array, values: Array) -> Array:
-        times = sliding_window_view(time, self.window)
-        duration = times[:, -1:] - times[:, :1]
-        s = 2 * (times - times[:, :1]) / duration - 1
-        steps = np.diff(times, axis=1)
-        measure = np.zeros_like(s)
-        measure[:, :-1] += 0.5 * steps
-        measure[:, 1:] += 0.5 * steps
-        shape = (1 - s**2) ** 3
-        bump = shape * measure
-        total = bump.sum(axis=1)
-        slope = -12 * s * (1 - s**2) ** 2 / duration * measure
-        inertial = -np.einsum("ij,ij->i", slope, sliding_window_view(velocity, self.window)) / total
-        sided = shape * sided_measure(sliding_window_view(values[-2], self.window), steps, measure)
-        mean = [np.einsum("ij,ij->i", sided, sliding_window_view(row, self.window)) / total for row in values[:-3]]
-        right = np.einsum("ij,ij->i", bump, sliding_window_view(values[-3], self.window)) / total
-        still = sliding_window_view(values[-1], self.window)[:, :-1].any(axis=1)
-        regressors = mean
-        key = self.drive.inertia_key
-        if key in self.keys:
-            regressors = [inertial, *regressors]
-        else:
-            right = right - self.fixed[key] * inertial
-        scaled = [row * size / self.torque for row, size in zip(regressors, self.size, strict=True)]
-        return np.stack([*scaled, right / self.torque, 1.0 - still], axis=1)
+        found: Array = weak_rows(
+            np.ascontiguousarray(time),
+            np.ascontiguousarray(velocity),
+            values,
+            self.window,
+            self.resting,
+            self.inertia,
+            self.size,
+            self.torque,
+        )
+        return found
 
+    @cached_property
+    def resting(self) -> float:
+        """Speed of rest [rad/s or m/s]."""
+        return RESTING * self.peak
 
-def sided_measure(velocity: Array, steps: Array, measure: Array) -> Array:
-    """Return weights of the trapezium rule in which each sample counts for its own side of a reversal.
+    @cached_property
+    def inertia(self) -> float:
+        """The inertia that is known, or not a number."""
+        return float(self.fixed.get(self.drive.inertia_key, np.nan))
 
-    Where the velocity changes its sign between two samples, the interval is divided at the crossing instead of in the
-    middle, so that the Coulomb torque is integrated with the right sign.
-    """
-    before, after = velocity[:, :-1], velocity[:, 1:]
-    crossing = (before < 0) != (after < 0)
-    fall = np.where(crossing, np.abs(before) + np.abs(after), 1.0)
-    shift = np.where(crossing & (fall > 0), steps * (np.abs(before) / np.where(fall > 0, fall, 1.0) - 0.5), 0.0)
-    sided = measure.copy()
-    sided[:, :-1] += shift
-    sided[:, 1:] -= shift
-    return sided
+    @cached_property
+    def nonlinear(self) -> tuple[float, ...]:
+        """Values of the model parameters that are held."""
+        listed = zip(self.drive.model.parameters, self.drive.model.linear, strict=True)
+        return tuple(self.fixed[p.key] for p, linear in listed if not linear)
 
 
 def smooth(time: Array, velocity: Array, samples: int) -> tuple[Array, Array]:
@@ -145,6 +119,7 @@ def smooth(time: Array, velocity: Array, samples: int) -> tuple[Array, Array]:
     return value, windows @ slope / interval
 
 
+@lru_cache(maxsize=64)
 def cubic(samples: int) -> tuple[Array, Array]:
     """Return the weights by which the local cubic gives a velocity, and its change from sample to sample."""
     half = span(samples) // 2

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections import deque
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -13,6 +12,7 @@ import pandas as pd
 from numpy.typing import NDArray
 from pydantic import Field
 
+from estimators.newest_window import NewestWindow
 from estimators.regression import RESTING, Design, cubic
 from fricmodels.drive import Drive
 from fricmodels.errors import EstimationError, InputError
@@ -221,10 +221,13 @@ class _Online(OnlineFilter):
     def __init__(self, problem: _Problem, state: Mapping[str, Any] | None = None) -> None:
         self._problem = problem
         self._memory = problem.initial_memory() if state is None else np.array(state["memory"], dtype=float)
-        before = () if state is None else (dict(sample) for sample in state["samples"])
-        self._samples: deque[dict[str, float]] = deque(before, maxlen=problem.design.length)
-        needs = [channel_of(name) for name in problem.drive.model.needs - {"acceleration"}]
+        needs = sorted(channel_of(name) for name in problem.drive.model.needs - {"acceleration"})
         self._channels = tuple(dict.fromkeys(["time", "torque", "velocity", "load_torque", *needs]))
+        self._window = NewestWindow(problem.design, self._channels)
+        self._forgetting = np.array([problem.forgetting])
+        self._output = np.empty((1, problem.scan.n_outputs))
+        for sample in () if state is None else state["samples"]:
+            self._window.take(sample)
 
     def update(self, sample: Mapping[str, float]) -> dict[str, float]:
         """Take one sample and return the parameters; refuses what is missing, not finite or out of order."""
@@ -233,18 +236,16 @@ class _Online(OnlineFilter):
         if missing:
             raise InputError(f"the sample has no '{missing[0]}', which this estimator needs")
         present = {name: float(given[name]) for name in self._channels} | {"run": float(sample.get("run", 0))}
-        if not all(np.isfinite(list(present.values()))):
+        if not all(map(math.isfinite, present.values())):
             raise InputError(f"the sample at time {present['time']} has a value that is not finite; leave it out")
-        if self._samples and self._samples[-1]["run"] != present["run"]:
-            self._samples.clear()
-        elif self._samples and not present["time"] > self._samples[-1]["time"]:
-            raise InputError(f"time must increase: {present['time']} follows {self._samples[-1]['time']}")
-        self._samples.append(present)
-        if len(self._samples) == self._problem.design.length:
-            channels = {name: np.array([s[name] for s in self._samples]) for name in self._channels}
-            run = np.zeros(len(self._samples), dtype=np.int64)
-            rows = self._problem.design.windows(Recording("online", self._problem.drive.motion, channels, run))
-            self._memory, _, _ = self._problem.scan(self._memory, rows[-1:], [self._problem.forgetting])
+        samples = self._window.samples
+        if samples and samples[-1]["run"] != present["run"]:
+            self._window.clear()
+        elif samples and not present["time"] > samples[-1]["time"]:
+            raise InputError(f"time must increase: {present['time']} follows {samples[-1]['time']}")
+        row = self._window.take(present)
+        if row is not None:
+            self._memory, _, _ = self._problem.scan(self._memory, row, self._forgetting, outputs=self._output)
         return self.parameters
 
     @property
@@ -286,7 +287,7 @@ class _Online(OnlineFilter):
                 "forgetting": self._problem.forgetting,
             },
             "memory": self._memory.tolist(),
-            "samples": [dict(sample) for sample in self._samples],
+            "samples": [dict(sample) for sample in self._window.samples],
         }
 
     @property

@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
+from io import StringIO
 from pathlib import Path
 
 import pytest
+from rich.console import Console
 
 from fricmodels.compensation import COULOMB, IMPROVED, NONE, TRUE, study
+from fricmodels.compensation.present import show
 from fricmodels.errors import InputError
 from fricmodels.rig import Rig
 from fricmodels.tournament.config import load_config
@@ -40,6 +44,22 @@ def test_it_is_the_same_again() -> None:
     rig = Rig.model_validate({**CLEAN, "samples": 2000})
     one, other = (study(rig, Settings(motion="trapezoid"), motions=1) for _ in range(2))
     assert one.ways == other.ways
+
+
+def test_a_swing_at_the_measured_motion_is_explained() -> None:
+    """The loop goes through the model there, and not along the reference; the words say so."""
+    rig = Rig.model_validate({**CLEAN, "samples": 2000})
+    told = {}
+    for at in ("measured", "reference"):
+        found = study(rig, Settings(motion="trapezoid", at=at), motions=1)
+        swinging = replace(found.best, figures=(replace(found.best.figures[0], limit_cycle=True),))
+        again = replace(found, ways=(*found.ways[:-2], swinging, found.ways[-1]))
+        console = Console(width=200, record=True, file=StringIO())
+        show(console, [again], ["rig.yaml"])
+        show(console, [again, again], ["rig.yaml"] * 2)
+        told[at] = console.export_text()
+    assert told["measured"].count("--at reference has no such loop") == 2
+    assert "--at reference" not in told["reference"]
 
 
 def test_a_leaderboard_ranks_by_it(tmp_path: Path) -> None:

@@ -7,8 +7,9 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from estimators.regression import sided_measure, smooth
+from estimators.regression import smooth
 from estimators.rls import RecursiveLeastSquares, recursive_step
+from estimators.window_rows import sided_measure
 from fricmodels.errors import EstimationError
 from fricmodels.kernels import Scan
 
@@ -81,9 +82,24 @@ def test_the_local_cubic_is_exact_for_cubics() -> None:
 
 def test_the_sign_is_integrated_exactly_through_a_reversal() -> None:
     time = np.arange(11.0)
-    velocity = (time - 3.3)[None, :]
-    steps = np.ones((1, 10))
-    measure = np.r_[0.5, np.ones(9), 0.5][None, :]
-    weights = sided_measure(velocity, steps, measure)
+    velocity, weights = time - 3.3, np.empty(11)
+    sided_measure(time, velocity, weights)
     assert float((weights * np.sign(velocity)).sum()) == pytest.approx(10 - 2 * 3.3)
     assert weights.sum() == pytest.approx(10)
+
+
+def test_the_newest_window_is_that_of_the_whole_run(paper: SimpleNamespace) -> None:
+    """Sample by sample, with a gap in time, a position, and parameters that are held: the same rows."""
+    made = paper.recording(0.02, cycles=1)
+    time = made.time + np.where(np.arange(len(made)) > 60, 0.01, 0.0)
+    made = made.with_channels(derived=False, time=time, position=np.cumsum(made.velocity) * 1e-3)
+    drive = paper.drive("coulomb-viscous+stribeck+cogging")
+    online = RecursiveLeastSquares({"smoothing": 7, "window": 15}).start(drive, made)
+    newest, design = online._window, online.windowed
+    found = []
+    for i in range(len(made)):
+        row = newest.take({"load_torque": 0.0, "run": 0.0} | {name: float(v[i]) for name, v in made.channels.items()})
+        found.append(np.zeros(len(design.keys) + 2) if row is None else row.copy())
+    expected = newest.design.windows(made)
+    assert np.count_nonzero(expected[:, -1]) > 50
+    np.testing.assert_allclose(found, expected, rtol=1e-10, atol=1e-10 * np.max(np.abs(expected)))

@@ -22,6 +22,11 @@ _TITLES = {
     TRUE: "the true drive",
 }
 
+_BY_LOOP = (
+    "It swings because the loop goes through the model: at the measured motion a torque that is wrong, or late, feeds "
+    "itself. --at reference has no such loop."
+)
+
 
 def show(console: Console, studies: Sequence[Study], files: Sequence[str], seed: int | None = None) -> None:
     """Print studies, one in full or several in a table.
@@ -49,6 +54,8 @@ def show(console: Console, studies: Sequence[Study], files: Sequence[str], seed:
     )
     console.print()
     say(console, f"How sure: {len(studies[0].experiments)} motions of each drive; the true drive is the bound.")
+    if studies[0].experiments[0].settings.at == "measured" and any(study.best.limit_cycle for study in studies):
+        say(console, _BY_LOOP)
     say(console, "Next: one rig alone shows its figures in full; --out keeps them all.")
 
 
@@ -90,6 +97,8 @@ def _show_one(console: Console, study: Study, file: str, seed: int | None) -> No
         f"{'m' if study.rig.motion is Motion.LINEAR else 'rad'}; friction compensated "
         f"{'along the reference' if first.settings.at == 'reference' else 'at the measured motion'}.",
     )
+    if study.best.limit_cycle and first.settings.at == "measured":
+        say(console, _BY_LOOP)
     if study.named and math.isfinite(share):
         say(console, "Next: keep this model in a file, and write it for the controller:")
         data = f"{study.rig.name.replace(' ', '-')}.csv"
