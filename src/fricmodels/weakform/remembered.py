@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import weakref
 from collections import OrderedDict
 from collections.abc import Callable, Hashable
 
@@ -10,9 +11,14 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
+TOGETHER = 2**29
+"""Bytes that the arrays of all who remember may take together: a ladder keeps the rows of each of its models."""
+
 
 class Remembered:
     """Arrays by key; where there is no room for another one, those that were not asked for longest are forgotten.
+
+    Where all who remember hold more than :data:`TOGETHER`, those forget everything that were not asked for longest.
 
     Args:
         room: bytes that all of them together may take.
@@ -35,4 +41,34 @@ class Remembered:
             self._free -= array.nbytes
         while self._free < 0:
             self._free += self._arrays.popitem(last=False)[1].nbytes
+        _make_room(self)
         return array
+
+    @property
+    def held(self) -> int:
+        """Bytes that its arrays take."""
+        return self._room - self._free
+
+    def forget(self) -> None:
+        """Forget everything."""
+        self._arrays.clear()
+        self._free = self._room
+
+
+_asked: OrderedDict[int, weakref.ref[Remembered]] = OrderedDict()
+"""Who remembers, the one that was last given something new at the end."""
+
+
+def _make_room(last: Remembered) -> None:
+    """Let the others forget, those first that were given nothing new for longest, while all hold too much."""
+    key = id(last)
+    if key not in _asked:
+        _asked[key] = weakref.ref(last, lambda _: _asked.pop(key, None))
+    _asked.move_to_end(key)
+    holding = [each for each in (ref() for ref in list(_asked.values())) if each is not None]
+    held = sum(each.held for each in holding)
+    for each in holding[:-1]:
+        if held <= TOGETHER:
+            return
+        held -= each.held
+        each.forget()
