@@ -140,9 +140,7 @@ class Noise:
             apart = (len(weights) - len(others)) // 2
             return self.white**2 * float(weights[apart : apart + len(others)] @ others)
         longer, shorter = (weights, others) if len(weights) >= len(others) else (others, weights)
-        from scipy.signal import correlate
-
-        both = correlate(longer, shorter, "full", "direct" if len(shorter) < 64 else "fft")
+        both = np.correlate(longer, shorter, "full")
         lag = np.abs(np.arange(len(both)) - (len(both) - 1) // 2)
         return float(both @ self.covariance(int(lag.max()) + 1)[lag])
 
