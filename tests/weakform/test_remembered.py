@@ -50,6 +50,7 @@ def test_all_together_hold_no_more_than_there_is_room_for(monkeypatch: pytest.Mo
     """Those that were given nothing new for longest forget; who is gone holds nothing."""
     monkeypatch.setattr(module, "_asked", type(module._asked)())
     monkeypatch.setattr(module, "TOGETHER", 8 * 10)
+    monkeypatch.setattr(module, "STEP", 0)
     first, second, third = (Remembered(room=8 * 10) for _ in range(3))
     first("a", lambda: np.ones(4))
     second("a", lambda: np.ones(4))

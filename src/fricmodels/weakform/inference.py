@@ -61,7 +61,7 @@ def first_cosines(series: Array, terms: int) -> Array:
     moments = (padded.reshape(-1, block) @ powers).reshape(len(series), blocks, _POWERS).transpose(0, 2, 1)
     found = np.einsum("ijk,jk->ik", moments[:, 0::2] @ cosines[0], cosines[1])
     found -= np.einsum("ijk,jk->ik", moments[:, 1::2] @ sines[0], sines[1])
-    return found
+    return np.asarray(found)
 
 
 @lru_cache(maxsize=8)

@@ -14,6 +14,9 @@ Array = NDArray[np.float64]
 TOGETHER = 2**29
 """Bytes that the arrays of all who remember may take together: a ladder keeps the rows of each of its models."""
 
+STEP = 2**20
+"""Bytes more after which that is looked at."""
+
 
 class Remembered:
     """Arrays by key; where there is no room for another one, those that were not asked for longest are forgotten.
@@ -26,6 +29,7 @@ class Remembered:
 
     def __init__(self, room: int) -> None:
         self._room = self._free = room
+        self._counted = 0
         self._arrays: OrderedDict[Hashable, Array] = OrderedDict()
 
     def __call__(self, key: Hashable, compute: Callable[[], Array]) -> Array:
@@ -41,7 +45,9 @@ class Remembered:
             self._free -= array.nbytes
         while self._free < 0:
             self._free += self._arrays.popitem(last=False)[1].nbytes
-        _make_room(self)
+        if self.held > self._counted + STEP:
+            self._counted = self.held
+            _make_room(self)
         return array
 
     @property
@@ -52,11 +58,11 @@ class Remembered:
     def forget(self) -> None:
         """Forget everything."""
         self._arrays.clear()
-        self._free = self._room
+        self._free, self._counted = self._room, 0
 
 
 _asked: OrderedDict[int, weakref.ref[Remembered]] = OrderedDict()
-"""Who remembers, the one that was last given something new at the end."""
+"""Who remembers, the one that was last given much that is new at the end."""
 
 
 def _make_room(last: Remembered) -> None:

@@ -21,6 +21,8 @@ MAX_STARTS = 320
 TOLERANCE = 1e-6
 """A fall of the squared error by less than this share is the end: parameters move by less than a thousandth of the
 standard error, √(TOLERANCE)."""
+_FEW = 2
+"""Columns that move, up to which only their own products are made anew."""
 LARGEST_RATIO = 1.5
 """Largest step of a parameter on a logarithmic scale: a factor of e^1.5."""
 
@@ -223,10 +225,11 @@ class Projection:
 
     def _products(self, columns: Array) -> Array:
         """Return the products of the columns of the linear parameters: new where they depend on α."""
+        if len(self._moving) > _FEW:  # the symmetric product of all costs less
+            return np.asarray(columns @ columns.T)
         gram = self._fixed_products.copy()
-        if self._moving:
-            products = columns[self._moving] @ columns.T
-            gram[self._moving], gram[:, self._moving] = products, products.T
+        for row in self._moving:
+            gram[row] = gram[:, row] = columns @ columns[row]
         return gram
 
     def _solve(self, columns: Array, gram: Array, target: Array) -> Array:
