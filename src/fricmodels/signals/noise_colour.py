@@ -161,12 +161,13 @@ class Noise:
         if self.difference:
             found += self.difference * np.diff(rng.standard_normal(count + 1))
         if self.lasting:
-            from scipy.signal import lfilter
+            from fricmodels.kernels.recursion import first_order
 
             factor = math.exp(-1.0 / self.samples)
             driving = rng.standard_normal(count)
             driving[1:] *= math.sqrt(1.0 - factor**2)
-            found += self.lasting * np.asarray(lfilter([1.0], [1.0, -factor], driving))
+            first_order(driving, 1.0, factor, 0.0, driving)
+            found += self.lasting * driving
         return found
 
     def lasting_as(self, square: float) -> Noise:

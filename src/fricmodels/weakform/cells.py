@@ -1,4 +1,4 @@
-"""Loops over the cells and samples of a recording, compiled: one pass in place of twenty over arrays."""
+"""Loops over the cells of a recording, compiled: one pass in place of twenty over arrays."""
 
 from __future__ import annotations
 
@@ -119,12 +119,3 @@ def weighted_sums(rows: Any, first: Any, counts: Any, parts: Any, kept: Any, sum
             done += n
         for m in range(len(kept)):
             sums[i, m] = line[kept[m]]
-
-
-@njit(cache=True, nogil=True)
-def exponential_average(series: Any, gain: float, first: float, averaged: Any) -> None:
-    """Write the exponential average of a series, shape (N,), that begins at a given value."""
-    last = first
-    for k in range(len(series)):
-        last = gain * series[k] + (1.0 - gain) * last
-        averaged[k] = last

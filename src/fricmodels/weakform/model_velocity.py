@@ -296,9 +296,9 @@ def _both_ways(series: Array, gain: float) -> Array:
 
 def _average(series: Array, gain: float) -> Array:
     """Return the exponential average, started at the mean of about as many samples as it spans."""
-    from fricmodels.weakform.cells import exponential_average
+    from fricmodels.kernels.recursion import first_order
 
     first = float(np.mean(series[: max(1, round(1.0 / gain))]))
     averaged = np.empty(len(series))
-    exponential_average(series, gain, first, averaged)
+    first_order(series, gain, 1.0 - gain, first, averaged)
     return averaged
