@@ -367,3 +367,13 @@ def test_stretches_are_all_samples():
     assert parts[0].start == 0
     assert parts[-1].stop == 500
     assert all(left.stop == right.start for left, right in pairwise(parts))
+
+
+@pytest.mark.parametrize("count", [99, 100, 1000, 4097])
+@pytest.mark.parametrize("width", [49, 51, 99])
+def test_a_long_filter_by_transforms_of_blocks_is_the_direct_one(count: int, width: int) -> None:
+    from fricmodels.signals.lanczos import _convolved
+
+    rng = np.random.default_rng(count + width)
+    values, weights = rng.standard_normal(count), rng.standard_normal(width)
+    np.testing.assert_allclose(_convolved(values, weights), np.convolve(values, weights, "same"), atol=1e-12)

@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import pandas as pd
 from numpy.typing import NDArray
 from pydantic import Field
 
@@ -127,6 +126,8 @@ class RecursiveLeastSquares(SequentialEstimator):
         Raises:
             EstimationError: for a model with internal states, or a recording that never slides for a whole window.
         """
+        import pandas as pd
+
         problem = self._problem(drive, recording)
         rows = np.concatenate([problem.design.windows(run) for run in recording.runs()])
         used = rows[:, -1] > 0

@@ -8,10 +8,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cache
 from importlib.metadata import version
-from typing import Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
-import pandas as pd
 from pydantic import BaseModel, ConfigDict
 
 from fricmodels.arrays import Array
@@ -20,6 +19,9 @@ from fricmodels.errors import EstimationError
 from fricmodels.fit import Fit, Status
 from fricmodels.interval import about
 from fricmodels.recording import Recording
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 _LEAST = 20
 

@@ -5,14 +5,16 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import StrEnum
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import pandas as pd
 
 from fricmodels.arrays import Array
 from fricmodels.display import Displayed
 from fricmodels.results.history import Course, ParameterHistory
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 HISTORY_POINTS = 120
 """Estimates of a parameter that a thinned history keeps."""

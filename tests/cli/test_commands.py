@@ -42,6 +42,27 @@ def test_help_imports_nothing_heavy(arguments: list[str]) -> None:
     assert done.stdout
 
 
+def test_a_fit_imports_no_library_that_takes_long_and_that_it_does_not_need() -> None:
+    """Each of them takes half a second: so much longer were every process of a tournament."""
+    program = """
+import sys
+import numpy as np
+from estimators.batch import Batch
+from fricmodels.dimension import Motion
+from fricmodels.drive import Drive
+from fricmodels.model import Model
+from fricmodels.recording import Recording
+rng, time = np.random.default_rng(0), 0.002 * np.arange(4000)
+velocity = np.sin(5 * time) + np.sin(8.3 * time) + 0.02 * rng.standard_normal(4000)
+torque = 5 * np.cos(5 * time) + 8.3 * np.cos(8.3 * time) + np.sign(velocity)
+recording = Recording("x", Motion.ROTARY, {"time": time, "torque": torque, "velocity": velocity}, np.zeros(4000, int))
+Batch({}).fit(Drive(Model.parse("coulomb-viscous")), recording)
+print([name for name in ("pandas", "scipy.signal", "scipy.stats") if name in sys.modules])
+"""
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "[]"
+
+
 def test_help_is_quick() -> None:
     """The processor time of the best of some tries: other work on the machine does not count."""
     best = min(seconds_of([sys.executable, "-m", "fricmodels", "--help"]) for _ in range(3))

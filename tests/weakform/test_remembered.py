@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from fricmodels.weakform import remembered as module
 from fricmodels.weakform.remembered import Remembered
 
 
@@ -43,3 +44,22 @@ def test_what_is_remembered_cannot_be_changed() -> None:
     array = Remembered(room=100)("a", lambda: np.zeros(3))
     with pytest.raises(ValueError, match="read-only"):
         array[0] = 1
+
+
+def test_all_together_hold_no_more_than_there_is_room_for(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Those that were given nothing new for longest forget; who is gone holds nothing."""
+    monkeypatch.setattr(module, "_asked", type(module._asked)())
+    monkeypatch.setattr(module, "TOGETHER", 8 * 10)
+    monkeypatch.setattr(module, "STEP", 0)
+    first, second, third = (Remembered(room=8 * 10) for _ in range(3))
+    first("a", lambda: np.ones(4))
+    second("a", lambda: np.ones(4))
+    first("b", lambda: np.ones(1))
+    third("a", lambda: np.ones(3))
+    assert [each.held for each in (first, second, third)] == [40, 0, 24]
+    third("b", lambda: np.ones(3))
+    assert [each.held for each in (first, second, third)] == [0, 0, 48]
+    del first, second
+    third("c", lambda: np.ones(4))
+    assert third.held == 80
+    assert len(module._asked) == 1

@@ -11,10 +11,9 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
-import pandas as pd
 from numpy.typing import NDArray
 
 from fricmodels.arrays import Array
@@ -28,6 +27,9 @@ from fricmodels.filtering.preparation import Hold, mid_step
 from fricmodels.fit import Status
 from fricmodels.kernels import Scan
 from fricmodels.recording import Recording
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 HISTORY_ROWS = 50_000
 
@@ -231,6 +233,8 @@ class FilterProblem:
 
         Long histories are thinned to at most 50 000 rows.
         """
+        import pandas as pd
+
         stop = len(trajectory.time) if trajectory.diverged_at is None else trajectory.diverged_at
         stride = -(-stop // HISTORY_ROWS) if stop else 1
         kept = slice(0, stop, stride)

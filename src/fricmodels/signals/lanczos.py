@@ -24,6 +24,8 @@ _BLOCK = 1 << 22
 """Numbers held at once while fitting, so that memory stays bounded."""
 _FEW = 48
 """Weights with which a direct convolution is the faster one."""
+_BLOCKS = 8
+"""Samples of a block that is transformed, in weights of a filter."""
 
 
 def lanczos_derivative(
@@ -64,12 +66,21 @@ def fit_stretch(time: Array, values: Array, half_width: int, degree: int) -> tup
 
 
 def _convolved(values: Array, weights: Array) -> Array:
-    """Return the convolution at every sample, directly with few weights and by Fourier transforms with many."""
+    """Return the convolution at every sample, directly with few weights, by transforms of blocks with many."""
     if len(weights) <= _FEW:
         return np.convolve(values, weights, mode="same")
-    from scipy.signal import oaconvolve
+    from scipy.fft import irfft, next_fast_len, rfft  # all of scipy.signal takes longer to import than most fits
 
-    return np.asarray(oaconvolve(values, weights, mode="same"))
+    more, first = len(weights) - 1, (len(weights) - 1) // 2
+    size = next_fast_len(_BLOCKS * more, real=True)
+    step = size - more
+    blocks = -(-len(values) // step)
+    padded = np.zeros((blocks + 1, step))
+    padded.reshape(-1)[: len(values)] = values
+    parts = irfft(rfft(padded[:-1], size) * rfft(weights, size), size)
+    padded[:-1], padded[-1] = parts[:, :step], 0.0
+    padded[1:, :more] += parts[:, step:]
+    return np.asarray(padded.reshape(-1)[first : first + len(values)])
 
 
 @lru_cache(maxsize=1024)

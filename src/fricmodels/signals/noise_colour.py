@@ -140,9 +140,7 @@ class Noise:
             apart = (len(weights) - len(others)) // 2
             return self.white**2 * float(weights[apart : apart + len(others)] @ others)
         longer, shorter = (weights, others) if len(weights) >= len(others) else (others, weights)
-        from scipy.signal import correlate
-
-        both = correlate(longer, shorter, "full", "direct" if len(shorter) < 64 else "fft")
+        both = np.correlate(longer, shorter, "full")
         lag = np.abs(np.arange(len(both)) - (len(both) - 1) // 2)
         return float(both @ self.covariance(int(lag.max()) + 1)[lag])
 
@@ -163,12 +161,13 @@ class Noise:
         if self.difference:
             found += self.difference * np.diff(rng.standard_normal(count + 1))
         if self.lasting:
-            from scipy.signal import lfilter
+            from fricmodels.kernels.recursion import first_order
 
             factor = math.exp(-1.0 / self.samples)
             driving = rng.standard_normal(count)
             driving[1:] *= math.sqrt(1.0 - factor**2)
-            found += self.lasting * np.asarray(lfilter([1.0], [1.0, -factor], driving))
+            first_order(driving, 1.0, factor, 0.0, driving)
+            found += self.lasting * driving
         return found
 
     def lasting_as(self, square: float) -> Noise:

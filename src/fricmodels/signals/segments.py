@@ -50,5 +50,7 @@ def is_even(time: Array) -> bool:
     if len(time) < 3:
         return True
     step = (time[-1] - time[0]) / (len(time) - 1)
-    grid = time[0] + step * np.arange(len(time))
-    return bool(np.abs(time - grid).max() <= 1e-3 * step)
+    apart = step * np.arange(float(len(time)))
+    apart += time[0]
+    np.subtract(time, apart, out=apart)
+    return bool(max(apart.max(), -apart.min()) <= 1e-3 * step)

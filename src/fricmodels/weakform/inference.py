@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 from itertools import pairwise
 
 import numpy as np
@@ -56,18 +57,29 @@ def first_cosines(series: Array, terms: int) -> Array:
     blocks = -(-count // block)
     padded = np.zeros((len(series), blocks * block))
     padded[:, :count] = series
+    powers, cosines, sines = _about_the_middles(count, terms, block)
+    moments = (padded.reshape(-1, block) @ powers).reshape(len(series), blocks, _POWERS).transpose(0, 2, 1)
+    found = np.einsum("ijk,jk->ik", moments[:, 0::2] @ cosines[0], cosines[1])
+    found -= np.einsum("ijk,jk->ik", moments[:, 1::2] @ sines[0], sines[1])
+    return np.asarray(found)
+
+
+@lru_cache(maxsize=8)
+def _about_the_middles(count: int, terms: int, block: int) -> tuple[Array, tuple[Array, Array], tuple[Array, Array]]:
+    """Return what :func:`first_cosines` needs of so many samples in blocks.
+
+    That is powers of the place in a block, shape (block, powers), and for the even and the odd powers: the cosines or
+    sines at the middle of each block, shape (blocks, terms), and factors, shape (powers / 2, terms).
+    """
     step = np.pi / count * np.arange(1, terms + 1)  # of the phase, from sample to sample
     apart = np.arange(block) - 0.5 * (block - 1)
-    powers = np.ones((_POWERS, block))
-    scales = np.ones((_POWERS, terms))
+    powers = np.ones((block, _POWERS))
+    scales = np.full((_POWERS, terms), np.sqrt(2.0 / count))
     for j in range(1, _POWERS):
-        powers[j] = powers[j - 1] * apart / block
+        powers[:, j] = powers[:, j - 1] * apart / block
         scales[j] = scales[j - 1] * step * block / j * (-1.0 if j % 2 == 0 else 1.0)
-    moments = (padded.reshape(-1, block) @ powers.T).reshape(len(series), blocks, _POWERS).transpose(0, 2, 1)
-    phase = np.outer(block * np.arange(blocks) + 0.5 * block, step)
-    even, odd = moments[:, 0::2] @ np.cos(phase), moments[:, 1::2] @ np.sin(phase)
-    found = np.einsum("ijk,jk->ik", even, scales[0::2]) - np.einsum("ijk,jk->ik", odd, scales[1::2])
-    return np.asarray(found * np.sqrt(2.0 / count))
+    phase = np.outer(block * np.arange(-(-count // block)) + 0.5 * block, step)
+    return powers, (np.cos(phase), scales[0::2]), (np.sin(phase), scales[1::2])
 
 
 def covariance(jacobian: Array, residual: Array, inverse: Array, independent: float) -> Array:
@@ -126,11 +138,16 @@ def jackknife_covariance(
     rows = jacobian @ (root / size[:, None])
     parts = [slice(*ends) for ends in pairwise(edges.tolist())]
     # (A − A_g)⁻¹ s = R (1 − RᵀA_gR)⁻¹ Rᵀs with A⁻¹ = RRᵀ: by the share of what is known that the block holds.
-    share, direction = np.linalg.eigh(np.array([rows[part].T @ rows[part] for part in parts]))
+    shares = np.array([rows[part].T @ rows[part] for part in parts])
     scores = np.array([residual[part] @ rows[part] for part in parts])
+    decisive = np.trace(shares, axis1=1, axis2=2) > 1.0 - 1.0 / blocks  # else each share is less, too
+    along = np.empty_like(scores)
+    along[~decisive] = np.linalg.solve(np.eye(len(root)) - shares[~decisive], scores[~decisive, :, None])[:, :, 0]
+    share, direction = np.linalg.eigh(shares[decisive])
     left = np.maximum(1.0 - share, 1.0 / blocks)
-    along = (scores[:, None] @ direction)[:, 0] / left
-    moved = (direction @ along[:, :, None])[:, :, 0] @ root.T
+    turned = (scores[decisive, None] @ direction)[:, 0] / left
+    along[decisive] = (direction @ turned[:, :, None])[:, :, 0]
+    moved = along @ root.T
     apart = (moved - np.mean(moved, axis=0)) / size
     widen = float(stdtrit(blocks - 1, 0.975)) / 1.959963984540054
     return np.asarray(widen**2 * (blocks - 1) / blocks * apart.T @ apart)

@@ -296,8 +296,9 @@ def _both_ways(series: Array, gain: float) -> Array:
 
 def _average(series: Array, gain: float) -> Array:
     """Return the exponential average, started at the mean of about as many samples as it spans."""
-    from scipy.signal import lfilter
+    from fricmodels.kernels.recursion import first_order
 
     first = float(np.mean(series[: max(1, round(1.0 / gain))]))
-    averaged, _ = lfilter([gain], [1.0, gain - 1.0], series, zi=[(1.0 - gain) * first])
-    return np.asarray(averaged)
+    averaged = np.empty(len(series))
+    first_order(series, gain, 1.0 - gain, first, averaged)
+    return averaged

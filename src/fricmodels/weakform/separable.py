@@ -124,7 +124,7 @@ class Separable:
         values = [each[: len(term.moving)] for each, term in zip(found, moving, strict=True)]
         if slopes:
             values += [each[len(term.moving) :] for each, term in zip(found, moving, strict=True)]
-        return np.concatenate(values)
+        return np.concatenate(values) if len(values) > 1 else values[0]
 
 
 @lru_cache(maxsize=128)

@@ -242,12 +242,11 @@ class TestFunctions:
         self._cell = between[1:]
         self._fall = between[:-1] - between[1:]
         self._velocity_fall = changes[:-1] - changes[1:]
-        self._pieces = [
-            slice(piece.start, piece.start + self.hop * ((piece.stop - piece.start) // self.hop))
-            for piece in segments(recording)
-            if piece.stop - piece.start >= self.width
-        ]
-        moving = self._apply((~resting).astype(float)[None], self._mean)[0] if self._pieces else np.zeros(0)
+        pieces = [piece for piece in segments(recording) if piece.stop - piece.start >= self.width]
+        self._first = np.array([piece.start for piece in pieces], dtype=np.int64)
+        self._bumps = np.array([(p.stop - p.start) // self.hop - HOPS + 1 for p in pieces], dtype=np.int64)
+        self._kept = np.arange(self._bumps.sum())
+        moving = self._apply((~resting).astype(float)[None], self._mean)[0]
         self._kept = np.flatnonzero(moving >= least_moving - 1e-12)
         self.count = len(self._kept)
 
@@ -269,19 +268,14 @@ class TestFunctions:
     def covered(self, count: int) -> NDArray[np.bool_]:
         """Mark the samples that lie within a bump, shape (N,)."""
         marks = np.zeros(count + 1)
-        first = 0
-        for piece in self._pieces:
-            bumps = (piece.stop - piece.start) // self.hop - HOPS + 1
-            inside = self._kept[(self._kept >= first) & (self._kept < first + bumps)] - first
-            np.add.at(marks, piece.start + self.hop * inside, 1.0)
-            np.add.at(marks, piece.start + self.hop * inside + self.width, -1.0)
-            first += bumps
+        np.add.at(marks, self.begins, 1.0)
+        np.add.at(marks, self.begins + self.width, -1.0)
         return np.asarray(np.cumsum(marks[:-1]) > 0.5)
 
     @property
     def begins(self) -> NDArray[np.int64]:
         """The sample at which each bump begins, shape (number of bumps,)."""
-        starts = [np.arange(piece.start, piece.stop - self.width + 1, self.hop) for piece in self._pieces]
+        starts = [a + self.hop * np.arange(n) for a, n in zip(self._first, self._bumps, strict=True)]
         return np.concatenate([np.zeros(0, dtype=np.int64), *starts])[self._kept]
 
     @property
@@ -291,12 +285,12 @@ class TestFunctions:
 
     def integrals(self, integrand: Array) -> Array:
         """Return ∫φ f dt for rows f, shape (k, number of bumps)."""
-        return self._keep(self._apply(integrand, self._mean))
+        return self._apply(integrand, self._mean)
 
     def torques(self, quadrature: Quadrature, rows: Array) -> Array:
         """Return ∫φ f dt of rows, shape (k, N + two for each split cell) → (k, number of test functions)."""
         if self.over_cells:
-            return self._keep(self._apply(quadrature.under_hats(rows), self.changes))
+            return self._apply(quadrature.under_hats(rows), self.changes)
         return self.of_cells(quadrature.along_cubics(rows))
 
     def of_cells(self, impulses: Array) -> Array:
@@ -305,15 +299,15 @@ class TestFunctions:
         Args:
             impulses: of each cell, shape (k, N), weighted by the mean of the test function there.
         """
-        return self._keep(self._apply(impulses, self._cell))
+        return self._apply(impulses, self._cell)
 
     def momentum(self, velocity: Array) -> Array:
         """Return ∫φ dω = −∫φ' ω dt, shape (number of bumps,)."""
-        return np.asarray(self._keep(self._apply(velocity[None], self._velocity_fall))[0])
+        return np.asarray(self._apply(velocity[None], self._velocity_fall)[0])
 
     def change(self, values: Array) -> Array:
         """Return ∫φ df = −∫φ' f dt of what was measured, shape (number of bumps,)."""
-        return np.asarray(self._keep(self._apply(values[None], self._fall))[0])
+        return np.asarray(self._apply(values[None], self._fall)[0])
 
     def of_steps(self, steps: Array) -> Array:
         """Return Σ φ x over the samples, shape (k, number of bumps), of what is centred as changes of velocity are.
@@ -321,21 +315,12 @@ class TestFunctions:
         Args:
             steps: shape (k, N); the first of a bump belongs to the change from its first sample to its second.
         """
-        return self._keep(self._apply(steps, self.changes))
-
-    def _keep(self, values: Array) -> Array:
-        return values if self.count == values.shape[1] else np.take(values, self._kept, axis=1)
+        return self._apply(steps, self.changes)
 
     def _apply(self, rows: Array, kernel: Array) -> Array:
-        parts = kernel.reshape(HOPS, self.hop)
-        counts = [(piece.stop - piece.start) // self.hop - HOPS + 1 for piece in self._pieces]
-        sums = np.empty((len(rows), sum(counts)))
-        first = 0
-        for piece, count in zip(self._pieces, counts, strict=True):
-            for row, total in zip(rows[:, piece], sums[:, first : first + count], strict=True):
-                product = parts @ row.reshape(-1, self.hop).T
-                np.add(product[0, :count], product[1, 1 : 1 + count], out=total)
-                for part in range(2, HOPS):
-                    total += product[part, part : part + count]
-            first += count
+        from fricmodels.weakform.cells import weighted_sums
+
+        sums = np.empty((len(rows), len(self._kept)))
+        rows = np.ascontiguousarray(rows, dtype=float)
+        weighted_sums(rows, self._first, self._bumps, kernel.reshape(HOPS, self.hop), self._kept, sums)
         return sums

@@ -6,6 +6,7 @@ import itertools
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +21,8 @@ MAX_STARTS = 320
 TOLERANCE = 1e-6
 """A fall of the squared error by less than this share is the end: parameters move by less than a thousandth of the
 standard error, √(TOLERANCE)."""
+_FEW = 2
+"""Columns that move, up to which only their own products are made anew."""
 LARGEST_RATIO = 1.5
 """Largest step of a parameter on a logarithmic scale: a factor of e^1.5."""
 
@@ -152,6 +155,7 @@ class Projection:
                 self._target -= values
             else:
                 self._columns[self._first + row] = values
+        self._moving = sorted({self._first + row for row in split.moving if row != len(split.linear)})
 
     def solve(self, nonlinear: Nonlinear, max_iterations: int = 50) -> Solution:
         """Return the least-squares fit: from the best of the starting points, by Gauss–Newton to the end."""
@@ -203,18 +207,37 @@ class Projection:
 
     def cost(self, alpha: Array) -> float:
         """Return the squared error at α; infinite where the model is not finite there."""
-        columns, target, _ = self._linear_problem(alpha, slopes=False)
+        target, _ = self._linear_problem(self._tried, alpha, slopes=False)
         with np.errstate(invalid="ignore", over="ignore"):
-            residual = target - self._solve(columns, target) @ columns
+            residual = target - self._solve(self._tried, self._products(self._tried), target) @ self._tried
             cost = float(residual @ residual)
         return cost if np.isfinite(cost) else float("inf")
 
-    def _solve(self, columns: Array, target: Array) -> Array:
-        free = columns[self._free] if self._held else columns
+    @cached_property
+    def _tried(self) -> Array:
+        """The columns of the linear parameters at the α that was tried last, shape (width, M)."""
+        return self._columns.copy()
+
+    @cached_property
+    def _fixed_products(self) -> Array:
+        """Products of the columns that do not depend on α; 0 beside the others."""
+        return np.asarray(self._columns @ self._columns.T)
+
+    def _products(self, columns: Array) -> Array:
+        """Return the products of the columns of the linear parameters: new where they depend on α."""
+        if len(self._moving) > _FEW:  # the symmetric product of all costs less
+            return np.asarray(columns @ columns.T)
+        gram = self._fixed_products.copy()
+        for row in self._moving:
+            gram[row] = gram[:, row] = columns @ columns[row]
+        return gram
+
+    def _solve(self, columns: Array, gram: Array, target: Array) -> Array:
+        theta, right = self._theta.copy(), columns @ target
         if self._held:
-            target = target - self._theta @ columns
-        theta = self._theta.copy()
-        normal = NormalEquations.of(self._without_noise(free @ free.T, 0 in self._free), free @ target)
+            right = (right - gram @ theta)[self._free]
+            gram = gram[np.ix_(self._free, self._free)]
+        normal = NormalEquations.of(self._without_noise(gram.copy(), 0 in self._free), right)
         theta[self._free] = normal.solve(self._constraints, self._limits)
         return theta
 
@@ -232,31 +255,37 @@ class Projection:
             gram[0, 0] -= min(noise, 0.5 * alone) if alone < math.inf else 0.0
         return gram
 
-    def _linear_problem(self, alpha: Array, *, slopes: bool) -> tuple[Array, Array, Array]:
-        """Return the columns of the linear parameters, the target and the functionals of the slopes."""
-        split = self._equations.separable
-        columns, target = self._columns.copy(), self._target
+    def _linear_problem(self, columns: Array, alpha: Array, *, slopes: bool) -> tuple[Array, Array]:
+        """Write the columns of the linear parameters that depend on α; return target and functionals of the slopes."""
+        split, target = self._equations.separable, self._target
         if not split.moving:
-            return columns, target, np.zeros((0, len(target)))
+            return target, np.zeros((0, len(target)))
         rows = self._equations.moving(alpha, slopes)
         for row, values in zip(split.moving, rows[: len(split.moving)], strict=True):
             if row == len(split.linear):
                 target = target - values
             else:
                 columns[self._first + row] = values
-        return columns, target, rows[len(split.moving) :]
+        return target, rows[len(split.moving) :]
 
     def at(self, alpha: Array) -> Solution:
         """Return the linear fit at given nonlinear parameters, with all derivatives."""
         split, n = self._equations.separable, self._width
-        linear, target, slopes = self._linear_problem(alpha, slopes=True)
-        theta = self._solve(linear, target)
-        columns = np.concatenate([linear, np.zeros((len(alpha), len(target)))])
+        columns = np.empty((n + len(alpha), len(self._target)))
+        linear, own = columns[:n], columns[n:]
+        linear[:], own[:] = self._columns, 0.0
+        target, slopes = self._linear_problem(linear, alpha, slopes=True)
+        products = self._products(linear)
+        theta = self._solve(linear, products, target)
         for (row, j), values in zip(split.slopes, slopes, strict=True):
             factor = 1.0 if row == len(split.linear) else theta[self._first + row]
-            columns[n + j] += factor * values
+            own[j] += factor * values
         residual = target - theta @ linear
-        normal = NormalEquations.of(self._without_noise(columns @ columns.T), columns @ residual)
+        gram = np.empty((len(columns), len(columns)))
+        gram[:n, :n] = products
+        gram[n:] = own @ columns.T
+        gram[:n, n:] = gram[n:, :n].T
+        normal = NormalEquations.of(self._without_noise(gram), columns @ residual)
         return Solution(theta, alpha, columns, residual, normal, 0, True)
 
 
