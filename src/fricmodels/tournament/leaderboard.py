@@ -49,7 +49,7 @@ class Leaderboard(Displayed):
     @classmethod
     def ranked(cls, rows: Iterable[Row], rank_by: str = HELD_OUT) -> Leaderboard:
         """Rank rows by a column, the smallest first, and number them from 1."""
-        ordered = sorted(rows, key=lambda row: place(row, rank_by))
+        ordered = sorted(rows, key=lambda row: standing(row, rank_by))
         for place, row in enumerate(ordered):  # in the place of the one before, so that there are never two of each
             ordered[place] = {"rank": place + 1, **_without_rank(row)}
         return cls(tuple(ordered))
@@ -82,7 +82,7 @@ class Leaderboard(Displayed):
         listed = []
         for identity, rows in groups.items():
             model, estimator, dataset, tags = json.loads(identity)
-            values = sorted(place(row, rank_by or self.figure)[1] for row in rows)
+            values = sorted(standing(row, rank_by or self.figure)[1] for row in rows)
             seconds = [row["seconds"] for row in rows if row["seconds"] is not None]
             listed.append(
                 {
@@ -127,7 +127,7 @@ def _without_rank(row: Row) -> Row:
     return {key: value for key, value in row.items() if key != "rank"}
 
 
-def place(row: Row, rank_by: str) -> tuple[bool, float]:
+def standing(row: Row, rank_by: str) -> tuple[bool, float]:
     """Return what decides the rank: whether there is no result, then the figure."""
     value = row.get(rank_by)
     bad = row["status"] != "ok" or value is None

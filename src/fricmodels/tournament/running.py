@@ -14,7 +14,7 @@ from fricmodels.tournament.config import Config, load_config
 from fricmodels.tournament.execution import EXECUTORS, results
 from fricmodels.tournament.histories import Collected
 from fricmodels.tournament.jobs import Job, Row, as_shown
-from fricmodels.tournament.leaderboard import Leaderboard, place
+from fricmodels.tournament.leaderboard import Leaderboard, standing
 from fricmodels.tournament.listed import Jobs
 from fricmodels.tournament.origin import write_origin
 from fricmodels.tournament.planning import Plan, plan
@@ -121,7 +121,7 @@ def _written(target: Path, store: Store, jobs: Jobs, keys: Keys, rank_by: str) -
     for numbers in _batches(len(jobs)):
         texts = [keys[number].tobytes().hex() for number in numbers]
         for number, row in zip(numbers, store.all_of(texts), strict=True):
-            bad[number], figure[number] = place(row, rank_by)
+            bad[number], figure[number] = standing(row, rank_by)
     order, collected = np.lexsort((figure, bad)), Collected()
 
     def ranked() -> Iterator[Row]:
