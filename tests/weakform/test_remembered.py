@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import gc
+
 import numpy as np
 import pytest
 
-from fricmodels.weakform.remembered import Remembered
+from fricmodels.weakform.remembered import Remembered, Room
 
 
 def test_an_array_is_computed_once_while_there_is_room() -> None:
@@ -43,3 +45,19 @@ def test_what_is_remembered_cannot_be_changed() -> None:
     array = Remembered(room=100)("a", lambda: np.zeros(3))
     with pytest.raises(ValueError, match="read-only"):
         array[0] = 1
+
+
+def test_owners_share_a_room_and_leave_it() -> None:
+    room = Room(8 * 10)
+    first, second = Remembered(room), Remembered(room)
+    first("a", lambda: np.zeros(6))
+    second("a", lambda: np.ones(4))
+    assert first("a", lambda: np.ones(6)).sum() == 0
+    second("b", lambda: np.zeros(4))  # in the place of what was asked for longest ago, its own
+    assert second("a", lambda: np.full(4, 2.0)).sum() == 8  # and this in the place of the other's
+    assert first("a", lambda: np.ones(1)).sum() == 1
+    del second
+    gc.collect()
+    for key in range(9):
+        first(key, lambda: np.zeros(1))
+    assert first("a", lambda: np.zeros(1)).sum() == 1

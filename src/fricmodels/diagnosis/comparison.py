@@ -19,7 +19,7 @@ from fricmodels.score.bands import Errors, torque_errors
 from fricmodels.score.torque import filtered_torque_error, sliding_half_width
 from fricmodels.score.zeroed import zeroed
 from fricmodels.signals import noise_of
-from fricmodels.signals.lanczos import even_weights, lanczos_derivative
+from fricmodels.signals.lanczos import even_weights, lanczos_value
 from fricmodels.split import Split, split
 from fricmodels.term import Effect
 from fricmodels.weakform.estimate import Estimate
@@ -189,7 +189,7 @@ def noise_torques(recording: Recording, inertia: float, half_width: int) -> tupl
         half_width: of the filter, in samples.
     """
     like = noise_like(recording, np.random.default_rng(0))
-    rate = float(np.std(lanczos_derivative(recording.time, like, half_width, recording.run)[1]))
+    rate = float(np.std(lanczos_value(recording.time, like, half_width, recording.run, order=1)))
     own = noise_of(recording.time, recording.torque, recording.run, least=True)
     return inertia * rate, own.after(even_weights(half_width)[0])
 
