@@ -14,6 +14,7 @@ from fricmodels.display import Displayed
 from fricmodels.drive import Drive
 from fricmodels.errors import InputError
 from fricmodels.model import Model
+from fricmodels.processes import give_back
 from fricmodels.recording import Recording
 from fricmodels.score.bands import Errors, torque_errors
 from fricmodels.score.torque import filtered_torque_error, sliding_half_width
@@ -166,6 +167,7 @@ def _compared(problem: WeakFormProblem, found: Estimate, train: Recording, test:
     errors, error = torque_errors(drive, found.parameters, train, scored)
     rows = tuple(where(error, train))
     sliding = _sliding(drive, found.parameters, train, scored)
+    give_back(len(train) + len(test))
     return Comparison(drive, found, train, test, errors, sliding, rows, problem)
 
 
