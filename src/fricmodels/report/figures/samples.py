@@ -176,9 +176,9 @@ class Samples:
         moving = self.recording.with_channels(velocity=self.velocity)
         friction = drive.friction(moving, self.parameters)
         if self.resting.any():
-            least, greatest = drive.sticking_interval(moving, self.parameters)
-            applied = moving.torque - moving.load_torque
-            friction = np.where(self.resting, np.clip(applied, least, greatest), friction)
+            still = self.resting
+            least, greatest = (limit[still] for limit in drive.sticking_interval(moving, self.parameters))
+            friction[still] = np.clip((moving.torque - moving.load_torque)[still], least, greatest)
         return friction
 
     @property
@@ -188,7 +188,9 @@ class Samples:
         Known in regression as partial residuals (component plus residual). The error is filtered alike on both sides
         of the torque equation, so that no differentiated noise and no smeared reversal is added.
         """
-        return np.asarray(self.modelled_friction + self.smoothed_error)
+        friction = self.modelled_friction
+        friction += self.smoothed_error
+        return friction
 
     @property
     def torque_unit(self) -> str:
