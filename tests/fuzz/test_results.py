@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import warnings
 from collections.abc import Callable
+from copy import deepcopy
 from datetime import timedelta
 from functools import cache
 from pathlib import Path
@@ -94,7 +95,9 @@ def changed(draw: st.DrawFn, text: str) -> bytes:
                 continue
             how = draw(st.sampled_from(["replace", "drop", "rename"]))
             if how == "replace":
-                place[key] = draw(st.sampled_from(VALUES) | st.floats(allow_nan=False, allow_infinity=False))
+                place[key] = draw(
+                    st.sampled_from(VALUES).map(deepcopy) | st.floats(allow_nan=False, allow_infinity=False)
+                )
             elif how == "drop":
                 del place[key]
             elif isinstance(place, dict):
