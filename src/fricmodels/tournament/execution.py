@@ -68,6 +68,11 @@ class _Queue:
             self._numbers.setdefault(group, []).append(iter(numbers))
             self._left[group] = self._left.get(group, 0) + len(numbers)
 
+    @property
+    def left(self) -> int:
+        """How many jobs no worker has yet."""
+        return sum(self._left.values())
+
     def next(self, worker: int) -> Job | None:
         """Return the next job for a worker, or ``None`` when there is none left."""
         group = self._taken.get(worker)
@@ -97,15 +102,20 @@ def _local(jobs: Jobs, processes: int, timeout: float) -> Results:
     ready: dict[str, Any] = {"initializer": _ready, "initargs": [os.getpid()]}
     pools: list[Any] = [ProcessPool(max_workers=1, context=context, **ready) for _ in range(processes)]
     running: dict[Future[Any], tuple[int, Job]] = {}
+    given = [0] * processes
     again: set[str] = set()
 
     def start(worker: int) -> None:
-        job = queue.next(worker)
-        if job is not None:
+        """Give a worker its next job; another one to wait behind it, so that it need not, while there are many."""
+        while given[worker] < (2 if queue.left > 2 * processes else 1):
+            job = queue.next(worker)
+            if job is None:
+                return
             try:
                 running[pools[worker].schedule(execute, args=[job], timeout=timeout)] = (worker, job)
             except RuntimeError:  # the pool is broken: its process could not even start
                 raise InputError(_UNGUARDED) from None
+            given[worker] += 1
 
     try:
         for worker in range(processes):
@@ -114,6 +124,7 @@ def _local(jobs: Jobs, processes: int, timeout: float) -> Results:
             done, _ = wait(running, return_when=FIRST_COMPLETED)
             for future in done:
                 worker, job = running.pop(future)
+                given[worker] -= 1
                 if _died(future) and job.key not in again:
                     again.add(job.key)  # whatever killed it may have come from outside
                     queue.give_back(job)
