@@ -74,7 +74,7 @@ def _show(found: Summary, columns: dict[str, str]) -> None:
     words = {"stop": "stops", "warn": "warning", "note": "note"}
     print_line(f"{found.name}: {_answer(found)}")
     for finding in found.findings:
-        print_line(f"{words[finding.severity]}: {finding.kind}: {finding}", indent=2)
+        print(f"{words[finding.severity]}: {finding.kind}: {finding}")  # not folded: options in it are copied
     print()
     rows = found.rows()
     print_table([Shown(found.name, tuple(label for label, _ in rows)), Shown("", tuple(value for _, value in rows))])

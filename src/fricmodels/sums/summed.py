@@ -218,7 +218,8 @@ def _squares(source: Path, given: Mapping[int, tuple[float, ...]], empty: Array)
         parts[number][upper] = values
         parts[number].T[upper] = values
         size = np.sqrt(np.clip(np.diag(parts[number]), 0.0, None))
-        scaled = np.divide(parts[number], np.outer(size, size) + (parts[number] == 0.0))
+        with np.errstate(all="ignore"):  # what is not finite is refused
+            scaled = np.divide(parts[number], np.outer(size, size) + (parts[number] == 0.0))
         if not (np.all(np.isfinite(scaled)) and np.linalg.eigvalsh(scaled)[0] > -_ROUNDING * len(size)):
             raise InputError(f"{source}: part {number} holds no sums of products; was it changed?")
     return parts
