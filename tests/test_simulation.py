@@ -8,6 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from fricmodels.drive import Drive
+from fricmodels.effects.of_channel import OfChannel
 from fricmodels.errors import InputError
 from fricmodels.expressions import Expression
 from fricmodels.model import Model
@@ -202,8 +203,10 @@ def test_every_effect_can_be_simulated_and_converges() -> None:
     time = paper_time(400)
     torque = 0.02 * np.sin(OMEGA * time)
     small = {"N m": 1e-3, "kg m^2": 5e-7, "1": 0.05, "rad": 1e-2}
-    for effect in plugins.load().effects:
-        drive = Drive(Model.parse(f"asymmetric-coulomb-viscous+{effect}"), J)
+    registered = plugins.load().effects
+    for effect in registered:
+        named = f"{effect}(j2)" if issubclass(registered[effect], OfChannel) else effect
+        drive = Drive(Model.parse(f"asymmetric-coulomb-viscous+{named}"), J)
         values = dict(PAPER)
         for parameter in drive.model.parameters:
             declared = parameter.declared
@@ -211,8 +214,9 @@ def test_every_effect_can_be_simulated_and_converges() -> None:
             values.setdefault(parameter.key, float(np.clip(usual, declared.lower, declared.upper)))
         coarse, fine = (
             simulate(
-                drive, values, time, torque, load_torque=1e-3 * np.cos(7 * time), temperature=20 + time, substeps=n
+                drive, values, time, torque, load_torque=1e-3 * np.cos(7 * time), temperature=20 + time,
+                further={"other.j2": np.sin(5 * time)}, substeps=n,
             ).velocity
             for n in (8, 32)
-        )
+        )  # fmt: skip
         assert np.max(np.abs(coarse - fine)) < 1e-3 * np.max(np.abs(fine)), effect

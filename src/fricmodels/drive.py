@@ -211,7 +211,8 @@ class Drive:
             states = self.states(recording, self.split(values)[1])
         below = self.friction(recording, values, velocity=-tiny, states=states)
         above = self.friction(recording, values, velocity=tiny, states=states)
-        return np.minimum(below, above), np.maximum(below, above)
+        least = np.minimum(below, above)
+        return least, np.maximum(below, above, out=above)
 
     def regressors(
         self, recording: Recording, nonlinear: Sequence[float] = (), *, states: Sequence[Array] | None = None

@@ -6,7 +6,8 @@ import json
 import os
 import re
 import tempfile
-from collections.abc import Iterator
+from array import array
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
@@ -113,3 +114,31 @@ def write_json(path: Path, content: Any) -> Path:
         stream.writelines(encoder.iterencode(content))
         stream.write("\n")
     return path
+
+
+def write_listed(path: Path, content: Mapping[str, Any], name: str, items: Iterable[Any]) -> array[int]:
+    """Write a JSON document that ends with a list, as :func:`write_json` would; no two items are held at a time.
+
+    Args:
+        path: the file.
+        content: what stands before the list.
+        name: key of the list.
+        items: what is in it.
+
+    Returns:
+        Where each item begins in the file, and how many bytes it has: two whole numbers each, one item after the other.
+
+    Raises:
+        ValueError: for a number that JSON does not have.
+    """
+    encoder = json.JSONEncoder(indent=1, allow_nan=False, ensure_ascii=False)
+    places = array("q")
+    with replaced(path) as beside, beside.open("wb") as stream:
+        stream.write(encoder.encode({**content, name: []}).removesuffix("]\n}").encode())
+        for item in items:
+            stream.write(b",\n  " if places else b"\n  ")
+            text = encoder.encode(item).replace("\n", "\n  ").encode()
+            places.extend((stream.tell(), len(text)))
+            stream.write(text)
+        stream.write(b"\n ]\n}\n" if places else b"]\n}\n")
+    return places

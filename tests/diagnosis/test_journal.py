@@ -77,7 +77,7 @@ def test_what_another_ladder_left_is_not_taken(tmp_path: Path) -> None:
     lines = (tmp_path / FILE).read_text().splitlines()
     assert [json.loads(line) for line in lines] == [
         {"schema": kept._SCHEMA, "of": "two"},
-        {"step": "a", "found": 2.5},
+        {"step": "a", "found": 2.5, "check": kept._check("a", 2.5)},
     ]
     unlike = Journal(tmp_path / FILE, "two")
     assert unlike.step("b", lambda: 3.5, float, float) == 3.5

@@ -87,7 +87,8 @@ def test_the_command_prints_and_writes(tmp_path, capsys):
     with pytest.raises(SystemExit, match="0"):
         main(["info", str(path), *columns, "--out", str(tmp_path / "out")])
     printed = capsys.readouterr().out
-    assert printed.startswith("stops: torque-sign: the torque (torque=tau) has the wrong sign")
+    assert "not usable as it is" in printed.splitlines()[0]
+    assert "\nstops: torque-sign: the torque (torque=tau) has the wrong sign" in printed
     assert "--column 'torque=tau:-1 N*m'" in printed
     data = json.loads((tmp_path / "out" / "info.json").read_text(encoding="utf-8"))
     assert data["schema"] == "fricmodels/info/1"

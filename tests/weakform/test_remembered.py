@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import gc
+
 import numpy as np
 import pytest
 
-from fricmodels.weakform import remembered as module
-from fricmodels.weakform.remembered import Remembered
+from fricmodels.weakform.remembered import Remembered, Room
 
 
 def test_an_array_is_computed_once_while_there_is_room() -> None:
@@ -46,20 +47,17 @@ def test_what_is_remembered_cannot_be_changed() -> None:
         array[0] = 1
 
 
-def test_all_together_hold_no_more_than_there_is_room_for(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Those that were given nothing new for longest forget; who is gone holds nothing."""
-    monkeypatch.setattr(module, "_asked", type(module._asked)())
-    monkeypatch.setattr(module, "TOGETHER", 8 * 10)
-    monkeypatch.setattr(module, "STEP", 0)
-    first, second, third = (Remembered(room=8 * 10) for _ in range(3))
-    first("a", lambda: np.ones(4))
+def test_owners_share_a_room_and_leave_it() -> None:
+    room = Room(8 * 10)
+    first, second = Remembered(room), Remembered(room)
+    first("a", lambda: np.zeros(6))
     second("a", lambda: np.ones(4))
-    first("b", lambda: np.ones(1))
-    third("a", lambda: np.ones(3))
-    assert [each.held for each in (first, second, third)] == [40, 0, 24]
-    third("b", lambda: np.ones(3))
-    assert [each.held for each in (first, second, third)] == [0, 0, 48]
-    del first, second
-    third("c", lambda: np.ones(4))
-    assert third.held == 80
-    assert len(module._asked) == 1
+    assert first("a", lambda: np.ones(6)).sum() == 0
+    second("b", lambda: np.zeros(4))  # in the place of what was asked for longest ago, its own
+    assert second("a", lambda: np.full(4, 2.0)).sum() == 8  # and this in the place of the other's
+    assert first("a", lambda: np.ones(1)).sum() == 1
+    del second
+    gc.collect()
+    for key in range(9):
+        first(key, lambda: np.zeros(1))
+    assert first("a", lambda: np.zeros(1)).sum() == 1

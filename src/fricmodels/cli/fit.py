@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -114,10 +115,20 @@ def _by_sums(
 
 
 def _say(kept: FittedModel, out: Path) -> None:
-    """Print and write a model."""
-    from fricmodels.cli.printing import warn
+    """Print a model, the answer first, and write it."""
+    from fricmodels.cli.printing import print_line, warn
+    from fricmodels.saved.words import error_in_words, model_lines
 
-    print(kept)
+    document = kept.document
+    files = ", ".join(document.provenance.files[:3]) or document.provenance.recording
+    print_line(f"{files}: {document.model}, {error_in_words(document)}.")
+    for line in model_lines(document):
+        print_line(line, indent=6)
+    sure = len(document.parameters) - len(kept.not_identified)
+    if kept.not_identified:
+        print_line(f"How sure: {sure} of {len(document.parameters)} parameters are determined by this recording.")
     warn([f"the fit did not end well: {message}"] if (message := kept.document.provenance.message) else [])
     warn(f"'{key}' is not determined by this recording: {reason}" for key, reason in kept.not_identified.items())
     print(f"wrote {kept.save(out)}")
+    print_line("Next: write it for a controller or a simulator:")
+    print(f"  fricmodels export {shlex.quote(str(out))} --to c")

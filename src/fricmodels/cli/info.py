@@ -29,17 +29,21 @@ def command(
     With --inertia the units of motion and torque are judged by it too. Nothing stops here: what would stop the other
     commands is printed first. With --out, info.json is written into that directory.
     """
+    from fricmodels.cli.printing import working
     from fricmodels.dimension import Motion
     from fricmodels.files import write_text
     from fricmodels.logcheck import summary
+    from fricmodels.progress import watched
     from fricmodels.readers import read_together
 
     motion = Motion.LINEAR if linear else None
-    recording = read_together(
-        data, columns=column or (), motion=motion, reader=reader, torque_constant=torque_constant, gaps=gaps
-    )
+    with working(f"reading {data[0].name}") as say, watched(say):
+        recording = read_together(
+            data, columns=column or (), motion=motion, reader=reader, torque_constant=torque_constant, gaps=gaps
+        )
+        say(f"looking at {len(recording)} samples")
+        found = summary(recording, inertia)
     say_gaps(recording)
-    found = summary(recording, inertia)
     text = json.dumps(found.to_json(), indent=2, ensure_ascii=False, allow_nan=False)
     if as_json:
         print(text)
@@ -51,15 +55,26 @@ def command(
             print(f"wrote {path}")
 
 
+def _answer(found: Summary) -> str:
+    """Return in one sentence whether a recording can be used, and what to do next."""
+    from fricmodels.logcheck import Severity
+
+    counted = {severity: sum(finding.severity == severity for finding in found.findings) for severity in Severity}
+    if counted[Severity.STOP]:
+        return "not usable as it is: every answer would be nonsense. What stops it stands first, with the way out."
+    if counted[Severity.WARN]:
+        return "usable, with what is warned of below in mind. Next: fricmodels diagnose, with the same options."
+    return "nothing is the matter. Next: fricmodels diagnose, with the same options."
+
+
 def _show(found: Summary, columns: dict[str, str]) -> None:
-    from fricmodels.cli.printing import print_table
+    from fricmodels.cli.printing import print_line, print_table
     from fricmodels.terminal import Column as Shown
 
     words = {"stop": "stops", "warn": "warning", "note": "note"}
+    print_line(f"{found.name}: {_answer(found)}")
     for finding in found.findings:
-        print(f"{words[finding.severity]}: {finding.kind}: {finding}")
-    if not found.findings:
-        print("nothing is the matter")
+        print(f"{words[finding.severity]}: {finding.kind}: {finding}")  # not folded: options in it are copied
     print()
     rows = found.rows()
     print_table([Shown(found.name, tuple(label for label, _ in rows)), Shown("", tuple(value for _, value in rows))])

@@ -81,16 +81,15 @@ def _datasets(config: Path | None) -> list[list[str]]:
     if config is None:
         raise InputError("to list data sets, say of which tournament: fricmodels list datasets --config CONFIG.yaml")
     listed, _ = sources(load_config(config), config.parent)
-    names = dict.fromkeys(source.dataset for source in listed)
+    first: dict[str, int] = {}
+    counts: dict[str, int] = {}
+    for number in range(len(listed)):
+        name, _ = listed.named(number)
+        first.setdefault(name, number)
+        counts[name] = counts.get(name, 0) + 1
     rows = []
-    for name in names:
-        own = [source for source in listed if source.dataset == name]
-        values = own[0].values
-        rows.append(
-            [
-                name,
-                str(len(own)),
-                ", ".join(values.get("files", [])) or values.get("file") or f"simulated {values['model']}",
-            ]
-        )
+    for name, number in first.items():
+        values = listed[number].values
+        what = ", ".join(values.get("files", [])) or values.get("file") or f"simulated {values['model']}"
+        rows.append([name, str(counts[name]), what])
     return rows

@@ -106,11 +106,12 @@ def load(
     """
     from fricmodels import plugins
     from fricmodels.cli.answers import check_computable
-    from fricmodels.cli.printing import warn
+    from fricmodels.cli.printing import warn, working
     from fricmodels.dimension import Motion
     from fricmodels.errors import InputError
     from fricmodels.logcheck import checked
     from fricmodels.model import Model
+    from fricmodels.progress import watched
     from fricmodels.readers import read_together
     from fricmodels.tournament.jobs import check_plugins
 
@@ -131,9 +132,10 @@ def load(
     for effect in leave_out or ():
         plugins.load().effects.entry(effect)
     motion = Motion.LINEAR if linear or (file is not None and file.motion is Motion.LINEAR) else None
-    recording = read_together(
-        data, columns=columns or (), motion=motion, reader=reader, torque_constant=torque_constant, gaps=gaps
-    )
+    with working(f"reading {data[0].name}") as say, watched(say):
+        recording = read_together(
+            data, columns=columns or (), motion=motion, reader=reader, torque_constant=torque_constant, gaps=gaps
+        )
     say_gaps(recording)
     check_computable(recording, inertia)
     if file is not None and file.motion is not recording.motion:

@@ -47,14 +47,26 @@ def print_table(columns: Sequence[Column], title: str = "") -> None:
     show_table(console(otherwise=_NO_TERMINAL_NAMES if names else _NO_TERMINAL), columns, title)
 
 
-def print_line(text: str) -> None:
-    """Print one sentence, folded to the width; text from files is not taken for markup."""
+def print_line(text: str, indent: int | None = None) -> None:
+    """Print one sentence, folded to the width; text from files is not taken for markup.
+
+    Args:
+        text: the sentence.
+        indent: columns before what is folded of it; its own spaces are kept then.
+    """
     from rich.text import Text
 
     from fricmodels.terminal.tables import fold
 
     shown = console()
-    shown.print(Text(fold(" ".join(text.split()), shown.width)))
+    if indent is None:
+        shown.print(Text(fold(" ".join(text.split()), shown.width)))
+        return
+    first, *others = fold(text, shown.width).split("\n")
+    shown.print(Text(first))
+    rest = " ".join(line.strip() for line in others)
+    for line in fold(rest, shown.width - indent).split("\n") if rest else ():
+        shown.print(Text(" " * indent + line))
 
 
 def warn(lines: Iterable[object]) -> None:

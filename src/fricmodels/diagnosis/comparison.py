@@ -14,12 +14,13 @@ from fricmodels.display import Displayed
 from fricmodels.drive import Drive
 from fricmodels.errors import InputError
 from fricmodels.model import Model
+from fricmodels.processes import give_back
 from fricmodels.recording import Recording
 from fricmodels.score.bands import Errors, torque_errors
 from fricmodels.score.torque import filtered_torque_error, sliding_half_width
 from fricmodels.score.zeroed import zeroed
 from fricmodels.signals import noise_of
-from fricmodels.signals.lanczos import even_weights, lanczos_derivative
+from fricmodels.signals.lanczos import even_weights, lanczos_value
 from fricmodels.split import Split, split
 from fricmodels.term import Effect
 from fricmodels.weakform.estimate import Estimate
@@ -168,6 +169,7 @@ def _compared(problem: WeakFormProblem, found: Estimate, train: Recording, test:
     errors, error = torque_errors(drive, found.parameters, train, scored)
     rows = tuple(where(error, train))
     sliding = _sliding(drive, found.parameters, train, scored)
+    give_back(len(train) + len(test))
     return Comparison(drive, found, train, test, errors, sliding, rows, problem)
 
 
@@ -197,7 +199,7 @@ def noise_torques(recording: Recording, inertia: float, half_width: int, draw: i
         draw: seed of the noise of the velocity, which is drawn.
     """
     like = noise_like(recording, np.random.default_rng(draw))
-    rate = float(np.std(lanczos_derivative(recording.time, like, half_width, recording.run)[1]))
+    rate = float(np.std(lanczos_value(recording.time, like, half_width, recording.run, order=1)))
     own = noise_of(recording.time, recording.torque, recording.run, least=True)
     return inertia * rate, own.after(even_weights(half_width)[0])
 

@@ -10,6 +10,7 @@ from __future__ import annotations
 import hashlib
 import json
 import os
+import zlib
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from contextvars import ContextVar
@@ -33,7 +34,7 @@ from fricmodels.weakform.regression import Regression
 from fricmodels.weakform.search import search
 
 FILE = ".improve.jsonl"
-_SCHEMA = "fricmodels/improve-journal/1"
+_SCHEMA = "fricmodels/improve-journal/2"
 _open: ContextVar[Journal | None] = ContextVar("journal", default=None)
 
 Found = TypeVar("Found")
@@ -82,7 +83,8 @@ class Journal:
         if number < len(self._known):  # it was another ladder after all
             self._known = []
             self.remove()
-        self._write({"step": name, "found": plain(found)})
+        kept = plain(found)
+        self._write({"step": name, "found": kept, "check": _check(name, kept)})
         return found
 
     def remove(self) -> None:
@@ -93,19 +95,24 @@ class Journal:
             self.close()
 
     def _read(self, of: str) -> list[dict[str, Any]]:
-        """Return the whole lines, the heading first; none where they are of another ladder. A half line is cut off."""
+        """Return the lines as they were written, the heading first; none where they are of another ladder.
+
+        What follows the first half line, or one that was changed, is cut off.
+        """
         assert self._file is not None
         self._file.seek(0)
-        text = self._file.read()
-        whole = text[: text.rfind("\n") + 1]
-        if len(whole) < len(text):
-            os.truncate(self._path, len(whole.encode()))
-        try:
-            lines = [json.loads(line) for line in whole.splitlines()]
-        except ValueError:
-            return []
-        right = all(isinstance(line, dict) for line in lines) and lines[:1] == [{"schema": _SCHEMA, "of": of}]
-        return lines if right else []
+        kept: list[dict[str, Any]] = []
+        size = 0
+        for text in self._file.buffer.read().splitlines(keepends=True):
+            line = _line(text)
+            if line is None or (not kept and line != {"schema": _SCHEMA, "of": of}):
+                break
+            if kept and line.get("check") != _check(line.get("step"), line.get("found")):
+                break
+            kept.append(line)
+            size += len(text)
+        os.truncate(self._path, size)
+        return kept
 
     def _write(self, content: Mapping[str, Any]) -> None:
         if self._file is None:
@@ -211,6 +218,20 @@ def estimated(
     if kept is None:
         return estimate(drive, recording, start)
     return kept.step(f"fit {drive.model.name}", lambda: estimate(drive, recording, start), plain, back)
+
+
+def _line(text: bytes) -> dict[str, Any] | None:
+    """Return what stands in a line; ``None`` for one that is not whole."""
+    try:
+        line = json.loads(text) if text.endswith(b"\n") else None
+    except (ValueError, RecursionError):
+        return None
+    return line if isinstance(line, dict) else None
+
+
+def _check(name: Any, found: Any) -> int:
+    """Return a checksum of a step."""
+    return zlib.crc32(json.dumps([name, found]).encode())
 
 
 def _floats(values: Mapping[str, float]) -> dict[str, float]:

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from fricmodels.errors import InputError
+from fricmodels.progress import each
 from fricmodels.readers.reading import read
 from fricmodels.recording import Recording
 
@@ -20,7 +21,9 @@ def read_together(paths: Sequence[str | Path], *, name: str | None = None, **how
     Raises:
         InputError: for a file that cannot be used, or that does not have the same columns as the first.
     """
-    return together([read(path, name=name if len(paths) == 1 else None, **how) for path in paths], name)
+    if len(paths) == 1:
+        return together([read(paths[0], name=name, **how)], name)
+    return together([read(path, **how) for path in each("reading files", paths)], name)
 
 
 def together(recordings: Sequence[Recording], name: str | None = None) -> Recording:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, cast
 
 from fricmodels import plugins
 from fricmodels.dimension import Motion
+from fricmodels.processes import give_back
 from fricmodels.report import sections
 from fricmodels.report.answer import answer, comparison_words, window
 from fricmodels.report.captions import where_words
@@ -109,11 +110,16 @@ def story(
 ) -> list[Section]:
     """Return the sections in reading order."""
     ends = _ends([rung.comparison for rung in rungs])
+    samples = data.recording.samples.total
     found = [sections.found(data, rungs, after)]
     if len(data.ladder) > 1:
         found.append(sections.ladder(data, _ladder_picture(data, rungs)))
+    give_back(samples)
     if ends:
-        found += [sections.measured(ends), sections.fails(ends)]
+        found.append(sections.measured(ends))
+        give_back(samples)
+        found.append(sections.fails(ends))
+        give_back(samples)
     return [
         *found,
         sections.all_parameters(data, data.correlation),

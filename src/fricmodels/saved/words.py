@@ -9,6 +9,11 @@ from fricmodels.saved.document import ModelDocument, StoredParameter
 
 def described(document: ModelDocument) -> str:
     """Return name, equations, parameters, ranges and the test error of a model, one a line."""
+    return "\n".join([*model_lines(document), *([f"  {error_in_words(document)}"] if document.error else [])])
+
+
+def model_lines(document: ModelDocument) -> list[str]:
+    """Return name, equations, parameters and ranges of a model."""
     lines = [f"{document.model}  ({document.motion.value}; ± is half the 95 % interval)"]
     lines += [f"  {term.name}: {term.equation}" for term in document.terms]
     wide, motion = max(len(key) for key in document.parameters), document.motion
@@ -22,9 +27,7 @@ def described(document: ModelDocument) -> str:
         given = document.controller
         found = "".join(f", {symbol} = {_value(p)}" for symbol, p in given.parameters.items())
         lines.append(f"  simulated through the controller '{given.settings.get('kind')}'{found}")
-    if document.error is not None:
-        lines.append(f"  {error_in_words(document)}")
-    return "\n".join(lines)
+    return lines
 
 
 def error_in_words(document: ModelDocument) -> str:

@@ -30,7 +30,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Literal, TypeAlias
 
 import numpy as np
@@ -46,6 +45,8 @@ Source: TypeAlias = Literal["acceleration", "velocity", "position"]
 
 _BLOCK = 1 << 18
 """Samples over which windows are moved together, so that memory stays bounded."""
+_OVERLAP = 256
+"""Knots by which parts of a spline overlap; steps within a stretch differ by a factor of five at most."""
 _SHORTEST = 4
 """Samples that a stretch must have: those of a cubic."""
 
@@ -80,40 +81,48 @@ class Balance:
             return self.at_samples
         edges, error = self.edges, np.empty(len(self.time))
         half = min(window, (edges[-1] - edges[0]) / 2)
-        twice = self._twice_integrated
         for start in range(0, len(error), _BLOCK):
             block = slice(start, start + _BLOCK)
             centre = np.clip(self.time[block], edges[0] + half, edges[-1] - half)
+            twice = self._twice_integrated(centre[0] - half, centre[-1] + half)
             most, least = ((twice(centre + half) - 2 * twice(centre) + twice(centre - half)) / half**2).T
             error[block] = np.maximum(least, 0.0) + np.minimum(most, 0.0)
         return error
 
-    @cached_property
-    def _twice_integrated(self) -> Callable[[Array], Array]:
+    def _twice_integrated(self, begin: float, end: float) -> Callable[[Array], Array]:
+        """Return the second integral of the mean errors, from a common instant, between two instants."""
         from scipy.interpolate import PPoly
 
-        constant: Callable[[Array], Array] = PPoly(
-            np.stack([self.most, self.least], axis=-1)[None], self.edges
-        ).antiderivative(2)
-        return constant
+        first = max(int(np.searchsorted(self.edges, begin, side="right")) - 1, 0)
+        last = min(max(int(np.searchsorted(self.edges, end)), first + 1), len(self.most))
+        both = np.stack([self.most[first:last], self.least[first:last]], axis=-1)
+        twice: Callable[[Array], Array] = PPoly(both[None], self.edges[first : last + 1]).antiderivative(2)
+        return twice
 
 
-def over_windows(found: Iterable[Balance], count: int, windows: Sequence[float]) -> dict[float, Array]:
-    """Return the error over each window about each sample, shape (count,); zero in stretches without a balance.
+def over_windows(
+    found: Iterable[Balance], count: int, windows: Sequence[float], kept: float | None = None
+) -> tuple[dict[float, float], Array]:
+    """Return the RMS error over each window, and one of these errors about each sample, shape (count,).
 
-    One balance is in memory at a time: with what it needs for windows it takes ten times as much as its errors.
+    Stretches without a balance count as zeros. One balance, and its error over one window, are in memory at a time.
 
     Args:
         found: balances of some of the stretches of a recording.
         count: how many samples it has.
         windows: see :meth:`Balance.over`.
+        kept: the window whose errors are returned; none if not given, an empty array then.
     """
-    errors = {window: np.zeros(count) for window in windows}
+    squares, errors = dict.fromkeys(windows, 0.0), np.zeros(0 if kept is None else count)
     for balance in found:
-        for window, error in errors.items():
-            error[balance.part] = balance.over(window)
+        for window in windows:
+            error = balance.over(window)
+            squares[window] += float(error @ error)
+            if window == kept:
+                errors[balance.part] = error
+            del error
         del balance  # before the next one is made
-    return errors
+    return {window: float(np.sqrt(square / count)) for window, square in squares.items()}, errors
 
 
 def source(prepared: Recording) -> Source:
@@ -160,26 +169,29 @@ def balances(drive: Drive, values: Mapping[str, float], prepared: Recording) -> 
     for part in _parts(prepared):
         one = moving.select(part)
         memory = [state[part] for state in states]
-        friction = friction_moments(drive, values, one, memory, rest[part], doubtful[part])
         applied = one.torque - one.load_torque
+        found = friction_moments(drive, values, one, memory, rest[part], doubtful[part])
+        friction = [_weighted(each, np.diff(one.time), of) for each in found]
+        del found
         balance = _balance(part, one.time, applied, inertia * prepared[of][part], friction, of)
-        below, above = drive.sticking_interval(one, values, states=memory)
-        balance.at_samples[rest[part]] = (applied - np.clip(applied, below, above))[rest[part]]
+        del friction
+        if rest[part].any():
+            below, above = drive.sticking_interval(one, values, states=memory)
+            balance.at_samples[rest[part]] = (applied - np.clip(applied, below, above))[rest[part]]
+            del below, above
+        del applied
         yield balance
 
 
-def noise_balances(prepared: Recording) -> tuple[Iterator[Balance], Iterator[Balance]]:
-    """Return the balances of noise alone: of the torque, and of the motion of a drive of inertia 1.
+def noise_balances(prepared: Recording) -> Iterator[Iterator[Balance]]:
+    """Yield the balances of noise alone, of the torque, and then of the motion of a drive of inertia 1.
 
     Noise with its colour, always the same; see :func:`fricmodels.score.noise.noise_like`. That of an acceleration which
     a filter of the user's choice has derived is not known: not a number.
     """
     of = source(prepared)
     rng = np.random.default_rng(0)
-    torque, motion = (noise_like(prepared, channel, rng) for channel in ("torque", of))
-    if of == "acceleration" and of in prepared.derived:
-        motion = np.full(len(prepared), np.nan)
-    nothing = np.zeros(len(prepared))
+    nothing = np.broadcast_to(0.0, len(prepared))
 
     def of_noise(applied: Array, moved: Array) -> Iterator[Balance]:
         for part in _parts(prepared):
@@ -187,10 +199,12 @@ def noise_balances(prepared: Recording) -> tuple[Iterator[Balance], Iterator[Bal
             if of == "acceleration":
                 yield _at_its_word(part, time, applied[part] - moved[part])
             else:
-                none = [np.zeros((2, len(time) - 1))] * 2
-                yield _balance(part, time, applied[part], moved[part], none, of)
+                none = np.broadcast_to(0.0, len(time) - (2 if of == "position" else 1))
+                yield _balance(part, time, applied[part], moved[part], [none, none], of)
 
-    return of_noise(torque, nothing), of_noise(nothing, motion)
+    yield of_noise(noise_like(prepared, "torque", rng), nothing)
+    unknown = of == "acceleration" and of in prepared.derived
+    yield of_noise(nothing, np.full(len(prepared), np.nan) if unknown else noise_like(prepared, of, rng))
 
 
 def _parts(prepared: Recording) -> list[slice]:
@@ -213,24 +227,53 @@ def _balance(part: slice, time: Array, applied: Array, motion: Array, friction: 
         time: time stamps [s], shape (N,).
         applied: τ_m − τ_L at the samples.
         motion: velocity or position times inertia.
-        friction: least and greatest, see :func:`friction_moments`.
+        friction: least and greatest, of :func:`friction_moments`, as :func:`_weighted` gives them.
         of: what ``motion`` is.
     """
-    from scipy.interpolate import CubicSpline
-
     step = np.diff(time)
-    driving, least, greatest = (step * each for each in (moments(applied[:-1], applied[1:]), *friction))
+    needed = _weighted(moments(applied[:-1], applied[1:]), step, of)
     if of == "position":
         edges, change = (time[:-1] + time[1:]) / 2, np.diff(np.diff(motion) / step)
-        driving, least, greatest = (each[1, :-1] + each[0, 1:] for each in (driving, least, greatest))
     else:
         edges, change = time, np.diff(motion)
-        driving, least, greatest = (each.sum(axis=0) for each in (driving, least, greatest))
-    needed, length = driving - change, np.diff(edges)
-    momentum = np.append(0.0, np.cumsum(change + np.clip(needed, least, greatest)))
+    needed -= change
+    least, greatest = friction
+    change += np.clip(needed, least, greatest)
+    momentum = np.empty(len(edges))
+    momentum[0] = 0.0
+    np.cumsum(change, out=momentum[1:])
+    del change, step
     if not np.all(np.isfinite(momentum)):  # parameters of a fit that diverged
         unknown = np.full(len(needed), np.nan)
         return Balance(part, time, edges, unknown, unknown, np.full(len(time), np.nan))
-    error = applied - CubicSpline(edges, momentum)(np.clip(time, edges[0], edges[-1]), 1)
+    error = applied - _slope_of_spline(edges, momentum, time)
     error[[0, -1]] = error[[1, -2]]  # a slope at the end of a spline is noisy
-    return Balance(part, time, edges, (needed - least) / length, (needed - greatest) / length, error)
+    del momentum
+    length, most = np.diff(edges), needed - least
+    most /= length
+    needed -= greatest
+    needed /= length
+    return Balance(part, time, edges, most, needed, error)
+
+
+def _weighted(found: Array, step: Array, of: Source) -> Array:
+    """Return :func:`moments` of intervals of some length as they enter a balance; they are changed."""
+    found *= step
+    return np.asarray(found[1, :-1] + found[0, 1:] if of == "position" else found.sum(axis=0))
+
+
+def _slope_of_spline(edges: Array, values: Array, time: Array) -> Array:
+    """Return the slope of the cubic spline through values at the samples, part by part.
+
+    What a value does to the spline falls to 0.27 of it from knot to knot on even ones: parts overlap so far that
+    nothing is left of where they end.
+    """
+    from scipy.interpolate import CubicSpline
+
+    slope = np.empty(len(time))
+    for start in range(0, len(time), _BLOCK):
+        stop = min(start + _BLOCK, len(time))
+        at = np.clip(time[start:stop], edges[0], edges[-1])
+        knots = slice(max(start - _OVERLAP, 0), stop + _OVERLAP)
+        slope[start:stop] = CubicSpline(edges[knots], values[knots])(at, 1)
+    return slope

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TypeAlias
 
@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from fricmodels.drive import Drive
 from fricmodels.recording import Recording
-from fricmodels.score.balance import Balance, balances, noise_balances, over_windows
+from fricmodels.score.balance import balances, noise_balances, over_windows
 from fricmodels.score.noise import apparent_inertia
 from fricmodels.signals.rest import once
 from fricmodels.signals.segments import stretches
@@ -141,7 +141,7 @@ def torque_error_over(drive: Drive, values: Mapping[str, float], prepared: Recor
         prepared: recording with ``velocity`` and ``acceleration``, from :func:`fricmodels.signals.prepare`.
         window: see :func:`windows`.
     """
-    return over_windows(balances(drive, values, prepared), len(prepared), (window,))[window]
+    return over_windows(balances(drive, values, prepared), len(prepared), (window,), window)[1]
 
 
 def torque_errors(
@@ -158,12 +158,12 @@ def torque_errors(
     """
     inertia, _ = drive.split(values)
     every, floors, headline = windows(train), noise_floors(train), headline_window(train)
-    kept = {} if test is None else _rms_over(balances(drive, values, test), len(test), every)
-    fitted = over_windows(balances(drive, values, train), len(train), every)
+    kept = {} if test is None else over_windows(balances(drive, values, test), len(test), every)[0]
+    fitted, error = over_windows(balances(drive, values, train), len(train), every, headline)
     reference = _rms(train.torque)
     found = {}
     for window in every:
-        own, other = _rms(fitted[window]), kept.get(window, float("nan"))
+        own, other = fitted[window], kept.get(window, float("nan"))
         torque, motion = floors[window]
         floor = float(np.hypot(torque, inertia * motion))
         found[window] = Band(
@@ -174,19 +174,15 @@ def torque_errors(
             float("nan") if test is None else _percent(other, _rms(test.torque)),
             _percent(floor, reference),
         )
-    return Errors(found[headline], tuple(found.values())), fitted[headline]
+    return Errors(found[headline], tuple(found.values())), error
 
 
 @once
 def noise_floors(prepared: Recording) -> dict[float, tuple[float, float]]:
     """Return what noise leaves by window: of the torque [N m or N], and of the motion per unit of inertia."""
     every = windows(prepared)
-    torque, motion = (_rms_over(found, len(prepared), every) for found in noise_balances(prepared))
+    torque, motion = (over_windows(found, len(prepared), every)[0] for found in noise_balances(prepared))
     return {window: (torque[window], motion[window]) for window in every}
-
-
-def _rms_over(found: Iterable[Balance], count: int, every: Sequence[float]) -> dict[float, float]:
-    return {window: _rms(error) for window, error in over_windows(found, count, every).items()}
 
 
 def _rms(values: Array) -> float:

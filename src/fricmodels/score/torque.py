@@ -98,12 +98,12 @@ def filtered_torque_error(
         half_width: h; :func:`sliding_half_width` if not given.
         beyond_sampling: leave out what sampling hides; see :mod:`.sampling`.
     """
-    from fricmodels.signals import lanczos_derivative, resting, standstill, stretches, velocity_noise
-    from fricmodels.signals.lanczos import even_weights
+    from fricmodels.signals import resting, standstill, stretches, velocity_noise
+    from fricmodels.signals.lanczos import even_weights, lanczos_value
 
     recording, values = drive.timed(recording, values)
     width = sliding_half_width(recording) if half_width is None else half_width
-    smooth, _ = lanczos_derivative(recording.time, recording.velocity, width, recording.run)
+    smooth = lanczos_value(recording.time, recording.velocity, width, recording.run)
     rest = resting(recording)
     smooth[rest | (np.abs(smooth) <= standstill(smooth))] = 0.0
     doubtful = np.abs(smooth) <= 3 * velocity_noise(recording).slow.after(even_weights(width)[0])

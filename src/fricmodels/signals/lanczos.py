@@ -26,6 +26,8 @@ _FEW = 48
 """Weights with which a direct convolution is the faster one."""
 _BLOCKS = 8
 """Samples of a block that is transformed, in weights of a filter."""
+_AT_ONCE = 1 << 18
+"""Samples that are convolved at a time, so that memory stays bounded."""
 
 
 def lanczos_derivative(
@@ -47,28 +49,63 @@ def lanczos_derivative(
     return smooth, slope
 
 
+def lanczos_value(
+    time: Array, values: Array, half_width: int, runs: Runs | None = None, *, order: int = 0, degree: int = DEGREE
+) -> Array:
+    """Return the smoothed signal, or its derivative by time where the order is 1: half of :func:`lanczos_derivative`.
+
+    Args:
+        time, values, half_width, runs, degree: as there.
+        order: 0 or 1.
+    """
+    values = np.asarray(values, dtype=float)
+    found = np.empty_like(values)
+    for part in stretches(time, runs):
+        found[part] = _fitted(time[part], values[part], half_width, degree, (order,))[0]
+    return found
+
+
 def fit_stretch(time: Array, values: Array, half_width: int, degree: int) -> tuple[Array, Array]:
     """Return value and slope of the local polynomials in one uninterrupted stretch."""
+    smooth, slope = _fitted(time, values, half_width, degree, (0, 1))
+    return smooth, slope
+
+
+def _fitted(time: Array, values: Array, half_width: int, degree: int, orders: tuple[int, ...]) -> list[Array]:
     size = min(2 * half_width + 1, len(time))
     degree = min(degree, size - 1)
     if degree == 0:
-        return values.copy(), np.zeros_like(values)
+        return [np.zeros_like(values) if order else values.copy() for order in orders]
     if not (is_even(time) and len(time) > 2 * size):
-        return _fit_windows(time, values, size, degree, np.arange(len(time)))
+        both = _fit_windows(time, values, size, degree, np.arange(len(time)))
+        return [both[order] for order in orders]
     step = (time[-1] - time[0]) / (len(time) - 1)
-    smoother, differentiator = even_weights(half_width, degree)
-    mean = values.mean()
-    smooth = _convolved(values - mean, smoother[::-1]) + mean
-    slope = _convolved(values - mean, differentiator[::-1] / step)
+    weights, mean = even_weights(half_width, degree), values.mean()
     ends = np.r_[0:half_width, len(time) - half_width : len(time)]
-    smooth[ends], slope[ends] = _fit_windows(time, values, size, degree, ends)
-    return smooth, slope
+    at_ends, centred, found = _fit_windows(time, values, size, degree, ends), values - mean, []
+    for order in orders:
+        inside = _convolved(centred, weights[order][::-1] / (step if order else 1.0))
+        if not order:
+            inside += mean
+        inside[ends] = at_ends[order]
+        found.append(inside)
+    return found
 
 
 def _convolved(values: Array, weights: Array) -> Array:
     """Return the convolution at every sample, directly with few weights, by transforms of blocks with many."""
     if len(weights) <= _FEW:
         return np.convolve(values, weights, mode="same")
+    found, reach = np.empty(len(values)), len(weights) // 2
+    for start in range(0, len(values), _AT_ONCE):
+        before = max(start - reach, 0)
+        part = _transformed(values[before : start + _AT_ONCE + reach], weights)
+        found[start : start + _AT_ONCE] = part[start - before : start - before + _AT_ONCE]
+    return found
+
+
+def _transformed(values: Array, weights: Array) -> Array:
+    """Return the convolution at every sample by transforms of blocks that overlap, added up."""
     from scipy.fft import irfft, next_fast_len, rfft  # all of scipy.signal takes longer to import than most fits
 
     more, first = len(weights) - 1, (len(weights) - 1) // 2

@@ -48,6 +48,8 @@ _UNTOLD = 0.05
 so much is always reckoned with, and an exact signal is not taken to be exact to its last digit."""
 _MOSTLY_MOTION = 20.0
 """Scales are of use until the mean square is so many times what a random walk would make of that of the finest one."""
+_SAMPLES = 1 << 16
+"""Divided differences that are taken at a time, so that memory stays bounded."""
 _BLOCK, _QUIET = 16, 0.2
 """Where motion comes and goes, noise is told by the quietest fifth of all stretches of so many fourth differences."""
 _FEWEST = 5
@@ -235,8 +237,8 @@ def coloured_noise(
     fixed = np.hstack([own[:, :2], motion]) if moving else own[:, :2]
     plain, plain_left = _division(fixed, measured)
     longer = [(time, values) for time, values in parts if len(time) > 4]
-    every = np.concatenate([_fourth_differences(*_sums(*part), 1, is_even(part[0])) for part in longer])
-    untold = _UNTOLD * math.sqrt(float(np.mean(every**2))) / float(np.linalg.norm(_DIFFERENCE))
+    every = _joined([_fourth_differences(*_sums(*part), 1) for part in longer])
+    untold = _UNTOLD * math.sqrt(float(every @ every) / max(len(every), 1)) / float(np.linalg.norm(_DIFFERENCE))
     white = Noise(max(math.sqrt(plain[0]), untold), math.sqrt(plain[1]))
     tried = [_division(np.column_stack([fixed, own[:, 2 + i]]), measured) for i in range(len(_LASTING))]
     left = np.array([each for _, each in tried])
@@ -267,23 +269,23 @@ def _squares(parts: Sequence[tuple[Array, Array]], scales: Sequence[int], quiet:
     """
     found: dict[int, float] = {}
     parts = [part for part in parts if len(part[0]) > 4]  # shorter ones have no fourth difference
-    even = [is_even(time) for time, _ in parts]
     sums = [_sums(*part) for part in parts]
     for scale in scales:
-        each = [
-            _fourth_differences(*both, scale, is_even_part) ** 2
-            for both, is_even_part in zip(sums, even, strict=True)
-            if len(both[0]) > 5 * scale
-        ]
-        every = np.concatenate(each) if each else np.zeros(0)
-        kept = int(_KEPT * len(every))
-        if kept < 40:
+        each = [_fourth_differences(*both, scale) for both in sums if len(both[1]) > 5 * scale]
+        for differences in each:
+            differences *= differences
+        if int(_KEPT * sum(map(len, each))) < 40:
             break
-        value = _of_quietest(each, scale) if quiet else mean_square(every)
+        value = _of_quietest(each, scale) if quiet else mean_square(_joined(each))
         if value <= 0.0 or (len(found) >= _FEWEST and value > _MOSTLY_MOTION * found[1] * scale):
             break
         found[scale] = value
     return found
+
+
+def _joined(parts: Sequence[Array]) -> Array:
+    """Return one array of several; where there is one, that one."""
+    return parts[0] if len(parts) == 1 else np.concatenate(parts) if parts else np.zeros(0)
 
 
 def mean_square(squares: Array) -> float:
@@ -295,7 +297,7 @@ def mean_square(squares: Array) -> float:
 def _of_quietest(squares: Sequence[Array], scale: int) -> float:
     """Return the mean square that noise has whose quietest stretches are as quiet as those of a signal."""
     means = [_stretch_means(each) for each in squares if len(each) >= _BLOCK]
-    every = np.concatenate(means) if means else np.zeros(0)
+    every = _joined(means)
     every = every[every > 0.0]
     return float(np.quantile(every, _QUIET)) / _quietest_of_noise(scale) if len(every) else 0.0
 
@@ -306,36 +308,58 @@ def _stretch_means(squares: Array) -> Array:
     while reach < _BLOCK:
         sums = sums[:-reach] + sums[reach:]
         reach *= 2
-    return sums / _BLOCK
+    sums /= _BLOCK
+    return sums
 
 
 @lru_cache(maxsize=len(_ALL_SCALES))
 def _quietest_of_noise(scale: int) -> float:
     """Return the mean square of the quietest stretches of white noise, of that of all."""
     noise = np.random.default_rng(0).standard_normal(40 * _BLOCK * scale + 4000)
-    squares = _fourth_differences(*_sums(np.arange(float(len(noise))), noise), scale, True) ** 2
+    squares = _fourth_differences(*_sums(np.arange(float(len(noise))), noise), scale) ** 2
     return float(np.quantile(_stretch_means(squares), _QUIET) / squares.mean())
 
 
-def _sums(time: Array, values: Array) -> tuple[Array, Array]:
-    """Return the sums of time stamps and of values up to each sample."""
-    sums = np.zeros((2, len(time) + 1))
-    np.cumsum(time - time[0], out=sums[0, 1:])
-    np.cumsum(values - values.mean(), out=sums[1, 1:])
-    return sums[0], sums[1]
+def _sums(time: Array, values: Array) -> tuple[Array | None, Array]:
+    """Return the sums up to each sample of time stamps, ``None`` where they are even, and of values."""
+    return None if is_even(time) else _sums_of(time - time[0]), _sums_of(values - values.mean())
 
 
-def _fourth_differences(time: Array, values: Array, scale: int, even: bool) -> Array:
+def _sums_of(values: Array) -> Array:
+    sums = np.zeros(len(values) + 1)
+    np.cumsum(values, out=sums[1:])
+    return sums
+
+
+def _fourth_differences(time: Array | None, values: Array, scale: int) -> Array:
     """Return fourth differences of means over ``scale`` samples, from sums up to each sample.
 
-    On uneven samples they are divided differences, scaled so that white noise is as large as on even ones.
+    On uneven samples they are divided differences, scaled so that white noise is as large as on even ones; they need
+    fifty numbers a sample, and are taken some at a time.
     """
     count, step = len(values) - 5 * scale, max(1, scale // 8)
-    means = (values[scale:] - values[:-scale]) / scale
+    if time is not None:
+        found = np.empty(len(range(0, count, step)))
+        for start in range(0, len(found), _SAMPLES):
+            first, last = start * step, min(start + _SAMPLES, len(found)) * step
+            part = slice(first, min(last, count) + 5 * scale)
+            found[start : start + _SAMPLES] = _divided_differences(time[part], values[part], scale, step)
+        return found
+    means = values[scale:] - values[:-scale]
+    means /= scale
     at = [slice(k * scale, k * scale + count, step) for k in range(5)]
-    if even:
-        return np.asarray(means[at[0]] + means[at[4]] - 4.0 * (means[at[1]] + means[at[3]]) + 6.0 * means[at[2]])
-    instants = (time[scale:] - time[:-scale]) / scale
+    found, other = means[at[0]] + means[at[4]], means[at[1]] + means[at[3]]
+    other *= 4.0
+    found -= other
+    np.multiply(means[at[2]], 6.0, out=other)
+    found += other
+    return found
+
+
+def _divided_differences(time: Array, values: Array, scale: int, step: int) -> Array:
+    count = len(values) - 5 * scale
+    at = [slice(k * scale, k * scale + count, step) for k in range(5)]
+    means, instants = ((sums[scale:] - sums[:-scale]) / scale for sums in (values, time))
     places = np.stack([instants[part] for part in at])
     apart = places[:, None] - places[None]
     apart[np.arange(5), np.arange(5)] = 1.0

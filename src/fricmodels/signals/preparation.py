@@ -11,7 +11,7 @@ from pydantic import BaseModel, ConfigDict, PositiveFloat, PositiveInt
 from fricmodels.errors import InputError
 from fricmodels.recording import Recording
 from fricmodels.signals.butterworth import butterworth, central_difference, decimate, settled
-from fricmodels.signals.lanczos import lanczos_derivative
+from fricmodels.signals.lanczos import lanczos_value
 from fricmodels.signals.noise_level import best_half_width
 from fricmodels.signals.segments import stretches
 
@@ -64,17 +64,18 @@ def _lanczos(recording: Recording, settings: Preparation) -> Recording:
     needed = "acceleration" not in result
     if needed or settings.smooth_velocity:
         width = settings.half_width or best_half_width(result.time, result.velocity, result.run)
-        smooth, acceleration = lanczos_derivative(result.time, result.velocity, width, result.run)
+        velocity = result.velocity
         if settings.smooth_velocity and "velocity" not in result.derived:
-            result = result.with_channels(velocity=smooth)
+            result = result.with_channels(velocity=lanczos_value(result.time, velocity, width, result.run))
         if needed:
-            result = result.with_channels(acceleration=acceleration)
+            slope = lanczos_value(result.time, velocity, width, result.run, order=1)
+            result = result.with_channels(acceleration=slope)
     return result
 
 
 def with_derived_velocity(recording: Recording, half_width: int) -> Recording:
     """Return the recording with the velocity derived from its position over 2h + 1 samples."""
-    _, velocity = lanczos_derivative(recording.time, recording["position"], half_width, recording.run)
+    velocity = lanczos_value(recording.time, recording["position"], half_width, recording.run, order=1)
     return replace(recording.with_channels(velocity=velocity), derived_over=half_width)
 
 

@@ -19,7 +19,7 @@ import numpy as np
 from fricmodels.arrays import Array, Mask
 from fricmodels.recording import Recording
 from fricmodels.signals.in_place import BAND, bridged, in_place, pieces
-from fricmodels.signals.lanczos import even_weights, lanczos_derivative
+from fricmodels.signals.lanczos import even_weights, lanczos_value
 from fricmodels.signals.noise_colour import Noise, coloured_noise, most_noise
 from fricmodels.signals.noise_level import best_half_width, best_smoothing, noise_of, quantum
 from fricmodels.signals.segments import stretches
@@ -261,7 +261,7 @@ def _seen(recording: Recording, noise: Noise) -> _Motion:
         width = best_smoothing(time, values, slow, run)
     else:
         width = best_half_width(time, values, run, noise=slow)
-    smooth = lanczos_derivative(time, values, width, run)[order]
+    smooth = lanczos_value(time, values, width, run, order=order)
     error = slow.after(even_weights(width)[order]) / (recording.interval if order else 1.0)
     rounding = 8.0 * np.spacing(np.abs(values).max()) / (recording.interval if order else 1.0)
     error = max(error, float(rounding))
@@ -361,4 +361,4 @@ def _passage(recording: Recording, velocity: Array, band: float) -> float:
 
 
 def _slope(recording: Recording, velocity: Array) -> Array:
-    return lanczos_derivative(recording.time, velocity, 5, recording.run)[1]
+    return lanczos_value(recording.time, velocity, 5, recording.run, order=1)

@@ -22,6 +22,8 @@ PARTS = 24
 """Parts of which sums are kept apart, each a share of every file or some of the files: what they differ by is the
 error of their sum. As many as the standard errors of one recording take."""
 SUFFIX = ".sums.json"
+_ROUNDING = 1e-9
+"""Share of the sizes by which sums that are added in another order, and written in 17 digits, may differ."""
 _LONGEST = 50_000_000
 
 Number = Annotated[float, Field(allow_inf_nan=False)]
@@ -196,6 +198,10 @@ def load(path: str | Path) -> Sums:
     if found.columns != document.columns:
         raise InputError(f"{source}: has the columns {', '.join(document.columns)}; '{found.plan.model}' has others")
     stretches, apart = (_squares(source, each, empty) for each in (document.stretches, document.apart))
+    whole = stretches.sum(axis=0)
+    size = np.sqrt(np.diag(whole))
+    if np.any(np.abs(apart.sum(axis=0) - whole) > _ROUNDING * np.outer(size, size)):
+        raise InputError(f"{source}: its sums by time and by file differ; was it changed?")
     return replace(found, stretches=stretches, apart=apart)
 
 
@@ -211,6 +217,11 @@ def _squares(source: Path, given: Mapping[int, tuple[float, ...]], empty: Array)
             raise InputError(f"{source}: part {number} has {len(values)} sums; there are {PARTS} of {len(upper[0])}")
         parts[number][upper] = values
         parts[number].T[upper] = values
+        size = np.sqrt(np.clip(np.diag(parts[number]), 0.0, None))
+        with np.errstate(all="ignore"):  # what is not finite is refused
+            scaled = np.divide(parts[number], np.outer(size, size) + (parts[number] == 0.0))
+        if not (np.all(np.isfinite(scaled)) and np.linalg.eigvalsh(scaled)[0] > -_ROUNDING * len(size)):
+            raise InputError(f"{source}: part {number} holds no sums of products; was it changed?")
     return parts
 
 

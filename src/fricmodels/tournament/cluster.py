@@ -21,6 +21,7 @@ from fricmodels.files import write_bytes
 from fricmodels.fit import Status
 from fricmodels.tournament.code import digest, distributions
 from fricmodels.tournament.jobs import Job, Row
+from fricmodels.tournament.listed import Jobs
 from fricmodels.tournament.served import within
 from fricmodels.tournament.sources import Source
 
@@ -34,7 +35,7 @@ _AHEAD = 64
 Results = Iterator[tuple[Job, Row]]
 
 
-def on_cluster(jobs: list[Job], address: str | None, workers: int, timeout: float) -> Results:
+def on_cluster(jobs: Jobs, address: str | None, workers: int, timeout: float) -> Results:
     """Do jobs on a running cluster, or on one that is started here, and yield each with its row as they finish.
 
     Args:
@@ -63,10 +64,11 @@ def on_cluster(jobs: list[Job], address: str | None, workers: int, timeout: floa
         yield from _done(client, jobs, timeout)
 
 
-def _done(client: Any, jobs: list[Job], timeout: float) -> Results:
+def _done(client: Any, jobs: Jobs, timeout: float) -> Results:
     if not jobs:
         return
-    names = frozenset().union(*(distributions(job.estimator, job.model, *job.source.models) for job in jobs))
+    simulated = {model for source in jobs.sources for model in source.models}
+    names = frozenset().union(*(distributions(group[1], group[0], *simulated) for group, _ in jobs.groups()))
     codes = {name: digest(name) for name in sorted(names)}
     _check_workers(client, codes)
     sent = _sent(client, jobs)
@@ -132,12 +134,12 @@ def known(names: list[str]) -> dict[str, str]:
     return {name: digest(name) if name in there else "" for name in names}
 
 
-def _sent(client: Any, jobs: list[Job]) -> dict[str, Any]:
+def _sent(client: Any, jobs: Jobs) -> dict[str, Any]:
     """Send the files that some worker does not have as they are here; return what stands for each, by path.
 
     Every worker gets them: what only one holds is lost with it.
     """
-    paths = sorted({path for job in jobs for path in files_of(job.source)})
+    paths = sorted({path for source in jobs.sources for path in files_of(source)})
     sums = {path: checksum(path) for path in paths if Path(path).is_file()}
     lacking: set[str] = set()
     for lacks in client.run(lacked, sums).values():

@@ -4,16 +4,17 @@ from __future__ import annotations
 
 import multiprocessing
 import os
-from collections import deque
 from collections.abc import Callable, Iterator
 from concurrent.futures import FIRST_COMPLETED, Future, wait
+from itertools import chain
 from typing import Any
 
 from fricmodels import plugins
 from fricmodels.errors import InputError
 from fricmodels.fit import Status
 from fricmodels.tournament.cluster import ADDRESS, on_cluster
-from fricmodels.tournament.jobs import Job, Row, execute
+from fricmodels.tournament.jobs import Group, Job, Row, execute
+from fricmodels.tournament.listed import Jobs
 
 Results = Iterator[tuple[Job, Row]]
 EXECUTORS = ("local", "dask", "serial")
@@ -24,7 +25,7 @@ _UNGUARDED = (
 
 
 def results(
-    jobs: list[Job], *, executor: str, processes: int | None, timeout: float, scheduler: str | None = None
+    jobs: Jobs, *, executor: str, processes: int | None, timeout: float, scheduler: str | None = None
 ) -> Results:
     """Do the jobs and yield each with its row, as they finish.
 
@@ -57,30 +58,42 @@ def available_cores() -> int:
 class _Queue:
     """Jobs by group. A worker stays with its group, then takes one that nobody has, then helps with the longest."""
 
-    def __init__(self, jobs: list[Job]) -> None:
-        self._groups: dict[tuple[str, str, str], deque[Job]] = {}
-        for job in jobs:
-            self._groups.setdefault(job.group, deque()).append(job)
-        self._taken: dict[int, tuple[str, str, str]] = {}
+    def __init__(self, jobs: Jobs) -> None:
+        self._jobs = jobs
+        self._numbers: dict[Group, list[Iterator[int]]] = {}
+        self._left: dict[Group, int] = {}
+        self._again: dict[Group, list[Job]] = {}
+        self._taken: dict[int, Group] = {}
+        for group, numbers in jobs.groups():
+            self._numbers.setdefault(group, []).append(iter(numbers))
+            self._left[group] = self._left.get(group, 0) + len(numbers)
+
+    @property
+    def left(self) -> int:
+        """How many jobs no worker has yet."""
+        return sum(self._left.values())
 
     def next(self, worker: int) -> Job | None:
         """Return the next job for a worker, or ``None`` when there is none left."""
         group = self._taken.get(worker)
-        if group is None or not self._groups.get(group):
-            self._groups = {key: waiting for key, waiting in self._groups.items() if waiting}
-            free = [key for key in self._groups if key not in self._taken.values()]
-            group = next(iter(free), None) or max(self._groups, key=lambda key: len(self._groups[key]), default=None)
+        if group is None or not self._left.get(group):
+            self._left = {key: count for key, count in self._left.items() if count}
+            free = [key for key in self._left if key not in self._taken.values()]
+            group = next(iter(free), None) or max(self._left, key=lambda key: self._left[key], default=None)
             if group is None:
                 return None
             self._taken[worker] = group
-        return self._groups[group].popleft()
+        self._left[group] -= 1
+        number = next(chain.from_iterable(self._numbers[group]), None)
+        return self._again[group].pop() if number is None else self._jobs[number]
 
     def give_back(self, job: Job) -> None:
         """Take a job back, to be done once more."""
-        self._groups.setdefault(job.group, deque()).append(job)
+        self._again.setdefault(job.group, []).append(job)
+        self._left[job.group] = self._left.get(job.group, 0) + 1
 
 
-def _local(jobs: list[Job], processes: int, timeout: float) -> Results:
+def _local(jobs: Jobs, processes: int, timeout: float) -> Results:
     """One pool of one process for each worker, so that it is known which worker has compiled what."""
     from pebble import ProcessPool
 
@@ -89,15 +102,20 @@ def _local(jobs: list[Job], processes: int, timeout: float) -> Results:
     ready: dict[str, Any] = {"initializer": _ready, "initargs": [os.getpid()]}
     pools: list[Any] = [ProcessPool(max_workers=1, context=context, **ready) for _ in range(processes)]
     running: dict[Future[Any], tuple[int, Job]] = {}
+    given = [0] * processes
     again: set[str] = set()
 
     def start(worker: int) -> None:
-        job = queue.next(worker)
-        if job is not None:
+        """Give a worker its next job; another one to wait behind it, so that it need not, while there are many."""
+        while given[worker] < (2 if queue.left > 2 * processes else 1):
+            job = queue.next(worker)
+            if job is None:
+                return
             try:
                 running[pools[worker].schedule(execute, args=[job], timeout=timeout)] = (worker, job)
             except RuntimeError:  # the pool is broken: its process could not even start
                 raise InputError(_UNGUARDED) from None
+            given[worker] += 1
 
     try:
         for worker in range(processes):
@@ -106,6 +124,7 @@ def _local(jobs: list[Job], processes: int, timeout: float) -> Results:
             done, _ = wait(running, return_when=FIRST_COMPLETED)
             for future in done:
                 worker, job = running.pop(future)
+                given[worker] -= 1
                 if _died(future) and job.key not in again:
                     again.add(job.key)  # whatever killed it may have come from outside
                     queue.give_back(job)

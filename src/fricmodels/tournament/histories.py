@@ -2,34 +2,32 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from pathlib import Path
 
 from fricmodels.files import write_text
 from fricmodels.results.history import FILE, SCHEMA, Histories, ParameterHistory
 from fricmodels.tournament.jobs import HISTORY, Row
-from fricmodels.tournament.leaderboard import Leaderboard
 
 
-def write_histories(target: Path, board: Leaderboard, rows: Mapping[str, Row]) -> None:
-    """Write ``histories.json``: of each dataset the best fit of every sequential estimator; none where there is none.
+class Collected:
+    """The best fit of every sequential estimator on each dataset, from kept rows in order of rank."""
 
-    Args:
-        target: directory of the tournament.
-        board: its leaderboard.
-        rows: all kept rows, by key.
-    """
-    found: dict[tuple[str, str], ParameterHistory] = {}
-    for row in board.rows:
-        content = rows[row["key"]].get(HISTORY)
-        place = (row["dataset"], row["estimator"])
-        if content and row["status"] == "ok" and place not in found:
+    def __init__(self) -> None:
+        self._found: dict[tuple[str, str], ParameterHistory] = {}
+
+    def add(self, row: Row) -> None:
+        """Take a kept row into account, under the names that it has in its tournament."""
+        content, place = row.get(HISTORY), (row["dataset"], row["estimator"])
+        if content and row["status"] == "ok" and place not in self._found:
             named = {**content, "dataset": row["dataset"], "estimator": row["estimator"], "key": row["key"]}
-            found[place] = ParameterHistory.model_validate(named, strict=False)
-    if found:
-        write_text(target / FILE, Histories(schema_=SCHEMA, fits=tuple(found.values())).to_json())
-    else:
-        (target / FILE).unlink(missing_ok=True)
+            self._found[place] = ParameterHistory.model_validate(named, strict=False)
+
+    def write(self, target: Path) -> None:
+        """Write ``histories.json`` into the directory of a tournament; none where there is no history."""
+        if self._found:
+            write_text(target / FILE, Histories(schema_=SCHEMA, fits=tuple(self._found.values())).to_json())
+        else:
+            (target / FILE).unlink(missing_ok=True)
 
 
 def read_histories(directory: Path) -> dict[tuple[str, str], ParameterHistory]:

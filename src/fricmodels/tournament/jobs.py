@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import json
 import math
 import time
@@ -22,11 +21,11 @@ from fricmodels.estimator import Estimator
 from fricmodels.fit import Fit, Status
 from fricmodels.model import Model
 from fricmodels.recording import Recording
-from fricmodels.tournament.code import code_of
-from fricmodels.tournament.config import Config
 from fricmodels.tournament.sources import Loaded, Source, load
 
 Row = dict[str, Any]
+Group = tuple[str, str, str]
+"""Model, estimator and its settings: jobs that share compiled code."""
 HISTORY = "history"
 """What a kept row has beside what stands in a leaderboard: how the parameters of a sequential estimator came about."""
 
@@ -65,7 +64,7 @@ class Job:
     controller: str = field(default="")
 
     @property
-    def group(self) -> tuple[str, str, str]:
+    def group(self) -> Group:
         """Jobs of one group share compiled code and run on one worker where possible."""
         return (self.model, self.estimator, self.settings)
 
@@ -91,45 +90,6 @@ class Job:
             "settings": json.loads(self.settings),
             "key": self.key,
         }
-
-
-def jobs(config: Config, sources: list[Source], digests: Mapping[Source, str]) -> list[Job]:
-    """Return every combination of recording, model and estimator, those that share compiled code together.
-
-    Args:
-        config: the tournament.
-        sources: its recordings.
-        digests: checksum of each recording that was read from a file.
-    """
-    listed = []
-    measure = "torque" if config.score == "held-out" else config.score
-    controller = "" if config.controller is None else config.controller.model_dump_json()
-    for model in config.model_names:
-        for entrant in config.entrants:
-            settings = json.dumps(entrant.settings, sort_keys=True)
-            what: tuple[Any, ...] = (model, entrant.name, settings, measure, config.simulate, config.decimate)
-            if measure == "position":
-                what = (*what, config.horizon, controller)
-            for source in sources:
-                code = code_of(entrant.name, model, *source.models)
-                decides = (code, *what, source.description, source.inertia, digests.get(source, ""))
-                key = hashlib.sha256(json.dumps(decides, sort_keys=True).encode()).hexdigest()
-                listed.append(
-                    Job(
-                        key,
-                        source,
-                        model,
-                        entrant.name,
-                        entrant.title,
-                        settings,
-                        measure,
-                        config.simulate,
-                        config.decimate,
-                        horizon=config.horizon,
-                        controller=controller,
-                    )
-                )
-    return listed
 
 
 @lru_cache(maxsize=64)

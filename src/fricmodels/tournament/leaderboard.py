@@ -12,26 +12,44 @@ from typing import Any
 
 from fricmodels.display import Displayed
 from fricmodels.errors import InputError
-from fricmodels.files import write_json
+from fricmodels.files import write_listed
 from fricmodels.results.leaderboard import SCHEMA, LeaderboardDocument
 from fricmodels.stored import read_results
 from fricmodels.tournament.jobs import Row
+from fricmodels.tournament.written_rows import WrittenRows
 
 FILE = "leaderboard.json"
 AGAIN = "fricmodels run CONFIG.yaml --out DIR"
 HELD_OUT = "held_out_rms_torque_error_percent"
+HELD = 5000
+"""Rows of a leaderboard that a tournament holds in memory; beyond that they are read from its file."""
 
 
 @dataclass(frozen=True, repr=False)
 class Leaderboard(Displayed):
     """Rows in order of rank; those without a result come last, with their reason."""
 
-    rows: tuple[Row, ...]
+    rows: Sequence[Row]
+
+    @classmethod
+    def written(cls, directory: str | Path, rows: Iterable[Row], count: int) -> Leaderboard:
+        """Write ``leaderboard.json`` of rows that are ranked, as they come; return it as it stands there.
+
+        Args:
+            directory: where.
+            rows: in order of rank.
+            count: how many there are. Where they are more than 5 000 they are read from the file when they are asked
+                for, so that memory does not grow with them.
+        """
+        path = Path(directory) / FILE
+        kept = rows if count > HELD else tuple(rows)
+        places = write_listed(path, {"schema": SCHEMA}, "rows", kept)
+        return cls(kept if isinstance(kept, tuple) else WrittenRows(path, places))
 
     @classmethod
     def ranked(cls, rows: Iterable[Row], rank_by: str = HELD_OUT) -> Leaderboard:
         """Rank rows by a column, the smallest first, and number them from 1."""
-        ordered = sorted(rows, key=lambda row: _place(row, rank_by))
+        ordered = sorted(rows, key=lambda row: standing(row, rank_by))
         for place, row in enumerate(ordered):  # in the place of the one before, so that there are never two of each
             ordered[place] = {"rank": place + 1, **_without_rank(row)}
         return cls(tuple(ordered))
@@ -64,7 +82,7 @@ class Leaderboard(Displayed):
         listed = []
         for identity, rows in groups.items():
             model, estimator, dataset, tags = json.loads(identity)
-            values = sorted(_place(row, rank_by or self.figure)[1] for row in rows)
+            values = sorted(standing(row, rank_by or self.figure)[1] for row in rows)
             seconds = [row["seconds"] for row in rows if row["seconds"] is not None]
             listed.append(
                 {
@@ -85,7 +103,8 @@ class Leaderboard(Displayed):
 
     def write(self, directory: str | Path) -> Path:
         """Write ``leaderboard.json`` whole, or not at all."""
-        return write_json(Path(directory) / FILE, {"schema": SCHEMA, "rows": list(self.rows)})
+        write_listed(Path(directory) / FILE, {"schema": SCHEMA}, "rows", self.rows)
+        return Path(directory) / FILE
 
     @classmethod
     def read(cls, run: str | Path) -> Leaderboard:
@@ -108,7 +127,7 @@ def _without_rank(row: Row) -> Row:
     return {key: value for key, value in row.items() if key != "rank"}
 
 
-def _place(row: Row, rank_by: str) -> tuple[bool, float]:
+def standing(row: Row, rank_by: str) -> tuple[bool, float]:
     """Return what decides the rank: whether there is no result, then the figure."""
     value = row.get(rank_by)
     bad = row["status"] != "ok" or value is None

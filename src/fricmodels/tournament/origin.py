@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fricmodels import plugins
-from fricmodels.files import write_json
+from fricmodels.files import write_listed
 from fricmodels.stored import as_written, read_results
 from fricmodels.tournament.sources import Source
 
@@ -43,7 +43,6 @@ class Origin:
 
 def write_origin(directory: Path, plan: Plan, config_file: str | Path | None) -> Path:
     """Write ``run.json`` beside the leaderboard."""
-    sources = dict.fromkeys(job.source for job in plan.jobs)
     content = {
         "schema": SCHEMA,
         "config": plan.config.model_dump(mode="json", exclude_unset=True, by_alias=True),
@@ -51,18 +50,19 @@ def write_origin(directory: Path, plan: Plan, config_file: str | Path | None) ->
         "working_directory": str(Path.cwd()),
         "versions": plugins.versions(),
         "left_out": list(plan.left_out),
-        "sources": [
-            {
-                "dataset": source.dataset,
-                "tags": dict(source.tags),
-                "inertia": source.inertia,
-                "description": source.description,
-                "digest": plan.digests.get(source, ""),
-            }
-            for source in sources
-        ],
     }
-    return write_json(directory / FILE, content)
+    sources = (
+        {
+            "dataset": source.dataset,
+            "tags": dict(source.tags),
+            "inertia": source.inertia,
+            "description": source.description,
+            "digest": plan.digests.get(number, ""),
+        }
+        for number, source in enumerate(plan.jobs.sources)
+    )
+    write_listed(directory / FILE, content, "sources", sources)
+    return directory / FILE
 
 
 def read_origin(directory: Path) -> Origin | None:

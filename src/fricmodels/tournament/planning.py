@@ -11,7 +11,7 @@ from fricmodels import plugins
 from fricmodels.errors import InputError
 from fricmodels.model import Model
 from fricmodels.tournament.config import Config
-from fricmodels.tournament.jobs import Job, jobs
+from fricmodels.tournament.listed import Jobs
 from fricmodels.tournament.sources import Loaded, Source, load, sources
 
 
@@ -22,14 +22,14 @@ class Plan:
     Attributes:
         config, jobs: what is run.
         left_out: one line for each optional dataset that is not there.
-        digests: of the content of each recording.
+        digests: checksum of each recording that was read from a file, by its number.
         doubts: what is the matter with the recordings, a line each.
     """
 
     config: Config
-    jobs: tuple[Job, ...]
+    jobs: Jobs
     left_out: tuple[str, ...]
-    digests: Mapping[Source, str] = field(default_factory=dict)
+    digests: Mapping[int, str] = field(default_factory=dict)
     doubts: tuple[str, ...] = ()
 
 
@@ -51,19 +51,19 @@ def plan(config: Config, directory: str | Path = ".", *, trust: bool = True) -> 
             raise InputError(f"two estimators are called '{entrant.title}'; give one of them another 'label'")
     listed, left_out = sources(config, Path(directory))
     models = [model for name in config.model_names if (model := _built_in(name)) is not None]
-    digests: dict[Source, str] = {}
+    digests: dict[int, str] = {}
     doubts: list[str] = []
-    for source in listed:
+    for number, source in enumerate(listed):
         if source.values["kind"] == "files":
             loaded = _checked(source, models)
             _check_motion(config, loaded)
             if loaded.nonsense and not trust:
                 raise InputError(f"{loaded.nonsense[0]}, or go on with --trust")
-            digests[source] = loaded.digest
+            digests[number] = loaded.digest
             doubts += [*loaded.nonsense, *loaded.doubts]
     if not plugins.load().estimators:
         raise InputError("no estimator is registered; install the distribution that has them")
-    return Plan(config, tuple(jobs(config, listed, digests)), tuple(left_out), digests, tuple(dict.fromkeys(doubts)))
+    return Plan(config, Jobs(config, listed, digests), tuple(left_out), digests, tuple(dict.fromkeys(doubts)))
 
 
 def _check_motion(config: Config, loaded: Loaded) -> None:

@@ -2,21 +2,29 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from contextlib import closing
 from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
 
 from fricmodels.errors import FricmodelsError, InputError
 from fricmodels.tournament.config import Config, load_config
 from fricmodels.tournament.execution import EXECUTORS, results
-from fricmodels.tournament.histories import write_histories
+from fricmodels.tournament.histories import Collected
 from fricmodels.tournament.jobs import Job, Row, as_shown
-from fricmodels.tournament.leaderboard import Leaderboard
+from fricmodels.tournament.leaderboard import Leaderboard, standing
+from fricmodels.tournament.listed import Jobs
 from fricmodels.tournament.origin import write_origin
 from fricmodels.tournament.planning import Plan, plan
 from fricmodels.tournament.store import Store
 
 Report = Callable[[int, int, Job, Row], None]
+Keys = npt.NDArray[np.uint8]
+Flags = npt.NDArray[np.bool_]
+_AT_ONCE = 500
+"""Rows that are held while the leaderboard is made."""
 
 
 class Interrupted(FricmodelsError):
@@ -72,10 +80,8 @@ def run(
     except OSError as error:
         raise InputError(f"{target}: cannot be made a directory: {error.strerror}") from None
     with Store(target) as store:
-        rows = store.get(job.key for job in ready.jobs)
-        if retry:
-            rows = {key: row for key, row in rows.items() if row["status"] == "ok"}
-        missing = [job for job in ready.jobs if job.key not in rows]
+        keys, wanted = _looked_up(store, ready.jobs, retry)
+        missing = ready.jobs.only(np.flatnonzero(wanted))
         done = len(ready.jobs) - len(missing)
         how = {"executor": executor, "processes": processes or config.jobs, "scheduler": scheduler}
         outcomes = results(missing, timeout=config.timeout, **how)  # type: ignore[arg-type]
@@ -83,7 +89,6 @@ def run(
             with closing(outcomes):  # type: ignore[type-var]
                 for job, row in outcomes:
                     store.put(job.key, row)
-                    rows[job.key] = row
                     done += 1
                     if report is not None:
                         report(done, len(ready.jobs), job, row)
@@ -92,13 +97,45 @@ def run(
                 f"stopped after {done} of {len(ready.jobs)} fits, all kept in {store.path}; "
                 "the same command goes on from there"
             ) from None
-    board = Leaderboard.ranked((_named(rows[job.key], job) for job in ready.jobs), config.ranking)
-    board.write(target)
-    write_histories(target, board, rows)
+        with store.unchanged():
+            board = _written(target, store, ready.jobs, keys, config.ranking)
     write_origin(target, ready, config_file)
     return board
 
 
-def _named(row: Row, job: Job) -> Row:
-    """Return a kept row under the names that it has in this tournament."""
-    return {**as_shown(row), "estimator": job.title, "dataset": job.source.dataset, "tags": dict(job.source.tags)}
+def _looked_up(store: Store, jobs: Jobs, retry: bool) -> tuple[Keys, Flags]:
+    """Return the key of every job, and whether it has to be done."""
+    keys, wanted = np.zeros((len(jobs), 32), np.uint8), np.ones(len(jobs), np.bool_)
+    for numbers in _batches(len(jobs)):
+        texts = [jobs[number].key for number in numbers]
+        keys[numbers.start : numbers.stop] = [[*bytes.fromhex(text)] for text in texts]
+        known = store.get(texts)
+        for number, text in zip(numbers, texts, strict=True):
+            wanted[number] = text not in known or (retry and known[text]["status"] != "ok")
+    return keys, wanted
+
+
+def _written(target: Path, store: Store, jobs: Jobs, keys: Keys, rank_by: str) -> Leaderboard:
+    """Rank the kept rows of all jobs and write them and the histories, in batches; return the leaderboard."""
+    bad, figure = np.zeros(len(jobs), np.bool_), np.zeros(len(jobs))
+    for numbers in _batches(len(jobs)):
+        texts = [keys[number].tobytes().hex() for number in numbers]
+        for number, row in zip(numbers, store.all_of(texts), strict=True):
+            bad[number], figure[number] = standing(row, rank_by)
+    order, collected = np.lexsort((figure, bad)), Collected()
+
+    def ranked() -> Iterator[Row]:
+        for ranks in _batches(len(jobs)):
+            texts = [keys[order[rank]].tobytes().hex() for rank in ranks]
+            for rank, kept in zip(ranks, store.all_of(texts), strict=True):
+                row = {**kept, **jobs.named(int(order[rank]))}
+                collected.add(row)
+                yield {"rank": rank + 1, **as_shown(row)}
+
+    board = Leaderboard.written(target, ranked(), len(jobs))
+    collected.write(target)
+    return board
+
+
+def _batches(count: int) -> Iterator[range]:
+    return (range(start, min(start + _AT_ONCE, count)) for start in range(0, count, _AT_ONCE))

@@ -9,12 +9,13 @@ import glob
 import hashlib
 import json
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from bisect import bisect_right
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
-from itertools import product
+from itertools import accumulate
 from pathlib import Path
-from typing import Any
+from typing import Any, overload
 
 import numpy as np
 
@@ -84,7 +85,63 @@ class Loaded:
     doubts: tuple[str, ...] = ()
 
 
-def sources(config: Config, directory: Path) -> tuple[list[Source], list[str]]:
+class Sources(Sequence[Source]):
+    """The recordings of a tournament in order, each made when it is asked for: how many there are takes no memory.
+
+    Args:
+        parts: those of each dataset.
+    """
+
+    def __init__(self, parts: Sequence[_Part]) -> None:
+        self._parts = tuple(parts)
+        self._ends = tuple(accumulate(part.count for part in parts))
+
+    def __len__(self) -> int:
+        return self._ends[-1] if self._ends else 0
+
+    @overload
+    def __getitem__(self, number: int) -> Source: ...
+
+    @overload
+    def __getitem__(self, number: slice) -> list[Source]: ...
+
+    def __getitem__(self, number: int | slice) -> Source | list[Source]:
+        if isinstance(number, slice):
+            return [self[each] for each in range(*number.indices(len(self)))]
+        part, place = self._found(number)
+        return Source(*part.named(place), part.inertia, part.described(place))
+
+    def named(self, number: int) -> tuple[str, dict[str, Any]]:
+        """Return the dataset and the tags of a recording."""
+        part, place = self._found(number)
+        return part.named(place)
+
+    def _found(self, number: int) -> tuple[_Part, int]:
+        place = number + len(self) if number < 0 else number
+        if not 0 <= place < len(self):
+            raise IndexError(f"there are {len(self)} recordings, none with the number {number}")
+        which = bisect_right(self._ends, place)
+        return self._parts[which], place - (self._ends[which - 1] if which else 0)
+
+
+@dataclass(frozen=True)
+class _Part:
+    """The recordings of one dataset.
+
+    Attributes:
+        count: how many.
+        named: from the number of one: its name in the leaderboard, and its tags.
+        inertia: given, or ``None``.
+        described: from the number of one: its description.
+    """
+
+    count: int
+    named: Callable[[int], tuple[str, dict[str, Any]]]
+    inertia: float | None
+    described: Callable[[int], str]
+
+
+def sources(config: Config, directory: Path) -> tuple[Sources, list[str]]:
     """List the recordings of a tournament.
 
     Args:
@@ -97,7 +154,7 @@ def sources(config: Config, directory: Path) -> tuple[list[Source], list[str]]:
     Raises:
         InputError: when no file matches, or two datasets have one name.
     """
-    listed: list[Source] = []
+    parts: list[_Part] = []
     left_out: list[str] = []
     for number, dataset in enumerate(config.datasets, start=1):
         common = {
@@ -105,43 +162,68 @@ def sources(config: Config, directory: Path) -> tuple[list[Source], list[str]]:
             "split": None if config.score == "paper" else (dataset.split or config.split).model_dump(mode="json"),
         }
         if dataset.simulate is not None:
-            listed.extend(_simulated(dataset, dataset.simulate, dataset.name or f"simulated-{number}", common))
+            parts.append(_simulated(dataset, dataset.simulate, dataset.name or f"simulated-{number}", common))
         elif dataset.rig is not None:
-            listed.extend(_rigs(dataset, dataset.rig, directory, common))
+            parts.append(_rigs(dataset, dataset.rig, directory, common))
         else:
             try:
-                listed.extend(_files(dataset, directory, common))
+                parts.append(_files(dataset, directory, common))
             except FileNotFoundError as error:
                 if not dataset.optional:
                     raise InputError(f"{error}; correct the path under 'files'") from None
                 left_out.append(f"dataset '{dataset.name or number}' is left out: {error}")
-    seen: set[tuple[str, str]] = set()
-    for source in listed:
-        identity = (source.dataset, json.dumps(source.tags, sort_keys=True))
-        if identity in seen:
-            raise InputError(f"two datasets are called '{source.dataset}'; give each another 'name'")
-        seen.add(identity)
+    listed = Sources(parts)
+    _refuse_equal_names(listed)
     return listed, left_out
+
+
+def _refuse_equal_names(listed: Sources) -> None:
+    def identity(number: int) -> tuple[str, str]:
+        dataset, tags = listed.named(number)
+        return dataset, json.dumps(tags, sort_keys=True)
+
+    hashes = np.fromiter((hash(identity(number)) for number in range(len(listed))), np.int64, len(listed))
+    if len(np.unique(hashes)) == len(listed):
+        return
+    seen: set[tuple[str, str]] = set()
+    for number in range(len(listed)):
+        if identity(number) in seen:
+            raise InputError(f"two datasets are called '{identity(number)[0]}'; give each another 'name'")
+        seen.add(identity(number))
 
 
 def _describe(kind: str, common: Mapping[str, Any], **values: Any) -> str:
     return json.dumps({"kind": kind, **common, **values}, sort_keys=True)
 
 
-def _simulated(dataset: Dataset, simulate: Simulate, name: str, common: Mapping[str, Any]) -> Iterator[Source]:
+def _simulated(dataset: Dataset, simulate: Simulate, name: str, common: Mapping[str, Any]) -> _Part:
     several = {key for key in ("amplitude", "frequency") if len(getattr(simulate, key)) > 1}
     fixed = simulate.model_dump(mode="json", exclude={"amplitude", "frequency", "noise_percent", "seeds"})
     fixed["motion"] = (dataset.motion or Motion.ROTARY).value
-    combinations = product(simulate.amplitude, simulate.frequency, simulate.noise_percent, simulate.seeds)
-    for amplitude, frequency, noise, seed in combinations:
-        varied = {"amplitude": amplitude, "frequency": frequency, "noise_percent": noise, "seed": seed}
-        tags = {key: value for key, value in varied.items() if key in several or key in ("noise_percent", "seed")}
-        given = dataset.inertia if dataset.inertia is not None else simulate.inertia
-        inertia = None if dataset.estimate_inertia else given
-        yield Source(name, tags, inertia, _describe("simulate", common, **fixed, **varied))
+    lists: dict[str, list[Any]] = {
+        "amplitude": simulate.amplitude,
+        "frequency": simulate.frequency,
+        "noise_percent": simulate.noise_percent,
+        "seed": simulate.seeds,
+    }
+    shape = tuple(len(values) for values in lists.values())
+    given = dataset.inertia if dataset.inertia is not None else simulate.inertia
+
+    def varied(number: int) -> dict[str, Any]:
+        places = np.unravel_index(number, shape)
+        return {key: values[int(place)] for (key, values), place in zip(lists.items(), places, strict=True)}
+
+    def named(number: int) -> tuple[str, dict[str, Any]]:
+        tags = varied(number)
+        return name, {key: value for key, value in tags.items() if key in several or key in ("noise_percent", "seed")}
+
+    def described(number: int) -> str:
+        return _describe("simulate", common, **fixed, **varied(number))
+
+    return _Part(math.prod(shape), named, None if dataset.estimate_inertia else given, described)
 
 
-def _rigs(dataset: Dataset, rig: str, directory: Path, common: Mapping[str, Any]) -> Iterator[Source]:
+def _rigs(dataset: Dataset, rig: str, directory: Path, common: Mapping[str, Any]) -> _Part:
     from fricmodels.rig.file import load_rig
 
     path = directory / rig
@@ -149,16 +231,21 @@ def _rigs(dataset: Dataset, rig: str, directory: Path, common: Mapping[str, Any]
         raise InputError(f"{path}: there is no such rig file")
     load_rig(path)
     checksum = hashlib.sha256(path.read_bytes()).hexdigest()
-    for seed in dataset.seeds:
-        described = _describe("rig", common, file=str(path), checksum=checksum, seed=seed)
-        yield Source(dataset.name or path.stem, {"seed": seed}, dataset.inertia, described)
+
+    def named(number: int) -> tuple[str, dict[str, Any]]:
+        return dataset.name or path.stem, {"seed": dataset.seeds[number]}
+
+    def described(number: int) -> str:
+        return _describe("rig", common, file=str(path), checksum=checksum, seed=dataset.seeds[number])
+
+    return _Part(len(dataset.seeds), named, dataset.inertia, described)
 
 
-def _files(dataset: Dataset, directory: Path, common: Mapping[str, Any]) -> Iterator[Source]:
+def _files(dataset: Dataset, directory: Path, common: Mapping[str, Any]) -> _Part:
     found = _matching(dataset.files or [], directory)
     tests = _matching(dataset.test_files, directory) if dataset.test_files is not None else []
-    groups = [found] if dataset.together else [[path] for path in found]
-    if tests and len(groups) > 1:
+    groups = 1 if dataset.together else len(found)
+    if tests and groups > 1:
         raise InputError(
             "'test_files' goes with one training file, or with several that say 'together: true'; "
             "list the others as datasets of their own"
@@ -171,19 +258,27 @@ def _files(dataset: Dataset, directory: Path, common: Mapping[str, Any]) -> Iter
         "runs": dataset.runs,
         "gaps": dataset.gaps,
     }
-    for paths in groups:
-        own = paths[0].stem + (f" and {len(paths) - 1} more" if len(paths) > 1 else "")
-        name = own if dataset.name is None else dataset.name if len(groups) == 1 else f"{dataset.name}/{own}"
-        files = {"files": [str(path) for path in paths], "test_files": [str(t) for t in tests]}
-        yield Source(name, {}, dataset.inertia, _describe("files", common, **files, **reading))
+
+    def group(number: int) -> list[str]:
+        return found if dataset.together else [found[number]]
+
+    def named(number: int) -> tuple[str, dict[str, Any]]:
+        paths = group(number)
+        own = Path(paths[0]).stem + (f" and {len(paths) - 1} more" if len(paths) > 1 else "")
+        return own if dataset.name is None else dataset.name if groups == 1 else f"{dataset.name}/{own}", {}
+
+    def described(number: int) -> str:
+        return _describe("files", common, files=group(number), test_files=tests, **reading)
+
+    return _Part(groups, named, dataset.inertia, described)
 
 
-def _matching(patterns: list[str], directory: Path) -> list[Path]:
-    found: dict[Path, None] = {}
+def _matching(patterns: list[str], directory: Path) -> list[str]:
+    found: dict[str, None] = {}
     for pattern in patterns:
         whole = str(directory / pattern)
         matches = [whole] if Path(whole).is_file() else sorted(glob.glob(whole, recursive=True))
-        files = [Path(match) for match in matches if Path(match).is_file()]
+        files = [str(Path(match)) for match in matches if Path(match).is_file()]
         if not files:
             raise FileNotFoundError(f"there is no file '{pattern}' in {directory}")
         found.update(dict.fromkeys(files))

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import json
 import sqlite3
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from types import TracebackType
 from typing import Any
@@ -66,6 +67,29 @@ class Store:
                 if row is not None:
                     found[key] = row
         return found
+
+    def all_of(self, keys: Sequence[str]) -> list[dict[str, Any]]:
+        """Return the rows of these keys, in their order.
+
+        Raises:
+            FricmodelsError: where one is not there.
+        """
+        found = self.get(keys)
+        try:
+            return [found[key] for key in keys]
+        except KeyError:
+            raise FricmodelsError(
+                f"{self.path}: a result is gone that was put; give the same command again, it does what is missing"
+            ) from None
+
+    @contextmanager
+    def unchanged(self) -> Iterator[None]:
+        """Within it, what is read does not change, whatever other programs put."""
+        self._connection.execute("BEGIN")
+        try:
+            yield
+        finally:
+            self._connection.rollback()
 
     def rows(self) -> list[dict[str, Any]]:
         """Return all rows, those first that were put first."""

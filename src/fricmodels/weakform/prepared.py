@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from fricmodels.errors import InputError
+from fricmodels.processes import give_back
 from fricmodels.recording import Recording
 from fricmodels.signals import best_half_width, noise_of, prepare, velocity_noise, with_derived_velocity
 from fricmodels.signals.beginnings import with_true_beginnings
@@ -48,6 +49,7 @@ def ready(recording: Recording) -> Recording:
     prepared = prepare(surest_velocity(with_even_stamps(begun), known_by_position=known_by_position))
     if float(np.ptp(prepared.velocity)) == 0:
         raise InputError(f"recording '{recording.name}' does not move; record some motion")
+    give_back(len(prepared))
     return prepared.with_channels(derived="time" in recording.derived, time=prepared.time - prepared.time[0])
 
 

@@ -27,7 +27,7 @@ from fricmodels.weakform.carriers import CarrierFunctions
 from fricmodels.weakform.explained import explained_torque
 from fricmodels.weakform.friction_limits import limits_of_friction
 from fricmodels.weakform.regression import Regression
-from fricmodels.weakform.remembered import Remembered
+from fricmodels.weakform.remembered import Remembered, Room
 from fricmodels.weakform.row_noise import bump_width, momentum_noise, noise_in_columns, noise_like, torque_noise
 from fricmodels.weakform.smoothed import smoothed
 from fricmodels.weakform.test_functions import HOPS, Quadrature, TestFunctions, mean_velocity
@@ -35,8 +35,8 @@ from fricmodels.weakform.unclear import creeping, direction_unclear
 
 _OF_ROWS = {"momentum", "noise_of_momentum", "driving", "torque_rate", "sign_change", "target", "centre", "integrated"}
 """What is computed once for the same rows."""
-_ROOM = 2**28
-"""Bytes of integrals that a problem remembers."""
+_ROOM = Room(2**28)
+"""Bytes of integrals that all problems remember."""
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,8 @@ from numpy.typing import NDArray
 
 from fricmodels.recording import Recording
 from fricmodels.score import noise
-from fricmodels.signals import lanczos_derivative, motion_noise, velocity_noise
+from fricmodels.signals import motion_noise, velocity_noise
+from fricmodels.signals.lanczos import lanczos_value
 from fricmodels.signals.rest import once
 from fricmodels.weakform.regression import Regression
 from fricmodels.weakform.test_functions import HOPS, Quadrature, TestFunctions, mean_velocity
@@ -31,7 +32,7 @@ def noise_like(recording: Recording, rng: np.random.Generator) -> Array:
     if not recording.derived_over:
         return velocity_noise(recording).like(len(recording), rng)
     drawn = motion_noise(recording).like(len(recording), rng)
-    return np.asarray(lanczos_derivative(recording.time, drawn, recording.derived_over, recording.run)[1])
+    return lanczos_value(recording.time, drawn, recording.derived_over, recording.run, order=1)
 
 
 def momentum_noise(bumps: TestFunctions, recording: Recording) -> Array:

@@ -120,7 +120,7 @@
   }
 
   let paper = false;
-  const LOWEST = 250, HIGHEST = 310;
+  const LOWEST = 250, HIGHEST = 294;
   const STACKED = 480; // below this width two panels stand above each other
   const PAPER = 0.72; // of the height on a screen: three low figures and their captions fit a page
   const BESIDE = 0.62; // of figures beside each other: three rows fit

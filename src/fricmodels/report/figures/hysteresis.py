@@ -109,10 +109,8 @@ def hysteresis(comparison: Comparison) -> Figure:
     samples = Samples.of(comparison)
     near = reversals(samples)
     figure = subplots()(rows=1, cols=2, horizontal_spacing=0.12)
-    for name, torque, colour in (
-        ("measured", samples.measured_friction, "measured"),
-        ("modelled", samples.modelled_friction, "vermillion"),
-    ):
+    for name, colour in (("measured", "measured"), ("modelled", "vermillion")):
+        torque = samples.measured_friction if name == "measured" else samples.modelled_friction
         dash = "solid" if name == "measured" else "4px,2px"
         for leaves, when in ((False, "before"), (True, "after")):
             x, y = _branch(samples, near.select(near.leaving == leaves), torque)
@@ -124,6 +122,7 @@ def hysteresis(comparison: Comparison) -> Figure:
         opposing = np.sign(samples.velocity[after.index]) * torque[after.index]
         style = {"color": LIGHT[colour], "width": 1.8, "dash": dash}
         _add(figure, 2, *_binned(after.way, opposing), f"{name}, after", style, "circle", samples.torque_unit)
+        del torque
     torque_name = words("friction torque", samples.motion)
     figure.update_xaxes(title_text=samples.axis("velocity"), nticks=6, row=1, col=1)
     figure.update_yaxes(title_text=samples.torque_axis("friction torque"), row=1, col=1)

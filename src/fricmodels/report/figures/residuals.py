@@ -71,11 +71,15 @@ def binned_mean(x: Array, y: Array, values: Array, piece: Index, cells: int = CE
         for edge, each in zip(edges, (x, y), strict=True)
     ]
     columns, rows = len(edges[0]) - 1, len(edges[1]) - 1
-    cell = places[1] * columns + places[0]
+    cell = places[1]
+    cell *= columns
+    cell += places[0]
+    del places
     count = np.bincount(cell, minlength=rows * columns)
     total = np.bincount(cell, weights=values, minlength=rows * columns)
     mean = np.divide(total, count, out=np.full(rows * columns, np.nan), where=count > 0)
-    rest = values - mean[cell]
+    rest = mean[cell]
+    np.subtract(values, rest, out=rest)
     freedom = max(1, len(values) - int(np.count_nonzero(count)))
     deviation = float(np.sqrt(np.sum(rest**2) / freedom))
     alike = correlation_length(rest, piece)

@@ -12,6 +12,7 @@ import numpy as np
 
 from fricmodels.arrays import Array, Index, Mask
 from fricmodels.dimension import FORCE, Motion
+from fricmodels.processes import give_back
 from fricmodels.recording import RUN, Recording
 from fricmodels.report.figures.style import label, unit_of, words
 
@@ -73,17 +74,37 @@ class Samples:
 
     comparison: Comparison
     joined: _Joined
-    error: Array
-    smoothed_error: Array
+
+    @cached_property
+    def error(self) -> Array:
+        """Torque error over the window of the headline."""
+        from fricmodels.score import headline_window, torque_error_over
+
+        train, test = self.joined.train, self.joined.test
+        window = headline_window(train)
+        found = [torque_error_over(self.drive, self.parameters, part, window) for part in (train, test)]
+        give_back(len(self.recording))
+        return np.concatenate(found)[self.joined.order]
+
+    @cached_property
+    def smoothed_error(self) -> Array:
+        """Torque error over a window as wide as the noise asks for."""
+        from fricmodels.score import filtered_torque_error, sliding_half_width
+
+        train, test = self.joined.train, self.joined.test
+        width = sliding_half_width(train)
+        found = [filtered_torque_error(self.drive, self.parameters, part, width) for part in (train, test)]
+        give_back(len(self.recording))
+        return np.concatenate(found)[self.joined.order]
 
     @classmethod
     def of(cls, comparison: Comparison) -> Samples:
-        """Evaluate the samples of a comparison, once for all its figures."""
+        """Return the samples of a comparison, the same for all its figures; what these need is evaluated once."""
         known = _known.get(id(comparison))
         if known is not None and known[0]() is comparison:
             return known[1]
         key = id(comparison)
-        samples = _evaluated(comparison)
+        samples = Samples(replace(comparison), _Joined.of(comparison.train, comparison.test))
         # The samples hold what they need of the comparison, not the comparison itself, or it would never be freed.
         _known[key] = (weakref.ref(comparison, lambda _: _known.pop(key, None)), samples)
         return samples
@@ -148,16 +169,16 @@ class Samples:
         kept = [effect for effect in model.effects if "velocity" in Model.only(effect).needs]
         return Drive(Model(model.law, kept), self.drive.inertia, self.drive.motion)
 
-    @cached_property
+    @property
     def modelled_friction(self) -> Array:
         """Friction torque of the model at every sample; at rest the one nearest to what is applied."""
         drive = self.friction_drive
         moving = self.recording.with_channels(velocity=self.velocity)
         friction = drive.friction(moving, self.parameters)
         if self.resting.any():
-            least, greatest = drive.sticking_interval(moving, self.parameters)
-            applied = moving.torque - moving.load_torque
-            friction = np.where(self.resting, np.clip(applied, least, greatest), friction)
+            still = self.resting
+            least, greatest = (limit[still] for limit in drive.sticking_interval(moving, self.parameters))
+            friction[still] = np.clip((moving.torque - moving.load_torque)[still], least, greatest)
         return friction
 
     @property
@@ -167,7 +188,9 @@ class Samples:
         Known in regression as partial residuals (component plus residual). The error is filtered alike on both sides
         of the torque equation, so that no differentiated noise and no smeared reversal is added.
         """
-        return np.asarray(self.modelled_friction + self.smoothed_error)
+        friction = self.modelled_friction
+        friction += self.smoothed_error
+        return friction
 
     @property
     def torque_unit(self) -> str:
@@ -190,17 +213,6 @@ class Samples:
     def time_axis(self) -> str:
         """Title of the axis of :attr:`place`."""
         return label("time, runs one after another" if self.consecutive else "time", "s")
-
-
-def _evaluated(comparison: Comparison) -> Samples:
-    from fricmodels.score import filtered_torque_error, headline_window, sliding_half_width, torque_error_over
-
-    window, half_width = headline_window(comparison.train), sliding_half_width(comparison.train)
-    drive, parameters = comparison.drive, comparison.estimate.parameters
-    parts, joined = (comparison.train, comparison.test), _Joined.of(comparison.train, comparison.test)
-    error = np.concatenate([torque_error_over(drive, parameters, part, window) for part in parts])[joined.order]
-    slow = np.concatenate([filtered_torque_error(drive, parameters, part, half_width) for part in parts])[joined.order]
-    return Samples(replace(comparison), joined, error, slow)
 
 
 def _cut_from(train: Recording, test: Recording, order: Index) -> Recording | None:
