@@ -12,12 +12,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fricmodels.weakform.equations import projection
-from fricmodels.weakform.inference import covariance
+from fricmodels.weakform.inference import at_least, covariance
 from fricmodels.weakform.nonlinear import Plan
 from fricmodels.weakform.optimise import ROUNDS, coordinate_search, multistart_nelder_mead
 from fricmodels.weakform.problem import WeakFormProblem
 from fricmodels.weakform.regression import cosine_terms
 from fricmodels.weakform.search import in_gap
+from fricmodels.weakform.staircase import scatter_of_steps
 from fricmodels.weakform.variable_projection import Nonlinear, Projection, Solution
 
 Array = NDArray[np.float64]
@@ -120,9 +121,9 @@ class Solved:
         free = np.array([i for i in range(len(solution.jacobian)) if i not in self._held], dtype=np.int64)
         normal = solution.normal if len(free) == len(solution.jacobian) else solution.part(free)
         result = np.zeros((len(solution.jacobian),) * 2)
-        result[np.ix_(free, free)] = covariance(
-            solution.jacobian[free].T, solution.residual, normal.inverse, self.problem.independent
-        )
+        found = covariance(solution.jacobian[free].T, solution.residual, normal.inverse, self.problem.independent)
+        moved = scatter_of_steps(self.problem, self.parameters) @ solution.jacobian[free].T @ normal.inverse
+        result[np.ix_(free, free)] = at_least(found, moved.T @ moved / max(len(moved), 1))
         return result
 
     @property

@@ -266,6 +266,11 @@ class TestFunctions:
     each = 1
     """Rows of each bump."""
 
+    @property
+    def left_out(self) -> NDArray[np.bool_]:
+        """Samples at rest, or otherwise of no use, shape (N,)."""
+        return self._resting
+
     def covered(self, count: int) -> NDArray[np.bool_]:
         """Mark the samples that lie within a bump, shape (N,)."""
         marks = np.zeros(count + 1)
