@@ -129,7 +129,7 @@ def estimate(
     final = identified(found)
     if model_velocity and final.plan.held and not drive.model.delay and not drive.model.states:
         # With less to find, the rows clear of reversals may say more than all of them.
-        held = final.changed(free=None, other=None)
+        held = final.changed(free=None, others=())
         clear = clear_of_reversals(held, left)
         if clear is not held:
             final = identified(solve(clear.problem, found.plan, timing=found.timing))

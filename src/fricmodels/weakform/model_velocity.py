@@ -22,7 +22,7 @@ from fricmodels.signals.lanczos import even_weights
 from fricmodels.weakform.hidden import drowned, sign_is_hidden
 from fricmodels.weakform.nonlinear import Plan
 from fricmodels.weakform.row_noise import FEWEST_WHERE_ALL_COUNT, NOISE_SHARE_WHERE_ALL_COUNT, bump_width
-from fricmodels.weakform.solve import STRONG, Solved, solve
+from fricmodels.weakform.solve import STRONG, Solved, as_held, solve
 
 Array = NDArray[np.float64]
 
@@ -77,6 +77,7 @@ def at_model_velocity(found: Solved, *, widen: bool = True) -> Solved:
     if recording.derived_over or velocity_noise(recording).course is not None:
         return found
     smooth = _risk(recording.velocity, problem.smooth, _smoothed_noise(recording, problem.half_width))
+    at_smooth, found = found, as_held(found) or found
     begin, everywhere, first = _begin(found)
 
     def risk(velocity: ModelVelocity | None) -> float:
@@ -91,17 +92,18 @@ def at_model_velocity(found: Solved, *, widen: bool = True) -> Solved:
         shares = drowned(problem.drive, recording, everywhere.parameters)
         held = {max(shares, key=lambda key: shares[key]): 0.0} if max(shares.values(), default=0.0) > 0.0 else {}
         without = solve(everywhere.problem, replace(everywhere.plan, held=held), timing=False)
-        values = sought(problem.drive, [without.values, everywhere.values, found.values], recording, held)
+        starts = [without.values, everywhere.values, found.values]
+        values = sought(problem.drive, starts, recording, held, torque_held=found.problem.held)
         from_search = {**begin.parameters, **dict(zip(problem.drive.keys, values, strict=True))}
         other, velocity, _ = _rounds(without, from_search, widen=widen)
         if velocity and (predicted is None or velocity.prediction_error < predicted.prediction_error):
             best, predicted = solve(other.problem, found.plan, timing=False), velocity
     # Simulated with the torque at another time the velocity would be another, and what it is now hides the shift.
     if max(found.log_odds_of_a_shift(reversals=False), best.with_shift().log_odds_of_a_shift()) > STRONG:
-        return found
+        return at_smooth
     if _left_by(best.values, found) > _CONTRADICTED * found.solution.cost:
-        return found  # what the rows at the measured velocity contradict is not more certain than they are
-    return best if risk(predicted) <= smooth else found
+        return at_smooth  # what the rows at the measured velocity contradict is not more certain than they are
+    return best if risk(predicted) <= smooth else at_smooth
 
 
 def _left_by(values: Array, found: Solved) -> float:
@@ -137,7 +139,7 @@ def _rounds(
         predicted, first = first, None
         if predicted is None:
             now = {**parameters, **dict(zip(drive.keys, values, strict=True))}
-            predicted = model_velocity(drive, now, problem.recording)
+            predicted = model_velocity(drive, now, problem.recording, held=problem.held)
         if predicted is None or predicted.prediction_error > WORSE * least:
             break
         rows = problem.along(predicted.velocity, predicted.resting, width)
@@ -165,7 +167,7 @@ def _begin(found: Solved) -> tuple[Solved, Solved, ModelVelocity | None]:
     everywhere = solve(problem.along(problem.smooth, problem.resting), found.plan, timing=False)
 
     def predicted(fit: Solved) -> ModelVelocity | None:
-        return model_velocity(problem.drive, fit.parameters, problem.recording)
+        return model_velocity(problem.drive, fit.parameters, problem.recording, held=problem.held)
 
     both = [(fit, predicted(fit)) for fit in (found, everywhere)]
     best, velocity = min(both, key=lambda each: np.inf if each[1] is None else each[1].prediction_error)
@@ -196,12 +198,20 @@ def _risk(measured: Array, velocity: Array, own_noise: float) -> float:
     return float(np.mean((velocity - measured) ** 2)) + 2 * own_noise
 
 
-def model_velocity(drive: Drive, values: Mapping[str, float], recording: Recording) -> ModelVelocity | None:
-    """Return the velocity that a model predicts, corrected; ``None`` where the model cannot be simulated."""
+def model_velocity(
+    drive: Drive, values: Mapping[str, float], recording: Recording, *, held: bool = False
+) -> ModelVelocity | None:
+    """Return the velocity that a model predicts, corrected; ``None`` where the model cannot be simulated.
+
+    Args:
+        drive, values: the model, and its parameters by key.
+        recording: with the torque, and the velocity that corrects it.
+        held: whether the torque keeps each sample's value until the next.
+    """
     from fricmodels.simulation import simulated_velocity
 
     try:
-        simulated = simulated_velocity(drive, values, recording)
+        simulated = simulated_velocity(drive, values, recording, between_samples="held" if held else "linear")
     except InputError:
         return None
     if not np.all(np.isfinite(simulated)):
@@ -222,14 +232,21 @@ def model_velocity(drive: Drive, values: Mapping[str, float], recording: Recordi
     return ModelVelocity(velocity, velocity == 0.0, squares / len(recording), shared / len(recording))
 
 
-def prediction_error(drive: Drive, values: Array, recording: Recording) -> float:
+def prediction_error(drive: Drive, values: Array, recording: Recording, *, held: bool = False) -> float:
     """Return the mean square error of predicting the velocity one sample ahead; infinite where there is no model."""
     given = {drive.inertia_key: drive.inertia or float("nan")}
-    predicted = model_velocity(drive, {**given, **dict(zip(drive.keys, values, strict=True))}, recording)
+    predicted = model_velocity(drive, {**given, **dict(zip(drive.keys, values, strict=True))}, recording, held=held)
     return np.inf if predicted is None else predicted.prediction_error
 
 
-def sought(drive: Drive, starts: Sequence[Array], recording: Recording, held: Mapping[str, float]) -> Array:
+def sought(
+    drive: Drive,
+    starts: Sequence[Array],
+    recording: Recording,
+    held: Mapping[str, float],
+    *,
+    torque_held: bool = False,
+) -> Array:
     """Return values that predict the velocity better, each linear one that is not held stepped up and down.
 
     Begins at the best start, first half up and down in steps of a twentieth, then in ever smaller ones. Where the
@@ -239,7 +256,7 @@ def sought(drive: Drive, starts: Sequence[Array], recording: Recording, held: Ma
     places = [i for i, p in enumerate(drive.parameters) if p.linear and p.key not in held]
 
     def error(trial: Array) -> float:
-        return prediction_error(drive, trial, recording)
+        return prediction_error(drive, trial, recording, held=torque_held)
 
     fixed = [np.array([held.get(k, v) for k, v in zip(drive.keys, values, strict=True)]) for values in starts]
     least, _, best = min((error(values), i, values) for i, values in enumerate(fixed))

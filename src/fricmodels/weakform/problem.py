@@ -56,6 +56,7 @@ class WeakFormProblem:
         carriers: wave numbers that the test functions carry, see :mod:`.carriers`.
         shift: time [s] by which an earlier fit saw motion recorded after the torque; see :attr:`torque_rate`.
         made_for: the parameters that :meth:`of` was given.
+        held: whether the motor torque keeps each sample's value until the next; else it is joined by cubics.
     """
 
     drive: Drive
@@ -71,6 +72,7 @@ class WeakFormProblem:
     carriers: tuple[float, ...] = ()
     shift: float = 0.0
     made_for: Mapping[str, float] | None = None
+    held: bool = False
 
     @classmethod
     def of(
@@ -117,11 +119,23 @@ class WeakFormProblem:
             )
         return problem.at(friction_limits=limits_of_friction(drive, part, parameters))
 
-    def at(self, *, shift: float | None = None, friction_limits: tuple[float, float] | None = None) -> WeakFormProblem:
-        """Return it at another known shift [s], or with other limits of friction; what does not hang on them stays."""
+    def at(
+        self,
+        *,
+        shift: float | None = None,
+        friction_limits: tuple[float, float] | None = None,
+        held: bool | None = None,
+    ) -> WeakFormProblem:
+        """Return it with another known shift [s], limits of friction or course of the torque; the rest is kept."""
         limits = self.friction_limits if friction_limits is None else friction_limits
-        other = replace(self, shift=self.shift if shift is None else shift, friction_limits=limits)
+        other = replace(
+            self,
+            shift=self.shift if shift is None else shift,
+            friction_limits=limits,
+            held=self.held if held is None else held,
+        )
         same = _OF_ROWS if other.shift == self.shift else _OF_ROWS - {"torque_rate"}
+        same -= set() if other.held == self.held else {"driving", "target"}
         other.__dict__.update({name: self.__dict__[name] for name in same & self.__dict__.keys()})
         return other
 
@@ -234,19 +248,23 @@ class WeakFormProblem:
     @cached_property
     def driving(self) -> Array:
         """∫φ (τ_m − τ_L) dt, shape (rows,)."""
-        recording = self.quadrature.recording
-        return np.asarray(self.integrals((recording.torque - recording.load_torque)[None])[0])
+        points = self.quadrature.recording
+        if self.held:
+            impulses = self.recording.torque * self.quadrature.moving_time
+            return np.asarray(self.bumps.of_cells(impulses[None])[0] - self.integrals(points.load_torque[None])[0])
+        return np.asarray(self.integrals((points.torque - points.load_torque)[None])[0])
 
     @cached_property
     def torque_rate(self) -> Array:
-        """∫φ dτ_m = −∫φ' τ_m dt, shape (rows,), half-way over the known shift s: then s of it is one to second order.
+        """∫φ dτ_m while the drive moves, (rows,), half-way over the known shift s: s of it is one to second order.
 
         For [τ_m(t) − τ_m(t − s)] / s is dτ_m/dt at t − s/2, but for terms of s².
         """
         torque = self.recording.torque
         if self.shift:
             torque = torque - 0.5 * self.shift * self.recording.signal("motor_torque_rate")
-        return np.asarray(self.bumps.change(torque))
+        slope = np.diff(torque, append=torque[-1]) / np.diff(self.recording.time, append=np.inf)
+        return np.asarray(self.bumps.of_cells((slope * self.quadrature.moving_time)[None])[0])
 
     @cached_property
     def sign_change(self) -> Array:

@@ -35,6 +35,8 @@ STRONG = 3.0
 """Logarithm of 20 to 1: strong evidence on the scale of Kass and Raftery (1995)."""
 _NO_FRICTION = 1e-9
 """A Coulomb torque of less than this share of the largest torque is none."""
+_UNLIKELY = 1e-4
+"""A choice of nuisances that is less probable than this is not reckoned with."""
 _TRUE_TO = 0.025
 """A twentieth of a sample, in units of two samples: how true instants are if there is no shift."""
 
@@ -48,8 +50,8 @@ class Solved:
         plan: starts, and what is held.
         solution: in the order inertia, linear parameters, nuisances, nonlinear parameters.
         timing: whether it has nuisances.
-        other: the fit with the other choice of nuisances, where both were made.
-        weight: probability of this choice, of the two.
+        others: fits with another course of the torque between samples or another choice of nuisances, each with its
+            probability.
         not_identified: key → reason.
         free: the fit with nothing held, whose covariance counts: what is held is not known to be so.
         feedback: direction in which the rows follow the fit most, and the share of an error along it that comes back;
@@ -60,8 +62,7 @@ class Solved:
     plan: Plan
     solution: Solution
     timing: bool
-    other: Solved | None = None
-    weight: float = 1.0
+    others: tuple[tuple[Solved, float], ...] = ()
     not_identified: Mapping[str, str] = field(default_factory=dict)
     free: Solved | None = None
     feedback: tuple[Array, float] | None = None
@@ -104,10 +105,11 @@ class Solved:
 
     @property
     def shift(self) -> float:
-        """Time [s] by which motion was recorded after the torque."""
+        """Time [s] by which motion was recorded after the torque: of a held one half a sample."""
         bounded = "motor_torque_rate" not in self.problem.drive.model.needs
         nuisances = self._nuisances
-        return float(self.solution.theta[nuisances[-1]]) if bounded and len(nuisances) else 0.0
+        held = 0.5 * self.problem.recording.interval if self.problem.held else 0.0
+        return held + (float(self.solution.theta[nuisances[-1]]) if bounded and len(nuisances) else 0.0)
 
     @property
     def _nuisances(self) -> NDArray[np.int64]:
@@ -148,15 +150,14 @@ class Solved:
 
     @cached_property
     def covariance(self) -> Array:
-        """Covariance of the estimates: over both choices of nuisances, by their probability, with what they differ."""
+        """Covariance of the estimates: over all choices of nuisances, by their probability, with what they differ."""
         if self.free is not None:
             return self.free.covariance
         result = _with_feedback(self._spread[np.ix_(self.places, self.places)], self.feedback)
-        if self.other is not None:
-            other = self.other._spread[np.ix_(self.other.places, self.other.places)]
-            apart = self.values - self.other.values
-            weight = self.weight
-            result = weight * result + (1 - weight) * other + weight * (1 - weight) * np.outer(apart, apart)
+        result *= 1.0 - sum(weight for _, weight in self.others)
+        for other, weight in self.others:
+            apart = self.values - other.values
+            result += weight * (other._spread[np.ix_(other.places, other.places)] + np.outer(apart, apart))
         return result
 
     @property
@@ -187,8 +188,14 @@ class Solved:
         solution = self.solution
         return "" if solution.converged else f"no minimum after {solution.iterations} iterations"
 
-    def log_odds_of_a_shift(self, *, reversals: bool = True) -> float:
-        r"""Return the logarithm of how much more probable a shift in time is than none.
+    def log_odds_of_held(self, *, reversals: bool = True) -> float:
+        """Return the logarithm of how much more probable a torque that is held between samples is than another."""
+        whole = self.log_odds_of_a_shift(reversals=reversals)
+        of_held = self.log_odds_of_a_shift(reversals=reversals, than=0.5)
+        return whole - of_held if math.isfinite(whole) and math.isfinite(of_held) else 0.0
+
+    def log_odds_of_a_shift(self, *, reversals: bool = True, than: float = 0.0) -> float:
+        r"""Return the logarithm of how much more probable a shift in time is than none, or than a given one.
 
         A shift is equally probable anywhere within a sample either way; with none, instants are true to a twentieth of
         a sample, s. With an estimate n in units of what is possible before anything was measured, its variance V from ν
@@ -202,20 +209,24 @@ class Solved:
         Args:
             reversals: whether their instants count as well, or only that of the torque against the motion. A smoothed
                 velocity turns at another instant, whatever the recording.
+            than: the shift of the torque against which it is judged [samples]; half a one is that of a held torque.
 
         Source: R. E. Kass, A. E. Raftery, "Bayes factors", J. Amer. Statist. Assoc. 90 (1995), with Student's t for a
         variance that is estimated.
         """
         nuisances = self._nuisances
         sizes = np.full(len(nuisances), 2 * self.problem.recording.interval)
+        centre = np.zeros(len(nuisances))
+        if "motor_torque_rate" not in self.problem.drive.model.needs:
+            centre[-1:] = than * self.problem.recording.interval
         if len(nuisances):  # in samples, times the Coulomb torque: without that no reversal can be shifted
             sizes[0] = 2 * self.problem.friction_limits[1]
             torque = float(np.max(np.abs(self.problem.recording.torque)))
             some = np.append(sizes[:1] > _NO_FRICTION * torque, np.ones(len(sizes) - 1, dtype=bool))
             some[0] &= reversals
-            nuisances, sizes = nuisances[some], sizes[some]
+            nuisances, sizes, centre = nuisances[some], sizes[some], centre[some]
         own = self._spread[np.ix_(nuisances, nuisances)] / np.outer(sizes, sizes)
-        estimate = self.solution.theta[nuisances] / sizes
+        estimate = (self.solution.theta[nuisances] - centre) / sizes
         seen = np.diag(own) > 0.0
         variances, axes = np.linalg.eigh(own[np.ix_(seen, seen)])
         along = axes.T @ estimate[seen]
@@ -259,17 +270,38 @@ def solve(problem: WeakFormProblem, plan: Plan, *, timing: bool = True) -> Solve
 
 
 def with_or_without_shift(found: Solved, plan: Plan) -> Solved:
-    """Fit with a small shift in time and without; return the one with a shift if the evidence for it is strong.
+    """Fit without a shift in time, with that of a held torque, and with any small one; return the most probable.
 
-    Standard errors are over both, each as probable as it is.
+    A torque goes on between samples or is held, as controllers do; both are equally probable before anything is known.
+    Any other shift has to have strong evidence. Standard errors are over all, each as probable as it is.
     """
     problem = found.problem
     shifted, plain = (solve(problem, plan, timing=t).changed(feedback=found.feedback) for t in (True, False))
-    odds = shifted.log_odds_of_a_shift()
-    probability = 1.0 / (1.0 + math.exp(min(-odds, 700.0)))
-    if odds > STRONG:
-        return shifted.changed(other=plain, weight=probability)
-    return plain.changed(other=shifted, weight=1.0 - probability)
+    odds = [0.0, shifted.log_odds_of_a_shift()]
+    fits = [plain, shifted]
+    if _may_be_held(shifted):
+        odds.append(shifted.log_odds_of_held())
+        fits.append(solve(problem.at(held=True), plan, timing=False).changed(feedback=found.feedback))
+    fixed = max((i for i in range(len(fits)) if i != 1), key=lambda i: odds[i])
+    chosen = 1 if odds[1] - odds[fixed] > STRONG else fixed
+    weights = np.exp(np.array(odds) - max(odds))
+    weights /= weights.sum()
+    others = [(fit, float(w)) for fit, w in zip(fits, weights, strict=True) if fit is not fits[chosen] and w > _UNLIKELY]
+    return fits[chosen].changed(others=tuple(others))
+
+
+def as_held(found: Solved) -> Solved | None:
+    """Return the fit with a held torque, if there is strong evidence for that and against any other shift."""
+    if not _may_be_held(found) or found.log_odds_of_held(reversals=False) <= STRONG:
+        return None
+    if found.log_odds_of_a_shift(reversals=False, than=0.5) > STRONG:
+        return None
+    return solve(found.problem.at(held=True), found.plan)
+
+
+def _may_be_held(found: Solved) -> bool:
+    """Whether a held torque is a case of its own: not yet known, and not one of a delay that the model has."""
+    return not found.problem.held and "motor_torque_rate" not in found.problem.drive.model.needs
 
 
 def _is_instant(problem: WeakFormProblem, key: str) -> bool:

@@ -130,6 +130,13 @@ class Quadrature:
         under_hats(rows, self.half, self.cell, self.before, self.after, self.half_step, self._bending, values)
         return values
 
+    @cached_property
+    def moving_time(self) -> Array:
+        """For how long the drive moves in each cell, shape (N,); cell k follows sample k, the last one is none."""
+        time = np.append(2.0 * self.half, 0.0)
+        time[self.cell] = 2.0 * (self.before + self.after)
+        return time
+
     def _straight(self, rows: Array) -> Array:
         """Return the integral over each cell along straight lines, shape (k, N − 1)."""
         count = len(self.half) + 1
