@@ -31,7 +31,7 @@ FIRST_STEP, REACH, ROUNDS = 0.05, 10, 5
 _GAINS = 0.5 ** np.arange(0, 12)
 MAX_ROUNDS = 8
 """Rounds of predicting the velocity by the fit and fitting again."""
-MOST_FEEDBACK = 0.8
+MOST_FEEDBACK = 0.9
 """Rounds that converge more slowly than by this factor are not told from such that do not."""
 _REACH = 4096
 """Lags up to which a covariance is summed."""
@@ -103,7 +103,37 @@ def at_model_velocity(found: Solved, *, widen: bool = True) -> Solved:
         return at_smooth
     if _left_by(best.values, found) > _CONTRADICTED * found.solution.cost:
         return at_smooth  # what the rows at the measured velocity contradict is not more certain than they are
-    return best if risk(predicted) <= smooth else at_smooth
+    return best.changed(feedback=_feedback(best)) if risk(predicted) <= smooth else at_smooth
+
+
+def _feedback(found: Solved) -> Array:
+    r"""Return by how much an error of a fit grows, because the velocity is predicted by the fit: :math:`(1 - A)^{-1}`.
+
+    With A the derivative of what the rows give by the parameters that predicted the velocity, by differences of a
+    standard error along each axis of the covariance, shape (n, n). An error of the parameters is one of the velocity,
+    and changes what is fitted next: at a known velocity the rows are as certain as their covariance says, at the fixed
+    point errors are larger by this matrix.
+    """
+    problem, drive, here = found.problem, found.problem.drive, found.values
+    value, vector = np.linalg.eigh(found.covariance)
+    seen = value > 1e-12 * max(float(value[-1]), 1e-300)
+    root = vector[:, seen] * np.sqrt(value[seen])
+    back = vector[:, seen].T / np.sqrt(value[seen])[:, None]
+
+    def fitted(values: Array) -> Array:
+        parameters = {**found.parameters, **dict(zip(drive.keys, values.tolist(), strict=True))}
+        predicted = model_velocity(drive, parameters, problem.recording, held=problem.held)
+        if predicted is None:
+            return here
+        rows = problem.along(predicted.velocity, predicted.resting)
+        return here if rows.rows <= 4 * len(here) else solve(rows, found.again, timing=False).values
+
+    base = fitted(here)
+    response = np.column_stack([back @ (fitted(here + step) - base) for step in root.T])
+    radius = float(np.max(np.abs(np.linalg.eigvals(response)), initial=0.0))
+    response *= min(1.0, MOST_FEEDBACK / max(radius, MOST_FEEDBACK))
+    grown = np.linalg.inv(np.eye(len(response)) - response)
+    return np.asarray(root @ grown @ back)
 
 
 def _left_by(values: Array, found: Solved) -> float:
@@ -115,10 +145,7 @@ def _left_by(values: Array, found: Solved) -> float:
 def _rounds(
     begin: Solved, parameters: Mapping[str, float], first: ModelVelocity | None = None, *, widen: bool
 ) -> tuple[Solved, ModelVelocity | None, bool]:
-    r"""Return the fit after rounds of predicting the velocity and fitting anew, its velocity, and whether they settled.
-
-    An error of the parameters is one of the velocity, and changes what is fitted next by a factor ρ, seen in how fast
-    the rounds converge. At their end errors are larger by :math:`1/(1-\rho)` than a fit to a known velocity has them.
+    """Return the fit after rounds of predicting the velocity and fitting anew, its velocity, and whether they settled.
 
     Args:
         begin: gives drive, recording and starts.
@@ -134,7 +161,6 @@ def _rounds(
     if widen:
         inertia, _ = drive.split(parameters)
         width = max(width, bump_width(problem.recording, inertia, FEWEST_WHERE_ALL_COUNT, NOISE_SHARE_WHERE_ALL_COUNT))
-    change: Array | None = None
     for _ in range(MAX_ROUNDS):
         predicted, first = first, None
         if predicted is None:
@@ -147,12 +173,8 @@ def _rounds(
             break
         least, used = min(least, predicted.prediction_error), predicted
         best = solve(rows, replace(begin.plan, start=_nonlinear(best)), timing=False)
-        before, change = change, best.values - values
-        values = best.values
+        change, values = best.values - values, best.values
         spread = np.sqrt(np.clip(np.diag(best.covariance), 0.0, None))
-        size = np.where(spread > 0.0, spread, np.inf)
-        share = 0.0 if before is None else float(np.linalg.norm(change / size) / (np.linalg.norm(before / size) or 1.0))
-        best = best.changed(feedback=(change, min(share, MOST_FEEDBACK)) if share else None)
         if np.all(np.abs(change) <= 0.1 * spread):
             return best, used, True
     return best, used, False

@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache, cached_property, lru_cache
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -119,22 +120,10 @@ class WeakFormProblem:
             )
         return problem.at(friction_limits=limits_of_friction(drive, part, parameters))
 
-    def at(
-        self,
-        *,
-        shift: float | None = None,
-        friction_limits: tuple[float, float] | None = None,
-        held: bool | None = None,
-    ) -> WeakFormProblem:
-        """Return it with another known shift [s], limits of friction or course of the torque; the rest is kept."""
-        limits = self.friction_limits if friction_limits is None else friction_limits
-        other = replace(
-            self,
-            shift=self.shift if shift is None else shift,
-            friction_limits=limits,
-            held=self.held if held is None else held,
-        )
-        same = _OF_ROWS if other.shift == self.shift else _OF_ROWS - {"torque_rate"}
+    def at(self, **changes: Any) -> WeakFormProblem:
+        """Return it with another known ``shift`` [s], other ``friction_limits``, or ``held`` or not; the rest is kept."""
+        other = replace(self, **changes)
+        same = _OF_ROWS - (set() if other.shift == self.shift else {"torque_rate"})
         same -= set() if other.held == self.held else {"driving", "target"}
         other.__dict__.update({name: self.__dict__[name] for name in same & self.__dict__.keys()})
         return other

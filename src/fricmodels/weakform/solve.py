@@ -54,8 +54,7 @@ class Solved:
             probability.
         not_identified: key → reason.
         free: the fit with nothing held, whose covariance counts: what is held is not known to be so.
-        feedback: direction in which the rows follow the fit most, and the share of an error along it that comes back;
-            see :mod:`.model_velocity`.
+        feedback: by how much an error grows, because the rows follow the fit, shape (n, n); see :mod:`.model_velocity`.
     """
 
     problem: WeakFormProblem
@@ -65,7 +64,7 @@ class Solved:
     others: tuple[tuple[Solved, float], ...] = ()
     not_identified: Mapping[str, str] = field(default_factory=dict)
     free: Solved | None = None
-    feedback: tuple[Array, float] | None = None
+    feedback: Array | None = None
 
     def changed(self, **changes: Any) -> Solved:
         """Return a copy with other attributes than the rows, the plan or the solution; what these show is kept."""
@@ -237,20 +236,12 @@ class Solved:
         return float(np.sum(odds[known])) if known.any() else -math.inf
 
 
-def _with_feedback(covariance: Array, feedback: tuple[Array, float] | None) -> Array:
-    r"""Return the covariance of a fixed point: an error along d comes back with a share ρ, and grows to 1/(1 − ρ).
-
-    .. math:: V' = A V A', \qquad A = I + \frac{\rho}{1 - \rho}\,\frac{d\,d'V^{-1}}{d'V^{-1}d}
-    """
+def _with_feedback(covariance: Array, feedback: Array | None) -> Array:
+    """Return the covariance of a fixed point, F V F'; what is held stays without a variance."""
     if feedback is None:
         return covariance
-    direction, share = feedback
-    dual = np.linalg.pinv(covariance, rcond=1e-12, hermitian=True) @ direction
-    size = float(direction @ dual)
-    if not size > 0.0:
-        return covariance
-    grown = np.eye(len(direction)) + share / (1.0 - share) / size * np.outer(direction, dual)
-    return np.asarray(grown @ covariance @ grown.T)
+    free = np.diag(covariance) > 0.0
+    return np.asarray(np.where(free & free[:, None], feedback @ covariance @ feedback.T, 0.0))
 
 
 def solve(problem: WeakFormProblem, plan: Plan, *, timing: bool = True) -> Solved:
@@ -286,8 +277,8 @@ def with_or_without_shift(found: Solved, plan: Plan) -> Solved:
     chosen = 1 if odds[1] - odds[fixed] > STRONG else fixed
     weights = np.exp(np.array(odds) - max(odds))
     weights /= weights.sum()
-    others = [(fit, float(w)) for fit, w in zip(fits, weights, strict=True) if fit is not fits[chosen] and w > _UNLIKELY]
-    return fits[chosen].changed(others=tuple(others))
+    others = [(fit, w) for i, (fit, w) in enumerate(zip(fits, weights.tolist(), strict=True)) if i != chosen]
+    return fits[chosen].changed(others=tuple((fit, w) for fit, w in others if w > _UNLIKELY))
 
 
 def as_held(found: Solved) -> Solved | None:
