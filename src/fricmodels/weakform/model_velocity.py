@@ -128,8 +128,7 @@ def _feedback(found: Solved) -> Array:
         rows = problem.along(predicted.velocity, predicted.resting)
         return here if rows.rows <= 4 * len(here) else solve(rows, found.again, timing=False).values
 
-    base = fitted(here)
-    response = np.column_stack([back @ (fitted(here + step) - base) for step in root.T])
+    response = np.column_stack([0.5 * back @ (fitted(here + step) - fitted(here - step)) for step in root.T])
     radius = float(np.max(np.abs(np.linalg.eigvals(response)), initial=0.0))
     response *= min(1.0, MOST_FEEDBACK / max(radius, MOST_FEEDBACK))
     grown = np.linalg.inv(np.eye(len(response)) - response)

@@ -121,7 +121,7 @@ class WeakFormProblem:
         return problem.at(friction_limits=limits_of_friction(drive, part, parameters))
 
     def at(self, **changes: Any) -> WeakFormProblem:
-        """Return it with another known ``shift`` [s], other ``friction_limits``, or ``held`` or not; the rest is kept."""
+        """Return it with another known ``shift`` [s], other ``friction_limits``, or ``held`` or not; the rest stays."""
         other = replace(self, **changes)
         same = _OF_ROWS - (set() if other.shift == self.shift else {"torque_rate"})
         same -= set() if other.held == self.held else {"driving", "target"}
