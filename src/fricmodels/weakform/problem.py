@@ -144,8 +144,9 @@ class WeakFormProblem:
         """
         rng = np.random.default_rng(0)
         part = self.recording
-        noisy = part.velocity + noise_like(part, rng)
-        smooth, acceleration = lanczos_derivative(part.time, noisy, self.half_width, part.run)
+        noise = noise_like(part, rng)
+        smooth = self.smooth + lanczos_derivative(part.time, noise, self.half_width, part.run)[0]
+        acceleration = lanczos_derivative(part.time, part.velocity + noise, self.half_width, part.run)[1]
         changed = part.with_channels(acceleration=acceleration)
         # The same cells are cut at the same instants, so that only the signals differ.
         count, cells = len(part), len(self.quadrature.cell)
