@@ -34,8 +34,7 @@ def smoothed(recording: Recording) -> Smoothed:
     part = spread(recording.with_channels(run=recording.signal(RUN)))
     half_width = smoothing_half_width(part)
     smooth, acceleration = lanczos_derivative(part.time, part.velocity, half_width, part.run)
-    if part.derived_over:
-        smooth = smooth + _smoothed_away(part, smooth, half_width)
+    smooth = smooth + _smoothed_away(part, smooth, half_width)
     if "acceleration" not in part:
         part = part.with_channels(acceleration=acceleration)
     smooth = np.where(np.abs(smooth) <= standstill(smooth), 0.0, smooth)
@@ -54,6 +53,8 @@ def _smoothed_away(recording: Recording, smooth: Array, half_width: int) -> Arra
     Source: J. W. Tukey, "Exploratory data analysis", 1977 (twicing).
     """
     time, run = recording.time, recording.run
+    if not recording.derived_over:
+        return lanczos_derivative(time, recording.velocity - smooth, half_width, run)[0]
     covered = np.concatenate([[0.0], np.cumsum(0.5 * (smooth[1:] + smooth[:-1]) * np.diff(time))])
     rest = recording["position"] - covered
     found = lanczos_derivative(time, rest, recording.derived_over, run)[1]
