@@ -340,7 +340,8 @@ class WeakFormProblem:
     @cached_property
     def _memory(self) -> Callable[[Model], Memory]:
         """What integrates a model's internal states along the smooth motion, or the whole of which it is a part."""
-        along = replace(self.recording, channels={**self.recording.channels, "velocity": self.smooth})
+        moved = np.where(self.resting, 0.0, self.smooth)  # at rest there is only noise, which a state would gather
+        along = replace(self.recording, channels={**self.recording.channels, "velocity": moved})
         whole, width = along.whole(), rest_width(along)
         return cache(lambda model: Drive(model, None, self.drive.motion).memory(whole, width))
 
