@@ -202,9 +202,7 @@ def _nonlinear(found: Solved) -> dict[str, float]:
 
 def _smoothed_noise(recording: Recording, half_width: int) -> float:
     """Return the covariance of the noise of a sample with that of its smoothed value."""
-    once = even_weights(half_width)[0]
-    twice = 2.0 * np.pad(once, len(once) // 2) - np.convolve(once, once)
-    return velocity_noise(recording).product(twice, np.ones(1))
+    return velocity_noise(recording).product(even_weights(half_width)[0], np.ones(1))
 
 
 def _averaged_noise(noise: Noise, gain: float) -> float:

@@ -34,31 +34,12 @@ def smoothed(recording: Recording) -> Smoothed:
     part = spread(recording.with_channels(run=recording.signal(RUN)))
     half_width = smoothing_half_width(part)
     smooth, acceleration = lanczos_derivative(part.time, part.velocity, half_width, part.run)
-    smooth = smooth + _smoothed_away(part, smooth, half_width)
     if "acceleration" not in part:
         part = part.with_channels(acceleration=acceleration)
     smooth = np.where(np.abs(smooth) <= standstill(smooth), 0.0, smooth)
     rates: dict[str, Any] = {RATE + name: part.signal(RATE + name) for name in part.further}
     part = part.with_channels(torque_rate=part.signal("motor_torque_rate"), **rates)
     return Smoothed(part, smooth, half_width, resting(part))
-
-
-def _smoothed_away(recording: Recording, smooth: Array, half_width: int) -> Array:
-    """Return what smoothing takes away from a velocity that was derived, as the positions show it, shape (N,).
-
-    The same filters, of what the positions differ by from the path that goes with the smoothed velocity. Smoothing is
-    as wide as the error of a single sample asks for; what it takes away is the same in all of them, and does not
-    average out.
-
-    Source: J. W. Tukey, "Exploratory data analysis", 1977 (twicing).
-    """
-    time, run = recording.time, recording.run
-    if not recording.derived_over:
-        return lanczos_derivative(time, recording.velocity - smooth, half_width, run)[0]
-    covered = np.concatenate([[0.0], np.cumsum(0.5 * (smooth[1:] + smooth[:-1]) * np.diff(time))])
-    rest = recording["position"] - covered
-    found = lanczos_derivative(time, rest, recording.derived_over, run)[1]
-    return lanczos_derivative(time, found, half_width, run)[0]
 
 
 def blocks_of(count: int) -> list[tuple[int, int]]:
