@@ -39,6 +39,8 @@ _CONTRADICTED = 2.0
 """A fit that leaves so many times the sum of squares of the rows at the smoothed velocity is contradicted by them. One
 that is right, where noise makes the fit to these rows wrong by ten standard errors, leaves less than that of 100 rows.
 """
+_UNLIKELY = 0.01
+"""Probability below which rows contradict a fit. The one that then stays is less certain, but as true."""
 WORSE = 1.1
 """A round whose squared error of prediction is larger than the best by this factor has gone astray."""
 
@@ -101,7 +103,8 @@ def at_model_velocity(found: Solved, *, widen: bool = True) -> Solved:
     # Simulated with the torque at another time the velocity would be another, and what it is now hides the shift.
     if max(found.log_odds_of_a_shift(reversals=False), best.with_shift().log_odds_of_a_shift()) > STRONG:
         return at_smooth
-    if _left_by(best.values, found) > _CONTRADICTED * found.solution.cost:
+    more = _left_by(best.values, found) / found.solution.cost - 1.0
+    if more > _CONTRADICTED - 1.0 or (found is not at_smooth and _is_contradicted(more, found)):
         return at_smooth  # what the rows at the measured velocity contradict is not more certain than they are
     return best.changed(feedback=_feedback(best)) if risk(predicted) <= smooth else at_smooth
 
@@ -133,6 +136,18 @@ def _feedback(found: Solved) -> Array:
     response *= min(1.0, MOST_FEEDBACK / max(radius, MOST_FEEDBACK))
     grown = np.linalg.inv(np.eye(len(response)) - response)
     return np.asarray(root @ grown @ back)
+
+
+def _is_contradicted(more: float, found: Solved) -> bool:
+    """Whether so much more is left of the rows, as a share, than chance explains (F test).
+
+    Rows that are certain enough to tell a held torque are certain enough for that, too.
+    """
+    from scipy.special import fdtrc
+
+    count = len(found.values)
+    free = found.problem.independent - count
+    return free > 0.0 and bool(fdtrc(count, free, max(more, 0.0) * free / count) < _UNLIKELY)
 
 
 def _left_by(values: Array, found: Solved) -> float:
