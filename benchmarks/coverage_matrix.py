@@ -197,6 +197,30 @@ def printed(rows: Sequence[Mapping[str, Any]], order: Sequence[Cell], names: Seq
         yield f"| `{name}` | {count['good'] + count['bad']} | {count['good']} | {count['none']} | {count['bad']} |"
 
 
+def compact(rows: Sequence[Mapping[str, Any]], order: Sequence[Cell], names: Sequence[str]) -> Iterator[str]:
+    """Yield one line a cell and estimator: how many intervals hold the truth, bias and SE over the scatter."""
+    yield "| cell | estimator | fits | parameter: covered, bias over SD, SE over SD |"
+    yield "|---|---|---|---|"
+    for cell in order:
+        for name in names:
+            own = [row for row in rows if row["cell"] == cell.name and row["estimator"] == name]
+            if own:
+                parts = [_in_short(own, p.key, cell.truth[p.key]) for p in cell.drive.parameters]
+                yield f"| `{cell.name}` | `{name}` | {len(own)} | {'; '.join(parts)} |"
+
+
+def _in_short(rows: Sequence[Mapping[str, Any]], key: str, true: float) -> str:
+    f = figures(rows, key, true)
+    label = key.rpartition(".")[2]
+    if not f.intervals:
+        return f"{label} no interval"
+    misses = np.array([row["values"][key] - true for row in rows if row["errors"].get(key) is not None])
+    errors = np.array([row["errors"][key] for row in rows if row["errors"].get(key) is not None])
+    scatter = float(np.std(misses, ddof=1)) if len(misses) > 1 else 0.0
+    ratios = f" {np.mean(misses) / scatter:+.1f} {np.mean(errors) / scatter:.1f}" if scatter > 0.0 else ""
+    return f"{label} {f.covered}/{f.intervals}{'' if f.good else ' ✗'}{ratios}"
+
+
 def collected(
     order: Sequence[Cell], names: Sequence[str], replications: int, processes: int, kept: Path | None
 ) -> list[dict[str, Any]]:
@@ -241,6 +265,8 @@ def main() -> None:
     parser.add_argument("--processes", type=int, default=1)
     parser.add_argument("--keep", type=Path, default=None, help="file of rows (JSON lines) to resume from and add to")
     parser.add_argument("--out", type=Path, default=None, help="write the tables there, too")
+    parser.add_argument("--compact", action="store_true", help="one line a cell and estimator")
+    parser.add_argument("--stored", action="store_true", help="fit nothing; only what --keep has")
     arguments = parser.parse_args()
     registered = list(plugins.load().estimators)
     names = arguments.estimators.split(",") if arguments.estimators else [*registered, COMPARE]
@@ -248,8 +274,11 @@ def main() -> None:
     replications = arguments.replications or (20 if arguments.quick else 100)
     if arguments.keep:
         arguments.keep.parent.mkdir(parents=True, exist_ok=True)
-    rows = collected(order, names, replications, arguments.processes, arguments.keep)
-    text = "\n".join(printed(rows, order, names))
+    if arguments.stored:
+        rows = [json.loads(line) for line in arguments.keep.read_text().splitlines()]
+    else:
+        rows = collected(order, names, replications, arguments.processes, arguments.keep)
+    text = "\n".join((compact if arguments.compact else printed)(rows, order, names))
     print(text)
     if arguments.out:
         arguments.out.write_text(text + "\n", encoding="utf-8")

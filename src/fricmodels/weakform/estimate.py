@@ -3,7 +3,8 @@
 1. A start for what is nonlinear in an effect: searched for in what the model without the effect leaves.
 2. The rows of the weak form at a smoothed velocity; linear parameters by least squares within their bounds, the others
    by Gauss–Newton; once more with the friction known, which tells where the drive may stick at a reversal.
-3. The same at the velocity that the fitted model itself predicts, where that is more certain than a smoothed one.
+3. The same at the velocity that the fitted model itself predicts, where that is more certain than a smoothed one;
+   else at the smoothed one with what smoothing took away given back.
 4. With or without a shift in time, whichever is more probable; standard errors for autocorrelated residuals.
 5. What the recording does not determine is named, and held where that costs nothing.
 """
@@ -29,6 +30,7 @@ from fricmodels.weakform.problem import WeakFormProblem
 from fricmodels.weakform.reversals import clear_of_reversals
 from fricmodels.weakform.ripple import carriers_of
 from fricmodels.weakform.search import search
+from fricmodels.weakform.sharpened import at_sharpened_velocity
 from fricmodels.weakform.shifted import regression_of
 from fricmodels.weakform.solve import Solved, solve
 
@@ -125,11 +127,13 @@ def estimate(
         found = min(found, other, key=left)
     elif model_velocity:
         whole = at_model_velocity(found, widen=width is None)
+        if whole.problem.smooth is problem.smooth:
+            whole = at_sharpened_velocity(whole)
         found = clear_of_reversals(whole, left)
     final = identified(found)
     if model_velocity and final.plan.held and not drive.model.delay and not drive.model.states:
         # With less to find, the rows clear of reversals may say more than all of them.
-        held = final.changed(free=None, other=None)
+        held = final.changed(free=None, others=())
         clear = clear_of_reversals(held, left)
         if clear is not held:
             final = identified(solve(clear.problem, found.plan, timing=found.timing))

@@ -100,9 +100,14 @@ def covariance(jacobian: Array, residual: Array, inverse: Array, independent: fl
     widen = float(stdtrit(terms, 0.975)) / 1.959963984540054
     by_cosines = widen**2 * inverse @ meat @ inverse
     by_blocks = jackknife_covariance(jacobian, residual, inverse, independent)
-    before, other = (np.clip(np.diag(each), 0.0, None) for each in (by_cosines, by_blocks))
-    grown = np.sqrt(np.maximum(np.divide(other, before, out=np.ones_like(other), where=before > 0.0), 1.0))
-    return np.asarray(by_cosines * np.outer(grown, grown))
+    return at_least(by_cosines, by_blocks)
+
+
+def at_least(matrix: Array, other: Array) -> Array:
+    """Return a covariance whose variances are the larger ones of two, with the correlations of the first."""
+    before, wanted = (np.clip(np.diag(each), 0.0, None) for each in (matrix, other))
+    grown = np.sqrt(np.maximum(np.divide(wanted, before, out=np.ones_like(wanted), where=before > 0.0), 1.0))
+    return np.asarray(matrix * np.outer(grown, grown))
 
 
 def jackknife_covariance(

@@ -22,7 +22,7 @@ from fricmodels.signals.lanczos import even_weights
 from fricmodels.weakform.hidden import drowned, sign_is_hidden
 from fricmodels.weakform.nonlinear import Plan
 from fricmodels.weakform.row_noise import FEWEST_WHERE_ALL_COUNT, NOISE_SHARE_WHERE_ALL_COUNT, bump_width
-from fricmodels.weakform.solve import STRONG, Solved, solve
+from fricmodels.weakform.solve import STRONG, Solved, as_held, solve
 
 Array = NDArray[np.float64]
 
@@ -31,7 +31,7 @@ FIRST_STEP, REACH, ROUNDS = 0.05, 10, 5
 _GAINS = 0.5 ** np.arange(0, 12)
 MAX_ROUNDS = 8
 """Rounds of predicting the velocity by the fit and fitting again."""
-MOST_FEEDBACK = 0.8
+MOST_FEEDBACK = 0.9
 """Rounds that converge more slowly than by this factor are not told from such that do not."""
 _REACH = 4096
 """Lags up to which a covariance is summed."""
@@ -39,6 +39,8 @@ _CONTRADICTED = 2.0
 """A fit that leaves so many times the sum of squares of the rows at the smoothed velocity is contradicted by them. One
 that is right, where noise makes the fit to these rows wrong by ten standard errors, leaves less than that of 100 rows.
 """
+_UNLIKELY = 0.01
+"""Probability below which rows contradict a fit. The one that then stays is less certain, but as true."""
 WORSE = 1.1
 """A round whose squared error of prediction is larger than the best by this factor has gone astray."""
 
@@ -77,6 +79,7 @@ def at_model_velocity(found: Solved, *, widen: bool = True) -> Solved:
     if recording.derived_over or velocity_noise(recording).course is not None:
         return found
     smooth = _risk(recording.velocity, problem.smooth, _smoothed_noise(recording, problem.half_width))
+    at_smooth, found = found, as_held(found) or found
     begin, everywhere, first = _begin(found)
 
     def risk(velocity: ModelVelocity | None) -> float:
@@ -91,17 +94,60 @@ def at_model_velocity(found: Solved, *, widen: bool = True) -> Solved:
         shares = drowned(problem.drive, recording, everywhere.parameters)
         held = {max(shares, key=lambda key: shares[key]): 0.0} if max(shares.values(), default=0.0) > 0.0 else {}
         without = solve(everywhere.problem, replace(everywhere.plan, held=held), timing=False)
-        values = sought(problem.drive, [without.values, everywhere.values, found.values], recording, held)
+        starts = [without.values, everywhere.values, found.values]
+        values = sought(problem.drive, starts, recording, held, torque_held=found.problem.held)
         from_search = {**begin.parameters, **dict(zip(problem.drive.keys, values, strict=True))}
         other, velocity, _ = _rounds(without, from_search, widen=widen)
         if velocity and (predicted is None or velocity.prediction_error < predicted.prediction_error):
             best, predicted = solve(other.problem, found.plan, timing=False), velocity
     # Simulated with the torque at another time the velocity would be another, and what it is now hides the shift.
     if max(found.log_odds_of_a_shift(reversals=False), best.with_shift().log_odds_of_a_shift()) > STRONG:
-        return found
-    if _left_by(best.values, found) > _CONTRADICTED * found.solution.cost:
-        return found  # what the rows at the measured velocity contradict is not more certain than they are
-    return best if risk(predicted) <= smooth else found
+        return at_smooth
+    more = _left_by(best.values, found) / found.solution.cost - 1.0
+    if more > _CONTRADICTED - 1.0 or (found is not at_smooth and _is_contradicted(more, found)):
+        return at_smooth  # what the rows at the measured velocity contradict is not more certain than they are
+    return best.changed(feedback=_feedback(best)) if risk(predicted) <= smooth else at_smooth
+
+
+def _feedback(found: Solved) -> Array:
+    r"""Return by how much an error of a fit grows, because the velocity is predicted by the fit: :math:`(1 - A)^{-1}`.
+
+    With A the derivative of what the rows give by the parameters that predicted the velocity, by differences of a
+    standard error along each axis of the covariance, shape (n, n). An error of the parameters is one of the velocity,
+    and changes what is fitted next: at a known velocity the rows are as certain as their covariance says, at the fixed
+    point errors are larger by this matrix.
+    """
+    problem, drive, here = found.problem, found.problem.drive, found.values
+    value, vector = np.linalg.eigh(found.covariance)
+    seen = value > 1e-12 * max(float(value[-1]), 1e-300)
+    root = vector[:, seen] * np.sqrt(value[seen])
+    back = vector[:, seen].T / np.sqrt(value[seen])[:, None]
+
+    def fitted(values: Array) -> Array:
+        parameters = {**found.parameters, **dict(zip(drive.keys, values.tolist(), strict=True))}
+        predicted = model_velocity(drive, parameters, problem.recording, held=problem.held)
+        if predicted is None:
+            return here
+        rows = problem.along(predicted.velocity, predicted.resting)
+        return here if rows.rows <= 4 * len(here) else solve(rows, found.again, timing=False).values
+
+    response = np.column_stack([0.5 * back @ (fitted(here + step) - fitted(here - step)) for step in root.T])
+    radius = float(np.max(np.abs(np.linalg.eigvals(response)), initial=0.0))
+    response *= min(1.0, MOST_FEEDBACK / max(radius, MOST_FEEDBACK))
+    grown = np.linalg.inv(np.eye(len(response)) - response)
+    return np.asarray(root @ grown @ back)
+
+
+def _is_contradicted(more: float, found: Solved) -> bool:
+    """Whether so much more is left of the rows, as a share, than chance explains (F test).
+
+    Rows that are certain enough to tell a held torque are certain enough for that, too.
+    """
+    from scipy.special import fdtrc
+
+    count = len(found.values)
+    free = found.problem.independent - count
+    return free > 0.0 and bool(fdtrc(count, free, max(more, 0.0) * free / count) < _UNLIKELY)
 
 
 def _left_by(values: Array, found: Solved) -> float:
@@ -113,10 +159,7 @@ def _left_by(values: Array, found: Solved) -> float:
 def _rounds(
     begin: Solved, parameters: Mapping[str, float], first: ModelVelocity | None = None, *, widen: bool
 ) -> tuple[Solved, ModelVelocity | None, bool]:
-    r"""Return the fit after rounds of predicting the velocity and fitting anew, its velocity, and whether they settled.
-
-    An error of the parameters is one of the velocity, and changes what is fitted next by a factor ρ, seen in how fast
-    the rounds converge. At their end errors are larger by :math:`1/(1-\rho)` than a fit to a known velocity has them.
+    """Return the fit after rounds of predicting the velocity and fitting anew, its velocity, and whether they settled.
 
     Args:
         begin: gives drive, recording and starts.
@@ -132,12 +175,11 @@ def _rounds(
     if widen:
         inertia, _ = drive.split(parameters)
         width = max(width, bump_width(problem.recording, inertia, FEWEST_WHERE_ALL_COUNT, NOISE_SHARE_WHERE_ALL_COUNT))
-    change: Array | None = None
     for _ in range(MAX_ROUNDS):
         predicted, first = first, None
         if predicted is None:
             now = {**parameters, **dict(zip(drive.keys, values, strict=True))}
-            predicted = model_velocity(drive, now, problem.recording)
+            predicted = model_velocity(drive, now, problem.recording, held=problem.held)
         if predicted is None or predicted.prediction_error > WORSE * least:
             break
         rows = problem.along(predicted.velocity, predicted.resting, width)
@@ -145,12 +187,8 @@ def _rounds(
             break
         least, used = min(least, predicted.prediction_error), predicted
         best = solve(rows, replace(begin.plan, start=_nonlinear(best)), timing=False)
-        before, change = change, best.values - values
-        values = best.values
+        change, values = best.values - values, best.values
         spread = np.sqrt(np.clip(np.diag(best.covariance), 0.0, None))
-        size = np.where(spread > 0.0, spread, np.inf)
-        share = 0.0 if before is None else float(np.linalg.norm(change / size) / (np.linalg.norm(before / size) or 1.0))
-        best = best.changed(feedback=(change, min(share, MOST_FEEDBACK)) if share else None)
         if np.all(np.abs(change) <= 0.1 * spread):
             return best, used, True
     return best, used, False
@@ -165,7 +203,7 @@ def _begin(found: Solved) -> tuple[Solved, Solved, ModelVelocity | None]:
     everywhere = solve(problem.along(problem.smooth, problem.resting), found.plan, timing=False)
 
     def predicted(fit: Solved) -> ModelVelocity | None:
-        return model_velocity(problem.drive, fit.parameters, problem.recording)
+        return model_velocity(problem.drive, fit.parameters, problem.recording, held=problem.held)
 
     both = [(fit, predicted(fit)) for fit in (found, everywhere)]
     best, velocity = min(both, key=lambda each: np.inf if each[1] is None else each[1].prediction_error)
@@ -196,12 +234,20 @@ def _risk(measured: Array, velocity: Array, own_noise: float) -> float:
     return float(np.mean((velocity - measured) ** 2)) + 2 * own_noise
 
 
-def model_velocity(drive: Drive, values: Mapping[str, float], recording: Recording) -> ModelVelocity | None:
-    """Return the velocity that a model predicts, corrected; ``None`` where the model cannot be simulated."""
+def model_velocity(
+    drive: Drive, values: Mapping[str, float], recording: Recording, *, held: bool = False
+) -> ModelVelocity | None:
+    """Return the velocity that a model predicts, corrected; ``None`` where the model cannot be simulated.
+
+    Args:
+        drive, values: the model, and its parameters by key.
+        recording: with the torque, and the velocity that corrects it.
+        held: whether the torque keeps each sample's value until the next.
+    """
     from fricmodels.simulation import simulated_velocity
 
     try:
-        simulated = simulated_velocity(drive, values, recording)
+        simulated = simulated_velocity(drive, values, recording, between_samples="held" if held else "linear")
     except InputError:
         return None
     if not np.all(np.isfinite(simulated)):
@@ -222,14 +268,21 @@ def model_velocity(drive: Drive, values: Mapping[str, float], recording: Recordi
     return ModelVelocity(velocity, velocity == 0.0, squares / len(recording), shared / len(recording))
 
 
-def prediction_error(drive: Drive, values: Array, recording: Recording) -> float:
+def prediction_error(drive: Drive, values: Array, recording: Recording, *, held: bool = False) -> float:
     """Return the mean square error of predicting the velocity one sample ahead; infinite where there is no model."""
     given = {drive.inertia_key: drive.inertia or float("nan")}
-    predicted = model_velocity(drive, {**given, **dict(zip(drive.keys, values, strict=True))}, recording)
+    predicted = model_velocity(drive, {**given, **dict(zip(drive.keys, values, strict=True))}, recording, held=held)
     return np.inf if predicted is None else predicted.prediction_error
 
 
-def sought(drive: Drive, starts: Sequence[Array], recording: Recording, held: Mapping[str, float]) -> Array:
+def sought(
+    drive: Drive,
+    starts: Sequence[Array],
+    recording: Recording,
+    held: Mapping[str, float],
+    *,
+    torque_held: bool = False,
+) -> Array:
     """Return values that predict the velocity better, each linear one that is not held stepped up and down.
 
     Begins at the best start, first half up and down in steps of a twentieth, then in ever smaller ones. Where the
@@ -239,7 +292,7 @@ def sought(drive: Drive, starts: Sequence[Array], recording: Recording, held: Ma
     places = [i for i, p in enumerate(drive.parameters) if p.linear and p.key not in held]
 
     def error(trial: Array) -> float:
-        return prediction_error(drive, trial, recording)
+        return prediction_error(drive, trial, recording, held=torque_held)
 
     fixed = [np.array([held.get(k, v) for k, v in zip(drive.keys, values, strict=True)]) for values in starts]
     least, _, best = min((error(values), i, values) for i, values in enumerate(fixed))

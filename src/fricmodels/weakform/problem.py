@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache, cached_property, lru_cache
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -56,6 +57,7 @@ class WeakFormProblem:
         carriers: wave numbers that the test functions carry, see :mod:`.carriers`.
         shift: time [s] by which an earlier fit saw motion recorded after the torque; see :attr:`torque_rate`.
         made_for: the parameters that :meth:`of` was given.
+        held: whether the motor torque keeps each sample's value until the next; else it is joined by cubics.
     """
 
     drive: Drive
@@ -71,6 +73,7 @@ class WeakFormProblem:
     carriers: tuple[float, ...] = ()
     shift: float = 0.0
     made_for: Mapping[str, float] | None = None
+    held: bool = False
 
     @classmethod
     def of(
@@ -117,11 +120,11 @@ class WeakFormProblem:
             )
         return problem.at(friction_limits=limits_of_friction(drive, part, parameters))
 
-    def at(self, *, shift: float | None = None, friction_limits: tuple[float, float] | None = None) -> WeakFormProblem:
-        """Return it at another known shift [s], or with other limits of friction; what does not hang on them stays."""
-        limits = self.friction_limits if friction_limits is None else friction_limits
-        other = replace(self, shift=self.shift if shift is None else shift, friction_limits=limits)
-        same = _OF_ROWS if other.shift == self.shift else _OF_ROWS - {"torque_rate"}
+    def at(self, **changes: Any) -> WeakFormProblem:
+        """Return it with another known ``shift`` [s], other ``friction_limits``, or ``held`` or not; the rest stays."""
+        other = replace(self, **changes)
+        same = _OF_ROWS - (set() if other.shift == self.shift else {"torque_rate"})
+        same -= set() if other.held == self.held else {"driving", "target"}
         other.__dict__.update({name: self.__dict__[name] for name in same & self.__dict__.keys()})
         return other
 
@@ -141,8 +144,9 @@ class WeakFormProblem:
         """
         rng = np.random.default_rng(0)
         part = self.recording
-        noisy = part.velocity + noise_like(part, rng)
-        smooth, acceleration = lanczos_derivative(part.time, noisy, self.half_width, part.run)
+        noise = noise_like(part, rng)
+        smooth = self.smooth + lanczos_derivative(part.time, noise, self.half_width, part.run)[0]
+        acceleration = lanczos_derivative(part.time, part.velocity + noise, self.half_width, part.run)[1]
         changed = part.with_channels(acceleration=acceleration)
         # The same cells are cut at the same instants, so that only the signals differ.
         count, cells = len(part), len(self.quadrature.cell)
@@ -234,19 +238,23 @@ class WeakFormProblem:
     @cached_property
     def driving(self) -> Array:
         """∫φ (τ_m − τ_L) dt, shape (rows,)."""
-        recording = self.quadrature.recording
-        return np.asarray(self.integrals((recording.torque - recording.load_torque)[None])[0])
+        points = self.quadrature.recording
+        if self.held:
+            impulses = self.recording.torque * self.quadrature.moving_time
+            return np.asarray(self.bumps.of_cells(impulses[None])[0] - self.integrals(points.load_torque[None])[0])
+        return np.asarray(self.integrals((points.torque - points.load_torque)[None])[0])
 
     @cached_property
     def torque_rate(self) -> Array:
-        """∫φ dτ_m = −∫φ' τ_m dt, shape (rows,), half-way over the known shift s: then s of it is one to second order.
+        """∫φ dτ_m while the drive moves, (rows,), half-way over the known shift s: s of it is one to second order.
 
         For [τ_m(t) − τ_m(t − s)] / s is dτ_m/dt at t − s/2, but for terms of s².
         """
         torque = self.recording.torque
         if self.shift:
             torque = torque - 0.5 * self.shift * self.recording.signal("motor_torque_rate")
-        return np.asarray(self.bumps.change(torque))
+        slope = np.diff(torque, append=torque[-1]) / np.diff(self.recording.time, append=np.inf)
+        return np.asarray(self.bumps.of_cells((slope * self.quadrature.moving_time)[None])[0])
 
     @cached_property
     def sign_change(self) -> Array:
@@ -332,7 +340,8 @@ class WeakFormProblem:
     @cached_property
     def _memory(self) -> Callable[[Model], Memory]:
         """What integrates a model's internal states along the smooth motion, or the whole of which it is a part."""
-        along = replace(self.recording, channels={**self.recording.channels, "velocity": self.smooth})
+        moved = np.where(self.resting, 0.0, self.smooth)  # at rest there is only noise, which a state would gather
+        along = replace(self.recording, channels={**self.recording.channels, "velocity": moved})
         whole, width = along.whole(), rest_width(along)
         return cache(lambda model: Drive(model, None, self.drive.motion).memory(whole, width))
 

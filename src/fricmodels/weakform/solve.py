@@ -12,12 +12,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fricmodels.weakform.equations import projection
-from fricmodels.weakform.inference import covariance
+from fricmodels.weakform.inference import at_least, covariance
 from fricmodels.weakform.nonlinear import Plan
 from fricmodels.weakform.optimise import ROUNDS, coordinate_search, multistart_nelder_mead
 from fricmodels.weakform.problem import WeakFormProblem
 from fricmodels.weakform.regression import cosine_terms
 from fricmodels.weakform.search import in_gap
+from fricmodels.weakform.staircase import scatter_of_steps
 from fricmodels.weakform.variable_projection import Nonlinear, Projection, Solution
 
 Array = NDArray[np.float64]
@@ -34,6 +35,8 @@ STRONG = 3.0
 """Logarithm of 20 to 1: strong evidence on the scale of Kass and Raftery (1995)."""
 _NO_FRICTION = 1e-9
 """A Coulomb torque of less than this share of the largest torque is none."""
+_UNLIKELY = 1e-4
+"""A choice of nuisances that is less probable than this is not reckoned with."""
 _TRUE_TO = 0.025
 """A twentieth of a sample, in units of two samples: how true instants are if there is no shift."""
 
@@ -47,23 +50,21 @@ class Solved:
         plan: starts, and what is held.
         solution: in the order inertia, linear parameters, nuisances, nonlinear parameters.
         timing: whether it has nuisances.
-        other: the fit with the other choice of nuisances, where both were made.
-        weight: probability of this choice, of the two.
+        others: fits with another course of the torque between samples or another choice of nuisances, each with its
+            probability.
         not_identified: key → reason.
         free: the fit with nothing held, whose covariance counts: what is held is not known to be so.
-        feedback: direction in which the rows follow the fit most, and the share of an error along it that comes back;
-            see :mod:`.model_velocity`.
+        feedback: by how much an error grows, because the rows follow the fit, shape (n, n); see :mod:`.model_velocity`.
     """
 
     problem: WeakFormProblem
     plan: Plan
     solution: Solution
     timing: bool
-    other: Solved | None = None
-    weight: float = 1.0
+    others: tuple[tuple[Solved, float], ...] = ()
     not_identified: Mapping[str, str] = field(default_factory=dict)
     free: Solved | None = None
-    feedback: tuple[Array, float] | None = None
+    feedback: Array | None = None
 
     def changed(self, **changes: Any) -> Solved:
         """Return a copy with other attributes than the rows, the plan or the solution; what these show is kept."""
@@ -103,10 +104,11 @@ class Solved:
 
     @property
     def shift(self) -> float:
-        """Time [s] by which motion was recorded after the torque."""
+        """Time [s] by which motion was recorded after the torque: of a held one half a sample."""
         bounded = "motor_torque_rate" not in self.problem.drive.model.needs
         nuisances = self._nuisances
-        return float(self.solution.theta[nuisances[-1]]) if bounded and len(nuisances) else 0.0
+        held = 0.5 * self.problem.recording.interval if self.problem.held else 0.0
+        return held + (float(self.solution.theta[nuisances[-1]]) if bounded and len(nuisances) else 0.0)
 
     @property
     def _nuisances(self) -> NDArray[np.int64]:
@@ -120,9 +122,9 @@ class Solved:
         free = np.array([i for i in range(len(solution.jacobian)) if i not in self._held], dtype=np.int64)
         normal = solution.normal if len(free) == len(solution.jacobian) else solution.part(free)
         result = np.zeros((len(solution.jacobian),) * 2)
-        result[np.ix_(free, free)] = covariance(
-            solution.jacobian[free].T, solution.residual, normal.inverse, self.problem.independent
-        )
+        found = covariance(solution.jacobian[free].T, solution.residual, normal.inverse, self.problem.independent)
+        moved = scatter_of_steps(self.problem, self.parameters) @ solution.jacobian[free].T @ normal.inverse
+        result[np.ix_(free, free)] = at_least(found, moved.T @ moved / max(len(moved), 1))
         return result
 
     @property
@@ -147,15 +149,14 @@ class Solved:
 
     @cached_property
     def covariance(self) -> Array:
-        """Covariance of the estimates: over both choices of nuisances, by their probability, with what they differ."""
+        """Covariance of the estimates: over all choices of nuisances, by their probability, with what they differ."""
         if self.free is not None:
             return self.free.covariance
         result = _with_feedback(self._spread[np.ix_(self.places, self.places)], self.feedback)
-        if self.other is not None:
-            other = self.other._spread[np.ix_(self.other.places, self.other.places)]
-            apart = self.values - self.other.values
-            weight = self.weight
-            result = weight * result + (1 - weight) * other + weight * (1 - weight) * np.outer(apart, apart)
+        result *= 1.0 - sum(weight for _, weight in self.others)
+        for other, weight in self.others:
+            apart = self.values - other.values
+            result += weight * (other._spread[np.ix_(other.places, other.places)] + np.outer(apart, apart))
         return result
 
     @property
@@ -186,8 +187,14 @@ class Solved:
         solution = self.solution
         return "" if solution.converged else f"no minimum after {solution.iterations} iterations"
 
-    def log_odds_of_a_shift(self, *, reversals: bool = True) -> float:
-        r"""Return the logarithm of how much more probable a shift in time is than none.
+    def log_odds_of_held(self, *, reversals: bool = True) -> float:
+        """Return the logarithm of how much more probable a torque that is held between samples is than another."""
+        whole = self.log_odds_of_a_shift(reversals=reversals)
+        of_held = self.log_odds_of_a_shift(reversals=reversals, than=0.5)
+        return whole - of_held if math.isfinite(whole) and math.isfinite(of_held) else 0.0
+
+    def log_odds_of_a_shift(self, *, reversals: bool = True, than: float = 0.0) -> float:
+        r"""Return the logarithm of how much more probable a shift in time is than none, or than a given one.
 
         A shift is equally probable anywhere within a sample either way; with none, instants are true to a twentieth of
         a sample, s. With an estimate n in units of what is possible before anything was measured, its variance V from ν
@@ -201,20 +208,24 @@ class Solved:
         Args:
             reversals: whether their instants count as well, or only that of the torque against the motion. A smoothed
                 velocity turns at another instant, whatever the recording.
+            than: the shift of the torque against which it is judged [samples]; half a one is that of a held torque.
 
         Source: R. E. Kass, A. E. Raftery, "Bayes factors", J. Amer. Statist. Assoc. 90 (1995), with Student's t for a
         variance that is estimated.
         """
         nuisances = self._nuisances
         sizes = np.full(len(nuisances), 2 * self.problem.recording.interval)
+        centre = np.zeros(len(nuisances))
+        if "motor_torque_rate" not in self.problem.drive.model.needs:
+            centre[-1:] = than * self.problem.recording.interval
         if len(nuisances):  # in samples, times the Coulomb torque: without that no reversal can be shifted
             sizes[0] = 2 * self.problem.friction_limits[1]
             torque = float(np.max(np.abs(self.problem.recording.torque)))
             some = np.append(sizes[:1] > _NO_FRICTION * torque, np.ones(len(sizes) - 1, dtype=bool))
             some[0] &= reversals
-            nuisances, sizes = nuisances[some], sizes[some]
+            nuisances, sizes, centre = nuisances[some], sizes[some], centre[some]
         own = self._spread[np.ix_(nuisances, nuisances)] / np.outer(sizes, sizes)
-        estimate = self.solution.theta[nuisances] / sizes
+        estimate = (self.solution.theta[nuisances] - centre) / sizes
         seen = np.diag(own) > 0.0
         variances, axes = np.linalg.eigh(own[np.ix_(seen, seen)])
         along = axes.T @ estimate[seen]
@@ -225,20 +236,12 @@ class Solved:
         return float(np.sum(odds[known])) if known.any() else -math.inf
 
 
-def _with_feedback(covariance: Array, feedback: tuple[Array, float] | None) -> Array:
-    r"""Return the covariance of a fixed point: an error along d comes back with a share ρ, and grows to 1/(1 − ρ).
-
-    .. math:: V' = A V A', \qquad A = I + \frac{\rho}{1 - \rho}\,\frac{d\,d'V^{-1}}{d'V^{-1}d}
-    """
+def _with_feedback(covariance: Array, feedback: Array | None) -> Array:
+    """Return the covariance of a fixed point, F V F'; what is held stays without a variance."""
     if feedback is None:
         return covariance
-    direction, share = feedback
-    dual = np.linalg.pinv(covariance, rcond=1e-12, hermitian=True) @ direction
-    size = float(direction @ dual)
-    if not size > 0.0:
-        return covariance
-    grown = np.eye(len(direction)) + share / (1.0 - share) / size * np.outer(direction, dual)
-    return np.asarray(grown @ covariance @ grown.T)
+    free = np.diag(covariance) > 0.0
+    return np.asarray(np.where(free & free[:, None], feedback @ covariance @ feedback.T, 0.0))
 
 
 def solve(problem: WeakFormProblem, plan: Plan, *, timing: bool = True) -> Solved:
@@ -258,17 +261,38 @@ def solve(problem: WeakFormProblem, plan: Plan, *, timing: bool = True) -> Solve
 
 
 def with_or_without_shift(found: Solved, plan: Plan) -> Solved:
-    """Fit with a small shift in time and without; return the one with a shift if the evidence for it is strong.
+    """Fit without a shift in time, with that of a held torque, and with any small one; return the most probable.
 
-    Standard errors are over both, each as probable as it is.
+    A torque goes on between samples or is held, as controllers do; both are equally probable before anything is known.
+    Any other shift has to have strong evidence. Standard errors are over all, each as probable as it is.
     """
     problem = found.problem
     shifted, plain = (solve(problem, plan, timing=t).changed(feedback=found.feedback) for t in (True, False))
-    odds = shifted.log_odds_of_a_shift()
-    probability = 1.0 / (1.0 + math.exp(min(-odds, 700.0)))
-    if odds > STRONG:
-        return shifted.changed(other=plain, weight=probability)
-    return plain.changed(other=shifted, weight=1.0 - probability)
+    odds = [0.0, shifted.log_odds_of_a_shift()]
+    fits = [plain, shifted]
+    if _may_be_held(shifted):
+        odds.append(shifted.log_odds_of_held())
+        fits.append(solve(problem.at(held=True), plan, timing=False).changed(feedback=found.feedback))
+    fixed = max((i for i in range(len(fits)) if i != 1), key=lambda i: odds[i])
+    chosen = 1 if odds[1] - odds[fixed] > STRONG else fixed
+    weights = np.exp(np.array(odds) - max(odds))
+    weights /= weights.sum()
+    others = [(fit, w) for i, (fit, w) in enumerate(zip(fits, weights.tolist(), strict=True)) if i != chosen]
+    return fits[chosen].changed(others=tuple((fit, w) for fit, w in others if w > _UNLIKELY))
+
+
+def as_held(found: Solved) -> Solved | None:
+    """Return the fit with a held torque, if there is strong evidence for that and against any other shift."""
+    if not _may_be_held(found) or found.log_odds_of_held(reversals=False) <= STRONG:
+        return None
+    if found.log_odds_of_a_shift(reversals=False, than=0.5) > STRONG:
+        return None
+    return solve(found.problem.at(held=True), found.plan)
+
+
+def _may_be_held(found: Solved) -> bool:
+    """Whether a held torque is a case of its own: not yet known, and not one of a delay that the model has."""
+    return not found.problem.held and "motor_torque_rate" not in found.problem.drive.model.needs
 
 
 def _is_instant(problem: WeakFormProblem, key: str) -> bool:

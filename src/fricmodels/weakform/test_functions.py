@@ -130,6 +130,13 @@ class Quadrature:
         under_hats(rows, self.half, self.cell, self.before, self.after, self.half_step, self._bending, values)
         return values
 
+    @cached_property
+    def moving_time(self) -> Array:
+        """For how long the drive moves in each cell, shape (N,); cell k follows sample k, the last one is none."""
+        time = np.append(2.0 * self.half, 0.0)
+        time[self.cell] = 2.0 * (self.before + self.after)
+        return time
+
     def _straight(self, rows: Array) -> Array:
         """Return the integral over each cell along straight lines, shape (k, N − 1)."""
         count = len(self.half) + 1
@@ -264,6 +271,11 @@ class TestFunctions:
 
     each = 1
     """Rows of each bump."""
+
+    @property
+    def left_out(self) -> NDArray[np.bool_]:
+        """Samples at rest, or otherwise of no use, shape (N,)."""
+        return self._resting
 
     def covered(self, count: int) -> NDArray[np.bool_]:
         """Mark the samples that lie within a bump, shape (N,)."""
