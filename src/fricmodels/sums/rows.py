@@ -118,7 +118,8 @@ def block_rows(plan: Plan, channels: Mapping[str, Array], first: int, until: int
     if len(cells):
         side = np.sign(points.velocity)
         turns[cells] = (side[cells + 1] - side[cells]) * plan.interval
-    further = [bumps.of_cells(turns[None])[0], bumps.change(recording.torque)]
+    rate = quadrature.change_while_moving(recording.torque)
+    further = [bumps.of_cells(turns[None])[0], bumps.of_cells(rate[None])[0]]
     rows = np.vstack([integrals[:1], bumps.momentum(velocity)[None], integrals[1:], further])
     return rows, bumps.begins
 

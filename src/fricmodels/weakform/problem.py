@@ -253,8 +253,7 @@ class WeakFormProblem:
         torque = self.recording.torque
         if self.shift:
             torque = torque - 0.5 * self.shift * self.recording.signal("motor_torque_rate")
-        slope = np.diff(torque, append=torque[-1]) / np.diff(self.recording.time, append=np.inf)
-        return np.asarray(self.bumps.of_cells((slope * self.quadrature.moving_time)[None])[0])
+        return np.asarray(self.bumps.of_cells(self.quadrature.change_while_moving(torque)[None])[0])
 
     @cached_property
     def sign_change(self) -> Array:

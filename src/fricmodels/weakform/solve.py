@@ -37,8 +37,9 @@ _NO_FRICTION = 1e-9
 """A Coulomb torque of less than this share of the largest torque is none."""
 _UNLIKELY = 1e-4
 """A choice of nuisances that is less probable than this is not reckoned with."""
-_TRUE_TO = 0.025
-"""A twentieth of a sample, in units of two samples: how true instants are if there is no shift."""
+_TRUE_TO, _HELD_TO = 0.025, 0.005
+"""A twentieth and a hundredth of a sample, in units of two samples: how true instants are if there is no shift, and if
+the torque is held. By another twentieth the inertia torque, ten times the viscous one, would change K_v by a tenth."""
 
 
 @dataclass(frozen=True)
@@ -197,7 +198,7 @@ class Solved:
         r"""Return the logarithm of how much more probable a shift in time is than none, or than a given one.
 
         A shift is equally probable anywhere within a sample either way; with none, instants are true to a twentieth of
-        a sample, s. With an estimate n in units of what is possible before anything was measured, its variance V from ν
+        a sample, s, and to a hundredth where the torque is held: the samples of a controller need no other clock. With an estimate n in units of what is possible before anything was measured, its variance V from ν
         cosines, and :math:`S = V + s^2`,
 
         .. math:: \ln\frac{P(\text{shift})}{P(\text{none})} = \tfrac{\nu + 1}2 \ln\Bigl(1 + \frac{n^2}{\nu S}\Bigr)
@@ -229,7 +230,7 @@ class Solved:
         seen = np.diag(own) > 0.0
         variances, axes = np.linalg.eigh(own[np.ix_(seen, seen)])
         along = axes.T @ estimate[seen]
-        total = np.clip(variances, 0.0, None) + _TRUE_TO**2
+        total = np.clip(variances, 0.0, None) + (_HELD_TO if than else _TRUE_TO) ** 2
         known = 2 * math.pi * total < 1.0  # what is known worse than all that is possible says nothing
         freedom = cosine_terms(self.problem.independent, self.problem.rows)
         odds = 0.5 * (freedom + 1) * np.log1p(along**2 / (freedom * total)) + 0.5 * np.log(2 * math.pi * total)

@@ -97,6 +97,11 @@ class Quadrature:
         at = replace(recording, channels=channels, run=run, origin=None)
         return cls(at, cell, before * half_step, after * half_step, half_step, half)
 
+    def change_while_moving(self, values: Array) -> Array:
+        """Return by how much a channel, shape (N,), changes in each cell while the drive moves, shape (N,)."""
+        slope = np.diff(values, append=values[-1]) / np.diff(self.recording.time[: len(values)], append=np.inf)
+        return np.asarray(slope * self.moving_time)
+
     def impulses(self, rows: Array) -> Array:
         """Return the integral of each row over each cell, shape (k, N), in torque × time; cell k follows sample k.
 
