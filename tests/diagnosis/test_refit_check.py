@@ -111,7 +111,11 @@ def test_an_effect_without_memory_is_left_as_the_rows_name_it(stiff: Comparison)
 def test_the_model_with_it_is_fitted_to_all_motion(bent: Comparison) -> None:
     with_it = with_effect(bent, Presliding(), {"F_1": 60.0, "F_2": 60.0, "D": 100.0, "x_s": 3e-4})
     assert with_it.drive.inertia == MASS
-    assert with_it.estimate.parameters["presliding.F_1"] == pytest.approx(COULOMB, rel=0.2)
+    bent_torque, error = (
+        each["presliding.F_1"] for each in (with_it.estimate.parameters, with_it.estimate.standard_errors)
+    )
+    assert bent_torque == pytest.approx(COULOMB, rel=0.3)
+    assert abs(bent_torque - COULOMB) < 3.5 * error
     assert with_it.sliding.percent < 0.75 * bent.sliding.percent
     assert with_it.sliding.held_out_percent < 0.7 * bent.sliding.held_out_percent
 
