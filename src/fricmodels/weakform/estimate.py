@@ -32,7 +32,7 @@ from fricmodels.weakform.ripple import carriers_of
 from fricmodels.weakform.search import search
 from fricmodels.weakform.sharpened import at_sharpened_velocity
 from fricmodels.weakform.shifted import regression_of
-from fricmodels.weakform.solve import Solved, solve
+from fricmodels.weakform.solve import WITHIN, Solved, solve
 
 Array = NDArray[np.float64]
 
@@ -48,8 +48,6 @@ _ROWS = 4
 _CLEARLY = 1e-4
 """Share by which a new scan must leave less than the fit that began from an earlier one: less is no reason to go where
 parameters stand for each other in another way."""
-_WITHIN = 0.999
-"""Share of a sample up to which a shift is within its bound."""
 _STAGES = 3
 """Fits in which the motor torque of a column is the one that the last fit explains, and the record at its delay."""
 
@@ -196,7 +194,7 @@ def _solved(problem: WeakFormProblem, start: Mapping[str, float], found: Solved 
 
 def _known(found: Solved) -> float:
     """Return the shift in time [s] that a fit has seen; none where it is at its bound, and of unknown size."""
-    within = abs(found.shift) < _WITHIN * found.problem.recording.interval
+    within = abs(found.shift) < WITHIN * found.problem.recording.interval
     return found.shift if within else 0.0
 
 

@@ -33,6 +33,8 @@ _FEWER_ROUNDS = 5
 
 STRONG = 3.0
 """Logarithm of 20 to 1: strong evidence on the scale of Kass and Raftery (1995)."""
+WITHIN = 0.999
+"""Share of a sample up to which a shift is within its bound."""
 _NO_FRICTION = 1e-9
 """A Coulomb torque of less than this share of the largest torque is none."""
 _UNLIKELY = 1e-4
@@ -198,8 +200,9 @@ class Solved:
         r"""Return the logarithm of how much more probable a shift in time is than none, or than a given one.
 
         A shift is equally probable anywhere within a sample either way; with none, instants are true to a twentieth of
-        a sample, s, and to a hundredth where the torque is held: the samples of a controller need no other clock. With an estimate n in units of what is possible before anything was measured, its variance V from ν
-        cosines, and :math:`S = V + s^2`,
+        a sample, s, and to a hundredth where the torque is held: the samples of a controller need no other clock. With
+        an estimate n in units of what is possible before anything was measured, its variance V from ν cosines, and
+        :math:`S = V + s^2`,
 
         .. math:: \ln\frac{P(\text{shift})}{P(\text{none})} = \tfrac{\nu + 1}2 \ln\Bigl(1 + \frac{n^2}{\nu S}\Bigr)
                   + \tfrac12 \ln(2\pi S)
@@ -216,21 +219,22 @@ class Solved:
         """
         nuisances = self._nuisances
         sizes = np.full(len(nuisances), 2 * self.problem.recording.interval)
-        centre = np.zeros(len(nuisances))
-        if "motor_torque_rate" not in self.problem.drive.model.needs:
-            centre[-1:] = than * self.problem.recording.interval
+        centre, true_to = np.zeros(len(nuisances)), np.full(len(nuisances), _TRUE_TO)
+        if than and "motor_torque_rate" not in self.problem.drive.model.needs:
+            centre[-1:], true_to[-1:] = than * self.problem.recording.interval, _HELD_TO
         if len(nuisances):  # in samples, times the Coulomb torque: without that no reversal can be shifted
             sizes[0] = 2 * self.problem.friction_limits[1]
             torque = float(np.max(np.abs(self.problem.recording.torque)))
             some = np.append(sizes[:1] > _NO_FRICTION * torque, np.ones(len(sizes) - 1, dtype=bool))
             some[0] &= reversals
-            nuisances, sizes, centre = nuisances[some], sizes[some], centre[some]
+            # At its bound a shift is of unknown size, and speaks for none.
+            some[-1] &= abs(self.shift) < WITHIN * self.problem.recording.interval
+            nuisances, sizes, centre, true_to = nuisances[some], sizes[some], centre[some], true_to[some]
         own = self._spread[np.ix_(nuisances, nuisances)] / np.outer(sizes, sizes)
         estimate = (self.solution.theta[nuisances] - centre) / sizes
         seen = np.diag(own) > 0.0
-        variances, axes = np.linalg.eigh(own[np.ix_(seen, seen)])
+        total, axes = np.linalg.eigh(own[np.ix_(seen, seen)] + np.diag(true_to[seen] ** 2))
         along = axes.T @ estimate[seen]
-        total = np.clip(variances, 0.0, None) + (_HELD_TO if than else _TRUE_TO) ** 2
         known = 2 * math.pi * total < 1.0  # what is known worse than all that is possible says nothing
         freedom = cosine_terms(self.problem.independent, self.problem.rows)
         odds = 0.5 * (freedom + 1) * np.log1p(along**2 / (freedom * total)) + 0.5 * np.log(2 * math.pi * total)
