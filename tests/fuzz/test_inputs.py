@@ -9,7 +9,6 @@ from __future__ import annotations
 import io
 import resource
 from collections.abc import Callable, Iterator
-from datetime import timedelta
 from functools import cache, partial
 from pathlib import Path
 
@@ -17,7 +16,7 @@ import numpy as np
 import pandas as pd
 import pytest
 import scipy.io
-from hypothesis import HealthCheck, Phase, given, settings
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from fricmodels.cli.boundary import one_line
@@ -54,14 +53,7 @@ def bounded_memory() -> Iterator[None]:
 
 def tried(kind: str, length: int) -> settings:
     """Return how the property of a kind is tried: each input has ten seconds."""
-    return settings(
-        max_examples=COUNTS[kind][length],
-        deadline=timedelta(seconds=10),
-        suppress_health_check=[*HealthCheck],
-        phases=[Phase.explicit, Phase.generate],
-        database=None,
-        derandomize=length == 0,
-    )
+    return settings(settings.get_profile("ten-seconds"), max_examples=COUNTS[kind][length], derandomize=length == 0)
 
 
 def answered(work: Callable[[], object]) -> None:

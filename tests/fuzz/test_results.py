@@ -6,14 +6,13 @@ import json
 import warnings
 from collections.abc import Callable
 from copy import deepcopy
-from datetime import timedelta
 from functools import cache
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import pytest
-from hypothesis import HealthCheck, Phase, given, settings
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import fricmodels
@@ -119,14 +118,7 @@ def spoilt(draw: st.DrawFn, content: bytes) -> bytes:
 def tried(kind: str, length: int, content: st.SearchStrategy[bytes], path: Path, work: Callable[[], object]) -> None:
     """Try a property on many contents of one file; each has ten seconds."""
 
-    @settings(
-        max_examples=COUNTS[kind][length],
-        deadline=timedelta(seconds=10),
-        suppress_health_check=[*HealthCheck],
-        phases=[Phase.explicit, Phase.generate],
-        database=None,
-        derandomize=length == 0,
-    )
+    @settings(settings.get_profile("ten-seconds"), max_examples=COUNTS[kind][length], derandomize=length == 0)
     @given(content)
     def one(text: bytes) -> None:
         path.write_bytes(text)

@@ -266,10 +266,12 @@ def solve(problem: WeakFormProblem, plan: Plan, *, timing: bool = True) -> Solve
 
 
 def with_or_without_shift(found: Solved, plan: Plan) -> Solved:
-    """Fit without a shift in time, with that of a held torque, and with any small one; return the most probable.
+    """Fit without a shift in time, with that of a held torque, and with any small one; return the one to be taken.
 
-    A torque goes on between samples or is held, as controllers do; both are equally probable before anything is known.
-    Any other shift has to have strong evidence. Standard errors are over all, each as probable as it is.
+    A torque goes on between samples or is held, as controllers do; both are equally probable before anything is known,
+    and standard errors are over all cases, each as probable as it is. What is taken for the estimate has to have strong
+    evidence if it is a shift, that of a held torque too: chance would shift every second recording that says nothing.
+    Where the rows are at a velocity that the fit predicts, that velocity has already told whether the torque is held.
     """
     problem = found.problem
     shifted, plain = (solve(problem, plan, timing=t).changed(feedback=found.feedback) for t in (True, False))
@@ -278,7 +280,7 @@ def with_or_without_shift(found: Solved, plan: Plan) -> Solved:
     if _may_be_held(shifted):
         odds.append(shifted.log_odds_of_held())
         fits.append(solve(problem.at(held=True), plan, timing=False).changed(feedback=found.feedback))
-    fixed = max((i for i in range(len(fits)) if i != 1), key=lambda i: odds[i])
+    fixed = 2 if len(fits) > 2 and found.feedback is None and odds[2] > STRONG else 0
     chosen = 1 if odds[1] - odds[fixed] > STRONG else fixed
     weights = np.exp(np.array(odds) - max(odds))
     weights /= weights.sum()
