@@ -12,6 +12,7 @@ import pytest
 
 from fricmodels.report.answer import answer, command_line
 from fricmodels.report.reliability import RECORDS
+from fricmodels.report.sections import ladder_words
 from fricmodels.results.comparison import Band
 from fricmodels.results.diagnosis import DiagnosisDocument
 
@@ -89,7 +90,9 @@ def test_one_number_says_how_much_it_matters() -> None:
 def test_what_remains_far_above_noise_is_said_before_what_was_found() -> None:
     steps = [step("coulomb-viscous", 60.0), step("coulomb-viscous+gravity", 26.9, "gravity")]
     found = answer(data(ladder=steps, remaining=rest(26.7, 26.0)))
-    assert found.sentence.startswith("26.9\u00a0% of the motor torque remains, far above 3.20\u00a0% of noise")
+    assert found.sentence.startswith(
+        "26.9\u00a0% of the motor torque remains unexplained, far above noise (3.20\u00a0%)"
+    )
     assert found.sentence.index("remains") < found.sentence.index("gravity")
     assert found.tone == "bad"
     assert "Record what this log lacks" in found.next
@@ -140,3 +143,29 @@ def test_an_answer_without_effects_says_what_it_can() -> None:
     assert adequate.tone == "good"
     assert "one of these was called adequate" in adequate.sure
     assert adequate.next.startswith("Use the model")
+
+
+def test_a_step_that_raises_the_test_error_is_not_said_to_lower_it() -> None:
+    steps = [step("a", 60.0), step("a+gravity", 30.0, "gravity"), step("a+gravity+drift", 32.0, "drift")]
+    steps += [step("a+gravity+drift+cogging", 28.0, "cogging"), step("a+gravity+cogging", 28.0, "")]
+    steps[-1]["removed"] = "drift"
+    words = ladder_words(data(ladder=steps))
+    assert words == (
+        "The test error falls from 60.0\u00a0% to 30.0\u00a0% with gravity, rises to 32.0\u00a0% with drift, falls to "
+        "28.0\u00a0% with cogging and stays at 28.0\u00a0% without drift."
+    )
+
+
+def test_noise_that_is_too_small_to_tell_reads_as_a_sentence() -> None:
+    found = answer(data(noise_floor_percent=1e-5))
+    assert "noise alone would leave less than 0.001\u00a0%" in found.error
+    assert "of which noise makes less than 0.001\u00a0%" in found.remains
+    assert "about" not in found.error
+
+
+def test_numbers_of_a_place_have_a_true_minus_sign() -> None:
+    place = {"channel": "load_torque", "low": -0.15, "high": -0.08, "direction": "backward", "torque": -0.04}
+    place |= {"passes": 9, "p_value": 1e-9, "share": 0.1}
+    left = {**rest(26.7, 26.0), "place": place, "where": "at load torque -0.115 N m, 0.073 N m wide: -0.04 N m"}
+    found = answer(data(remaining=left))
+    assert "largest at load torque −0.115 N m, 0.073 N m wide: −0.04 N m." in found.remains

@@ -11,6 +11,7 @@ import plotly.graph_objects as go
 import pytest
 
 from fricmodels.diagnosis.comparison import Comparison, compare_model, kept_back
+from fricmodels.diagnosis.where import in_words
 from fricmodels.drive import Drive
 from fricmodels.model import Model
 from fricmodels.recording import Recording
@@ -66,10 +67,23 @@ def test_no_caption_contradicts_its_data(comparison: Comparison) -> None:
             drawn = np.asarray(picture.figure.data[0].z, dtype=float)
             assert low == pytest.approx(np.nanmin(drawn), rel=0.01, abs=1e-4)
             assert high == pytest.approx(np.nanmax(drawn), rel=0.01, abs=1e-4)
-    words = where_words(comparison, most=3)
-    for row in comparison.where:
-        if row.regime in ("forward", "backward") and f"in {row.regime} motion" in words:
-            assert row.rms_torque_error > comparison.errors.SI
+    words, worst = where_words(comparison, most=3), max(comparison.where, key=lambda row: row.rms_torque_error)
+    if "about the same" not in words:
+        first = re.match(r"The error is largest (.*?) \((\S+) N m RMS, (\S+) % of the samples\)", words)
+        assert first is not None, words
+        assert first[1] == in_words(worst.regime), "the regime that is named first is the one with the largest error"
+        assert _number(first[2]) == pytest.approx(worst.rms_torque_error, rel=0.01)
+        assert float(first[3]) == pytest.approx(100 * worst.share_of_samples, rel=0.06, abs=0.01)
+        sizes = [_number(text) for text in re.findall(r"\((\S+) N m RMS", words)]
+        assert sizes == sorted(sizes, reverse=True)
+        assert all(size > comparison.errors.SI for size in sizes)
+    low = pictures.low_speed(comparison)
+    points = {str(trace.name): np.asarray(trace.y) for trace in low.figure.data}
+    sides = [side for side in ("forward", "backward") if f"measured {side}, 95 % bars" in points]
+    apart = np.concatenate([points[f"measured {side}, 95 % bars"] - points[f"modelled, {side}"] for side in sides])
+    said = re.search(r"lie (\S+) N m RMS apart", low.message)
+    assert said is not None
+    assert _number(said[1]) == pytest.approx(float(np.sqrt(np.mean(apart**2))), rel=0.01)
     assert f"{len(samples.place):,}".replace(",", "\u202f") in pictures.over_time(comparison).message
 
 
@@ -118,3 +132,36 @@ def test_what_an_effect_adds_takes_the_mean_error_away(made: Made) -> None:
     assert np.mean(np.abs(errors.y - added.y - left.y)) < 1e-9
     inside = np.abs(errors.y - added.y) <= errors.error_y.array
     assert np.mean(inside) > 0.8, "the curve runs through the 95 % bars"
+
+
+def test_friction_that_opposes_the_motion_is_shown_opposing_it(made: Made) -> None:
+    """Over the position, waves of friction cancel between the directions; opposing the motion they are seen."""
+    whole = "coulomb-viscous+position-friction"
+    recording = made(whole, {"position-friction.a": 0.6, "position-friction.k": 5.0}, samples=6000)
+    train, test = kept_back(ready(recording))
+    before, after = (
+        compare_model(train, test, Drive(Model.parse(name), 2.0), start)
+        for name, start in (
+            ("coulomb-viscous", None),
+            ("coulomb-viscous+position-friction", {"position-friction.k": 5.0}),
+        )
+    )
+    effect = Model.parse("coulomb-viscous+position-friction").effects[0]
+    picture = pictures.evidence(before, effect, after, {"k": 5.0})
+    assert picture.figure.layout.yaxis.title.text == "torque error, opposing motion [N m]"
+    assert "Counted opposing the motion" in picture.message
+    assert float(np.max(picture.figure.data[1].y)) == pytest.approx(0.6, rel=0.1)
+
+
+def test_a_delay_is_shown_over_the_rate_of_the_torque(made: Made) -> None:
+    """A delay T adds T·dτ_m/dt: the mean error over that rate is a line of slope T, less what the law took of it."""
+    delay = 0.02
+    recording = made("coulomb-viscous+sensor-delay", {"sensor-delay.T": delay}, samples=6000)
+    train, test = kept_back(ready(recording))
+    before = compare_model(train, test, Drive(Model.parse("coulomb-viscous"), 2.0))
+    effect = Model.parse("coulomb-viscous+sensor-delay").effects[0]
+    figure = pictures.evidence(before, effect, None, {"T": delay}).figure
+    assert figure.layout.xaxis.title.text == "rate of the motor torque [N m/s]"
+    x, y = (np.asarray(each, dtype=float) for each in (figure.data[0].x, figure.data[0].y))
+    assert 0.5 * delay < np.polyfit(x, y, 1)[0] < 1.1 * delay
+    assert np.corrcoef(x, y)[0, 1] > 0.9

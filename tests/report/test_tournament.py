@@ -111,7 +111,7 @@ def test_equal_runs_give_equal_bytes(folder: Path) -> None:
 
 def test_several_seeds_have_medians_and_quartiles(made: Made) -> None:
     page = of_run(made(datasets=[{"name": "noisy", "simulate": {**MOTOR, "seeds": 4}}]))
-    rows = captioned(page, "Median and quartiles over seeds").rows
+    rows = captioned(page, "Over seeds: test error").rows
     assert len(rows) == 3
     assert rows[0][1] == "asymmetric-coulomb-viscous"
     picture = next(b for b in blocks(page) if isinstance(b, Picture))

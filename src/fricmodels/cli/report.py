@@ -53,12 +53,13 @@ def command(
     improved as by `improve`. The page needs no network and no other file.
     """
     from fricmodels.cli.printing import working
+    from fricmodels.progress import watched
     from fricmodels.report import check, of_run, story, write
 
     first = target[0]
     if len(target) == 1 and (first.is_dir() or first.suffix == ".json"):
         folder = first if first.is_dir() else first.parent
-        with working("writing the report"):
+        with working("writing the report") as say, watched(say):
             written = write(of_run(first), out or folder / "report.html")
         print(f"wrote {written}")
         return
@@ -80,7 +81,7 @@ def command(
             ladder = so_far(console(), stopped)
         options = [part for name in left_out for part in ("--leave-out", name)] + ["--trust"] * trust
         options += gaps_option(gaps)
-        with working("writing the report"):
+        with working("writing the report") as say, watched(say):
             written = write(story.of_ladder(ladder, options), page)
         print(f"wrote {written}")
         if ladder.partial:

@@ -22,7 +22,7 @@ from fricmodels.recording import Recording
 from fricmodels.results.words import BY_WINDOW, FOUND, NOT_FOUND, NOT_SEEN, SIZE, form, in_percent
 from fricmodels.score import Errors, headline_window, torque_error_over
 from fricmodels.signals import stretches
-from fricmodels.terminal import Band, Column, Marks, bar, plain, show_plot, show_table
+from fricmodels.terminal import Band, Column, Marks, bar, plain, show_plot, show_table, spoken
 from fricmodels.weakform.estimate import Estimate
 
 if TYPE_CHECKING:
@@ -33,6 +33,7 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
+_NO_OTHER = "95 % includes 0"
 _NO_SPREAD = ("given", "not determined")
 _BAR = 20
 _NARROW_BAR = 8
@@ -94,7 +95,7 @@ def show_parameters(console: Console, comparison: Comparison, title: str = "Para
     columns = [
         Column("parameter", keys),
         Column("value", tuple(f"{value:.5g}" for value in estimate.parameters.values()), number=True),
-        Column("± standard error", tuple(_spread(estimate.standard_errors.get(key)) for key in keys), number=True),
+        Column("std. error", tuple(_spread(estimate.standard_errors.get(key)) for key in keys), number=True),
         Column("unit", tuple(units.get(key, "") for key in keys)),
     ]
     held = at_bound({p.key: p.declared for p in drive.parameters}, estimate.parameters)
@@ -107,7 +108,8 @@ def show_parameters(console: Console, comparison: Comparison, title: str = "Para
 def _remark(key: str, held: Sequence[str], estimate: Estimate) -> str:
     if key in held:
         return "at its bound"
-    return "not identified" if key in estimate.not_identified else ""
+    reason = estimate.not_identified.get(key, "")
+    return _NO_OTHER if "contains zero" in reason else "not identified" if reason else ""
 
 
 def _spread(error: float | None) -> str:
@@ -388,12 +390,3 @@ def say(console: Console, text: str, style: str = "") -> None:
     whole = re.sub(r" (?=%|N\b|ms\b)|(?<=[=±]) | (?=[=±])", "\N{NO-BREAK SPACE}", plainer)
     lines = textwrap.wrap(whole, console.width, break_on_hyphens=False, break_long_words=False)
     console.print(Text("\n".join(lines).replace("\N{NO-BREAK SPACE}", " "), style=style))
-
-
-_ASCII = str.maketrans({"−": "-", "→": "->", "–": "-", "×": "x", "·": "*", "±": "+-"})
-
-
-def spoken(console: Console, text: str) -> str:
-    """Return a text with plain spaces; with signs of ASCII where the terminal has no others."""
-    plainer = text.replace("\N{NO-BREAK SPACE}", " ").replace("\N{NARROW NO-BREAK SPACE}", " ")
-    return plainer.translate(_ASCII) if console.options.ascii_only else plainer

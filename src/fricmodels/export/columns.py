@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -19,17 +19,21 @@ _NESTED = ("tags", "parameters", "standard_errors", "true_parameters", "not_iden
 
 
 _NAMES = {"held_out_rms_torque_error_percent": "test error", "rms_torque_error_percent": "fit error"}
-NOT_SURE = "ok 2?: two parameters cannot be determined from this recording; ok 1|: one is at a physical bound"
+NOT_SURE = "ok 2?: two parameters are not determined, or not distinguished from zero; ok 1|: one is at its bound"
 """What the marks of a leaderboard mean."""
 
 
 @dataclass(frozen=True)
 class Titled:
-    """A table with its title, and the window over which its errors are averaged, in words."""
+    """A table with its title, and the window over which its errors are averaged, in words.
+
+    ``medians`` says whether its rows are medians over seeds.
+    """
 
     title: str
     columns: list[Column]
     window: str = ""
+    medians: bool = False
 
 
 def simulated_titles(rows: Sequence[Row]) -> tuple[tuple[str, str], ...]:
@@ -132,9 +136,11 @@ def summary(rows: Sequence[Row], *, dataset: bool = True) -> list[Column]:
 def tables(board: Leaderboard, top: int | None = None, rank_by: str | None = None) -> list[Titled]:
     """Return medians over seeds where there are several, then the fits; each dataset is ranked by itself.
 
+    So is each condition of a dataset, such as a level of noise: the errors of two say nothing about the models.
+
     Args:
         board: the leaderboard.
-        top: rows of each table; all if not given.
+        top: ranks of each dataset and condition; all if not given.
         rank_by: the column by which medians are ranked; the torque error if not given.
     """
     from fricmodels.tournament.leaderboard import Leaderboard
@@ -149,22 +155,44 @@ def tables(board: Leaderboard, top: int | None = None, rank_by: str | None = Non
         for name in datasets:
             on = f" on {name}" if len(datasets) > 1 else ""
             if what == "medians" and several:
-                rows = [row for row in medians if row["dataset"] == name]
-                ranked = [{**row, "rank": rank} for rank, row in enumerate(rows, start=1)]
-                title = f"Over seeds: {figure}{on}{_first(top, len(ranked))}"
+                ranked = _by_condition([row for row in medians if row["dataset"] == name])
+                title = f"Over seeds: {figure}{on}{_first(top, ranked)}"
                 window = window_words(Leaderboard(tuple(row for row in board.rows if row["dataset"] == name)))
-                found.append(Titled(title, summary(ranked[:top], dataset=not on), window))
+                found.append(Titled(title, summary(_best(ranked, top), dataset=not on), window, medians=True))
             elif what == "fits":
-                own = [row for row in board.rows if row["dataset"] == name]
-                part = Leaderboard(tuple({**row, "rank": rank} for rank, row in enumerate(own, start=1)))
-                title = f"Leaderboard{on}{_first(top, len(own))}"
-                shown = Leaderboard(part.rows[:top])
+                own = _by_condition([row for row in board.rows if row["dataset"] == name])
+                title = f"Leaderboard{on}{_first(top, own)}"
+                shown = Leaderboard(tuple(_best(own, top)))
                 found.append(Titled(title, concise(shown, dataset=not on), window_words(shown)))
     return found or [Titled("Leaderboard", concise(board))]
 
 
-def _first(top: int | None, count: int) -> str:
-    return f", the best {top} of {count}" if top is not None and top < count else ""
+def _by_condition(rows: Iterable[Row]) -> list[dict[str, Any]]:
+    """Return rows condition by condition (tags but the seed), each ranked by itself; within one in their order."""
+    groups: dict[str, list[Row]] = {}
+    for row in sorted(rows, key=lambda row: [_sorted(row["tags"][tag]) for tag in _condition(row)]):
+        groups.setdefault(str({tag: row["tags"][tag] for tag in _condition(row)}), []).append(row)
+    return [{**row, "rank": rank} for own in groups.values() for rank, row in enumerate(own, start=1)]
+
+
+def _condition(row: Row) -> list[str]:
+    return sorted(tag for tag in row["tags"] if tag != "seed")
+
+
+def _sorted(value: Any) -> tuple[bool, float, str]:
+    number = isinstance(value, int | float)
+    return not number, float(value) if number else 0.0, str(value)
+
+
+def _best(rows: Sequence[dict[str, Any]], top: int | None) -> list[dict[str, Any]]:
+    return [row for row in rows if top is None or row["rank"] <= top]
+
+
+def _first(top: int | None, rows: Sequence[dict[str, Any]]) -> str:
+    shown = len(_best(rows, top))
+    if top is None or shown == len(rows):
+        return ""
+    return f", the best {top} of {len(rows)}" if shown == top else f", the best {top} of each condition"
 
 
 def frame(board: Leaderboard) -> pd.DataFrame:

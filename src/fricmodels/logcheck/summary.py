@@ -18,6 +18,8 @@ from fricmodels.signals.rest import resting
 from fricmodels.signals.stamps import unevenness
 
 SCHEMA = "fricmodels/info/1"
+_EVEN = 1e-6
+"""Jitter, as a share of the interval, up to which it is that of the stamps' own digits."""
 
 
 @dataclass(frozen=True)
@@ -73,10 +75,11 @@ class Summary:
         """Return what to print: label and value with unit."""
         length = "rad" if self.motion == "rotary" else "m"
         loop = "closed: the torque answers the noise of the velocity" if self.feedback else "no feedback of noise seen"
+        jitter = f"jitter {100 * self.jitter:.2g} %" if self.jitter > _EVEN else "evenly sampled"
         rows = [
             ("motion", self.motion),
             ("samples", f"{self.samples} in {self.runs} run{'s' if self.runs != 1 else ''}, {self.duration:.4g} s"),
-            ("rate", f"{self.rate:.6g} Hz, jitter {100 * self.jitter:.2g} %"),
+            ("rate", f"{self.rate:.6g} Hz, {jitter}"),
             ("gaps", f"{self.gaps}, {self.gap_time:.3g} s" if self.gaps else "none"),
             ("at rest", f"{100 * self.rest:.3g} % of the samples"),
             ("moving", f"{100 * self.forward:.3g} % forward, {self.reversals} reversals"),

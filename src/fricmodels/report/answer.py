@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import shlex
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -28,6 +29,7 @@ _WORTH_A_TRY = 0.9
 """Share of the test error to which an effect must lower it to be worth a try."""
 _TOO_LARGE = 1.25
 """Times the error that is left above which an estimate of the noise is said to be too large."""
+_MINUS = re.compile(r"(?<![\w.])-(?=\d)")
 FAR_ABOVE = 2.0
 """Times the noise above which the error that remains is said before what was found."""
 
@@ -86,10 +88,9 @@ def _sentence(data: DiagnosisDocument) -> str:
         return f"Something is missing from the model {model} that no known effect explains."
     names = [listed(effect.names, "or") for effect in data.effects]
     if _much_remains(data):
-        left = percent(data.ladder[-1].held_out_rms_percent)
-        most = f"{left} of the motor {data.quantity} remains, far above {percent(data.noise_floor_percent)} of noise"
-        parts = f"{listed(names)} {'is' if len(names) == 1 else 'are'} part of what {model} lacks"
-        return f"{most}, that no known effect explains; {parts}."
+        left, noise = percent(data.ladder[-1].held_out_rms_percent), percent(data.noise_floor_percent)
+        most = f"{left} of the motor {data.quantity} remains unexplained, far above noise ({noise})"
+        return f"{most}. Part of what {model} lacks was found: {listed(names)}."
     return f"The model {model} lacks {counted(len(names), 'effect')}: {listed(names)}."
 
 
@@ -111,7 +112,7 @@ def error_words(data: ComparisonDocument) -> str:
     """Say by how much the test error falls, or what it is, beside what noise alone would leave."""
     steps = data.steps
     before, after = steps[0].held_out_rms_percent, steps[-1].held_out_rms_percent
-    noise = f"noise alone would leave about {percent(data.noise_floor_percent)}"
+    noise = f"noise alone would leave {of_noise(data)}"
     if _within_noise(data):
         noise = f"the noise, estimated at {percent(data.noise_floor_percent)}, must be smaller"
     over = f", {window(data)}" if window(data) else ""
@@ -119,6 +120,12 @@ def error_words(data: ComparisonDocument) -> str:
     if len(steps) > 1:
         return f"Test error {percent(before)} → {percent(after)} {where}; {noise}."
     return f"Test error {percent(before)} {where}; {noise}."
+
+
+def of_noise(data: ComparisonDocument) -> str:
+    """Say how much noise alone would leave."""
+    text = percent(data.noise_floor_percent)
+    return text.replace("<\u00a0", "less than ") if text.startswith("<") else f"about {text}"
 
 
 def _within_noise(data: ComparisonDocument) -> bool:
@@ -187,7 +194,7 @@ def _remains(data: DiagnosisDocument) -> str:
                 if beyond is None
                 else f"all but {percent(beyond)} may be sampling: {SAMPLING}."
             )
-            noise = f"of which noise makes about {percent(floor)}"
+            noise = f"of which noise makes {of_noise(data)}"
             if _within_noise(data):
                 noise = f"no more than the {percent(floor)} that noise was estimated to leave"
             return f"{percent(last)}, {noise}; {why}"
@@ -196,7 +203,8 @@ def _remains(data: DiagnosisDocument) -> str:
     if not rest.percent:
         size = f"No more than the noise was estimated to leave ({percent(data.noise_floor_percent)})"
     shown = f", predicted from {predictor(rest.channel)}" if rest.channel else ", predicted from no recorded channel"
-    place = f"; largest {rest.where}" if rest.place else f"; {rest.where}" if rest.where else ""
+    where = _MINUS.sub("−", rest.where)
+    place = f"; largest {where}" if rest.place else f"; {where}" if where else ""
     return f"{size}{shown}{place}."
 
 

@@ -29,6 +29,8 @@ _BRANCH = 3
 """Means on one side of zero from which two branches are compared."""
 _NONE = 1e-3
 """Share of a measured difference below which the modelled one is said to be none."""
+_LEAST_PART = 0.01
+"""Percent of the samples below which a share is given as this."""
 _CLEARLY = 1.1
 """Times the whole error from which the error of a regime is called larger."""
 
@@ -40,14 +42,22 @@ def words_of(channel: str, comparison: Comparison) -> str:
 
 
 def where_words(comparison: Comparison, most: int = 1) -> str:
-    """Say in which regimes the error is clearly larger than over all that was fitted."""
+    """Say in which regimes the RMS error is largest, and how many of the samples lie there.
+
+    Args:
+        comparison: a model and a recording.
+        most: regimes that are named at most, each clearly above the error over all that was fitted.
+    """
     whole = comparison.errors.SI
-    rows = [row for row in comparison.where if row.rms_torque_error > _CLEARLY * whole][:most]
+    rows = sorted(comparison.where, key=lambda row: -row.rms_torque_error)[:most]
+    rows = [row for row in rows if row.rms_torque_error > _CLEARLY * whole]
     if not rows:
         return "The error is about the same in all regimes of motion."
     unit = "N m" if comparison.drive.motion is Motion.ROTARY else "N"
-    rows.sort(key=lambda row: -row.rms_torque_error)
-    parts = [f"{in_words(row.regime)} ({number(row.rms_torque_error)} {unit} RMS)" for row in rows]
+    parts: list[str] = []
+    for row in rows:
+        share = f"{max(100 * row.share_of_samples, _LEAST_PART):.2g} %{'' if parts else ' of the samples'}"
+        parts.append(f"{in_words(row.regime)} ({number(row.rms_torque_error)} {unit} RMS, {share})")
     return f"The error is largest {listed(parts)}; over all that was fitted it is {number(whole)} {unit}."
 
 
@@ -158,7 +168,19 @@ def against_words(figure: Figure, effect: str) -> str:
     over = axis_title(figure.layout.xaxis)
     text = f"The mean error over {over} is {number(meta['means'])} {unit} RMS"
     if meta.get("opposes"):
-        text = f"Counted along the motion, the mean error over {over} is {number(meta['means'])} {unit} RMS"
+        text = f"Counted opposing the motion, the mean error over {over} is {number(meta['means'])} {unit} RMS"
     if "left" in meta:
         return f"{text}; with {effect} in the model, {number(meta['left'])} {unit} is left."
     return f"{text}."
+
+
+def low_speed_words(figure: Figure, effect: str) -> str:
+    """Say how far the means of friction and of the model lie apart over the speed, and how far with an effect."""
+    meta, unit = figure.layout.meta or {}, axis_unit(figure.layout.yaxis)
+    text = "Means of the friction opposing the motion, with 95 % bars, over the speed on a logarithmic axis"
+    if "means" not in meta:
+        return f"{text}."
+    if "left" in meta:
+        change = f"with {effect or 'what was found'}, {number(meta['left'])} {unit}"
+        return f"{text}. Measured and modelled lie {number(meta['means'])} {unit} RMS apart; {change}."
+    return f"{text}. Measured and modelled lie {number(meta['means'])} {unit} RMS apart."

@@ -9,7 +9,7 @@ import numpy as np
 
 from fricmodels.model import Model
 from fricmodels.recording import channel_of
-from fricmodels.report.figures.against import SINCE_REVERSAL
+from fricmodels.report.figures.against import SINCE_REVERSAL, TORQUE_RATE
 from fricmodels.report.figures.residuals import changing
 
 if TYPE_CHECKING:
@@ -27,10 +27,11 @@ def shown_over(comparison: Comparison, effect: Effect, parameters: Mapping[str, 
     if model.states:
         return SINCE_REVERSAL, None
     mapped = changing(comparison)
-    for signal in sorted(model.needs - {"velocity"}):
-        if channel_of(signal) in mapped:
-            return channel_of(signal), period
-    return "velocity", None
+    channels = [channel_of(signal) for signal in sorted(model.needs - {"velocity"})]
+    for channel in channels:
+        if channel in mapped:
+            return channel, period
+    return next((channel for channel in channels if channel in ("torque", TORQUE_RATE)), "velocity"), None
 
 
 def channel_of_rest(rest: Remaining) -> str:

@@ -7,15 +7,15 @@ from typing import TYPE_CHECKING
 
 from fricmodels.diagnosis.document import comparison_document, document
 from fricmodels.diagnosis.ladder import added
-from fricmodels.diagnosis.present import change, sampled, say, show_overlay, show_parameters, spoken
+from fricmodels.diagnosis.present import change, sampled, say, show_overlay, show_parameters
 from fricmodels.errors import InputError
 from fricmodels.report.answer import Answer, answer, comparison_words
 from fricmodels.report.captions import where_words
 from fricmodels.report.channels import channel_of_rest, shown_over
 from fricmodels.report.figures.against import error_over
 from fricmodels.report.wording import counted, listed, percent, share, small
-from fricmodels.results.words import of_motion
-from fricmodels.terminal import Band, Column, Marks, bar, plain, show_plot, show_table
+from fricmodels.results.words import ALONG, of_motion
+from fricmodels.terminal import Band, Column, Marks, bar, plain, show_plot, show_table, spoken
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -34,15 +34,15 @@ _EXPLAINED = 3
 
 
 def show_answer_of_ladder(console: Console, ladder: Ladder, options: Sequence[str] = ()) -> None:
-    """Print what ``improve`` found: the answer, the ladder, the final parameters, how sure, what next, the verdict."""
+    """Print what ``improve`` found: the answer, the ladder, how sure, what next, the final parameters, the verdict."""
     data = document(ladder.first, ladder)
     found = answer(data, options)
     _first(console, data, found, added(ladder) if data.effects else ())
     _ladder(console, data)
-    last = ladder.rungs[-1].comparison
-    show_parameters(console, last, f"Parameters of {last.drive.model.name}")
-    console.print()
     _rest(console, data, found)
+    last = ladder.rungs[-1].comparison
+    console.print()
+    show_parameters(console, last, f"Parameters of {last.drive.model.name}")
     _last(console, data)
 
 
@@ -132,7 +132,7 @@ def _candidates(console: Console, data: DiagnosisDocument) -> None:
     columns = [
         Column("candidate", tuple(row.name for row in rows)),
         Column("error on test blocks", tuple(spoken(console, share(row.change)) for row in rows), True),
-        Column("p, corrected", tuple(small(row.p_value) for row in rows), True),
+        Column("p, corrected", tuple(spoken(console, small(row.p_value)) for row in rows), True),
         Column("passes all tests", tuple("yes" if row.gates else "no" for row in rows)),
     ]
     show_table(console, columns, f"The best of {len(data.candidates)} candidates")
@@ -142,18 +142,18 @@ def _candidates(console: Console, data: DiagnosisDocument) -> None:
 def _evidence(console: Console, data: DiagnosisDocument, diagnosis: Diagnosis) -> None:
     """Plot the mean error against the channel that shows what is missing, and what the effect says there."""
     comparison = diagnosis.comparison
-    channel, period, after, name = "velocity", None, None, ""
+    channel, period, after, name, along = "velocity", None, None, "", None
     if diagnosis.findings:
         tested = diagnosis.findings[0].tested
         name = tested.name
         channel, period = shown_over(comparison, tested.effect, tested.parameters)
         after = None if diagnosis.refits is None else diagnosis.refits.with_effect(tested)
     elif data.remaining is not None:
-        channel = channel_of_rest(data.remaining)
+        channel, along = channel_of_rest(data.remaining), True if ALONG in data.remaining.channel else None
     try:
-        over = error_over(comparison, channel, after, period)
+        over = error_over(comparison, channel, after, period, along=along)
     except InputError:
-        over = error_over(comparison, "velocity", after)
+        over = error_over(comparison, "velocity", after, along=along)
     series: list[Band] = [Marks("mean error", "o", over.before.at, over.before.mean)]
     series += [Marks(f"what {name} adds", "+", over.before.at, over.before.other)] if over.left is not None else []
     what = f"{data.quantity.capitalize()} error{', opposing motion' if over.opposes else ''}"

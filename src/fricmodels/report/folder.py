@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from fricmodels.diagnosis.document import FILE as DIAGNOSIS
 from fricmodels.errors import FricmodelsError, InputError
+from fricmodels.progress import each
 from fricmodels.report import story, tournament
 from fricmodels.report.page import Page, Section, Words
 from fricmodels.report.wording import known_model
@@ -102,7 +103,7 @@ def _rungs(data: DiagnosisDocument, folder: Path) -> list[Rung]:
     train, test = kept_back(ready(recording))
     inertia = None if data.inertia.estimated else data.inertia.value
     rungs = []
-    for step in data.steps:
+    for step in each("evaluating the models", data.steps):
         model = known_model(step.model)
         if model is None:
             raise FricmodelsError(f"a part of the model '{step.model}' is not installed here")

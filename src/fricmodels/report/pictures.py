@@ -13,6 +13,7 @@ from fricmodels.report.captions import (
     against_words,
     curve_words,
     loop_words,
+    low_speed_words,
     map_words,
     spectrum_words,
     where_words,
@@ -23,6 +24,7 @@ from fricmodels.report.figure_tables import axis_title, cells_of, points_of
 from fricmodels.report.figures.residuals import changing
 from fricmodels.report.page import Picture, Table, table
 from fricmodels.report.wording import count, counted, number, percent, share, small
+from fricmodels.results.words import ALONG
 
 if TYPE_CHECKING:
     from fricmodels.diagnosis.comparison import Comparison
@@ -93,18 +95,12 @@ def curve(comparison: Comparison, title: str = "Friction against velocity") -> P
     return Picture(title, curve_words(figure, comparison), figure, points_of(figure), "friction-curve")
 
 
-def low_speed(before: Comparison, after: Comparison | None = None) -> Picture:
-    """Return friction at low speed, both directions, over log speed."""
+def low_speed(before: Comparison, after: Comparison | None = None, effect: str = "") -> Picture:
+    """Return friction at low speed, both directions, over log speed; ``effect`` is what the larger model has more."""
     from fricmodels.report import figures
 
     figure = figures.stribeck(before, after)
-    words = (
-        "Means of the measured friction torque with 95 % bars, counted against the motion, and the means of each model "
-        "at the same samples. The axis of speed is logarithmic."
-    )
-    if before.drive.motion is Motion.LINEAR:
-        words = words.replace("torque", "force")
-    return Picture("Friction at low speed", words, figure, points_of(figure), "low-speed")
+    return Picture("Friction at low speed", low_speed_words(figure, effect), figure, points_of(figure), "low-speed")
 
 
 def by_regime(comparison: Comparison) -> Picture:
@@ -155,13 +151,13 @@ def evidence(
 
     channel, period = shown_over(before, effect, parameters or {})
     if channel == "velocity":
-        return low_speed(before, after)
+        return low_speed(before, after, effect.name)
+    along = {"odd": True, "even": False}.get(effect.symmetry or "")
     try:
-        figure = figures.error_against(before, channel, after, period)
+        figure = figures.error_against(before, channel, after, period, along=along)
     except InputError:  # the drive never reverses, or the channel is one of another joint
-        return low_speed(before, after)
-    over = words_of(channel, before)
-    title = f"What it looks like: the error against {over}"
+        return low_speed(before, after, effect.name)
+    title = f"What it looks like: the error against {axis_title(figure.layout.xaxis).partition(' within')[0]}"
     return Picture(title, against_words(figure, effect.name), figure, points_of(figure), f"evidence-{effect.name}")
 
 
@@ -179,10 +175,11 @@ def left_over(comparison: Comparison, rest: Remaining) -> Picture:
         figure = figures.residual_spectrum(comparison)
         title = "What remains: the waves of the error over position"
         return Picture(title, spectrum_words(figure), figure, points_of(figure), "rest")
+    along = True if ALONG in rest.channel else None
     try:
-        figure = figures.error_against(comparison, channel)
+        figure = figures.error_against(comparison, channel, along=along)
     except InputError:
-        figure = figures.error_against(comparison, "velocity")
+        figure = figures.error_against(comparison, "velocity", along=along)
     over = axis_title(figure.layout.xaxis)
     return Picture(
         f"What remains: the error against {over}", against_words(figure, ""), figure, points_of(figure), "rest"
@@ -237,14 +234,9 @@ def ranked(best: Sequence[Candidate], model: str) -> Picture:
     words += f"test blocks most, by {share(best[0].held_out_gain)}"
     if len(best) > 1:
         words += f"; the runner-up is {best[1].name} with {share(best[1].held_out_gain)}"
-    passing = sum(row.gates for row in best)
-    if passing == 0:
-        words += ". None of them passes all three tests."
-    elif passing == 1:
-        words += ". One passes all three tests."
-    else:
-        several = counted(passing, "effect").partition(" ")[0].capitalize()
-        words += f". {several} pass all three tests by themselves; most of these only resemble the first."
+    passing = counted(sum(row.gates for row in best), "effect").partition(" ")[0].replace("no", "none").capitalize()
+    words += f". {passing} {'passes' if passing in ('One', 'None') else 'pass'} all three tests alone"
+    words += f"; the best {figures.MOST} are drawn." if len(best) > figures.MOST else "."
     cells = [
         (
             row.name,

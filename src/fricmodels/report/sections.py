@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from itertools import pairwise
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 from fricmodels import plugins
 from fricmodels.diagnosis.policy import POLICY
@@ -122,7 +122,9 @@ def _matters(effect: Effect, data: DiagnosisDocument) -> str:
     for before, after in pairwise(data.ladder):
         if after.added == effect.name:
             pair = (percent(before.held_out_rms_percent), percent(after.held_out_rms_percent))
-            return f"With it the test error falls from {pair[0]} to {pair[1]}."
+            if turn(before, after) == "falls":
+                return f"With it the test error falls from {pair[0]} to {pair[1]}."
+            return f"With it the test error goes from {pair[0]} to {pair[1]}; over another window it falls."
     return _gain(effect)
 
 
@@ -210,7 +212,7 @@ def ladder(data: DiagnosisDocument, picture: Picture | None) -> Section:
     blocks: list[Block] = [
         Words(
             "Each step adds the effect that explains the residual best and fits all parameters again. It stays only if "
-            "the error falls on data that took no part in finding it."
+            "the error falls, over this window or another, on data that took no part in finding it."
         )
     ]
     blocks.append(shown if picture is None else replace(picture, table=shown))
@@ -224,10 +226,22 @@ def _step(rung: Step) -> str:
 
 
 def ladder_words(data: DiagnosisDocument) -> str:
-    """Say in one sentence how the error falls."""
-    rungs = data.ladder
-    parts = [f"to {percent(rung.held_out_rms_percent)} with {rung.added}" for rung in rungs[1:] if rung.added]
-    return f"The test error falls from {percent(rungs[0].held_out_rms_percent)} {listed(parts, 'and')}."
+    """Say in one sentence how the error falls, or where it does not."""
+    said, parts = "", list[str]()
+    for before, after in pairwise(data.ladder):
+        verb = turn(before, after)
+        what = f"without {after.removed}" if after.removed else f"with {after.added}"
+        begin = f"from {percent(before.held_out_rms_percent)} " if not parts and verb != "stays" else ""
+        to = "at" if verb == "stays" else "to"
+        parts.append(f"{verb + ' ' if verb != said else ''}{begin}{to} {percent(after.held_out_rms_percent)} {what}")
+        said = verb
+    return f"The test error {listed(parts, 'and')}."
+
+
+def turn(before: Step, after: Step) -> Literal["falls", "rises", "stays"]:
+    """Say what the test error does from one step of a ladder to the next, as far as three figures show it."""
+    here, there = (each.held_out_rms_percent or 0.0 for each in (before, after))
+    return "stays" if percent(here) == percent(there) else "falls" if there < here else "rises"
 
 
 def measured(comparisons: Sequence[Comparison]) -> Section:
@@ -269,7 +283,10 @@ def all_parameters(data: ComparisonDocument, known: Correlation | None = None) -
         "correlated in time. They say how well this recording determines a parameter of this model, not whether the "
         "model is right."
     )
-    blocks: list[Block] = [*equations(last.model, data.motion), fitted(last, data.motion), Words(note)]
+    formulas = equations(last.model, data.motion)
+    if last.model.count("+") > _OPEN:  # each effect's own equation stands above
+        formulas = [Fold("Equations of the model", formulas)]
+    blocks: list[Block] = [*formulas, fitted(last, data.motion), Words(note)]
     pair = None if known is None else correlated(known)
     blocks += [] if pair is None else [Fold("Correlation of the parameters", [pair])]
     if len(steps) > 1:

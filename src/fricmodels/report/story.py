@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, cast
 
 from fricmodels import plugins
 from fricmodels.dimension import Motion
 from fricmodels.processes import give_back
+from fricmodels.progress import each
 from fricmodels.report import sections
 from fricmodels.report.answer import answer, comparison_words, window
 from fricmodels.report.captions import where_words
@@ -110,22 +111,21 @@ def story(
 ) -> list[Section]:
     """Return the sections in reading order."""
     ends = _ends([rung.comparison for rung in rungs])
-    samples = data.recording.samples.total
-    found = [sections.found(data, rungs, after)]
+    parts: list[Callable[[], Section]] = [lambda: sections.found(data, rungs, after)]
     if len(data.ladder) > 1:
-        found.append(sections.ladder(data, _ladder_picture(data, rungs)))
-    give_back(samples)
+        parts.append(lambda: sections.ladder(data, _ladder_picture(data, rungs)))
     if ends:
-        found.append(sections.measured(ends))
-        give_back(samples)
-        found.append(sections.fails(ends))
-        give_back(samples)
-    return [
-        *found,
-        sections.all_parameters(data, data.correlation),
-        sections.limits(data, ends),
-        recording_section(data, command, options),
+        parts += [lambda: sections.measured(ends), lambda: sections.fails(ends)]
+    parts += [
+        lambda: sections.all_parameters(data, data.correlation),
+        lambda: sections.limits(data, ends),
+        lambda: recording_section(data, command, options),
     ]
+    found = []
+    for make in each("drawing the report", parts):
+        found.append(make())
+        give_back(data.recording.samples.total)
+    return found
 
 
 def _ends(comparisons: Sequence[Comparison]) -> list[Comparison]:
@@ -140,7 +140,10 @@ def _ladder_picture(data: DiagnosisDocument, rungs: Sequence[Rung]) -> Picture |
         return None
     figure = figures.ladder(cast("Ladder", _Steps(tuple(rungs))))
     return Picture(
-        "The error falls", f"{sections.ladder_words(data)} The axis is logarithmic.", figure, name="ladder-steps"
+        "The error, step by step",
+        f"{sections.ladder_words(data)} The axis is logarithmic.",
+        figure,
+        name="ladder-steps",
     )
 
 

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fricmodels.dimension import Motion
-from fricmodels.export.columns import Column, concise, summary, window_words
+from fricmodels.export.columns import Column, tables, window_words
 from fricmodels.report.estimates import histories
 from fricmodels.report.page import (
     Block,
@@ -42,9 +42,12 @@ Row = Mapping[str, Any]
 
 MOST_ROWS = 200
 """Rows of the leaderboard that are printed; all of them are in its file."""
-FIRST_ROWS = 20
-"""Rows that are shown before all of them."""
+FIRST_ROWS, _FEWEST = 20, 3
+"""Rows that are shown before all of them, and at least of each dataset."""
+MOST_TABLES = 40
+"""Datasets that have a table each."""
 _WHO = ("model", "estimator", "dataset")
+_MADE_OF = "The tournament: data, versions, how to reproduce"
 
 
 @dataclass(frozen=True)
@@ -184,14 +187,15 @@ def leaderboard(board: Leaderboard) -> Section:
         figure = figures.leaderboard([row for row in board.rows if row["model"] in with_result])
         words += " The axis is logarithmic." if figure.layout.xaxis.type == "log" else ""
         blocks.append(Picture("Torque error by model and estimator", words, figure, shown, "errors-by-model"))
-    if len({row["tags"].get("seed") for row in board.rows}) > 1:
-        blocks.append(Table("Median and quartiles over seeds, torque error in %", summary(board.summary()[:MOST_ROWS])))
+    datasets = len({row["dataset"] for row in board.rows})
+    medians = [each for each in tables(board, max(_FEWEST, FIRST_ROWS // datasets)) if each.medians]
+    if medians:
+        blocks += [Table(f"{each.title}; median and quartiles, in %", each.columns) for each in medians[:MOST_TABLES]]
         blocks.append(Fold("Every fit", every_fit(board)))
     elif len(board.rows) <= FIRST_ROWS:
         blocks += every_fit(board)
     else:
-        first = Leaderboard(board.rows[:FIRST_ROWS])
-        blocks.append(_fits(first, f"The best {FIRST_ROWS} fits"))
+        blocks += _fits(board, max(_FEWEST, FIRST_ROWS // datasets))
         blocks.append(Fold(f"All {len(board.rows)} fits", every_fit(board)))
     return Section("leaderboard", "Leaderboard", blocks)
 
@@ -202,23 +206,26 @@ def _part(board: Leaderboard) -> str:
 
 def every_fit(board: Leaderboard) -> list[Block]:
     """Return the table of all fits, or of the first of them where there are many."""
-    found: list[Block] = [_fits(Leaderboard(board.rows[:MOST_ROWS]), "Every fit, the best first")]
+    found: list[Block] = [*_fits(Leaderboard(board.rows[:MOST_ROWS]))]
     if len(board.rows) > MOST_ROWS:
         found.append(Words(f"The first {MOST_ROWS} of {len(board.rows)}; all of them are in leaderboard.json."))
     return found
 
 
-def _fits(board: Leaderboard, caption: str) -> Table:
-    """Return the leaderboard without what is the same in all rows; reasons of failures stand in a section of theirs."""
-    listed = {column.title: column for column in concise(board) if column.title != "reason"}
-    marks = listed.pop("not sure of", None)
-    if marks is not None:
-        listed["status"] = _judged(listed["status"], marks)
-    columns = [*listed.values()]
-    same = {column.title: column.cells[0] for column in columns if len({*column.cells}) == 1 and len(column.cells) > 1}
-    kept = [column for column in columns if column.title not in same or column.title not in ("dataset", "status")]
-    note = f", on {same['dataset']}" if "dataset" in same else ""
-    return Table(f"{caption}{note}; torque errors in % of the RMS motor torque", kept)
+def _fits(board: Leaderboard, top: int | None = None) -> list[Table]:
+    """Return the fits of each dataset, ranked, without what is the same in all rows; reasons stand by themselves."""
+    found = []
+    for each in [each for each in tables(board, top) if not each.medians][:MOST_TABLES]:
+        listed = {column.title: column for column in each.columns if column.title != "reason"}
+        marks = listed.pop("not sure of", None)
+        if marks is not None:
+            listed["status"] = _judged(listed["status"], marks)
+        columns = [*listed.values()]
+        same = {each.title: each.cells[0] for each in columns if len({*each.cells}) == 1 and len(each.cells) > 1}
+        kept = [column for column in columns if column.title not in same or column.title not in ("dataset", "status")]
+        note = f" on {same['dataset']}" if "dataset" in same else ""
+        found.append(Table(f"{each.title}{note}; torque errors{each.window}, in % of the RMS motor torque", kept))
+    return found
 
 
 def _judged(status: Column, marks: Column) -> Column:
@@ -290,7 +297,7 @@ def made_of(origin: Origin | None, directory: Path) -> Section:
     lines = [f"fricmodels leaderboard {where}", f"fricmodels report {where}"]
     if origin is None:
         note = "The run does not say what it was made of; a run of this version does."
-        return Section("made-of", "Where this comes from", [Words(note), Code("To show it again", "\n".join(lines))])
+        return Section("made-of", _MADE_OF, [Words(note), Code("To show it again", "\n".join(lines))])
     import yaml
 
     text = yaml.safe_dump(dict(origin.config), sort_keys=False, allow_unicode=True, width=100)
@@ -306,7 +313,7 @@ def made_of(origin: Origin | None, directory: Path) -> Section:
     if origin.config_file:
         lines.insert(0, f"fricmodels run {shlex.quote(origin.config_file)} --out {where}")
     blocks.append(Code("To do it again", "\n".join(lines)))
-    return Section("made-of", "Where the tournament comes from", blocks)
+    return Section("made-of", _MADE_OF, blocks)
 
 
 def _described(source: Source) -> str:

@@ -23,6 +23,8 @@ Row = Mapping[str, Any]
 
 MOST_RECORDINGS = 8
 """Recordings that are drawn."""
+OPEN = 1
+"""Recordings that are shown unfolded."""
 MOST_MODELS = 2
 """Models that are drawn beside the best, on each recording."""
 MOST_SAMPLES = 1_000_000
@@ -58,7 +60,12 @@ def recordings(board: Leaderboard, best: Mapping[str, list[Row]], origin: Origin
                 Words(f"{counted(rest, 'more dataset')} in the leaderboard: {listed([*best][MOST_RECORDINGS:])}.")
             )
             break
-        blocks += _dataset(dataset, rows, known.get(identity(dataset, rows[0]["tags"])), origin, alone=len(best) == 1)
+        source = known.get(identity(dataset, rows[0]["tags"]))
+        heading, words, *shown = _dataset(dataset, rows, source, origin, alone=len(best) == 1)
+        if number < OPEN:
+            blocks += [heading, words, *shown]
+        else:
+            blocks.append(Fold(f"{dataset}: {_best_here(rows)}", [words, *shown]))
     without = [name for name in dict.fromkeys(row["dataset"] for row in board.rows) if name not in best]
     if without:
         blocks.append(Words(f"No model gave a result on {listed(without)}."))
@@ -72,7 +79,7 @@ def _dataset(dataset: str, rows: Sequence[Row], source: Source | None, origin: O
     figure = HELD_OUT if first.get(HELD_OUT) is not None else _FITTED
     tags = ", ".join(f"{key.replace('_', ' ')} {value}" for key, value in first["tags"].items())
     others = [f"{row['model']} {percent(row.get(figure))}" for row in rows[1:4]]
-    words = f"Best here: {first['model']} with {first['estimator']}, {percent(first.get(figure))} torque error"
+    words = f"Best here: {_best_here(rows)}"
     blocks: list[Block] = [
         Heading(dataset, remark=tags),
         Words(f"{words}; then {listed(others)}." if others else f"{words}."),
@@ -97,6 +104,12 @@ def _dataset(dataset: str, rows: Sequence[Row], source: Source | None, origin: O
     if inner:
         blocks.append(Fold("The next best model" if len(inner) == 3 else "The next best models", inner))
     return blocks
+
+
+def _best_here(rows: Sequence[Row]) -> str:
+    first = rows[0]
+    error = first.get(HELD_OUT) if first.get(HELD_OUT) is not None else first.get(_FITTED)
+    return f"{first['model']} with {first['estimator']}, {percent(error)} torque error"
 
 
 def _loaded(source: Source | None, origin: Origin) -> Loaded:

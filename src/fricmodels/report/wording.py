@@ -12,7 +12,7 @@ from fricmodels.dimension import Motion
 from fricmodels.model import Model
 from fricmodels.parameter import Parameter
 from fricmodels.report.figures.style import EXPONENT
-from fricmodels.results.words import in_percent
+from fricmodels.results.words import LEAST_CHANCE, in_percent
 
 NORMAL_95 = 1.959964
 """Standard errors on either side of a 95 % interval."""
@@ -75,7 +75,7 @@ def small(p_value: float | None) -> str:
     """Return a probability in words that do not pretend: below 10⁻⁶ the number means nothing."""
     if p_value is None:
         return "–"
-    return "below one in a million" if p_value < 1e-6 else f"{p_value:.1g}"
+    return "below one in a million" if p_value < LEAST_CHANCE else number(p_value, 1)
 
 
 def unit(text: str) -> str:

@@ -47,7 +47,11 @@ def predictor(channel: str) -> str:
     return f"{name} ({', '.join(meant)})" if meant else name
 
 
-_MEANT = {"finely": "with many waves", "along the motion": "turning its sign with the motion"}
+LEAST_CHANCE = 1e-6
+"""Probability below which its number means nothing."""
+ALONG = "along the motion"
+"""How a diagnosis says that an error turns its sign with the motion."""
+_MEANT = {"finely": "with many waves", ALONG: "turning its sign with the motion"}
 
 
 def form(value: float | None, how: str) -> str:

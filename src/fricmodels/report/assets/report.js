@@ -121,6 +121,7 @@
 
   let paper = false;
   const LOWEST = 250, HIGHEST = 294;
+  const LINE = 18;
   const STACKED = 480; // below this width two panels stand above each other
   const PAPER = 0.72; // of the height on a screen: three low figures and their captions fit a page
   const BESIDE = 0.62; // of figures beside each other: three rows fit
@@ -158,7 +159,8 @@
       Object.assign(layout.yaxis2, { domain: [0, 0.43] });
       for (const name of ["xaxis", "xaxis2"]) Object.assign(layout[name], { domain: [0, 1] });
     }
-    const height = Math.round(stacked * held.height);
+    const lines = width < STACKED ? data.filter((each) => each.name && each.showlegend !== false).length : 1;
+    const height = Math.round(stacked * held.height + LINE * Math.max(0, lines - 2)); // the legend is one below another
     if (!paper) place.style.height = `${height}px`;
     const size = paper
       ? { autosize: false, width, height: onPaper(held) }

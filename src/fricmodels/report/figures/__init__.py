@@ -13,7 +13,7 @@ from fricmodels.report.figures.friction import friction_curve
 from fricmodels.report.figures.history import parameter_history
 from fricmodels.report.figures.hysteresis import hysteresis
 from fricmodels.report.figures.motion import simulated_motion
-from fricmodels.report.figures.ranking import candidates
+from fricmodels.report.figures.ranking import MOST, candidates
 from fricmodels.report.figures.residuals import residual_map, residual_maps
 from fricmodels.report.figures.shares import error_shares
 from fricmodels.report.figures.spectrum import residual_spectrum
@@ -25,6 +25,7 @@ from fricmodels.report.figures.tournament import confusion, leaderboard
 __all__ = [
     "DARK",
     "LIGHT",
+    "MOST",
     "SINCE_REVERSAL",
     "beyond_axes",
     "candidates",

@@ -21,6 +21,8 @@ if TYPE_CHECKING:
 
 SINCE_REVERSAL = "distance since reversal"
 """The channel of effects with a memory: how far the drive went since it last turned."""
+TORQUE_RATE = "torque_rate"
+"""The channel of effects of the rate of the motor torque, which every recording has."""
 NORMAL_95 = 1.959964
 _BINS = 40
 _LEAST = 8
@@ -94,46 +96,57 @@ class ErrorOver:
 
 
 def error_over(
-    before: Comparison, channel: str, after: Comparison | None = None, period: float | None = None
+    before: Comparison,
+    channel: str,
+    after: Comparison | None = None,
+    period: float | None = None,
+    *,
+    along: bool | None = None,
 ) -> ErrorOver:
     """Return the mean error over a channel; see :func:`error_against`."""
     samples = Samples.of(before)
     index, x, title, folded = _place(samples, channel, period)
     error = samples.error[index]
     added = error - Samples.of(after).error[index] if after is not None else np.zeros(len(error))
-    along, piece = np.sign(samples.velocity[index]), samples.recording.run[index]
+    side, piece = np.sign(samples.velocity[index]), samples.recording.run[index]
     del index
     low, high = (float(q) for q in np.quantile(x, [_OUTER / 2, 1 - _OUTER / 2]))
     edges = even_edges(*((0.0, folded) if folded else (low, high)), _BINS)
     plain = means(x, error, added, piece, edges)
-    turned = means(x, along * error, along * added if after is not None else added, piece, edges)
-    opposes = bool(_strength(turned, after is not None) > _strength(plain, after is not None))
-    left = means(x, (along if opposes else 1.0) * (error - added), added, piece, edges) if after is not None else None
+    turned = means(x, side * error, side * added if after is not None else added, piece, edges)
+    stronger = _strength(turned, after is not None) > _strength(plain, after is not None)
+    opposes = bool(stronger) if along is None else along
+    left = means(x, (side if opposes else 1.0) * (error - added), added, piece, edges) if after is not None else None
     return ErrorOver(turned if opposes else plain, left, title, opposes)
 
 
 def error_against(
-    before: Comparison, channel: str, after: Comparison | None = None, period: float | None = None
+    before: Comparison,
+    channel: str,
+    after: Comparison | None = None,
+    period: float | None = None,
+    *,
+    along: bool | None = None,
 ) -> Figure:
     """Draw the mean error over a channel, and what a larger model adds to the modelled torque there.
-
-    Where the error turns its sign with the motion, it is counted along the motion.
 
     Args:
         before: the model without the effect.
         channel: of the recording, or :data:`SINCE_REVERSAL`.
         after: the same recording with the effect in the model; without it only the error is shown.
         period: over which a position is folded, where the recording covers several.
+        along: whether to count the error along the motion; where that shows more, if not given.
 
     Raises:
         InputError: when the recording has no such channel, it never changes, or the drive never reverses.
     """
-    samples, over = Samples.of(before), error_over(before, channel, after, period)
+    samples, over = Samples.of(before), error_over(before, channel, after, period, along=along)
     torque = words("torque error", samples.motion)
     what = f"{torque}, opposing motion" if over.opposes else torque
     go, unit = graph_objects(), samples.torque_unit
     figure = go.Figure()
-    figure.add_trace(_points(over.before, f"mean error of {_short(before)}", unit, "measured", "circle"))
+    name = "mean error" if over.left is None else "mean error without it"
+    figure.add_trace(_points(over.before, name, unit, "measured", "circle"))
     if over.left is not None:
         figure.add_trace(
             go.Scatter(
@@ -148,7 +161,7 @@ def error_against(
     figure.update_xaxes(title_text=over.axis)
     figure.update_yaxes(title_text=label(what, unit))
     name = f"Error against {over.axis.partition(' [')[0]}"
-    return styled(figure, name, samples.subtitle, height=350)
+    return styled(figure, name, samples.subtitle, height=335)
 
 
 def _points(shown: Means, name: str, unit: str, colour: str, symbol: str) -> Figure:
@@ -167,11 +180,6 @@ def _strength(shown: Means, modelled: bool) -> float:
     return float(np.mean((shown.other if modelled else shown.mean) ** 2)) if len(shown.at) else 0.0
 
 
-def _short(comparison: Comparison) -> str:
-    name = comparison.drive.model.name
-    return name if len(name) <= 32 else "the model before"
-
-
 def _place(samples: Samples, channel: str, period: float | None) -> tuple[Index, Array, str, float]:
     """Return the samples, where they lie, the title of that axis, and the period over which they are folded, or 0."""
     moving = np.flatnonzero(~samples.resting)
@@ -183,6 +191,9 @@ def _place(samples: Samples, channel: str, period: float | None) -> tuple[Index,
         return after.index, after.way, label(SINCE_REVERSAL, length), 0.0
     if channel == "velocity":
         return moving, samples.velocity[moving], samples.axis("velocity"), 0.0
+    if channel == TORQUE_RATE:
+        rate = samples.recording.signal("motor_torque_rate")[moving]
+        return moving, rate, label(words("rate of the motor torque", samples.motion), samples.unit(channel)), 0.0
     if channel not in samples.recording or not float(np.ptp(samples.recording[channel])) > 0:
         raise InputError(f"the channel '{channel}' of recording '{samples.recording.name}' never changes")
     values = samples.recording[channel][moving]
@@ -212,17 +223,19 @@ def stribeck(before: Comparison, after: Comparison | None = None) -> Figure:
     edges = np.geomspace(max(low, 1e-4 * high), high * (1 + 1e-9), _BINS // 2 + 1)
     figure = go.Figure()
     piece = samples.recording.run[moving]
-    unit = samples.torque_unit
+    unit, gaps = samples.torque_unit, dict[str, list[Array]](means=[], left=[])
     for direction, name, colour, symbol in ((1, "forward", "blue", "circle"), (-1, "backward", "purple", "square")):
         own = side == direction
         if np.count_nonzero(own) < _LEAST:
             continue
         held = means(speed[own], measured[own], modelled[own], piece[own], edges)
         figure.add_trace(_points(held, f"measured {name}", unit, colour, symbol))
-        lines = [(f"{_short(before)}, {name}", held.other, "4px,2px", 1.6)]
+        lines = [(f"{'modelled' if larger is None else 'without it'}, {name}", held.other, "4px,2px", 1.6)]
+        gaps["means"].append(held.mean - held.other)
         if larger is not None:
             other = means(speed[own], measured[own], larger[own], piece[own], edges).other
-            lines.append((f"with what was found, {name}", other, "solid", 2.2))
+            lines.append((f"with it, {name}", other, "solid", 2.2))
+            gaps["left"].append(held.mean - other)
         for named, values, dash, width in lines:
             figure.add_trace(
                 go.Scatter(
@@ -233,4 +246,6 @@ def stribeck(before: Comparison, after: Comparison | None = None) -> Figure:
             )  # fmt: skip
     figure.update_xaxes(title_text=label("speed", samples.unit("velocity")), **logarithmic(edges[[0, -1]].tolist()))
     figure.update_yaxes(title_text=samples.torque_axis("friction torque"))
-    return styled(figure, "Friction at low speed, both directions", samples.subtitle, height=380)
+    apart = {name: np.concatenate(each) for name, each in gaps.items() if each}
+    figure.update_layout(meta={name: float(np.sqrt(np.mean(gap**2))) for name, gap in apart.items() if len(gap)})
+    return styled(figure, "Friction at low speed, both directions", samples.subtitle, height=350)

@@ -205,4 +205,4 @@ def residual_spectrum(comparison: Comparison) -> Figure:
         title_text=axis, tickangle=0, **logarithmic(float(x) for trace in figure.data for x in trace.x[[0, -1]])
     )
     figure.update_yaxes(title_text=samples.torque_axis("amplitude of the residual"), rangemode="tozero")
-    return styled(figure, f"Periodic parts of the residual, {name}", samples.subtitle, height=420)
+    return styled(figure, f"Periodic parts of the residual, {name}", samples.subtitle, height=360)

@@ -95,6 +95,7 @@ FONT = 'system-ui, -apple-system, "Segoe UI", Roboto, "Helvetica Neue", Arial, s
 POINTS = 2000
 """Most points of a trace."""
 _LONGEST_SUBTITLE = 52
+SUPERSCRIPT: Mapping[int, int] = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 _SUPERSCRIPT = {"^2": "²", "^3": "³"}
 EXPONENT = r"\^(?:\((-?[\d./]+)\)|(-?\d+(?:\.\d+)?))"
 """An exponent in a unit: a whole number, or a fraction in brackets; what follows it is not of it."""
