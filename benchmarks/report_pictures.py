@@ -2,14 +2,16 @@
 
     python benchmarks/report_pictures.py [--only emps]
 
-The pages are made into build/pages, unless they are there; the pictures go to docs/pictures. Needs Chromium, and for
-the real drives the folder of real measurements beside the project. Measured data goes nowhere but into the pages.
+The pages are made into build/pages, unless they are there; the pictures go to docs/pictures, and what each page answers
+is quoted in docs/gallery.md. Needs Chromium, and for the real drives the folder of real measurements beside the project.
+Measured data goes nowhere but into the pages.
 """
 
 from __future__ import annotations
 
 import argparse
 import io
+import re
 import shutil
 import subprocess
 import sys
@@ -25,6 +27,8 @@ PICTURES = ROOT / "docs" / "pictures"
 COLOURS = 128
 """Of a picture with a palette: text stays sharp, and a page takes a fifth of the bytes."""
 MOST_BYTES = 200_000
+GALLERY = ROOT / "docs" / "gallery.md"
+QUOTED = r"(<!-- answer: {name} -->\n).*?(<!-- end -->)"
 MOTOR = """\
 inertia: 4.87e-6
 friction: {viscous: 1.0e-4, coulomb: 1.0e-2}
@@ -114,6 +118,13 @@ def make(page: str) -> Path:
     return file
 
 
+def quote(name: str, answer: str) -> None:
+    """Put what a page answers into the gallery, where that quotes it."""
+    text = GALLERY.read_text(encoding="utf-8")
+    pattern = re.compile(QUOTED.format(name=re.escape(name)), re.DOTALL)
+    GALLERY.write_text(pattern.sub(lambda found: f"{found[1]}> {answer}\n{found[2]}", text), encoding="utf-8")
+
+
 def main() -> None:
     """Take the pictures that were asked for."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -134,6 +145,8 @@ def main() -> None:
         page.evaluate("document.querySelectorAll('main details').forEach(e => { e.open = false; })")
         page.evaluate("scrollTo(0, 0)")
         page.wait_for_timeout(500)
+        said = page.locator(".verdict .sentence, .verdict dl > div:first-child > dd").all_inner_texts()
+        quote(shot.name, " ".join(" ".join(said).split()))
         return page.screenshot()
 
     with sync_playwright() as driver:

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import os
 import shutil
 from collections.abc import Callable, Iterator, Mapping
-from typing import Any
+from typing import Any, NoReturn
 
 import numpy as np
 import pytest
@@ -136,11 +137,20 @@ FLAGS = [
 
 
 @pytest.fixture(scope="session")
-def chromium() -> Iterator[Any]:
-    playwright = pytest.importorskip("playwright.sync_api", reason="the driver of the browser is not installed")
+def without_browser() -> Callable[[str], NoReturn]:
+    """Skip what needs a browser, saying why; or fail, where FRICMODELS_BROWSER=required says that there is one."""
+    return pytest.fail if os.environ.get("FRICMODELS_BROWSER") == "required" else pytest.skip
+
+
+@pytest.fixture(scope="session")
+def chromium(without_browser: Callable[[str], NoReturn]) -> Iterator[Any]:
+    try:
+        from playwright import sync_api as playwright
+    except ImportError:
+        without_browser("the driver of the browser is not installed")
     program = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
     if program is None:
-        pytest.skip("there is no Chromium; install it with: apt-get install chromium")
+        without_browser("there is no Chromium; install it with: apt-get install chromium")
     with playwright.sync_playwright() as driver:
         browser = driver.chromium.launch(executable_path=program, args=FLAGS, headless=True)
         yield browser

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
 from importlib import resources
 from pathlib import Path
-from typing import Any
+from typing import Any, NoReturn
 
 import pytest
 
@@ -82,10 +82,12 @@ def look(chromium: Any) -> Iterator[Open]:
 
 
 @pytest.fixture(scope="session")
-def axe() -> str:
+def axe(without_browser: Callable[[str], NoReturn]) -> str:
     """Return the checker of accessibility as a program for a page."""
-    pytest.importorskip("axe_playwright_python", reason="the checker of accessibility is not installed")
-    return (resources.files("axe_playwright_python") / "axe.min.js").read_text(encoding="utf-8")
+    try:
+        return (resources.files("axe_playwright_python") / "axe.min.js").read_text(encoding="utf-8")
+    except ImportError:
+        without_browser("the checker of accessibility is not installed")
 
 
 @pytest.fixture(scope="session")

@@ -7,7 +7,7 @@ import shutil
 import subprocess
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import Any, NoReturn
 
 import numpy as np
 import pytest
@@ -19,6 +19,15 @@ PAGES = [("story_page", *view) for view in VIEWS] + [("tournament_page", *view) 
 
 TWICE = "[...document.querySelectorAll('[id]')].map(e => e.id).filter((id, i, all) => all.indexOf(id) !== i)"
 """Names that two elements have."""
+CUT = """[...document.querySelectorAll('.plot')].flatMap(place => {
+  const box = place.getBoundingClientRect();
+  const across = r => r.left < box.left - 1 || r.right > box.right + 1;
+  const beyond = r => across(r) || r.top < box.top - 1 || r.bottom > box.bottom + 1;
+  return [...place.querySelectorAll('svg text')]
+    .filter(text => { const r = text.getBoundingClientRect(); return r.width > 0 && beyond(r); })
+    .map(text => `${place.id}: ${text.textContent}`);
+})"""
+"""Texts that lie partly outside of their figure."""
 
 
 @pytest.mark.parametrize(("page", "width", "scheme"), PAGES)
@@ -30,6 +39,7 @@ def test_draws_everything_quietly_and_can_be_read_by_everybody(
     assert seen.draw_everything() > 5
     assert seen.page.evaluate(TWICE) == []
     assert seen.page.evaluate("document.documentElement.scrollWidth") <= width
+    assert seen.page.evaluate(CUT) == [], "a title, a label or a legend is cut"
     assert seen.console == []
     assert seen.requests == []
     if (width, scheme) in CHECKED:
@@ -160,7 +170,9 @@ LEAST_FILLED = 0.6
 """Share of the height of a printed page down to which there is something, margins included; the last may be shorter."""
 
 
-def test_a_pdf_has_every_figure_on_full_pages(look: Callable[..., Any], story_page: Path, tmp_path: Path) -> None:
+def test_a_pdf_has_every_figure_on_full_pages(
+    look: Callable[..., Any], story_page: Path, tmp_path: Path, without_browser: Callable[[str], NoReturn]
+) -> None:
     """Printed before anything was scrolled to, in the dark scheme: the pages are white and none is half empty."""
     pdftoppm = shutil.which("pdftoppm")
     seen = look(story_page, 1280, "dark")
@@ -169,7 +181,7 @@ def test_a_pdf_has_every_figure_on_full_pages(look: Callable[..., Any], story_pa
     assert 8 < pages < 26
     assert data.count(b"/Subtype /Image") + data.count(b"/Subtype/Image") >= 8, "maps are pictures"
     if pdftoppm is None:
-        return
+        without_browser("there is no pdftoppm; install it with: apt-get install poppler-utils")
     subprocess.run([pdftoppm, "-r", "20", "-gray", tmp_path / "report.pdf", tmp_path / "page"], check=True)
     used = []
     for file in sorted(tmp_path.glob("page*.pgm")):
@@ -183,10 +195,37 @@ def test_a_pdf_has_every_figure_on_full_pages(look: Callable[..., Any], story_pa
     assert min(used[:-1]) > LEAST_FILLED, f"half-empty pages: {used}"
 
 
-def test_the_page_is_short_and_small(look: Callable[..., Any], story_page: Path) -> None:
-    seen = look(story_page)
+@pytest.mark.parametrize("page", ["story_page", "tournament_page"])
+def test_the_page_is_short_and_small(page: str, look: Callable[..., Any], request: pytest.FixtureRequest) -> None:
+    path = request.getfixturevalue(page)
+    seen = look(path)
     assert seen.page.evaluate("document.documentElement.scrollHeight") <= 8000
-    assert story_page.stat().st_size <= 3_000_000
+    assert path.stat().st_size <= 3_000_000
+
+
+def test_zoomed_in_two_curves_lie_where_the_data_are(look: Callable[..., Any], story_page: Path) -> None:
+    """In a window of a fiftieth of the record, the gap that is drawn between the curves is the residual below them."""
+    seen = look(story_page)
+    seen.page.locator("#over-time").scroll_into_view_if_needed()
+    seen.page.locator("#over-time[data-drawn]").wait_for()
+    worst = seen.page.evaluate(
+        """() => {
+          const place = document.getElementById("over-time"), layout = place._fullLayout;
+          const [low, high] = layout.xaxis.range, middle = (low + high) / 2, half = (high - low) / 100;
+          Plotly.relayout(place, {"xaxis.range": [middle - half, middle + half]});
+          const [measured, modelled] = place._fullData, rest = place._fullData.find(each => each.name === "residual");
+          let worst = 0, seen = 0;
+          measured.x.forEach((x, i) => {
+            if (Math.abs(x - middle) > half || measured.y[i] === null || isNaN(measured.y[i])) return;
+            const gap = layout.yaxis.l2p(modelled.y[i]) - layout.yaxis.l2p(measured.y[i]);
+            const said = layout.yaxis.l2p(0) - layout.yaxis.l2p(rest.y[i]);
+            worst = Math.max(worst, Math.abs(gap - said), x === modelled.x[i] && x === rest.x[i] ? 0 : Infinity);
+            seen += 1;
+          });
+          return seen > 5 ? worst : -1;
+        }"""
+    )
+    assert 0 <= worst <= 1.0, "pixels, less than a line's width"
 
 
 def test_figures_answer_to_the_keyboard_and_can_be_reset(look: Callable[..., Any], story_page: Path) -> None:

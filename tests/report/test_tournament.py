@@ -157,3 +157,18 @@ def test_estimates_over_time_are_kept_typed_and_shown(made: Made) -> None:
     shown = [block for block in blocks(of_run(folder)) if isinstance(block, Picture) and "history" in block.name]
     assert {block.title for block in shown} == {"Estimates over time by rls", "Estimates over time by ekf"}
     assert all("estimates are drawn" in block.message for block in shown)
+
+
+def test_each_dataset_and_each_level_of_noise_is_ranked_by_itself(made: Made) -> None:
+    """The smallest error under much noise, averaged over a wide window, is not better than one under little."""
+    simulated = {**MOTOR, "noise_percent": [1, 5], "seeds": 2}
+    page = of_run(made(datasets=[{"name": "noisy", "simulate": simulated}, {"name": "quiet", "simulate": MOTOR}]))
+    tables = [b for b in blocks(page) if isinstance(b, Table) and b.caption.startswith("Over seeds")]
+    assert ["noisy" in tables[0].caption, "quiet" in tables[1].caption] == [True, True]
+    titles = [column.title for column in tables[0].columns]
+    noise, rank, median = (titles.index(title) for title in ("noise %", "rank", "median"))
+    found = [(row[noise], row[rank], float(row[median] or "inf")) for row in tables[0].rows]
+    assert [(level, place) for level, place, _ in found] == [(n, str(i)) for n in ("1", "5") for i in (1, 2, 3)]
+    for level in ("1", "5"):
+        errors = [error for other, _, error in found if other == level]
+        assert errors == sorted(errors)

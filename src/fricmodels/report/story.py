@@ -11,13 +11,13 @@ from fricmodels.dimension import Motion
 from fricmodels.processes import give_back
 from fricmodels.progress import each
 from fricmodels.report import sections
-from fricmodels.report.answer import answer, comparison_words, window
+from fricmodels.report.answer import answer, comparison_words, of_noise, window
 from fricmodels.report.captions import where_words
 from fricmodels.report.linear import in_forces
 from fricmodels.report.motion import motion_section
-from fricmodels.report.page import Page, Picture, Section, Tile, Verdict
+from fricmodels.report.page import Page, Picture, Section, Tile, Verdict, Words
 from fricmodels.report.provenance import recording_section
-from fricmodels.report.wording import count, listed, percent, physics
+from fricmodels.report.wording import count, counted, listed, percent, physics
 
 if TYPE_CHECKING:
     from fricmodels.diagnosis.comparison import Comparison
@@ -26,6 +26,12 @@ if TYPE_CHECKING:
     from fricmodels.motion import Judged
     from fricmodels.results.comparison import ComparisonDocument
     from fricmodels.results.diagnosis import DiagnosisDocument
+
+
+_SIMULATE = (
+    "Whether the model also moves as the drive did is another test: with --score position, the same command simulates "
+    "the motion from the measured input and shows it here beside the measured one."
+)
 
 
 def of_ladder(ladder: Ladder, options: Sequence[str] = (), motion: Sequence[Judged] = ()) -> Page:
@@ -48,9 +54,11 @@ def of_diagnosis(diagnosis: Diagnosis, options: Sequence[str] = ()) -> Page:
 
 
 def _with_motion(page: Page, motion: Sequence[Judged]) -> Page:
-    """Put simulated motion before the last section, which is that of the recording."""
+    """Put simulated motion before the last section, which is that of the recording; or say how to have it."""
     if not motion:
-        return page
+        measured = [section for section in page.sections if section.name == "measured"]
+        more = {section.name: replace(section, blocks=[*section.blocks, Words(_SIMULATE)]) for section in measured}
+        return replace(page, sections=[more.get(section.name, section) for section in page.sections])
     return replace(page, sections=[*page.sections[:-1], motion_section(motion), page.sections[-1]])
 
 
@@ -139,12 +147,10 @@ def _ladder_picture(data: DiagnosisDocument, rungs: Sequence[Rung]) -> Picture |
     if not rungs:
         return None
     figure = figures.ladder(cast("Ladder", _Steps(tuple(rungs))))
-    return Picture(
-        "The error, step by step",
-        f"{sections.ladder_words(data)} The axis is logarithmic.",
-        figure,
-        name="ladder-steps",
-    )
+    words = f"{sections.ladder_words(data)} The axis is logarithmic."
+    if all(trace.name != "sensor noise alone" for trace in figure.data):
+        words += f" What noise would leave, {of_noise(data)}, lies beyond it."
+    return Picture("The error, step by step", words, figure, name="ladder-steps")
 
 
 @dataclass(frozen=True)
@@ -161,12 +167,21 @@ def verdict(data: DiagnosisDocument, options: Sequence[str] = ()) -> Verdict:
         ("How much it matters", found.error),
         ("How sure", found.sure),
         ("What remains", found.remains),
+        ("About the recording", _warned(data)),
         ("What to do next", found.next),
     ]
     details = [*_physics(data), *found.details]
     if len(data.ladder) > 1:
         details.insert(0, sections.ladder_words(data))
     return Verdict(found.sentence, found.tone, details, [line for line in lines if line[1]], found.command)
+
+
+def _warned(data: DiagnosisDocument) -> str:
+    """Name what is the matter with the recording, where it bears on the answer."""
+    kinds = list(dict.fromkeys(one.kind for one in data.recording.findings if one.severity != "note"))
+    if not kinds:
+        return ""
+    return f"{counted(len(kinds), 'warning').capitalize()}: {listed(kinds)}; the last section says what each means."
 
 
 def _physics(data: DiagnosisDocument) -> list[str]:

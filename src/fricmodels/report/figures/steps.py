@@ -22,12 +22,16 @@ def ladder(ladder: Ladder) -> Figure:
     errors = [rung.comparison.errors for rung in rungs]
     names = [_step(rung) for rung in rungs]
     steps = [f"{number} {name}" for number, name in enumerate(names)]
-    figure = go.Figure()
+    figure, least = go.Figure(), _LEAST_SHOWN * max(errors_of(errors))
+    floors = [rung.comparison.noise_floor_percent for rung in rungs]
+    noise = [floor if floor > least else None for floor in floors]
     for title, values, colour, symbol in (
-        ("sensor noise alone", [rung.comparison.noise_floor_percent for rung in rungs], "muted", "line-ns"),
+        ("sensor noise alone", noise, "muted", "line-ns"),
         ("fit error", [each.percent for each in errors], "blue", "circle-open"),
         ("test error", [each.held_out_percent for each in errors], "vermillion", "square"),
     ):
+        if not any(values):
+            continue
         figure.add_trace(
             go.Scatter(
                 x=values,
@@ -45,7 +49,7 @@ def ladder(ladder: Ladder) -> Figure:
             )
         )
     torque = words("torque", rungs[0].comparison.drive.motion)
-    shown = [value for trace in figure.data for value in trace.x if value > _LEAST_SHOWN * max(errors_of(errors))]
+    shown = [value for trace in figure.data for value in trace.x if value is not None and value > least]
     figure.update_xaxes(title_text=f"{torque} error [% of the RMS {torque}]", **logarithmic(shown))
     figure.update_yaxes(title_text="", autorange="reversed", tickvals=steps, ticktext=names, showgrid=True)
     first = rungs[0].comparison
