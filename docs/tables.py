@@ -11,6 +11,7 @@ from fricmodels.diagnosis.policy import Policy
 from fricmodels.dimension import Motion
 from fricmodels.model import Model
 from fricmodels.recording import channel_of
+from fricmodels.report.wording import unit
 from fricmodels.term import Effect
 
 DOCS = Path(__file__).parent
@@ -46,7 +47,7 @@ def generated() -> str:
     lines += ["", "## Their parameters", "", "| effect | symbol | unit | meaning |", "|---|---|---|---|"]
     for effect in effects:
         for p in effect.parameters:
-            lines.append(f"| `{effect.name}` | `{p.symbol}` | {p.unit_for(Motion.ROTARY)} | {p.meaning} |")
+            lines.append(f"| `{effect.name}` | `{p.symbol}` | {unit(p.unit_for(Motion.ROTARY)) or '1'} | {p.meaning} |")
     lines += ["", "## Look-alikes", "", "| these | are told apart by |", "|---|---|"]
     groups: dict[str, list[str]] = {}
     for one, other in combinations([effect.name for effect in effects], 2):

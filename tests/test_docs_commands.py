@@ -89,6 +89,15 @@ def test_the_site_needs_no_network() -> None:
     assert re.search(r"^  font: false$", text, re.MULTILINE)
 
 
+@pytest.mark.parametrize("page", PAGES, ids=name)
+def test_formulas_are_set_and_not_typed(page: Path) -> None:
+    """Code spans and indented lines hold names and commands; what is a formula is written in TeX."""
+    text = re.sub(r"^```.*?^```", "", page.read_text(encoding="utf-8"), flags=re.MULTILINE | re.DOTALL)
+    text = "\n".join(line for line in text.splitlines() if not line.startswith(">"))  # what the program said
+    assert re.findall(r"`[^`\n]*(?:[∫Σ√∂‖]|\^\(|d[τω]/dt = )[^`\n]*`", text.replace("`τ = …;  dz/dt = …`", "")) == []
+    assert [line for line in text.splitlines() if re.match(r" {4}\S.*[τωφσΣ∫].* = ", line)] == []
+
+
 def test_the_plugin_of_the_page_is_an_effect(tmp_path: Path) -> None:
     from fricmodels.dimension import Motion
     from fricmodels.model import Model

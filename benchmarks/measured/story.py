@@ -92,7 +92,7 @@ def ladder_table(story: Story) -> str:
         step = f"+ {rung.added}" if rung.added else (f"− {rung.removed}" if rung.removed else "")
         others = [f"{percent(rung.comparison, check):.2f} %" for check in story.checks.values()]
         rows.append([step, f"`{rung.model}`", f"{errors.percent:.2f} %", f"{errors.held_out_percent:.2f} %", *others])
-    return table(["step", "model", "error fitted", "kept back", *story.checks], rows)
+    return table(["step", "model", "fit error", "test error", *story.checks], rows)
 
 
 def where_table(comparison: Comparison, most: int = 6) -> str:
@@ -200,7 +200,7 @@ def leaderboard_table(config: Path) -> str:
         keys = ("rms_torque_error_percent", "held_out_rms_torque_error_percent")
         errors = [f"{row[key]:.2f} %" if row[key] is not None else row["status"] for key in keys]
         rows.append([row["dataset"], f"`{row['model']}`", f"`{row['estimator']}`", *errors])
-    return table(["recording", "model", "estimator", "error fitted", "not fitted"], rows)
+    return table(["recording", "model", "estimator", "fit error", "test error"], rows)
 
 
 def by_hand_table(story: Story, model: str, additions: Sequence[str]) -> str:
@@ -224,7 +224,7 @@ def by_hand_table(story: Story, model: str, additions: Sequence[str]) -> str:
             rows.append([f"`{name}`", f"not fitted: {error}", "", *[""] * len(story.checks)])
             continue
         rows.append(_errors_row(name, comparison, story.checks))
-    return table(["model", "error fitted", "kept back", *story.checks], rows)
+    return table(["model", "fit error", "test error", *story.checks], rows)
 
 
 def _start(comparison: Comparison, effects: Sequence[str]) -> dict[str, float]:
@@ -265,8 +265,8 @@ def summary_table(stories: Mapping[str, Story]) -> str:
     head = [
         "",
         "model at the end",
-        "error fitted",
-        "kept back",
+        "fit error",
+        "test error",
         *checks,
         "named, step by step",
         "p",

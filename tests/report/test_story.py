@@ -14,11 +14,13 @@ from fricmodels.diagnosis.document import write as write_document
 from fricmodels.drive import Drive
 from fricmodels.errors import InputError
 from fricmodels.model import Model
+from fricmodels.progress import Progress, watched
 from fricmodels.readers import read
 from fricmodels.report import of_run, story
 from fricmodels.report.page import Block, Code, Equations, Fold, Gallery, Page, Picture, Table
 from fricmodels.report.render import render
 from fricmodels.report.sections import error_words
+from fricmodels.results.comparison import LogFinding
 from fricmodels.results.diagnosis import DiagnosisDocument
 from fricmodels.rig import write as write_recording
 from fricmodels.rig.demonstration import hidden
@@ -212,3 +214,42 @@ def test_a_folder_without_results_is_refused_in_one_line(content: str | None, tm
         (tmp_path / "diagnosis.json").write_text(content, encoding="utf-8")
     with pytest.raises(InputError, match=str(tmp_path)):
         of_run(tmp_path)
+
+
+def test_all_candidates_have_their_chance_beside_them_and_it_is_said_how_many_are_drawn(page: Page) -> None:
+    picture = drawn(page, "candidates")
+    assert picture.table is not None
+    marks = [mark for trace in picture.figure.data for mark in zip(trace.y, trace.text, strict=True)]
+    beside = {name: text.strip() for name, text in marks}
+    assert "the best 8 are drawn" in picture.message
+    assert len(beside) == 8
+    for name, _, _, chance, passes in picture.table.rows[:8]:
+        assert beside[name] == ("p < 10⁻⁶" if chance == "below one in a million" else f"p = {chance}")
+        assert passes in ("yes", "no")
+    passing = sum(row[-1] == "yes" for row in picture.table.rows)
+    words = ("None", "One", "Two", "Three", "Four", "Five", "Six")
+    assert f"{words[passing]} pass" in picture.message
+
+
+def test_drawing_a_report_says_how_far_it_is(ladder: Ladder) -> None:
+    told: list[Progress] = []
+    with watched(told.append):
+        story.of_ladder(ladder)
+    parts = [(each.done, each.total) for each in told if each.stage == "drawing the report"]
+    assert parts == [(done, 7) for done in range(7)]
+    assert told[-1].left is not None
+
+
+def test_warnings_of_the_log_check_stand_in_the_answer(ladder: Ladder, page: Page) -> None:
+    assert "About the recording" not in dict(page.verdict.lines), "a note is no warning"
+    data = document(ladder.first, ladder)
+    lag = LogFinding(kind="velocity-lag", severity="warn", channel="velocity", text="it lags", remedy="")
+    warned = data.model_copy(update={"recording": data.recording.model_copy(update={"findings": (lag,)})})
+    lines = dict(story.verdict(warned).lines)
+    assert lines["About the recording"] == "One warning: velocity-lag; the last section says what each means."
+    assert [*lines][-1] == "What to do next", "its command follows"
+
+
+def test_a_report_says_how_to_see_the_simulated_motion(page: Page) -> None:
+    measured = next(section for section in page.sections if section.name == "measured")
+    assert "--score position" in getattr(measured.blocks[-1], "text", "")
