@@ -1,10 +1,10 @@
 """Makes the pictures of docs/gallery.md: reports on simulated and on real drives, as a browser shows them.
 
-    python benchmarks/report_pictures.py [--only emps]
+    python benchmarks/report_pictures.py [--only gallery_emps]
 
 The pages are made into build/pages, unless they are there; the pictures go to docs/pictures, and what each page answers
-is quoted in docs/gallery.md. Needs Chromium, and for the real drives the folder of real measurements beside the project.
-Measured data goes nowhere but into the pages.
+is quoted in docs/gallery.md. Needs Chromium, and for the real drives the folder of real measurements beside the
+project. Measured data goes nowhere but into the pages.
 """
 
 from __future__ import annotations
@@ -46,9 +46,10 @@ class Shot:
     """A picture of a page.
 
     Attributes:
-        name: of the picture, after ``gallery_``.
+        name: of the picture.
         page: that it is taken of.
         figure: id of a figure; the top of the page if empty.
+        section: id of a section, from which the window is shown.
         width, height: of the window, in pixels; the height is that of the figure where one is named.
         scheme: light or dark.
     """
@@ -56,21 +57,28 @@ class Shot:
     name: str
     page: str
     figure: str = ""
+    section: str = ""
     width: int = 1280
     height: int = 1360
     scheme: str = "light"
 
 
 SHOTS = (
-    Shot("motor", "motor"),
-    Shot("demo", "demo", scheme="dark"),
-    Shot("demo_estimates", "demo_tournament", "history-ekf"),
-    Shot("emps", "emps"),
-    Shot("emps_motion", "emps_position", "simulated-motion"),
-    Shot("laas", "laas"),
-    Shot("tiago", "tiago"),
-    Shot("tiago_phone", "tiago", width=400, height=1500),
+    Shot("gallery_motor", "motor"),
+    Shot("gallery_demo", "demo", scheme="dark"),
+    Shot("gallery_demo_estimates", "demo_tournament", "history-ekf"),
+    Shot("gallery_emps", "emps"),
+    Shot("gallery_emps_motion", "emps_position", "simulated-motion"),
+    Shot("gallery_laas", "laas"),
+    Shot("gallery_tiago", "tiago"),
+    Shot("gallery_tiago_phone", "tiago", width=400, height=1500),
+    Shot("report_verdict", "demo", width=1180, height=1090),
+    Shot("report_against_measurement", "demo", section="measured", width=1180, height=900, scheme="dark"),
+    Shot("report_limits", "demo", section="limits", width=1180, height=760),
+    Shot("report_phone", "demo", width=400, height=860),
+    Shot("report_tournament", "tournament", width=1180, height=900),
 )
+"""Of the gallery, and of the page on reports."""
 
 
 def fricmodels(*arguments: str | Path, where: Path = PAGES) -> None:
@@ -102,6 +110,9 @@ def make(page: str) -> Path:
             fricmodels("demo", "--out", "demo-run", "--jobs", "1")
             fricmodels("report", "demo-run/hidden/diagnosis.json", "--out", PAGES / "demo.html")
             fricmodels("report", "demo-run", "--out", PAGES / "demo_tournament.html")
+        case "tournament":
+            make("demo")
+            fricmodels("report", "demo-run/leaderboard.json", "--out", file)
         case "emps":
             fricmodels("report", "emps/emps_id.csv", "--linear", *emps, *report, where=DATA)
         case "emps_position":
@@ -143,10 +154,12 @@ def main() -> None:
         if shot.figure:
             return place.locator("xpath=ancestor::figure").screenshot()
         page.evaluate("document.querySelectorAll('main details').forEach(e => { e.open = false; })")
-        page.evaluate("scrollTo(0, 0)")
-        page.wait_for_timeout(500)
+        page.evaluate(
+            f"document.getElementById('{shot.section}').scrollIntoView()" if shot.section else "scrollTo(0, 0)"
+        )
+        page.wait_for_timeout(1500)
         said = page.locator(".verdict .sentence, .verdict dl > div:first-child > dd").all_inner_texts()
-        quote(shot.name, " ".join(" ".join(said).split()))
+        quote(shot.name.removeprefix("gallery_"), " ".join(" ".join(said).split()))
         return page.screenshot()
 
     with sync_playwright() as driver:
@@ -156,7 +169,7 @@ def main() -> None:
             if shot.name not in chosen:
                 continue
             picture = Image.open(io.BytesIO(take(browser, shot))).convert("RGB").quantize(COLOURS)
-            file = PICTURES / f"gallery_{shot.name}.png"
+            file = PICTURES / f"{shot.name}.png"
             picture.save(file, optimize=True)
             size = file.stat().st_size
             print(f"{file.relative_to(ROOT)}: {size / 1e3:.0f} kB, {picture.width} × {picture.height}", flush=True)

@@ -32,7 +32,7 @@ from fricmodels.report.page import (
     Words,
     table,
 )
-from fricmodels.report.render import asset, figure_names, fragment, plotly_script, render
+from fricmodels.report.render import asset, figure_names, fragment, held, plotly_script, render
 
 SCRIPTS = re.compile(r"<script([^>]*)>(.*?)</script>", re.DOTALL)
 
@@ -147,3 +147,10 @@ def test_figures_keep_their_names_wherever_they_stand() -> None:
     figure = go.Figure()
     listed = [Picture("a", "b", figure, name=name) for name in ("spectrum", "Load torque", "spectrum")]
     assert [*figure_names(listed).values()] == ["spectrum", "load-torque", "spectrum-2"]
+
+
+def test_a_number_stays_on_one_line_with_its_unit() -> None:
+    text = held("by 0.00421 N m RMS at 26.7 rad/s, per sample (1 ms), 3 % of 8 000 samples in 2 sets")
+    assert text.replace("\u00a0", "_") == (
+        "by 0.00421_N_m RMS at 26.7_rad/s, per sample (1_ms), 3_% of 8 000 samples in 2 sets"
+    )

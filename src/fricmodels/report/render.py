@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from plotly.graph_objects import Figure
 
 _HEIGHT = 420
+_UNIT = re.compile(r"(?<=\d) (?=%|(?:ms|s|N|rad|m|Hz)\b)")
 _LONG_WORD = 44
 """A longer name is broken to fit its column."""
 
@@ -59,10 +60,17 @@ def _environment() -> Any:
 
     environment = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
     environment.filters["mathml"] = lambda text: [Markup(line) for line in mathml(text)]
+    environment.filters["held"] = held
     environment.filters["symbol"] = lambda text: Markup(symbol(text))
     environment.filters["height"] = lambda picture: int(picture.figure.layout.height or _HEIGHT)
     environment.filters["one_word"] = lambda text: len(text) <= _LONG_WORD and not any(map(str.isspace, text))
     return environment
+
+
+def held(text: str) -> str:
+    """Return a text in which a number stays on one line with its unit."""
+    together = text.replace("N m", "N\N{NO-BREAK SPACE}m")
+    return _UNIT.sub("\N{NO-BREAK SPACE}", together)
 
 
 def fragment(blocks: Iterable[Block]) -> tuple[str, dict[str, str]]:
