@@ -65,7 +65,7 @@ def test_the_best_model_is_named_with_its_error(folder: Path) -> None:
     assert f"{best['held_out_rms_torque_error_percent']:.3g}" in page.verdict.sentence
     assert page.title == "motors"
     assert "It is the best on 2 of 2 datasets." in page.verdict.details
-    assert "Of 6 fits 2 gave no result; the reasons stand below." in page.verdict.details
+    assert "Two of 6 fits gave no result; the reasons stand below." in page.verdict.details
     assert page.tiles[-1].value == "4 of 6"
 
 

@@ -120,7 +120,8 @@ def verdict(board: Leaderboard) -> Verdict:
         )
     first = ranked[0]
     sentence = f"{first.model} comes first: {percent(first.middle)} torque error {over}, with {first.estimator}."
-    details = [f"The error is that of {kind}{window_words(board)}, in % of the RMS motor torque."]
+    window = f", averaged{window_words(board)}" if window_words(board) else ""
+    details = [f"The error is in % of the RMS motor torque, on {kind}{window}."]
     others = [each for each in ranked if each.model != first.model]
     if others:
         details.append(
@@ -131,7 +132,9 @@ def verdict(board: Leaderboard) -> Verdict:
         same = sum(model == first.model for model in winners.values())
         details.append(f"It is the best on {same} of {datasets} datasets.")
     if board.failures:
-        details.append(f"Of {len(board.rows)} fits {len(board.failures)} gave no result; the reasons stand below.")
+        lost = counted(len(board.failures), "fit").partition(" ")[0].capitalize()
+        stands = "reason stands" if len(board.failures) == 1 else "reasons stand"
+        details.append(f"{lost} of {len(board.rows)} fits gave no result; the {stands} below.")
     return Verdict(sentence, "warn" if board.failures else "good", details)
 
 
