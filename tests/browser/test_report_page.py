@@ -161,6 +161,11 @@ def test_every_figure_prints_uncut(look: Callable[..., Any], story_page: Path) -
         "[...document.querySelectorAll('main table')].map(e => e.getBoundingClientRect().right)"
     )
     assert max(tables) <= A4_WIDTH + 1
+    rows = seen.page.evaluate(
+        "[...document.querySelectorAll('#regimes .ytick text')].map(e => e.getBoundingClientRect().top)"
+    )
+    assert len(rows) > 10
+    assert np.min(np.abs(np.diff(sorted(rows)))) > 12, "names beneath each other touch"
     seen.page.evaluate("dispatchEvent(new Event('afterprint'))")
     assert seen.page.locator("main details[open]").count() == 0, "what was folded is folded again"
     assert seen.console == []

@@ -107,8 +107,11 @@ def by_regime(comparison: Comparison) -> Picture:
     """Return in which regimes of motion the error lies."""
     from fricmodels.report import figures
 
-    words = where_words(comparison, most=3)
-    return Picture("Error by regime", words, figures.error_shares(comparison), regimes(comparison), "regimes")
+    figure, words = figures.error_shares(comparison), where_words(comparison, most=3)
+    shown, regimes_of = figure.layout.meta["rows"], figure.layout.meta["regimes"]
+    if shown < regimes_of:
+        words += f" Drawn are the groups with the largest errors; the table has all {regimes_of} regimes."
+    return Picture("Error by regime", words, figure, regimes(comparison), "regimes")
 
 
 def marks(comparison: Comparison) -> list[Picture]:

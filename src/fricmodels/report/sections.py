@@ -287,10 +287,10 @@ def all_parameters(data: ComparisonDocument, known: Correlation | None = None) -
     if last.model.count("+") > _OPEN:  # each effect's own equation stands above
         formulas = [Fold("Equations of the model", formulas)]
     blocks: list[Block] = [*formulas, fitted(last, data.motion), Words(note)]
-    pair = None if known is None else correlated(known)
-    blocks += [] if pair is None else [Fold("Correlation of the parameters", [pair])]
     if len(steps) > 1:
         blocks.append(Fold(f"Parameters of the given model, {data.model}", [fitted(steps[0], data.motion)]))
+    pair = None if known is None else correlated(known)
+    blocks += [] if pair is None else [Fold("Correlation of the parameters", [pair])]
     return Section("parameters", "Parameters", blocks)
 
 

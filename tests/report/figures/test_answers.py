@@ -283,7 +283,7 @@ def test_a_recording_that_never_reverses_has_no_loops(compared):
 def test_shares_are_those_of_the_comparison(comparison):
     figure = figures.error_shares(comparison)
     shown, whole = trace(figure, "RMS error in the regime"), trace(figure, "over all that was fitted")
-    for row in comparison.where:
+    for row in (row for row in comparison.where if row.regime in shown.y):
         at = shown.y.index(row.regime)
         assert shown.x[at] == pytest.approx(row.rms_torque_error)
         assert shown.customdata[at] == pytest.approx([100 * row.share_of_squared_error, 100 * row.share_of_samples])
@@ -292,6 +292,8 @@ def test_shares_are_those_of_the_comparison(comparison):
 
 def test_the_regimes_of_a_group_stand_together_and_divide_the_motion(comparison):
     from fricmodels.diagnosis.where import grouped
+    from fricmodels.report.figures.shares import MOST_REGIMES
+    from fricmodels.report.pictures import by_regime
 
     groups = grouped(comparison.where)
     assert {row.regime for row in groups["direction"]} == {"forward", "backward"}
@@ -299,7 +301,19 @@ def test_the_regimes_of_a_group_stand_together_and_divide_the_motion(comparison)
         assert sum(row.share_of_squared_error for row in groups[name]) == pytest.approx(1.0)
     shown = trace(figures.error_shares(comparison), "RMS error in the regime")
     flat = [row.regime for group in groups.values() for row in sorted(group, key=lambda row: -row.rms_torque_error)]
-    assert list(shown.y) == flat
+    assert list(shown.y) == flat[: len(shown.y)]
+    assert len(shown.y) <= MOST_REGIMES < len(flat)
+    drawn, largest = set(shown.y), [max(row.rms_torque_error for row in group) for group in groups.values()]
+    for group, most in zip(groups.values(), largest, strict=True):
+        assert len(drawn & {row.regime for row in group}) in (0, len(group)), "a group is drawn whole or not at all"
+        if group[0].regime not in drawn:
+            assert all(
+                most <= size for size, own in zip(largest, groups.values(), strict=True) if own[0].regime in drawn
+            )
+    picture = by_regime(comparison)
+    assert f"the table has all {len(flat)} regimes" in picture.message
+    assert picture.table is not None
+    assert len(picture.table.rows) == 1 + len(flat), "and the whole"
 
 
 def test_noise_alone_has_no_peaks_and_a_ripple_within_noise_has_one():

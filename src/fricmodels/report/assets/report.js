@@ -142,7 +142,9 @@
   }
 
   const share = (held) => (held.width === NARROW ? BESIDE : PAPER);
-  const onPaper = (held) => Math.min(HIGHEST, Math.max(LOWEST, Math.round(share(held) * held.height)));
+  const ROW = 14; // of names beneath each other, so that they do not touch
+  const least = (held) => Math.max(LOWEST, ROW * (held.figure.layout.meta?.rows ?? 0) + 110);
+  const onPaper = (held) => Math.max(least(held), Math.min(HIGHEST, Math.round(share(held) * held.height)));
 
   function drawing(held, place) {
     const { data, layout } = recoloured(

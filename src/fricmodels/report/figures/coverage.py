@@ -93,6 +93,7 @@ def correlation(names: Sequence[str], matrix: Sequence[Sequence[float | None]]) 
     )
     figure.update_xaxes(title_text="", showgrid=False, tickangle=-45)
     figure.update_yaxes(title_text="", showgrid=False, autorange="reversed")
+    figure.update_layout(meta={"rows": len(shown)})
     return styled(figure, "Correlation of the parameters", "", height=160 + 26 * len(shown))
 
 

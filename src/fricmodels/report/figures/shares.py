@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 from fricmodels.dimension import FORCE
@@ -9,18 +10,23 @@ from fricmodels.report.figures.style import LIGHT, Figure, escaped, graph_object
 
 if TYPE_CHECKING:
     from fricmodels.diagnosis.comparison import Comparison
+    from fricmodels.diagnosis.where import Regime
+
+MOST_REGIMES = 16
+"""Regimes that are drawn: those that every drive with a position has; the table has all."""
 
 
 def error_shares(comparison: Comparison) -> Figure:
     """Draw the RMS error in each regime beside that of the whole, in groups that divide the motion in different ways.
 
-    The regimes of a group do not overlap. Where one lies well to the right of the line, the model fails there.
+    The regimes of a group do not overlap. Where one lies well to the right of the line, the model fails there. Of many
+    groups those are drawn in which the error is largest.
     """
     from fricmodels.diagnosis.where import grouped
 
     go = graph_objects()
     motion, whole = comparison.drive.motion, comparison.errors.SI
-    groups = grouped(comparison.where)
+    groups = drawn_groups(grouped(comparison.where))
     unit = unit_of(FORCE, motion)
     figure = go.Figure()
     rows = [row for group in groups.values() for row in sorted(group, key=lambda row: -row.rms_torque_error)]
@@ -59,5 +65,16 @@ def error_shares(comparison: Comparison) -> Figure:
         figure.add_hline(y=below - 0.5, line={"color": LIGHT["axis"], "width": 1}, layer="below")
     figure.update_xaxes(title_text=label(f"RMS {words('torque', motion)} error", unit), rangemode="tozero")
     figure.update_yaxes(title_text="", showgrid=True, autorange="reversed", dtick=1)
+    figure.update_layout(meta={"rows": len(rows), "regimes": len(comparison.where)})
     subtitle = f"{comparison.train.name}: {comparison.drive.model.name}"
     return styled(figure, "Where the error lies", subtitle, height=120 + 19 * len(rows))
+
+
+def drawn_groups(groups: Mapping[str, list[Regime]]) -> dict[str, list[Regime]]:
+    """Return the first groups of regimes, as many as have room beneath each other on a page."""
+    kept: dict[str, list[Regime]] = {}
+    for name, own in groups.items():
+        if kept and sum(map(len, kept.values())) + len(own) > MOST_REGIMES:
+            break
+        kept[name] = own
+    return kept
