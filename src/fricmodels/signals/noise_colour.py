@@ -56,6 +56,8 @@ _FEWEST = 5
 _COLOURED = 20.0
 """Autoregressive noise is there if it lowers n ln(sum of squares) by so much. With white noise it was below 15, with
 AR 0.9 to 0.99 above 35, on 60 simulated drives; by Akaike's criterion 4 would do, were the powers of s exact."""
+_NO_MORE = 2.0
+"""Factor by which a mean square may be less than that of a noise by chance; white noise and a walk differ by s²."""
 _AS_GOOD = 2.0
 """Times T fit as well if n ln(sum of squares) is within this of the best: twice the logarithm of a likelihood ratio."""
 
@@ -251,6 +253,21 @@ def coloured_noise(
     return Noise(max(math.sqrt(chosen[0]), untold), math.sqrt(chosen[1]), math.sqrt(chosen[-1]), _LASTING[i])
 
 
+def may_be_there(noise: Noise, parts: Sequence[tuple[Array, Array]]) -> bool:
+    """Whether a channel may have a noise: whether at every s it alone has no more than the mean square that is there.
+
+    Motion adds to the noise, and takes nothing away.
+
+    Args:
+        noise: white, the difference of white, and lasting.
+        parts: time stamps and values of stretches without a gap.
+    """
+    squares = _squares(parts, _SCALES, quiet=False)
+    variances = np.array([noise.white**2, noise.difference**2, noise.lasting**2])
+    own = np.array([_gains(s, noise.samples)[[0, 1, -1]] @ variances for s in squares])
+    return bool(np.all(own <= _NO_MORE * np.array(list(squares.values()))))
+
+
 def most_noise(parts: Sequence[tuple[Array, Array]]) -> float:
     """Return the standard deviation of noise if all that happens from sample to sample in quiet stretches is noise.
 
@@ -368,14 +385,14 @@ def _divided_differences(time: Array, values: Array, scale: int, step: int) -> A
     return np.asarray(np.einsum("ij,ij->j", weights, np.stack([means[part] for part in at])))
 
 
-@lru_cache(maxsize=len(_ALL_SCALES))
-def _gains(scale: int) -> Array:
+@lru_cache(maxsize=4 * len(_ALL_SCALES))
+def _gains(scale: int, *times: float) -> Array:
     """Return what unit noise of each kind adds to the mean square: white, difference of white, each lasting T."""
     weights = np.repeat(_DIFFERENCE / scale, scale)
     products = np.correlate(weights, weights, "full")[len(weights) - 1 :]
     lag = np.arange(len(weights))
     of_difference = 2.0 * products[0] - 2.0 * (products[1] if len(products) > 1 else 0.0)
-    lasting = [products[0] + 2.0 * float(products[1:] @ np.exp(-lag[1:] / samples)) for samples in _LASTING]
+    lasting = [products[0] + 2.0 * float(products[1:] @ np.exp(-lag[1:] / t)) for t in times or _LASTING]
     return np.array([products[0], of_difference, *lasting])
 
 
