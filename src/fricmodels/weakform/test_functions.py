@@ -5,7 +5,8 @@ r"""The equation of motion in weak form: multiplied by bumps that vanish at thei
 
 The derivative stands on the bump, which is known, and not on the velocity, which is measured: nothing smears the
 Coulomb step at a reversal, and nothing amplifies noise. Torques are integrated along cubics through four samples; where
-the velocity changes its sign between two samples, along straight lines, split at the instant of the crossing. A resting
+the velocity changes its sign between two samples, along straight lines, split at the instant of the crossing, where the
+motor torque may jump. A resting
 drive fulfils the equation whatever its friction is, so samples at rest contribute to neither side.
 
 The test function is what makes the change of velocity exact. If the velocity is measured it is constant within a cell:
@@ -26,6 +27,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fricmodels.recording import Recording
+from fricmodels.weakform.jumps import jumps_at_reversals
 
 Array = NDArray[np.float64]
 
@@ -65,8 +67,15 @@ class Quadrature:
     half: Array
 
     @classmethod
-    def of(cls, recording: Recording, velocity: Array, resting: NDArray[np.bool_]) -> Quadrature:
-        """Prepare the integrals over a recording with the velocity that the friction torque is to be evaluated at."""
+    def of(cls, recording: Recording, velocity: Array, resting: NDArray[np.bool_], *, jumps: bool = True) -> Quadrature:
+        """Prepare the integrals over a recording with the velocity that the friction torque is to be evaluated at.
+
+        Args:
+            recording: as it is integrated.
+            velocity: at its samples, shape (N,).
+            resting: samples of no use, shape (N,).
+            jumps: whether the motor torque may jump where the drive turns; see :mod:`.jumps`.
+        """
         joined = np.zeros(len(recording) - 1, dtype=bool)
         for piece in segments(recording):
             joined[piece.start : piece.stop - 1] = True
@@ -77,8 +86,8 @@ class Quadrature:
         half = np.where(both & ~turning, 0.5 * step, 0.0)
         cell = np.flatnonzero(joined & (turning | (moving[:-1] != moving[1:])))
         earlier, later = velocity[cell], velocity[cell + 1]
-        last = len(recording) - 1
-        previous, following = np.maximum([cell - 1, cell - 2], 0), np.minimum([cell + 2, cell + 3], last)
+        end = len(recording) - 1
+        previous, following = np.maximum([cell - 1, cell - 2], 0), np.minimum([cell + 2, cell + 3], end)
         before = np.where(moving[cell], _share_to_zero(earlier, *velocity[previous]), 0.0)
         after = np.where(moving[cell + 1], _share_to_zero(later, *velocity[following]), 0.0)
         both_parts = np.maximum(before + after, 1.0)
@@ -89,8 +98,11 @@ class Quadrature:
             if name == "velocity":
                 parts = [velocity, tiny * np.sign(earlier), tiny * np.sign(later)]
             else:
-                first, change = values[cell], values[cell + 1] - values[cell]
-                parts = [values, first + before * change, first + (1.0 - after) * change]
+                first, last, change = values[cell], values[cell + 1], values[cell + 1] - values[cell]
+                if jumps and name == "torque":
+                    sides = np.sign(later) - np.sign(earlier)
+                    change = change - jumps_at_reversals(values, cell, before, after, half, sides)
+                parts = [values, first + before * change, last - after * change]
             channels[name] = np.concatenate(parts)
         run = np.concatenate([recording.run, recording.run[cell], recording.run[cell]])
         half_step = 0.5 * step[cell]
