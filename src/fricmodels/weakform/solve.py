@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from fricmodels.weakform.equations import projection
 from fricmodels.weakform.inference import at_least, covariance
+from fricmodels.weakform.least_squares import NormalEquations
 from fricmodels.weakform.nonlinear import Plan
 from fricmodels.weakform.optimise import ROUNDS, coordinate_search, multistart_nelder_mead
 from fricmodels.weakform.problem import WeakFormProblem
@@ -121,14 +122,26 @@ class Solved:
     @cached_property
     def _spread(self) -> Array:
         """Covariance in the order of the solution; 0 for what is held."""
-        solution = self.solution
-        free = np.array([i for i in range(len(solution.jacobian)) if i not in self._held], dtype=np.int64)
-        normal = solution.normal if len(free) == len(solution.jacobian) else solution.part(free)
+        solution, (free, normal) = self.solution, self._free
         result = np.zeros((len(solution.jacobian),) * 2)
         found = covariance(solution.jacobian[free].T, solution.residual, normal.inverse, self.problem.independent)
         moved = scatter_of_steps(self.problem, self.parameters) @ solution.jacobian[free].T @ normal.inverse
         result[np.ix_(free, free)] = at_least(found, moved.T @ moved / max(len(moved), 1))
         return result
+
+    def moved_by(self, left: Array) -> Array:
+        """Return by how much the estimates move with what is left of the rows, shape (k, rows) → (n, k)."""
+        solution, (free, normal) = self.solution, self._free
+        moved = np.zeros((len(solution.jacobian), len(left)))
+        moved[free] = normal.inverse @ (solution.jacobian[free] @ left.T)
+        return moved[self.places]
+
+    @cached_property
+    def _free(self) -> tuple[NDArray[np.int64], NormalEquations]:
+        """Places in the solution of what is not held, and the normal equations of these."""
+        solution = self.solution
+        free = np.array([i for i in range(len(solution.jacobian)) if i not in self._held], dtype=np.int64)
+        return free, solution.normal if len(free) == len(solution.jacobian) else solution.part(free)
 
     @property
     def _held(self) -> set[int]:
