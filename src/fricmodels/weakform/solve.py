@@ -245,7 +245,7 @@ class Solved:
             nuisances, sizes, centre, true_to = nuisances[some], sizes[some], centre[some], true_to[some]
         own = self._spread[np.ix_(nuisances, nuisances)] / np.outer(sizes, sizes)
         estimate = (self.solution.theta[nuisances] - centre) / sizes
-        seen = np.diag(own) > 0.0
+        seen = (np.diag(own) > 0.0) & np.any(self.solution.jacobian[nuisances] != 0.0, axis=1)
         total, axes = np.linalg.eigh(own[np.ix_(seen, seen)] + np.diag(true_to[seen] ** 2))
         along = axes.T @ estimate[seen]
         known = 2 * math.pi * total < 1.0  # what is known worse than all that is possible says nothing

@@ -192,17 +192,16 @@ class Projection:
 
     def _step(self, at: Solution, scale: Array, damping: float, moving: NDArray[np.bool_]) -> tuple[Array, float]:
         """Return the Levenberg step of α, the linear parameters following (projected out), and the fall it promises."""
+        from fricmodels.kernels.small import reduced
+
         free, last = self._free, self._width + np.flatnonzero(moving)
-        scale = scale[moving]
-        gram = at.normal.gram * np.outer(at.normal.size, at.normal.size)
-        inner = NormalEquations.of(gram[np.ix_(free, free)], np.zeros(len(free))).inverse
-        cross = gram[np.ix_(free, last)] * scale
-        right = at.normal.right * at.normal.size
-        reduced = gram[np.ix_(last, last)] * np.outer(scale, scale) - cross.T @ inner @ cross
-        gradient = right[last] * scale - cross.T @ (inner @ right[free])
-        diagonal = np.maximum(np.diag(reduced), 1e-300)
+        gram, scale = at.normal.gram, scale[moving]
+        inner = NormalEquations.of(np.ascontiguousarray(gram[free[:, None], free]), np.zeros(len(free))).inverse
+        matrix, gradient = np.empty((len(last), len(last))), np.empty(len(last))
+        reduced(gram, at.normal.right, inner, free, last, scale, matrix, gradient)
+        matrix += damping * np.diag(np.maximum(np.diag(matrix), 1e-300))
         step = np.zeros(len(moving))
-        step[moving] = np.linalg.lstsq(reduced + damping * np.diag(diagonal), gradient, rcond=1e-14)[0]
+        step[moving] = NormalEquations.of(matrix, gradient).inverse @ gradient
         return step, float(gradient @ step[moving])
 
     def cost(self, alpha: Array) -> float:
