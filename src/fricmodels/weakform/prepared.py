@@ -12,6 +12,7 @@ from fricmodels.recording import Recording
 from fricmodels.signals import best_half_width, noise_of, prepare, velocity_noise, with_derived_velocity
 from fricmodels.signals.beginnings import with_true_beginnings
 from fricmodels.signals.lanczos import even_weights
+from fricmodels.signals.rest import once
 from fricmodels.signals.stamp_noise import with_false_stamps
 from fricmodels.signals.stamps import with_even_stamps
 
@@ -38,8 +39,9 @@ def prepared(recording: Recording) -> Recording:
     return replace(part, run=recording.run)
 
 
+@once
 def ready(recording: Recording) -> Recording:
-    """Return a recording with velocity and acceleration, and with time from its start.
+    """Return a recording with velocity and acceleration, and with time from its start; the same one every time.
 
     Raises:
         InputError: when the recording does not move.

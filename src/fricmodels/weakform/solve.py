@@ -278,6 +278,15 @@ def solve(problem: WeakFormProblem, plan: Plan, *, timing: bool = True) -> Solve
     return Solved(problem, plan, solution, timing)
 
 
+def begins_where(problem: WeakFormProblem, plan: Plan, found: Solved) -> bool:
+    """Whether a fit to the rows of a problem would begin from the same nonlinear parameters as an earlier one."""
+    start = found.solution.start
+    if start is None:
+        return False
+    least_squares, search = projection(problem, plan, timing=found.timing)
+    return bool(np.array_equal(least_squares.best_start(search), start))
+
+
 def with_or_without_shift(found: Solved, plan: Plan) -> Solved:
     """Fit without a shift in time, with that of a held torque, and with any small one; return the one to be taken.
 

@@ -100,6 +100,7 @@ class Solution:
         residual: shape (M,).
         normal: normal equations of the Jacobian at the solution.
         iterations, converged: of the Gauss–Newton iteration.
+        start: nonlinear parameters that it began from, where it did.
     """
 
     theta: Array
@@ -109,6 +110,7 @@ class Solution:
     normal: NormalEquations
     iterations: int
     converged: bool
+    start: Array | None = None
 
     @property
     def cost(self) -> float:
@@ -161,9 +163,13 @@ class Projection:
         """Return the least-squares fit: from the best of the starting points, by Gauss–Newton to the end."""
         if not self._equations.separable.nonlinear:
             return self.at(np.zeros(0))
+        start = self.best_start(nonlinear)
+        return replace(self._descend(self.at(start), nonlinear, max_iterations), start=start)
+
+    def best_start(self, nonlinear: Nonlinear) -> Array:
+        """Return the starting point that leaves least."""
         starts = [nonlinear.clip(point) for point in nonlinear.combinations()]
-        start = min(starts, key=self.cost) if len(starts) > 1 else starts[0]
-        return self._descend(self.at(start), nonlinear, max_iterations)
+        return min(starts, key=self.cost) if len(starts) > 1 else starts[0]
 
     def _descend(self, at: Solution, nonlinear: Nonlinear, max_iterations: int) -> Solution:
         damping = 1e-3
