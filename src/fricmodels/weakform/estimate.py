@@ -24,6 +24,7 @@ from fricmodels.recording import Recording
 from fricmodels.score.torque import filtered_torque_error, sliding_half_width
 from fricmodels.weakform.friction_limits import limits_of_friction
 from fricmodels.weakform.identification import identified
+from fricmodels.weakform.least_squares import NormalEquations
 from fricmodels.weakform.model_velocity import at_model_velocity
 from fricmodels.weakform.nonlinear import Plan
 from fricmodels.weakform.problem import WeakFormProblem
@@ -241,6 +242,6 @@ def _guess(drive: Drive, recording: Recording, start: Mapping[str, float]) -> di
         acceleration = np.gradient(recording.velocity, recording.time)
         coarse = np.convolve(acceleration, np.ones(9) / 9, "same")
         force = np.convolve(recording.torque - recording.load_torque, np.ones(9) / 9, "same")
-        base = np.column_stack([coarse, np.sign(recording.velocity), recording.velocity])
-        values[drive.inertia_key] = max(float(np.linalg.lstsq(base, force, rcond=None)[0][0]), 1e-12)
+        base = np.array([coarse, np.sign(recording.velocity), recording.velocity])
+        values[drive.inertia_key] = max(float(NormalEquations.of(base @ base.T, base @ force).solved[0]), 1e-12)
     return values

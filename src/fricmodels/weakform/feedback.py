@@ -28,6 +28,8 @@ def feedback(found: Solved, changes: Array) -> Array:
         found: the fit; nothing but its own rows is evaluated.
         changes: derivative of the velocity by each of the drive's parameters, shape (n, N); 0 at rest.
     """
+    if not changes.any():
+        return np.eye(len(changes))
     spread = np.sqrt(np.clip(np.diag(found.covariance), 0.0, None))
     size = np.where(spread > 0.0, spread, 1.0)
     response = found.moved_by(_left_by(found, size[:, None] * changes)) / size[:, None]

@@ -94,9 +94,14 @@ class NormalEquations:
         own = float(self.inverse[0, 0])
         return 1.0 / own if own > 0.0 else math.inf
 
+    @property
+    def solved(self) -> Array:
+        """The least-squares solution, shape (n,); what is not determined is nothing."""
+        return np.asarray(self.inverse @ self.right)
+
     def solve(self, constraints: Array, limits: Array) -> Array:
         """Return the least-squares solution subject to ``constraints @ x ≥ limits``."""
-        free = self.inverse @ self.right
+        free = self.solved
         slack = constraints @ free - limits
         if np.all(slack >= -1e-12 * np.abs(constraints) @ np.abs(free)):
             return np.asarray(free)

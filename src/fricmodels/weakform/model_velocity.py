@@ -99,7 +99,7 @@ def at_model_velocity(found: Solved, *, widen: bool = True) -> Solved:
         if velocity and (predicted is None or velocity.prediction_error < predicted.prediction_error):
             best, predicted = solve(other.problem, found.plan, timing=False), velocity
     # Simulated with the torque at another time the velocity would be another, and what it is now hides the shift.
-    if max(found.log_odds_of_a_shift(reversals=False), best.with_shift().log_odds_of_a_shift()) > STRONG:
+    if max(found.log_odds_of_a_shift(reversals=False), best.with_shift.log_odds_of_a_shift()) > STRONG:
         return at_smooth
     more = _left_by(best.values, found) / found.solution.cost - 1.0
     if more > _CONTRADICTED - 1.0 or (found is not at_smooth and _is_contradicted(more, found)):
@@ -112,6 +112,8 @@ def at_model_velocity(found: Solved, *, widen: bool = True) -> Solved:
 def _changes(found: Solved, predicted: ModelVelocity) -> Array:
     """Return the derivative of the predicted velocity by each of the drive's parameters, shape (n, N)."""
     recording = found.problem.recording
+    if set(predicted.gains) == {1.0}:  # it is the measured velocity itself
+        return np.zeros((len(found.values), len(recording)))
     of_model = tangents(found.problem.drive, found.parameters, recording, predicted.simulated)
     changes = of_model.copy()
     for number, gain in zip(recording.run_numbers, predicted.gains, strict=True):

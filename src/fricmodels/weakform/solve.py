@@ -73,7 +73,7 @@ class Solved:
     def changed(self, **changes: Any) -> Solved:
         """Return a copy with other attributes than the rows, the plan or the solution; what these show is kept."""
         copy = replace(self, **changes)
-        for name in ("places", "values", "_spread"):
+        for name in ("places", "values", "_spread", "with_shift"):
             if name in self.__dict__:
                 copy.__dict__[name] = self.__dict__[name]
         return copy
@@ -188,9 +188,10 @@ class Solved:
         start = {key: value for key, value in self.parameters.items() if key in nonlinear}
         return replace(self.plan, start=start, nearly=True)
 
+    @cached_property
     def with_shift(self) -> Solved:
-        """Return the fit to the same rows with a small shift in time."""
-        return solve(self.problem, self.plan)
+        """The fit to the same rows with a small shift in time, begun from this one."""
+        return solve(self.problem, self.again)
 
     @property
     def residual_percent(self) -> float:
@@ -296,7 +297,8 @@ def with_or_without_shift(found: Solved, plan: Plan) -> Solved:
     Where the rows are at a velocity that the fit predicts, that velocity has already told whether the torque is held.
     """
     problem = found.problem
-    shifted, plain = (solve(problem, plan, timing=t).changed(feedback=found.feedback) for t in (True, False))
+    shifted = found.with_shift if plan == found.again else solve(problem, plan)
+    shifted, plain = (fit.changed(feedback=found.feedback) for fit in (shifted, solve(problem, plan, timing=False)))
     odds = [0.0, shifted.log_odds_of_a_shift()]
     fits = [plain, shifted]
     if _may_be_held(shifted):

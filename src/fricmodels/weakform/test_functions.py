@@ -106,8 +106,13 @@ class Quadrature:
 
     def change_while_moving(self, values: Array) -> Array:
         """Return by how much a channel, shape (N,), changes in each cell while the drive moves, shape (N,)."""
-        slope = np.diff(values, append=values[-1]) / np.diff(self.recording.time[: len(values)], append=np.inf)
-        return np.asarray(slope * self.moving_time)
+        change = np.zeros(len(values))
+        np.subtract(values[1:], values[:-1], out=change[:-1], where=self.half > 0.0)
+        if len(self.cell):
+            whole = self.recording.time[self.cell + 1] - self.recording.time[self.cell]
+            share = 2.0 * (self.before + self.after) / whole
+            change[self.cell] = share * (values[self.cell + 1] - values[self.cell])
+        return change
 
     def impulses(self, rows: Array) -> Array:
         """Return the integral of each row over each cell, shape (k, N), in torque × time; cell k follows sample k.

@@ -207,7 +207,7 @@ class Projection:
         reduced(gram, at.normal.right, inner, free, last, scale, matrix, gradient)
         matrix += damping * np.diag(np.maximum(np.diag(matrix), 1e-300))
         step = np.zeros(len(moving))
-        step[moving] = NormalEquations.of(matrix, gradient).inverse @ gradient
+        step[moving] = NormalEquations.of(matrix, gradient).solved
         return step, float(gradient @ step[moving])
 
     def cost(self, alpha: Array) -> float:
