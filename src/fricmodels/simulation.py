@@ -22,7 +22,7 @@ from weakref import WeakKeyDictionary
 import numpy as np
 from numpy.typing import ArrayLike
 
-from fricmodels.arrays import Array
+from fricmodels.arrays import Array, Mask
 from fricmodels.drive import Drive
 from fricmodels.errors import InputError
 from fricmodels.kernels import Scan
@@ -156,9 +156,7 @@ def simulated_velocity(
     Each run starts from its own first velocity (and position); nothing after that is taken from the measured motion.
     """
     simulated = np.empty(len(recording))
-    for number in recording.run_numbers:
-        mask = recording.run == number
-        one = recording.select(mask) if len(recording.run_numbers) > 1 else recording
+    for mask, one in _each_run(recording):
         position = float(one["position"][0]) if "position" in one else 0.0
         simulated[mask], _ = _integrate(drive, values, one, float(one.velocity[0]), position, between_samples, substeps)
     return simulated
@@ -212,6 +210,19 @@ def _integrate(
     velocity = np.concatenate([[initial_velocity], outputs[:, 0]])
     position = np.concatenate([[initial_position], outputs[:, 1]])
     return velocity, position
+
+
+@once
+def _runs(recording: Recording) -> list[tuple[Mask, Recording]]:
+    """Return the samples of each run, and the run on its own."""
+    masks = [recording.run == number for number in recording.run_numbers]
+    return [(mask, recording.select(mask)) for mask in masks]
+
+
+def _each_run(recording: Recording) -> list[tuple[Mask, Recording]]:
+    if len(recording.run_numbers) > 1:
+        return _runs(recording)
+    return [(np.ones(len(recording), dtype=bool), recording)]
 
 
 @once

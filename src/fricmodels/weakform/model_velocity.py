@@ -106,7 +106,18 @@ def at_model_velocity(found: Solved, *, widen: bool = True) -> Solved:
         return at_smooth  # what the rows at the measured velocity contradict is not more certain than they are
     if predicted is None or _risk_of(predicted, recording) > smooth:
         return at_smooth
-    return best.changed(feedback=feedback(best, _changes(best, predicted)))
+
+
+    def fitted(values: Array) -> Array:
+        parameters = {**best.parameters, **dict(zip(problem.drive.keys, values.tolist(), strict=True))}
+        other = model_velocity(problem.drive, parameters, recording, held=best.problem.held)
+        if other is None:
+            return best.values
+        rows = best.problem.along(other.velocity, other.resting)
+        enough = rows.rows > 4 * len(best.values)
+        return solve(rows, best.again, timing=False).values if enough else best.values
+
+    return best.changed(feedback=feedback(best, _changes(best, predicted), fitted))
 
 
 def _changes(found: Solved, predicted: ModelVelocity) -> Array:
