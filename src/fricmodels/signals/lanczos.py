@@ -143,7 +143,7 @@ def _even_window(half_width: int, degree: int) -> tuple[Array, Array]:
     """
     offset = np.arange(-half_width, half_width + 1) / half_width
     powers = np.vander(offset, degree + 1, increasing=True)
-    basis = np.linalg.pinv(powers)
+    basis = np.asarray(np.linalg.pinv(powers), dtype=float)
     slopes = np.zeros_like(powers)
     slopes[:, 1:] = powers[:, :-1] * np.arange(1, degree + 1) / half_width
     both = np.array([powers, slopes])

@@ -107,7 +107,6 @@ def at_model_velocity(found: Solved, *, widen: bool = True) -> Solved:
     if predicted is None or _risk_of(predicted, recording) > smooth:
         return at_smooth
 
-
     def fitted(values: Array) -> Array:
         parameters = {**best.parameters, **dict(zip(problem.drive.keys, values.tolist(), strict=True))}
         other = model_velocity(problem.drive, parameters, recording, held=best.problem.held)
