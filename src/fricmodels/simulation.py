@@ -35,6 +35,8 @@ Between: TypeAlias = Literal["linear", "held"]
 
 PHASES = 2
 """Legs of a step: to a stop and on, or at rest and away. What a third would do in the same step waits for the next."""
+_KEPT = 200_000
+"""Steps of which the inputs are kept, some 100 bytes each."""
 _scans: WeakKeyDictionary[Drive, WeakKeyDictionary[Loop | Drive, Scan]] = WeakKeyDictionary()
 
 
@@ -195,10 +197,7 @@ def _integrate(
         raise InputError(f"recording '{driven.name}' needs at least two increasing sample times to be simulated")
     driven.require(drive.model.required - {*MOTION, "load_torque"}, drive.model.name)
     inertia, parameters = _checked(drive, values)
-    known, key = _known_rows(driven), (pushing_signals(drive), between_samples, substeps)
-    if key not in known:
-        known[key] = stepping_rows(drive, driven, between_samples, substeps)
-    rows = known[key]
+    rows = _rows(drive, driven, between_samples, substeps)
     if width is None:
         width = width_of_rest(driven, inertia)
     states = [state.initial for state in drive.model.states] if initial_states is None else initial_states
@@ -225,9 +224,18 @@ def _each_run(recording: Recording) -> list[tuple[Mask, Recording]]:
     return [(np.ones(len(recording), dtype=bool), recording)]
 
 
+def _rows(drive: Drive, driven: Recording, between_samples: Between, substeps: int) -> Array:
+    """Return :func:`stepping_rows`, kept with a recording that is not long: a fit simulates it many times."""
+    if len(driven) * substeps > _KEPT:
+        return stepping_rows(drive, driven, between_samples, substeps)
+    known, key = _known_rows(driven), (pushing_signals(drive), between_samples, substeps)
+    if key not in known:
+        known[key] = stepping_rows(drive, driven, between_samples, substeps)
+    return known[key]
+
+
 @once
 def _known_rows(_: Recording) -> dict[tuple[object, ...], Array]:
-    """Return the inputs of steppings along a recording that were made already."""
     return {}
 
 
