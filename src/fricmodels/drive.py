@@ -250,11 +250,14 @@ class Drive:
     def linearised(self, recording: Recording, values: Mapping[str, float]) -> tuple[Array, Array, Array, Array]:
         """Return τ_F of every sample and its derivatives: by velocity, by acceleration, by each model parameter.
 
-        For a model without internal states; shapes (N,), (N,), (N,) and (parameters, N).
+        For a model without internal states; shapes (N,), (N,), (N,) and (parameters, N). What is not finite, as the
+        slope of a root at standstill, is 0.
         """
         _, parameters = self.split(values)
         (rows,) = self._linearised(*self._signals(recording, None), *parameters, rest_width(recording))
         rows = np.broadcast_to(rows, (len(rows), len(recording)))
+        if not np.isfinite(rows).all():
+            rows = np.where(np.isfinite(rows), rows, 0.0)
         return rows[0], rows[1], rows[2], rows[3:]
 
     def _signals(self, recording: Recording, velocity: Array | float | None) -> list[Any]:
