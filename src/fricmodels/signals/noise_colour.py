@@ -56,6 +56,8 @@ _FEWEST = 5
 _COLOURED = 20.0
 """Autoregressive noise is there if it lowers n ln(sum of squares) by so much. With white noise it was below 15, with
 AR 0.9 to 0.99 above 35, on 60 simulated drives; by Akaike's criterion 4 would do, were the powers of s exact."""
+_LEAST_LEFT = 1e-3
+"""Sum of squares, relative to what was measured, that even the best division leaves."""
 _AS_GOOD = 2.0
 """Times T fit as well if n ln(sum of squares) is within this of the best: twice the logarithm of a likelihood ratio."""
 
@@ -240,10 +242,12 @@ def coloured_noise(
     every = _joined([_fourth_differences(*_sums(*part), 1) for part in longer])
     untold = _UNTOLD * math.sqrt(float(every @ every) / max(len(every), 1)) / float(np.linalg.norm(_DIFFERENCE))
     white = Noise(max(math.sqrt(plain[0]), untold), math.sqrt(plain[1]))
+    count = len(measured)
+    if count < _FEWEST or count * math.log(plain_left / _LEAST_LEFT) < _COLOURED:
+        return white  # no division leaves so little that it would count
     tried = [_division(np.column_stack([fixed, own[:, 2 + i]]), measured) for i in range(len(_LASTING))]
     left = np.array([each for _, each in tried])
-    count = len(measured)
-    if count < _FEWEST or count * math.log(plain_left / left.min()) < _COLOURED:
+    if count * math.log(plain_left / left.min()) < _COLOURED:
         return white
     fits = np.flatnonzero(count * np.log(left / left.min()) < _AS_GOOD)
     i = int(fits[0 if least else -1]) if moving else int(np.argmin(left))
@@ -387,4 +391,4 @@ def _division(columns: Array, measured: Array) -> tuple[Array, float]:
     relative = columns / (measured / unit)[:, None]
     size = np.linalg.norm(relative, axis=0)
     found, left = nnls(relative / size, np.ones(len(measured)))
-    return found / size * unit, left**2 + 1e-3
+    return found / size * unit, left**2 + _LEAST_LEFT
