@@ -27,6 +27,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fricmodels.recording import Recording
+from fricmodels.signals.rest import once
 from fricmodels.weakform.jumps import jumps_at_reversals
 
 Array = NDArray[np.float64]
@@ -37,10 +38,20 @@ HOPS = 8
 
 def segments(recording: Recording) -> list[slice]:
     """Return the stretches without a gap: within a run, no step longer than three median ones."""
+    return _stretches_of(recording)[0]
+
+
+@once
+def _stretches_of(recording: Recording) -> tuple[list[slice], Array, NDArray[np.bool_]]:
+    """Return the stretches, the duration of each cell, 0 between them, and which cells lie within one."""
     step = np.diff(recording.time)
     broken = (np.diff(recording.run) != 0) | (step > 3.0 * recording.interval)
     edges = [0, *(np.flatnonzero(broken) + 1), len(recording)]
-    return [slice(start, stop) for start, stop in itertools.pairwise(edges)]
+    found = [slice(start, stop) for start, stop in itertools.pairwise(edges)]
+    joined = np.zeros(len(step), dtype=bool)
+    for piece in found:
+        joined[piece.start : piece.stop - 1] = True
+    return found, np.where(joined, step, 0.0), joined
 
 
 @dataclass(frozen=True)
@@ -76,15 +87,11 @@ class Quadrature:
             resting: samples of no use, shape (N,).
             jumps: whether the motor torque may jump where the drive turns; see :mod:`.jumps`.
         """
-        joined = np.zeros(len(recording) - 1, dtype=bool)
-        for piece in segments(recording):
-            joined[piece.start : piece.stop - 1] = True
-        step = np.where(joined, np.diff(recording.time), 0.0)
-        moving = ~resting
-        both = moving[:-1] & moving[1:]
-        turning = both & (velocity[:-1] * velocity[1:] <= 0.0)
-        half = np.where(both & ~turning, 0.5 * step, 0.0)
-        cell = np.flatnonzero(joined & (turning | (moving[:-1] != moving[1:])))
+        from fricmodels.weakform.split import split_cells
+
+        _, step, joined = _stretches_of(recording)
+        moving, half, cell = ~resting, np.empty(len(step)), np.empty(len(step), dtype=np.int64)
+        cell = cell[: split_cells(step, joined, velocity, resting, half, cell)].copy()
         earlier, later = velocity[cell], velocity[cell + 1]
         end = len(recording) - 1
         previous, following = np.maximum([cell - 1, cell - 2], 0), np.minimum([cell + 2, cell + 3], end)
@@ -111,8 +118,13 @@ class Quadrature:
 
     def change_while_moving(self, values: Array) -> Array:
         """Return by how much a channel, shape (N,), changes in each cell while the drive moves, shape (N,)."""
-        slope = np.diff(values, append=values[-1]) / np.diff(self.recording.time[: len(values)], append=np.inf)
-        return np.asarray(slope * self.moving_time)
+        change = np.zeros(len(values))
+        np.subtract(values[1:], values[:-1], out=change[:-1], where=self.half > 0.0)
+        if len(self.cell):
+            whole = self.recording.time[self.cell + 1] - self.recording.time[self.cell]
+            share = 2.0 * (self.before + self.after) / whole
+            change[self.cell] = share * (values[self.cell + 1] - values[self.cell])
+        return change
 
     def impulses(self, rows: Array) -> Array:
         """Return the integral of each row over each cell, shape (k, N), in torque × time; cell k follows sample k.
@@ -179,15 +191,11 @@ class Quadrature:
         the mean of the second derivatives at both ends of the cell. They are zero where the cell or a neighbour is
         split, rests or is missing; the middle one is where all cells are equal, but for rounding.
         """
-        step, whole = 2.0 * self.half, self.half > 0.0
-        slope = np.divide(1.0, step, out=np.zeros(len(step)), where=whole)
-        both = step[:-1] + step[1:]
-        second = np.divide(2.0, both, out=np.zeros(len(both)), where=both > 0.0)
-        cube = np.where(whole[:-2] & whole[1:-1] & whole[2:], -(step[1:-1] ** 3) / 24.0, 0.0)
-        own = cube * (second[:-1] - second[1:]) * slope[1:-1]
-        after = cube * second[1:] * slope[2:]
-        uneven = float(np.max(np.abs(own), initial=0.0)) > 1e-6 * float(np.max(np.abs(after), initial=0.0))
-        return np.array([-cube * second[:-1] * slope[:-2], own if uneven else np.zeros(len(own)), after])
+        from fricmodels.weakform.split import bending_of
+
+        weights = np.empty((3, max(len(self.half) - 2, 0)))
+        bending_of(self.half, weights)
+        return weights
 
 
 def mean_velocity(recording: Recording, position: Array) -> Array:
