@@ -29,6 +29,8 @@ Array = NDArray[np.float64]
 SIDE = 1.959963984540054
 FAR = 4.0
 """Standard errors from which a parameter is printed as an outlier."""
+FINE = 16
+"""Parts of a sampling interval over which a velocity is integrated."""
 EFFECTS = (
     "stribeck", "asymmetry", "torque-offset", "gravity", "stiffness", "nonlinear-viscous", "cogging", "drift",
     "step-change",
@@ -67,6 +69,8 @@ class Drawn:
 def path(rng: np.random.Generator, time: Array) -> Path:
     """Draw a motion."""
     kind = str(rng.choice(["sines", "moves", "ramps", "chirp", "speeds"]))
+    if kind != "sines":  # a position is integrated by trapezia, which at the samples themselves are wrong by 0.1 %
+        time = np.linspace(time[0], time[-1], FINE * (len(time) - 1) + 1)
     if kind == "sines":
         count = rng.integers(1, 6)
         rate, phase, size = (
@@ -84,7 +88,8 @@ def path(rng: np.random.Generator, time: Array) -> Path:
     else:
         velocity, acceleration = blended(rng, time, kind)
     travelled = np.cumsum(0.5 * (velocity[1:] + velocity[:-1]) * np.diff(time))
-    return Path(kind, np.concatenate([[0.0], travelled]), velocity, acceleration)
+    way = Path(kind, np.concatenate([[0.0], travelled]), velocity, acceleration)
+    return Path(kind, *(values[::FINE] for values in (way.position, way.velocity, way.acceleration)))
 
 
 def blended(rng: np.random.Generator, time: Array, kind: str) -> tuple[Array, Array]:
