@@ -7,6 +7,7 @@ import pytest
 from numpy.typing import NDArray
 from scipy.signal import lfilter
 
+from fricmodels.diagnosis import compare
 from fricmodels.dimension import Motion
 from fricmodels.recording import Recording
 from fricmodels.signals import (
@@ -167,6 +168,32 @@ def test_rests_between_strokes_are_found_whose_motion_hides_the_noise(lasts: flo
     assert np.mean(found[rests]) > 0.85
     assert np.mean(found[~rests]) < 0.1
     assert velocity_noise(recording).deviation == pytest.approx(0.02, rel=0.4)
+
+
+def slow_motion(seed: int, noise: float) -> Recording:
+    """Record an arm (0.05 kg m²) that never rests: five slow sines, which pass zero slowly once in a while."""
+    rng, time = np.random.default_rng(seed), 0.001 * np.arange(8000)
+    frequency, phase, size = rng.uniform(0.4, 11.0, 5), rng.uniform(0.0, 6.0, 5), rng.uniform(1.0, 3.0, 5)
+    angle = np.outer(frequency, time) + phase[:, None]
+    velocity, acceleration = size @ np.sin(angle), (size * frequency) @ np.cos(angle)
+    torque = 0.05 * acceleration + 0.1 * velocity + 0.4 * np.sign(velocity) + 0.02 * rng.standard_normal(8000)
+    channels = {"time": time, "torque": torque, "velocity": velocity + noise * rng.standard_normal(8000)}
+    return Recording("arm", Motion.ROTARY, channels, np.zeros(8000, dtype=np.int64))
+
+
+def test_a_slow_passage_through_zero_is_no_lasting_noise() -> None:
+    """Once in a while a band about zero holds a passage as if it were a rest, and a wider one holds more of them."""
+    for seed in range(20):
+        recording = slow_motion(seed, 0.1)
+        assert motion_noise(recording).deviation == pytest.approx(0.1, rel=0.05)
+        assert np.mean(resting(recording)) < 0.02
+
+
+def test_an_inertia_is_right_though_a_passage_seems_a_rest() -> None:
+    for seed in (0, 3, 7):
+        found = compare(slow_motion(seed, 0.01), "coulomb-viscous").estimate
+        assert abs(found.parameters["J"] - 0.05) < 4 * found.standard_errors["J"]
+        assert found.standard_errors["J"] < 0.002 * 0.05
 
 
 def test_rests_are_the_same_in_other_units_and_the_other_direction() -> None:

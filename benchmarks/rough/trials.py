@@ -193,6 +193,7 @@ def said(ladder: Ladder) -> Row:
         "last_unknown": last.plain()["unknown"],
         "remaining": last.plain()["remaining"],
         "ladder": [step.model for step in last.ladder],
+        "rungs": [[error(r.comparison), r.comparison.sliding.held_out_percent] for r in ladder.rungs],
         "note": last.note,
         "judged": [judged(d) for d in (ladder.first, *ladder.steps[1:], ladder.last)],
     }

@@ -247,6 +247,19 @@ class Drive:
         (derivative,) = self._torque_jacobian(*signals, *parameters, *states, rest_width(recording))
         return np.broadcast_to(derivative, (len(parameters), len(recording)))
 
+    def linearised(self, recording: Recording, values: Mapping[str, float]) -> tuple[Array, Array, Array, Array]:
+        """Return τ_F of every sample and its derivatives: by velocity, by acceleration, by each model parameter.
+
+        For a model without internal states; shapes (N,), (N,), (N,) and (parameters, N). What is not finite, as the
+        slope of a root at standstill, is 0.
+        """
+        _, parameters = self.split(values)
+        (rows,) = self._linearised(*self._signals(recording, None), *parameters, rest_width(recording))
+        rows = np.broadcast_to(rows, (len(rows), len(recording)))
+        if not np.isfinite(rows).all():
+            rows = np.where(np.isfinite(rows), rows, 0.0)
+        return rows[0], rows[1], rows[2], rows[3:]
+
     def _signals(self, recording: Recording, velocity: Array | float | None) -> list[Any]:
         recording.require(self.model.required, self.model.name)
         values: list[Any] = [recording.signal(name) if name in self.model.needs else 0.0 for name in self.model.signals]
@@ -272,6 +285,16 @@ class Drive:
         return ArrayFunction(
             casadi.Function("jacobian", [*e.signals.values(), e.parameters, e.states, e.width], [derivative])
         )
+
+    @cached_property
+    def _linearised(self) -> ArrayFunction:
+        import casadi
+
+        e = self.model.expression()
+        by = casadi.vertcat(e.signals["velocity"], e.signals["acceleration"], e.parameters)
+        rows = casadi.vertcat(e.torque, casadi.jacobian(e.torque, by).T)
+        given = [*e.signals.values(), e.parameters, e.width]
+        return ArrayFunction(casadi.Function("linearised", given, [rows], {"cse": True}))
 
     @cached_property
     def _linear_part(self) -> ArrayFunction:

@@ -22,18 +22,21 @@ from weakref import WeakKeyDictionary
 import numpy as np
 from numpy.typing import ArrayLike
 
-from fricmodels.arrays import Array
+from fricmodels.arrays import Array, Mask
 from fricmodels.drive import Drive
 from fricmodels.errors import InputError
 from fricmodels.kernels import Scan
 from fricmodels.loop import Loop
 from fricmodels.recording import Recording
+from fricmodels.signals.rest import once
 from fricmodels.stick_slip import MOTION, phase_of_step, pushing_signals
 
 Between: TypeAlias = Literal["linear", "held"]
 
 PHASES = 2
 """Legs of a step: to a stop and on, or at rest and away. What a third would do in the same step waits for the next."""
+_KEPT = 200_000
+"""Steps of which the inputs are kept, some 100 bytes each."""
 _scans: WeakKeyDictionary[Drive, WeakKeyDictionary[Loop | Drive, Scan]] = WeakKeyDictionary()
 
 
@@ -155,9 +158,7 @@ def simulated_velocity(
     Each run starts from its own first velocity (and position); nothing after that is taken from the measured motion.
     """
     simulated = np.empty(len(recording))
-    for number in recording.run_numbers:
-        mask = recording.run == number
-        one = recording.select(mask) if len(recording.run_numbers) > 1 else recording
+    for mask, one in _each_run(recording):
         position = float(one["position"][0]) if "position" in one else 0.0
         simulated[mask], _ = _integrate(drive, values, one, float(one.velocity[0]), position, between_samples, substeps)
     return simulated
@@ -196,7 +197,7 @@ def _integrate(
         raise InputError(f"recording '{driven.name}' needs at least two increasing sample times to be simulated")
     driven.require(drive.model.required - {*MOTION, "load_torque"}, drive.model.name)
     inertia, parameters = _checked(drive, values)
-    rows = stepping_rows(drive, driven, between_samples, substeps)
+    rows = _rows(drive, driven, between_samples, substeps)
     if width is None:
         width = width_of_rest(driven, inertia)
     states = [state.initial for state in drive.model.states] if initial_states is None else initial_states
@@ -208,6 +209,34 @@ def _integrate(
     velocity = np.concatenate([[initial_velocity], outputs[:, 0]])
     position = np.concatenate([[initial_position], outputs[:, 1]])
     return velocity, position
+
+
+@once
+def _runs(recording: Recording) -> list[tuple[Mask, Recording]]:
+    """Return the samples of each run, and the run on its own."""
+    masks = [recording.run == number for number in recording.run_numbers]
+    return [(mask, recording.select(mask)) for mask in masks]
+
+
+def _each_run(recording: Recording) -> list[tuple[Mask, Recording]]:
+    if len(recording.run_numbers) > 1:
+        return _runs(recording)
+    return [(np.ones(len(recording), dtype=bool), recording)]
+
+
+def _rows(drive: Drive, driven: Recording, between_samples: Between, substeps: int) -> Array:
+    """Return :func:`stepping_rows`, kept with a recording that is not long: a fit simulates it many times."""
+    if len(driven) * substeps > _KEPT:
+        return stepping_rows(drive, driven, between_samples, substeps)
+    known, key = _known_rows(driven), (pushing_signals(drive), between_samples, substeps)
+    if key not in known:
+        known[key] = stepping_rows(drive, driven, between_samples, substeps)
+    return known[key]
+
+
+@once
+def _known_rows(_: Recording) -> dict[tuple[object, ...], Array]:
+    return {}
 
 
 def stepping_rows(

@@ -81,9 +81,9 @@ PIECES = st.sampled_from(HOSTILE) | st.text(max_size=8) | st.floats().map(repr) 
 
 @st.composite
 def edited(draw: st.DrawFn, text: str) -> bytes:
-    """Draw a text with a few edits: pieces put in, put in the place of a word, left out, lines twice, bytes changed."""
+    """Draw a text with edits: pieces for a word, a column or nothing, parts left out or twice, bytes changed."""
     for _ in range(draw(st.integers(1, 3))):
-        how = draw(st.sampled_from(["insert", "word", "drop", "line", "cut"]))
+        how = draw(st.sampled_from(["insert", "word", "column", "drop", "line", "cut"]))
         place = draw(st.integers(0, max(len(text) - 1, 0)))
         end = min(len(text), place + draw(st.integers(0, 20)))
         if how == "insert":
@@ -92,6 +92,9 @@ def edited(draw: st.DrawFn, text: str) -> bytes:
             start = max(text.rfind(mark, 0, place) for mark in " ,:\n[{") + 1
             stop = min((at for mark in " ,\n]}" if (at := text.find(mark, place)) >= 0), default=len(text))
             text = text[:start] + draw(PIECES) + text[stop:]
+        elif how == "column":
+            piece, number = draw(PIECES), draw(st.integers(0, 3))
+            text = "\n".join(replaced(line, number, piece) if i else line for i, line in enumerate(text.split("\n")))
         elif how == "drop":
             text = text[:place] + text[end:]
         elif how == "line":
@@ -102,6 +105,12 @@ def edited(draw: st.DrawFn, text: str) -> bytes:
             text = text[:place]
     content = text.encode(draw(st.sampled_from(["utf-8", "utf-8", "utf-8", "utf-16", "latin-1"])), errors="replace")
     return spoilt(draw, content) if draw(st.integers(0, 3)) == 0 else content
+
+
+def replaced(line: str, number: int, piece: str) -> str:
+    """Return a line with something else in the place of one of its words."""
+    words = line.split(",")
+    return ",".join([*words[:number], piece, *words[number + 1 :]]) if number < len(words) and line else line
 
 
 def spoilt(draw: st.DrawFn, content: bytes) -> bytes:

@@ -159,6 +159,7 @@ def changed(index: int, row: str) -> list[str]:
         (changed(3, "0.03,1"), r"line 6, velocity .*empty field"),
         (changed(3, "0.03,1,-inf"), r"line 6, velocity .*infinite"),
         (changed(3, "0.03,much,1"), r"line 6, column 'torque_Nm': 'much' is not a number"),
+        ([HEADER, *(f"{i},{i},{'9' * 400}" for i in range(1, 9))], r"line 2, velocity .*infinite"),
         (changed(3, "0.03,1,2,3,4"), r"line 6 has 5 fields"),
         (changed(3, "0.02,1,2"), r"line 6: the time 0.02 s is repeated"),
         (changed(3, "0.015,1,2"), r"line 6: the time goes back from 0.02 s"),

@@ -145,7 +145,7 @@ def candidate_tests(
                 rival = max(rival, outcome.evidence.explained * total)
     adjusted = false_discovery_control([t.p_value for t in tested], method="by")  # under any dependence
     ranked = [replace(t, adjusted=max(float(p), LEAST_P)) for t, p in zip(tested, adjusted, strict=True)]
-    ranked.sort(key=lambda t: float(np.sum(t.evidence.loss)))
+    ranked.sort(key=lambda t: t.evidence.left)
     return CandidateTests(problem, regression, parameters, tuple(ranked), untested, policy)
 
 

@@ -15,7 +15,7 @@ from fricmodels.diagnosis.comparison import Comparison, compare
 from fricmodels.diagnosis.effect_set import as_predictor, passing_predictors
 from fricmodels.diagnosis.floor import is_far_above_noise, is_noticed
 from fricmodels.diagnosis.look_alikes import separated_by
-from fricmodels.diagnosis.places import Place, largest_place
+from fricmodels.diagnosis.places import Place, largest_place, torque_of
 from fricmodels.diagnosis.policy import POLICY, Policy
 from fricmodels.diagnosis.power import Visibility, visibility
 from fricmodels.diagnosis.predictability import AUTOREGRESSIVE, ChannelPredictor
@@ -147,7 +147,7 @@ def examine(comparison: Comparison, *, leave_out: Iterable[str] = (), policy: Po
     together = [] if judgement is None else judgement.supported(policy)
     found = refit_check(refits, result, out, together[0] if together else None)
     named = _confirmed(refits, found, passing_all_gates(result), policy)
-    place = largest_place(result) if named is None else None
+    place = _noticed_place(result, comparison) if named is None else None
     noise = None if place is not None else _noise(comparison, result, named, predictors)
     view = next((p for p in predictors if p.channels not in AUTOREGRESSIVE), predictors[0] if predictors else None)
     if noise is not None:
@@ -192,10 +192,17 @@ def is_predictable(comparison: Comparison, policy: Policy = POLICY) -> bool:
     """
     parameters = comparison.estimate.parameters
     result = candidate_tests(replace(comparison.problem), parameters, only=(), policy=policy)
-    if is_far_above_noise(comparison, policy) or largest_place(result) is not None:
+    if is_far_above_noise(comparison, policy) or _noticed_place(result, comparison) is not None:
         return True
     found = [p for p in passing_predictors(result) if p.channels not in AUTOREGRESSIVE]
     return any(_is_seen(result, comparison, p) for p in found)
+
+
+def _noticed_place(result: CandidateTests, comparison: Comparison) -> Place | None:
+    """Return the place whose mean explains most of what is left, if that is a noticeable part of the error."""
+    place = largest_place(result)
+    noticed = place is not None and is_noticed(comparison, torque_of(place, result), result.policy)
+    return place if noticed else None
 
 
 def _is_seen(result: CandidateTests, comparison: Comparison, view: ChannelPredictor | None) -> bool:

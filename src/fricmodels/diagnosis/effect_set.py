@@ -153,7 +153,7 @@ class Rest:
             passing = passing_beside(result, regression)
             unpredicted = 0.0 if passing else before
             sets = [p for p in passing if np.sum(p.evidence.loss) < (1 - policy.description_gain) * before]
-            chosen = min(sets, key=lambda p: (p.channels in AUTOREGRESSIVE, np.sum(p.evidence.loss)), default=None)
+            chosen = min(sets, key=lambda p: (p.channels in AUTOREGRESSIVE, p.evidence.left), default=None)
             if chosen is None:
                 break
             names, tried = (*names, chosen.channels), chosen.tried

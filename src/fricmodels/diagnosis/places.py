@@ -81,11 +81,15 @@ def places(problem: WeakFormProblem, regression: Regression, policy: Policy) -> 
 def largest_place(result: CandidateTests) -> Place | None:
     """Return the place that explains most, if what it explains is large enough to count; see ``least_torque``."""
     found = places(result.problem, result.regression, result.policy)
-    if not found:
-        return None
-    squares = found[0].share * float(result.regression.residual @ result.regression.residual)
-    large = squares > result.policy.least_torque**2 * float(result.problem.driving @ result.problem.driving)
+    large = bool(found) and torque_of(found[0], result) > 100 * result.policy.least_torque
     return found[0] if large else None
+
+
+def torque_of(place: Place, result: CandidateTests) -> float:
+    """Return the RMS torque that the means of a place's bins explain, in % of the RMS torque."""
+    driving = result.problem.driving
+    squares = place.share * float(result.regression.residual @ result.regression.residual)
+    return 100 * float(np.sqrt(squares / (driving @ driving)))
 
 
 @dataclass(frozen=True)

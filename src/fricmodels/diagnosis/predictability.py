@@ -49,7 +49,7 @@ class ChannelPredictor:
 
 def channel_predictors(result: CandidateTests) -> list[ChannelPredictor]:
     """Return every channel predictor of the residual, the best first."""
-    return sorted(each_predictor(result), key=lambda predictor: float(np.sum(predictor.evidence.loss)))
+    return sorted(each_predictor(result), key=lambda predictor: predictor.evidence.left)
 
 
 def each_predictor(result: CandidateTests, first: Sequence[str] = ()) -> Iterator[ChannelPredictor]:

@@ -108,4 +108,4 @@ def _tested(rows: WeakFormProblem, regression: Regression, waves: Waves, leave_o
     # what it goes with.
     p_value = max(waves.lines[0].p_value, LEAST_P)
     tested = [replace(t, p_value=p_value, adjusted=p_value) for t in tested]
-    return sorted(tested, key=lambda t: float(np.sum(t.evidence.loss)))
+    return sorted(tested, key=lambda t: t.evidence.left)

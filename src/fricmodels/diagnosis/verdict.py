@@ -133,7 +133,7 @@ def _rms(result: CandidateTests, tested: CandidateTest) -> float:
 
 
 def _cost(result: CandidateTests, tested: CandidateTest) -> float:
-    return float(np.log(_rms(result, tested))) + result.policy.parameter_price * len(tested.effect.parameters)
+    return round(float(np.log(_rms(result, tested))), 8) + result.policy.parameter_price * len(tested.effect.parameters)
 
 
 def _contains(result: CandidateTests, larger: CandidateTest, smaller: CandidateTest) -> bool:

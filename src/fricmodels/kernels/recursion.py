@@ -21,3 +21,33 @@ def first_order(series: Any, gain: float, factor: float, first: float, found: An
     for k in range(len(series)):
         last = gain * series[k] + factor * last
         found[k] = last
+
+
+@njit(cache=True, nogil=True)
+def tangents_of_motion(velocity: Any, step: Any, rate: Any, fade: Any, push: Any, found: Any) -> None:
+    """Write by how much the velocity of a drive with dry friction changes; see :mod:`fricmodels.weakform.tangent`.
+
+    Args:
+        velocity, rate: of the drive, and its acceleration, shape (N,).
+        step: length of each step, shape (N − 1,).
+        fade: what is left over a step of a change of the velocity at its beginning, shape (N − 1,).
+        push: derivative of the acceleration by each parameter at the same velocity, shape (n, N).
+        found: derivative of the velocity by each parameter, to be written, shape (n, N).
+    """
+    for i in range(len(push)):
+        own, change = push[i], 0.0
+        found[i, 0] = 0.0
+        for k in range(len(step)):
+            first, last, h = velocity[k], velocity[k + 1], step[k]
+            if last == 0.0:
+                change = 0.0
+            elif first == 0.0:  # it left rest within the step, with no acceleration at first
+                moving = 2.0 * last / rate[k + 1] if last * rate[k + 1] > 0.0 else h
+                change = min(moving, h) * own[k + 1]
+            elif first * last > 0.0:
+                change = fade[k] * change + 0.5 * h * (fade[k] * own[k] + own[k + 1])
+            else:  # the instant at which it turns is another one, and the acceleration jumps there
+                share = first / (first - last)
+                jump = rate[k + 1] / rate[k] if rate[k] != 0.0 else 0.0
+                change = min(max(jump, 0.0), 1.0) * (change + share * h * own[k]) + (1.0 - share) * h * own[k + 1]
+            found[i, k + 1] = change

@@ -236,15 +236,22 @@ def numbers(source: Path, reader: Reader, table: pd.DataFrame, column: Column) -
     import pandas as pd
 
     values = table[column.column]
-    if pd.api.types.is_datetime64_any_dtype(values):
-        return np.asarray((values - values.iloc[0]).dt.total_seconds(), dtype=float)
-    if pd.api.types.is_timedelta64_dtype(values):
-        return np.asarray(values.dt.total_seconds(), dtype=float)
+    if values.dtype.kind in "mM":
+        if column.channel != "time":
+            raise InputError(
+                f"{source}: column '{column.column}' ({column.channel}) holds dates or times, no numbers; "
+                f"name another with --column, or remove it"
+            )
+        since = values if values.dtype.kind == "m" else values - values.iloc[0]
+        return np.asarray(since.dt.total_seconds(), dtype=float)
     if pd.api.types.is_numeric_dtype(values):
         return values.to_numpy(dtype=float, na_value=np.nan)
-    numbers = pd.to_numeric(values, errors="coerce")
+    try:
+        numbers = pd.to_numeric(values, errors="coerce")
+    except OverflowError:  # a column of whole numbers, one of them beyond what a float holds
+        numbers = pd.to_numeric(values.map(str), errors="coerce")
     if column.channel == "time" and numbers.isna().all():
-        stamps = pd.to_datetime(values.astype(str), errors="coerce", format="ISO8601")
+        stamps = pd.to_datetime(values.map(str), errors="coerce", format="ISO8601")
         if stamps.notna().all():
             return np.asarray((stamps - stamps.iloc[0]).dt.total_seconds(), dtype=float)
     wrong = np.flatnonzero((numbers.isna() & values.notna()).to_numpy())
@@ -275,7 +282,7 @@ def _runs(
         )
     if pd.api.types.is_numeric_dtype(values) and (values == values.round()).all() and (values.abs() < _WHOLE).all():
         return values.to_numpy(dtype=np.int64), {}
-    codes, names = pd.factorize(values.astype(str))
+    codes, names = pd.factorize(values.map(str))
     return codes.astype(np.int64), {i: str(label) for i, label in enumerate(names)}
 
 

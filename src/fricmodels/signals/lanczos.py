@@ -81,13 +81,16 @@ def _fitted(time: Array, values: Array, half_width: int, degree: int, orders: tu
         return [both[order] for order in orders]
     step = (time[-1] - time[0]) / (len(time) - 1)
     weights, mean = even_weights(half_width, degree), values.mean()
-    ends = np.r_[0:half_width, len(time) - half_width : len(time)]
-    at_ends, centred, found = _fit_windows(time, values, size, degree, ends), values - mean, []
+    centred, found = values - mean, []
+    basis, at_window = _even_window(half_width, degree)
+    first, last = basis @ centred[:size], basis @ centred[-size:]
     for order in orders:
-        inside = _convolved(centred, weights[order][::-1] / (step if order else 1.0))
+        unit = step if order else 1.0
+        inside = _convolved(centred, weights[order][::-1] / unit)
+        inside[:half_width] = at_window[order, :half_width] @ first / unit
+        inside[-half_width:] = at_window[order, -half_width:] @ last / unit
         if not order:
             inside += mean
-        inside[ends] = at_ends[order]
         found.append(inside)
     return found
 
@@ -129,6 +132,23 @@ def even_weights(half_width: int, degree: int = DEGREE) -> tuple[Array, Array]:
     value, slope = weights[0], weights[1] / max(half_width, 1)
     value.flags.writeable = slope.flags.writeable = False
     return value, slope
+
+
+@lru_cache(maxsize=1024)
+def _even_window(half_width: int, degree: int) -> tuple[Array, Array]:
+    """Return what a polynomial through 2h + 1 evenly spaced samples needs, read-only.
+
+    That is what gives its coefficients, shape (degree + 1, 2h + 1), and what gives its value and slope at each of the
+    samples from these, shape (2, 2h + 1, degree + 1).
+    """
+    offset = np.arange(-half_width, half_width + 1) / half_width
+    powers = np.vander(offset, degree + 1, increasing=True)
+    basis = np.asarray(np.linalg.pinv(powers), dtype=float)
+    slopes = np.zeros_like(powers)
+    slopes[:, 1:] = powers[:, :-1] * np.arange(1, degree + 1) / half_width
+    both = np.array([powers, slopes])
+    both.flags.writeable = basis.flags.writeable = False
+    return basis, both
 
 
 def _fit_windows(time: Array, values: Array, size: int, degree: int, at: Index) -> tuple[Array, Array]:

@@ -30,7 +30,7 @@ from functools import cached_property, lru_cache
 import numpy as np
 
 from fricmodels.arrays import Array, Index
-from fricmodels.signals.segments import is_even
+from fricmodels.signals.fourth_differences import DIFFERENCE, fourth_differences, running_sums
 
 _SCALES = (1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96, 128)
 _ALL_SCALES = (*_SCALES, 192, 256, 384, 512)
@@ -39,7 +39,6 @@ _LASTING = (2.0, 4.0, 8.0, 16.0, 32.0, 64.0, 128.0, 256.0)
 """Times T that are tried, in samples."""
 _MOTION = (3, 5, 8)
 """Powers of s with which the mean square rises that motion causes."""
-_DIFFERENCE = np.array([1.0, -4.0, 6.0, -4.0, 1.0])
 _KEPT, _KEPT_SQUARE = 0.9, 0.6233
 """The largest tenth of the squares is left out, so that a few jumps do not count; mean square of the rest, for a
 normal distribution of variance 1."""
@@ -48,14 +47,16 @@ _UNTOLD = 0.05
 so much is always reckoned with, and an exact signal is not taken to be exact to its last digit."""
 _MOSTLY_MOTION = 20.0
 """Scales are of use until the mean square is so many times what a random walk would make of that of the finest one."""
-_SAMPLES = 1 << 16
-"""Divided differences that are taken at a time, so that memory stays bounded."""
 _BLOCK, _QUIET = 16, 0.2
 """Where motion comes and goes, noise is told by the quietest fifth of all stretches of so many fourth differences."""
 _FEWEST = 5
 _COLOURED = 20.0
 """Autoregressive noise is there if it lowers n ln(sum of squares) by so much. With white noise it was below 15, with
 AR 0.9 to 0.99 above 35, on 60 simulated drives; by Akaike's criterion 4 would do, were the powers of s exact."""
+_NO_MORE = 2.0
+"""Factor by which a mean square may be less than that of a noise by chance; white noise and a walk differ by s²."""
+_LEAST_LEFT = 1e-3
+"""Sum of squares, relative to what was measured, that even the best division leaves."""
 _AS_GOOD = 2.0
 """Times T fit as well if n ln(sum of squares) is within this of the best: twice the logarithm of a likelihood ratio."""
 
@@ -237,18 +238,35 @@ def coloured_noise(
     fixed = np.hstack([own[:, :2], motion]) if moving else own[:, :2]
     plain, plain_left = _division(fixed, measured)
     longer = [(time, values) for time, values in parts if len(time) > 4]
-    every = _joined([_fourth_differences(*_sums(*part), 1) for part in longer])
-    untold = _UNTOLD * math.sqrt(float(every @ every) / max(len(every), 1)) / float(np.linalg.norm(_DIFFERENCE))
+    every = _joined([fourth_differences(*running_sums(*part), 1) for part in longer])
+    untold = _UNTOLD * math.sqrt(float(every @ every) / max(len(every), 1)) / float(np.linalg.norm(DIFFERENCE))
     white = Noise(max(math.sqrt(plain[0]), untold), math.sqrt(plain[1]))
+    count = len(measured)
+    if count < _FEWEST or count * math.log(plain_left / _LEAST_LEFT) < _COLOURED:
+        return white  # no division leaves so little that it would count
     tried = [_division(np.column_stack([fixed, own[:, 2 + i]]), measured) for i in range(len(_LASTING))]
     left = np.array([each for _, each in tried])
-    count = len(measured)
-    if count < _FEWEST or count * math.log(plain_left / left.min()) < _COLOURED:
+    if count * math.log(plain_left / left.min()) < _COLOURED:
         return white
     fits = np.flatnonzero(count * np.log(left / left.min()) < _AS_GOOD)
     i = int(fits[0 if least else -1]) if moving else int(np.argmin(left))
     chosen = tried[i][0]
     return Noise(max(math.sqrt(chosen[0]), untold), math.sqrt(chosen[1]), math.sqrt(chosen[-1]), _LASTING[i])
+
+
+def may_be_there(noise: Noise, parts: Sequence[tuple[Array, Array]]) -> bool:
+    """Whether a channel may have a noise: whether at every s it alone has no more than the mean square that is there.
+
+    Motion adds to the noise, and takes nothing away.
+
+    Args:
+        noise: white, the difference of white, and lasting.
+        parts: time stamps and values of stretches without a gap.
+    """
+    squares = _squares(parts, _SCALES, quiet=False)
+    variances = np.array([noise.white**2, noise.difference**2, noise.lasting**2])
+    own = np.array([_gains(s, noise.samples)[[0, 1, -1]] @ variances for s in squares])
+    return bool(np.all(own <= _NO_MORE * np.array(list(squares.values()))))
 
 
 def most_noise(parts: Sequence[tuple[Array, Array]]) -> float:
@@ -258,7 +276,7 @@ def most_noise(parts: Sequence[tuple[Array, Array]]) -> float:
         parts: time stamps and values of stretches without a gap.
     """
     squares = _squares(parts, (1,), quiet=True)
-    return math.sqrt(squares.get(1, 0.0)) / float(np.linalg.norm(_DIFFERENCE))
+    return math.sqrt(squares.get(1, 0.0)) / float(np.linalg.norm(DIFFERENCE))
 
 
 def _squares(parts: Sequence[tuple[Array, Array]], scales: Sequence[int], quiet: bool) -> dict[int, float]:
@@ -269,9 +287,9 @@ def _squares(parts: Sequence[tuple[Array, Array]], scales: Sequence[int], quiet:
     """
     found: dict[int, float] = {}
     parts = [part for part in parts if len(part[0]) > 4]  # shorter ones have no fourth difference
-    sums = [_sums(*part) for part in parts]
+    sums = [running_sums(*part) for part in parts]
     for scale in scales:
-        each = [_fourth_differences(*both, scale) for both in sums if len(both[1]) > 5 * scale]
+        each = [fourth_differences(*both, scale) for both in sums if len(both[1]) > 5 * scale]
         for differences in each:
             differences *= differences
         if int(_KEPT * sum(map(len, each))) < 40:
@@ -316,66 +334,18 @@ def _stretch_means(squares: Array) -> Array:
 def _quietest_of_noise(scale: int) -> float:
     """Return the mean square of the quietest stretches of white noise, of that of all."""
     noise = np.random.default_rng(0).standard_normal(40 * _BLOCK * scale + 4000)
-    squares = _fourth_differences(*_sums(np.arange(float(len(noise))), noise), scale) ** 2
+    squares = fourth_differences(*running_sums(np.arange(float(len(noise))), noise), scale) ** 2
     return float(np.quantile(_stretch_means(squares), _QUIET) / squares.mean())
 
 
-def _sums(time: Array, values: Array) -> tuple[Array | None, Array]:
-    """Return the sums up to each sample of time stamps, ``None`` where they are even, and of values."""
-    return None if is_even(time) else _sums_of(time - time[0]), _sums_of(values - values.mean())
-
-
-def _sums_of(values: Array) -> Array:
-    sums = np.zeros(len(values) + 1)
-    np.cumsum(values, out=sums[1:])
-    return sums
-
-
-def _fourth_differences(time: Array | None, values: Array, scale: int) -> Array:
-    """Return fourth differences of means over ``scale`` samples, from sums up to each sample.
-
-    On uneven samples they are divided differences, scaled so that white noise is as large as on even ones; they need
-    fifty numbers a sample, and are taken some at a time.
-    """
-    count, step = len(values) - 5 * scale, max(1, scale // 8)
-    if time is not None:
-        found = np.empty(len(range(0, count, step)))
-        for start in range(0, len(found), _SAMPLES):
-            first, last = start * step, min(start + _SAMPLES, len(found)) * step
-            part = slice(first, min(last, count) + 5 * scale)
-            found[start : start + _SAMPLES] = _divided_differences(time[part], values[part], scale, step)
-        return found
-    means = values[scale:] - values[:-scale]
-    means /= scale
-    at = [slice(k * scale, k * scale + count, step) for k in range(5)]
-    found, other = means[at[0]] + means[at[4]], means[at[1]] + means[at[3]]
-    other *= 4.0
-    found -= other
-    np.multiply(means[at[2]], 6.0, out=other)
-    found += other
-    return found
-
-
-def _divided_differences(time: Array, values: Array, scale: int, step: int) -> Array:
-    count = len(values) - 5 * scale
-    at = [slice(k * scale, k * scale + count, step) for k in range(5)]
-    means, instants = ((sums[scale:] - sums[:-scale]) / scale for sums in (values, time))
-    places = np.stack([instants[part] for part in at])
-    apart = places[:, None] - places[None]
-    apart[np.arange(5), np.arange(5)] = 1.0
-    weights = 1.0 / apart.prod(axis=1)
-    weights *= np.linalg.norm(_DIFFERENCE) / np.linalg.norm(weights, axis=0)
-    return np.asarray(np.einsum("ij,ij->j", weights, np.stack([means[part] for part in at])))
-
-
-@lru_cache(maxsize=len(_ALL_SCALES))
-def _gains(scale: int) -> Array:
+@lru_cache(maxsize=4 * len(_ALL_SCALES))
+def _gains(scale: int, *times: float) -> Array:
     """Return what unit noise of each kind adds to the mean square: white, difference of white, each lasting T."""
-    weights = np.repeat(_DIFFERENCE / scale, scale)
+    weights = np.repeat(DIFFERENCE / scale, scale)
     products = np.correlate(weights, weights, "full")[len(weights) - 1 :]
     lag = np.arange(len(weights))
     of_difference = 2.0 * products[0] - 2.0 * (products[1] if len(products) > 1 else 0.0)
-    lasting = [products[0] + 2.0 * float(products[1:] @ np.exp(-lag[1:] / samples)) for samples in _LASTING]
+    lasting = [products[0] + 2.0 * float(products[1:] @ np.exp(-lag[1:] / t)) for t in times or _LASTING]
     return np.array([products[0], of_difference, *lasting])
 
 
@@ -387,4 +357,4 @@ def _division(columns: Array, measured: Array) -> tuple[Array, float]:
     relative = columns / (measured / unit)[:, None]
     size = np.linalg.norm(relative, axis=0)
     found, left = nnls(relative / size, np.ones(len(measured)))
-    return found / size * unit, left**2 + 1e-3
+    return found / size * unit, left**2 + _LEAST_LEFT

@@ -20,7 +20,7 @@ from fricmodels.arrays import Array, Mask
 from fricmodels.recording import Recording
 from fricmodels.signals.in_place import BAND, bridged, in_place, pieces
 from fricmodels.signals.lanczos import even_weights, lanczos_value
-from fricmodels.signals.noise_colour import Noise, coloured_noise, most_noise
+from fricmodels.signals.noise_colour import Noise, coloured_noise, may_be_there, most_noise
 from fricmodels.signals.noise_level import best_half_width, best_smoothing, noise_of, quantum
 from fricmodels.signals.segments import stretches
 from fricmodels.signals.stamp_noise import with_false_stamps
@@ -198,13 +198,16 @@ def _in_wider_bands(recording: Recording, found: _Motion) -> Noise:
 
     Where noise lasts as long as the rests, its band seems narrow and rests fall into pieces. In a band twice as wide
     they are whole, and the noise in them is as large as was supposed. A drive that rests in white noise shows no more
-    of it in a wider band.
+    of it in a wider band. A slow passage does: so the noise must not have more than what happens from mean to mean.
     """
     noise, best = found.noise, found
     for factor in _WIDER:
         lasting = factor * noise.white
         # The fourth differences of a random walk are those of white noise if its steps have 3.5 times the variance.
-        trial = _seen(recording, Noise(0.0, noise.difference, lasting, max(2.0 * factor**2 / 3.5, 1.0)))
+        supposed = Noise(0.0, noise.difference, lasting, max(2.0 * factor**2 / 3.5, 1.0))
+        if not may_be_there(supposed, _parts(recording)):
+            break
+        trial = _seen(recording, supposed)
         more = np.count_nonzero(trial.resting) > _MORE * np.count_nonzero(best.resting)
         if not more or float(np.mean(recording.velocity[trial.resting] ** 2)) < (_AS_LARGE * lasting) ** 2:
             break

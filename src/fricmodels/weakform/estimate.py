@@ -24,6 +24,7 @@ from fricmodels.recording import Recording
 from fricmodels.score.torque import filtered_torque_error, sliding_half_width
 from fricmodels.weakform.friction_limits import limits_of_friction
 from fricmodels.weakform.identification import identified
+from fricmodels.weakform.least_squares import NormalEquations
 from fricmodels.weakform.model_velocity import at_model_velocity
 from fricmodels.weakform.nonlinear import Plan
 from fricmodels.weakform.problem import WeakFormProblem
@@ -32,7 +33,7 @@ from fricmodels.weakform.ripple import carriers_of
 from fricmodels.weakform.search import search
 from fricmodels.weakform.sharpened import at_sharpened_velocity
 from fricmodels.weakform.shifted import regression_of
-from fricmodels.weakform.solve import WITHIN, Solved, solve
+from fricmodels.weakform.solve import WITHIN, Solved, begins_where, solve
 
 Array = NDArray[np.float64]
 
@@ -177,9 +178,11 @@ def _solved(problem: WeakFormProblem, start: Mapping[str, float], found: Solved 
         )
     nonlinear = {p.key for p in drive.parameters if not p.linear}
 
+    def known(begin: Mapping[str, float]) -> dict[str, float]:
+        return {key: value for key, value in begin.items() if key in nonlinear}
+
     def fit(begin: Mapping[str, float], nearly: bool = False) -> Solved:
-        known = {key: value for key, value in begin.items() if key in nonlinear}
-        return solve(problem, Plan(start=known, nearly=nearly))
+        return solve(problem, Plan(start=known(begin), nearly=nearly))
 
     if found is None:
         return fit(start)
@@ -188,6 +191,8 @@ def _solved(problem: WeakFormProblem, start: Mapping[str, float], found: Solved 
         return again
     before = found.problem
     same = before.bumps is problem.bumps and before.quadrature is problem.quadrature and before.shift == problem.shift
+    if not same and begins_where(problem, Plan(start=known(start)), found):
+        return again  # these rows would begin where the others did, and have come from there
     scanned = replace(found, problem=problem) if same else fit(start)
     return scanned if scanned.solution.cost < (1.0 - _CLEARLY) * again.solution.cost else again
 
@@ -237,6 +242,6 @@ def _guess(drive: Drive, recording: Recording, start: Mapping[str, float]) -> di
         acceleration = np.gradient(recording.velocity, recording.time)
         coarse = np.convolve(acceleration, np.ones(9) / 9, "same")
         force = np.convolve(recording.torque - recording.load_torque, np.ones(9) / 9, "same")
-        base = np.column_stack([coarse, np.sign(recording.velocity), recording.velocity])
-        values[drive.inertia_key] = max(float(np.linalg.lstsq(base, force, rcond=None)[0][0]), 1e-12)
+        base = np.array([coarse, np.sign(recording.velocity), recording.velocity])
+        values[drive.inertia_key] = max(float(NormalEquations.of(base @ base.T, base @ force).solved[0]), 1e-12)
     return values

@@ -17,43 +17,64 @@ RANK_TOLERANCE = 1e-11
 """Eigenvalues of the scaled normal matrix below this are rounding: the direction is not in the data."""
 
 
+_CERTAIN = 1e-8
+"""A scaled normal matrix with a larger determinant has no eigenvalue below a third of it, and needs no eigenvectors."""
+
+
 @dataclass(frozen=True)
 class NormalEquations:
     """``XᵀX`` and ``Xᵀy`` in columns of unit length, with the inverse of the part that the data determine.
 
     Attributes:
         size: length of each column of X.
-        gram: XᵀX of the scaled columns.
-        values, vectors: its eigenvalues (ascending) and eigenvectors.
-        right: Xᵀy of the scaled columns.
+        gram: XᵀX of the columns as they are.
+        right: Xᵀy of the columns as they are.
+        quick: (XᵀX)⁻¹, where all directions are certainly determined.
     """
 
     size: Array
     gram: Array
-    values: Array
-    vectors: Array
     right: Array
+    quick: Array | None
 
     @classmethod
     def of(cls, gram: Array, right: Array) -> NormalEquations:
-        """Scale and decompose. Columns that are not finite, as of a state that runs away, determine nothing."""
-        if not np.isfinite(gram).all():
+        """Scale, and invert. Columns that are not finite, as of a state that runs away, determine nothing."""
+        from fricmodels.kernels.small import invert
+
+        if not math.isfinite(float(gram.sum())) and not np.isfinite(gram).all():
             gram = np.zeros_like(gram)
             right = np.zeros_like(right)
-        square = gram.diagonal()
-        size = np.sqrt(np.where(square > _NOTHING, square, 1.0))
-        scaled = gram / (size[:, None] * size)
-        values, vectors = np.linalg.eigh(scaled)
-        return cls(size, scaled, values, vectors, right / size)
+        size, inverse = np.empty(len(gram)), np.empty(gram.shape)
+        certain = invert(gram, _NOTHING, size, inverse) > _CERTAIN
+        return cls(size, gram, right, inverse if certain else None)
+
+    @cached_property
+    def _eigen(self) -> tuple[Array, Array]:
+        """Eigenvalues (ascending) and eigenvectors of the scaled products."""
+        values, vectors = np.linalg.eigh(self.gram / (self.size[:, None] * self.size))
+        return values, vectors
+
+    @property
+    def values(self) -> Array:
+        """Eigenvalues of the scaled products, ascending."""
+        return self._eigen[0]
+
+    @property
+    def vectors(self) -> Array:
+        """Eigenvectors of the scaled products."""
+        return self._eigen[1]
 
     @property
     def rank(self) -> int:
         """Number of directions that the data determine."""
-        return int((self.values > RANK_TOLERANCE).sum())
+        return len(self.gram) if self.quick is not None else int((self.values > RANK_TOLERANCE).sum())
 
     @property
     def null(self) -> Array:
         """Directions, in scaled columns, that the data do not determine, shape (n, n − rank)."""
+        if self.quick is not None:
+            return np.zeros((len(self.gram), 0))
         return self.vectors[:, self.values <= RANK_TOLERANCE]
 
     @cached_property
@@ -63,17 +84,24 @@ class NormalEquations:
     @cached_property
     def inverse(self) -> Array:
         """(XᵀX)⁻¹ in the original columns, of the part that the data determine."""
+        if self.quick is not None:
+            return self.quick
         return np.asarray((self.vectors * self._inverse_values) @ self.vectors.T / (self.size[:, None] * self.size))
 
     @property
     def first_alone(self) -> float:
         """What the first column has that the others do not explain, squared; infinite where they explain it all."""
-        own = float(self.vectors[0] ** 2 @ self._inverse_values) / float(self.size[0]) ** 2
+        own = float(self.inverse[0, 0])
         return 1.0 / own if own > 0.0 else math.inf
+
+    @property
+    def solved(self) -> Array:
+        """The least-squares solution, shape (n,); what is not determined is nothing."""
+        return np.asarray(self.inverse @ self.right)
 
     def solve(self, constraints: Array, limits: Array) -> Array:
         """Return the least-squares solution subject to ``constraints @ x ≥ limits``."""
-        free = self.inverse @ (self.right * self.size)
+        free = self.solved
         slack = constraints @ free - limits
         if np.all(slack >= -1e-12 * np.abs(constraints) @ np.abs(free)):
             return np.asarray(free)

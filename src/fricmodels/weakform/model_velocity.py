@@ -19,10 +19,12 @@ from fricmodels.errors import InputError
 from fricmodels.recording import Recording
 from fricmodels.signals import Noise, velocity_noise
 from fricmodels.signals.lanczos import even_weights
+from fricmodels.weakform.feedback import feedback
 from fricmodels.weakform.hidden import drowned, sign_is_hidden
 from fricmodels.weakform.nonlinear import Plan
 from fricmodels.weakform.row_noise import FEWEST_WHERE_ALL_COUNT, NOISE_SHARE_WHERE_ALL_COUNT, bump_width
 from fricmodels.weakform.solve import STRONG, Solved, as_held, solve
+from fricmodels.weakform.tangent import tangents
 
 Array = NDArray[np.float64]
 
@@ -31,8 +33,6 @@ FIRST_STEP, REACH, ROUNDS = 0.05, 10, 5
 _GAINS = 0.5 ** np.arange(0, 12)
 MAX_ROUNDS = 8
 """Rounds of predicting the velocity by the fit and fitting again."""
-MOST_FEEDBACK = 0.9
-"""Rounds that converge more slowly than by this factor are not told from such that do not."""
 _REACH = 4096
 """Lags up to which a covariance is summed."""
 _CONTRADICTED = 2.0
@@ -51,12 +51,16 @@ class ModelVelocity:
 
     Attributes:
         velocity: shape (N,).
+        simulated: what the model alone predicts, shape (N,).
+        gains: of the average that corrects it, in each run.
         resting: where the drive rests by it, shape (N,).
         prediction_error: mean square error of predicting the measured velocity one sample ahead.
         own_noise: mean covariance of the noise of each measured sample with that of its own value.
     """
 
     velocity: Array
+    simulated: Array
+    gains: tuple[float, ...]
     resting: NDArray[np.bool_]
     prediction_error: float
     own_noise: float
@@ -95,41 +99,39 @@ def at_model_velocity(found: Solved, *, widen: bool = True) -> Solved:
         if velocity and (predicted is None or velocity.prediction_error < predicted.prediction_error):
             best, predicted = solve(other.problem, found.plan, timing=False), velocity
     # Simulated with the torque at another time the velocity would be another, and what it is now hides the shift.
-    if max(found.log_odds_of_a_shift(reversals=False), best.with_shift().log_odds_of_a_shift()) > STRONG:
+    if max(found.log_odds_of_a_shift(reversals=False), best.with_shift.log_odds_of_a_shift()) > STRONG:
         return at_smooth
     more = _left_by(best.values, found) / found.solution.cost - 1.0
     if more > _CONTRADICTED - 1.0 or (found is not at_smooth and _is_contradicted(more, found)):
         return at_smooth  # what the rows at the measured velocity contradict is not more certain than they are
-    return best.changed(feedback=_feedback(best)) if _risk_of(predicted, recording) <= smooth else at_smooth
-
-
-def _feedback(found: Solved) -> Array:
-    r"""Return by how much an error of a fit grows, because the velocity is predicted by the fit: :math:`(1 - A)^{-1}`.
-
-    With A the derivative of what the rows give by the parameters that predicted the velocity, by differences of a
-    standard error along each axis of the covariance, shape (n, n). An error of the parameters is one of the velocity,
-    and changes what is fitted next: at a known velocity the rows are as certain as their covariance says, at the fixed
-    point errors are larger by this matrix.
-    """
-    problem, drive, here = found.problem, found.problem.drive, found.values
-    value, vector = np.linalg.eigh(found.covariance)
-    seen = value > 1e-12 * max(float(value[-1]), 1e-300)
-    root = vector[:, seen] * np.sqrt(value[seen])
-    back = vector[:, seen].T / np.sqrt(value[seen])[:, None]
+    if predicted is None or _risk_of(predicted, recording) > smooth:
+        return at_smooth
 
     def fitted(values: Array) -> Array:
-        parameters = {**found.parameters, **dict(zip(drive.keys, values.tolist(), strict=True))}
-        predicted = model_velocity(drive, parameters, problem.recording, held=problem.held)
-        if predicted is None:
-            return here
-        rows = problem.along(predicted.velocity, predicted.resting)
-        return here if rows.rows <= 4 * len(here) else solve(rows, found.again, timing=False).values
+        parameters = {**best.parameters, **dict(zip(problem.drive.keys, values.tolist(), strict=True))}
+        other = model_velocity(problem.drive, parameters, recording, held=best.problem.held)
+        if other is None:
+            return best.values
+        rows = best.problem.along(other.velocity, other.resting)
+        enough = rows.rows > 4 * len(best.values)
+        return solve(rows, best.again, timing=False).values if enough else best.values
 
-    response = np.column_stack([0.5 * back @ (fitted(here + step) - fitted(here - step)) for step in root.T])
-    radius = float(np.max(np.abs(np.linalg.eigvals(response)), initial=0.0))
-    response *= min(1.0, MOST_FEEDBACK / max(radius, MOST_FEEDBACK))
-    grown = np.linalg.inv(np.eye(len(response)) - response)
-    return np.asarray(root @ grown @ back)
+    return best.changed(feedback=feedback(best, _changes(best, predicted), fitted))
+
+
+def _changes(found: Solved, predicted: ModelVelocity) -> Array:
+    """Return the derivative of the predicted velocity by each of the drive's parameters, shape (n, N)."""
+    recording = found.problem.recording
+    if set(predicted.gains) == {1.0}:  # it is the measured velocity itself
+        return np.zeros((len(found.values), len(recording)))
+    of_model = tangents(found.problem.drive, found.parameters, recording, predicted.simulated)
+    changes = of_model.copy()
+    for number, gain in zip(recording.run_numbers, predicted.gains, strict=True):
+        inside = np.flatnonzero(recording.run == number)
+        for change in changes:
+            change[inside] -= _both_ways(change[inside], gain)
+    changes = np.where(predicted.velocity == predicted.simulated, of_model, changes)
+    return np.where(predicted.resting, 0.0, changes)
 
 
 def _is_contradicted(more: float, found: Solved) -> bool:
@@ -267,17 +269,19 @@ def model_velocity(
     velocity = np.empty(len(recording))
     noise = np.empty(len(recording))
     squares = shared = 0.0
-    own = velocity_noise(recording)
+    own, gains = velocity_noise(recording), []
     for number in recording.run_numbers:
         inside = recording.run == number
         level, hidden_by, error, gain = wandering_level(recording.velocity[inside] - simulated[inside], own)
         velocity[inside] = simulated[inside] + level
         noise[inside] = hidden_by
+        gains.append(gain)
         squares += error * float(inside.sum())
         shared += _averaged_noise(own, gain) * float(inside.sum())
     hidden = (np.abs(velocity) <= 3.0 * noise) & (np.abs(simulated) <= 3.0 * noise)
     velocity = np.where(hidden, simulated, velocity)
-    return ModelVelocity(velocity, velocity == 0.0, squares / len(recording), shared / len(recording))
+    errors = squares / len(recording), shared / len(recording)
+    return ModelVelocity(velocity, simulated, tuple(gains), velocity == 0.0, *errors)
 
 
 def prediction_error(drive: Drive, values: Array, recording: Recording, *, held: bool = False) -> float:

@@ -12,8 +12,10 @@ from fricmodels.recording import Recording
 from fricmodels.signals import best_half_width, noise_of, prepare, velocity_noise, with_derived_velocity
 from fricmodels.signals.beginnings import with_true_beginnings
 from fricmodels.signals.lanczos import even_weights
+from fricmodels.signals.rest import once
 from fricmodels.signals.stamp_noise import with_false_stamps
 from fricmodels.signals.stamps import with_even_stamps
+from fricmodels.weakform.smoothed import MAX_SAMPLES
 
 _EQUAL, _EXCEPTIONS = 1e-3, 0.01
 """Share of the RMS velocity to which a computed velocity equals the difference, and share of samples that may not."""
@@ -41,9 +43,15 @@ def prepared(recording: Recording) -> Recording:
 def ready(recording: Recording) -> Recording:
     """Return a recording with velocity and acceleration, and with time from its start.
 
+    The same one every time, so that all fits to it know its noise and rests; a long one is not kept.
+
     Raises:
         InputError: when the recording does not move.
     """
+    return _kept(recording) if len(recording) <= MAX_SAMPLES else _ready(recording)
+
+
+def _ready(recording: Recording) -> Recording:
     begun = with_true_beginnings(recording)
     known_by_position = _both_measured(begun) and is_difference(begun)  # as told by the stamps that it was made with
     prepared = prepare(surest_velocity(with_even_stamps(begun), known_by_position=known_by_position))
@@ -51,6 +59,9 @@ def ready(recording: Recording) -> Recording:
         raise InputError(f"recording '{recording.name}' does not move; record some motion")
     give_back(len(prepared))
     return prepared.with_channels(derived="time" in recording.derived, time=prepared.time - prepared.time[0])
+
+
+_kept = once(_ready)
 
 
 def _both_measured(recording: Recording) -> bool:

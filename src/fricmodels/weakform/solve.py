@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from fricmodels.weakform.equations import projection
 from fricmodels.weakform.inference import at_least, covariance
+from fricmodels.weakform.least_squares import NormalEquations
 from fricmodels.weakform.nonlinear import Plan
 from fricmodels.weakform.optimise import ROUNDS, coordinate_search, multistart_nelder_mead
 from fricmodels.weakform.problem import WeakFormProblem
@@ -72,7 +73,7 @@ class Solved:
     def changed(self, **changes: Any) -> Solved:
         """Return a copy with other attributes than the rows, the plan or the solution; what these show is kept."""
         copy = replace(self, **changes)
-        for name in ("places", "values", "_spread"):
+        for name in ("places", "values", "_spread", "with_shift"):
             if name in self.__dict__:
                 copy.__dict__[name] = self.__dict__[name]
         return copy
@@ -121,14 +122,26 @@ class Solved:
     @cached_property
     def _spread(self) -> Array:
         """Covariance in the order of the solution; 0 for what is held."""
-        solution = self.solution
-        free = np.array([i for i in range(len(solution.jacobian)) if i not in self._held], dtype=np.int64)
-        normal = solution.normal if len(free) == len(solution.jacobian) else solution.part(free)
+        solution, (free, normal) = self.solution, self._free
         result = np.zeros((len(solution.jacobian),) * 2)
         found = covariance(solution.jacobian[free].T, solution.residual, normal.inverse, self.problem.independent)
         moved = scatter_of_steps(self.problem, self.parameters) @ solution.jacobian[free].T @ normal.inverse
         result[np.ix_(free, free)] = at_least(found, moved.T @ moved / max(len(moved), 1))
         return result
+
+    def moved_by(self, left: Array) -> Array:
+        """Return by how much the estimates move with what is left of the rows, shape (k, rows) → (n, k)."""
+        solution, (free, normal) = self.solution, self._free
+        moved = np.zeros((len(solution.jacobian), len(left)))
+        moved[free] = normal.inverse @ (solution.jacobian[free] @ left.T)
+        return moved[self.places]
+
+    @cached_property
+    def _free(self) -> tuple[NDArray[np.int64], NormalEquations]:
+        """Places in the solution of what is not held, and the normal equations of these."""
+        solution = self.solution
+        free = np.array([i for i in range(len(solution.jacobian)) if i not in self._held], dtype=np.int64)
+        return free, solution.normal if len(free) == len(solution.jacobian) else solution.part(free)
 
     @property
     def _held(self) -> set[int]:
@@ -175,9 +188,10 @@ class Solved:
         start = {key: value for key, value in self.parameters.items() if key in nonlinear}
         return replace(self.plan, start=start, nearly=True)
 
+    @cached_property
     def with_shift(self) -> Solved:
-        """Return the fit to the same rows with a small shift in time."""
-        return solve(self.problem, self.plan)
+        """The fit to the same rows with a small shift in time, begun from this one."""
+        return solve(self.problem, self.again)
 
     @property
     def residual_percent(self) -> float:
@@ -232,7 +246,7 @@ class Solved:
             nuisances, sizes, centre, true_to = nuisances[some], sizes[some], centre[some], true_to[some]
         own = self._spread[np.ix_(nuisances, nuisances)] / np.outer(sizes, sizes)
         estimate = (self.solution.theta[nuisances] - centre) / sizes
-        seen = np.diag(own) > 0.0
+        seen = (np.diag(own) > 0.0) & np.any(self.solution.jacobian[nuisances] != 0.0, axis=1)
         total, axes = np.linalg.eigh(own[np.ix_(seen, seen)] + np.diag(true_to[seen] ** 2))
         along = axes.T @ estimate[seen]
         known = 2 * math.pi * total < 1.0  # what is known worse than all that is possible says nothing
@@ -265,6 +279,15 @@ def solve(problem: WeakFormProblem, plan: Plan, *, timing: bool = True) -> Solve
     return Solved(problem, plan, solution, timing)
 
 
+def begins_where(problem: WeakFormProblem, plan: Plan, found: Solved) -> bool:
+    """Whether a fit to the rows of a problem would begin from the same nonlinear parameters as an earlier one."""
+    start = found.solution.start
+    if start is None:
+        return False
+    least_squares, search = projection(problem, plan, timing=found.timing)
+    return bool(np.array_equal(least_squares.best_start(search), start))
+
+
 def with_or_without_shift(found: Solved, plan: Plan) -> Solved:
     """Fit without a shift in time, with that of a held torque, and with any small one; return the one to be taken.
 
@@ -274,7 +297,8 @@ def with_or_without_shift(found: Solved, plan: Plan) -> Solved:
     Where the rows are at a velocity that the fit predicts, that velocity has already told whether the torque is held.
     """
     problem = found.problem
-    shifted, plain = (solve(problem, plan, timing=t).changed(feedback=found.feedback) for t in (True, False))
+    shifted = found.with_shift if plan == found.again else solve(problem, plan)
+    shifted, plain = (fit.changed(feedback=found.feedback) for fit in (shifted, solve(problem, plan, timing=False)))
     odds = [0.0, shifted.log_odds_of_a_shift()]
     fits = [plain, shifted]
     if _may_be_held(shifted):

@@ -5,7 +5,8 @@ r"""The equation of motion in weak form: multiplied by bumps that vanish at thei
 
 The derivative stands on the bump, which is known, and not on the velocity, which is measured: nothing smears the
 Coulomb step at a reversal, and nothing amplifies noise. Torques are integrated along cubics through four samples; where
-the velocity changes its sign between two samples, along straight lines, split at the instant of the crossing. A resting
+the velocity changes its sign between two samples, along straight lines, split at the instant of the crossing, where the
+motor torque may jump. A resting
 drive fulfils the equation whatever its friction is, so samples at rest contribute to neither side.
 
 The test function is what makes the change of velocity exact. If the velocity is measured it is constant within a cell:
@@ -26,6 +27,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fricmodels.recording import Recording
+from fricmodels.signals.rest import once
+from fricmodels.weakform.jumps import jumps_at_reversals
 
 Array = NDArray[np.float64]
 
@@ -35,10 +38,20 @@ HOPS = 8
 
 def segments(recording: Recording) -> list[slice]:
     """Return the stretches without a gap: within a run, no step longer than three median ones."""
+    return _stretches_of(recording)[0]
+
+
+@once
+def _stretches_of(recording: Recording) -> tuple[list[slice], Array, NDArray[np.bool_]]:
+    """Return the stretches, the duration of each cell, 0 between them, and which cells lie within one."""
     step = np.diff(recording.time)
     broken = (np.diff(recording.run) != 0) | (step > 3.0 * recording.interval)
     edges = [0, *(np.flatnonzero(broken) + 1), len(recording)]
-    return [slice(start, stop) for start, stop in itertools.pairwise(edges)]
+    found = [slice(start, stop) for start, stop in itertools.pairwise(edges)]
+    joined = np.zeros(len(step), dtype=bool)
+    for piece in found:
+        joined[piece.start : piece.stop - 1] = True
+    return found, np.where(joined, step, 0.0), joined
 
 
 @dataclass(frozen=True)
@@ -65,20 +78,23 @@ class Quadrature:
     half: Array
 
     @classmethod
-    def of(cls, recording: Recording, velocity: Array, resting: NDArray[np.bool_]) -> Quadrature:
-        """Prepare the integrals over a recording with the velocity that the friction torque is to be evaluated at."""
-        joined = np.zeros(len(recording) - 1, dtype=bool)
-        for piece in segments(recording):
-            joined[piece.start : piece.stop - 1] = True
-        step = np.where(joined, np.diff(recording.time), 0.0)
-        moving = ~resting
-        both = moving[:-1] & moving[1:]
-        turning = both & (velocity[:-1] * velocity[1:] <= 0.0)
-        half = np.where(both & ~turning, 0.5 * step, 0.0)
-        cell = np.flatnonzero(joined & (turning | (moving[:-1] != moving[1:])))
+    def of(cls, recording: Recording, velocity: Array, resting: NDArray[np.bool_], *, jumps: bool = True) -> Quadrature:
+        """Prepare the integrals over a recording with the velocity that the friction torque is to be evaluated at.
+
+        Args:
+            recording: as it is integrated.
+            velocity: at its samples, shape (N,).
+            resting: samples of no use, shape (N,).
+            jumps: whether the motor torque may jump where the drive turns; see :mod:`.jumps`.
+        """
+        from fricmodels.weakform.split import split_cells
+
+        _, step, joined = _stretches_of(recording)
+        moving, half, cell = ~resting, np.empty(len(step)), np.empty(len(step), dtype=np.int64)
+        cell = cell[: split_cells(step, joined, velocity, resting, half, cell)].copy()
         earlier, later = velocity[cell], velocity[cell + 1]
-        last = len(recording) - 1
-        previous, following = np.maximum([cell - 1, cell - 2], 0), np.minimum([cell + 2, cell + 3], last)
+        end = len(recording) - 1
+        previous, following = np.maximum([cell - 1, cell - 2], 0), np.minimum([cell + 2, cell + 3], end)
         before = np.where(moving[cell], _share_to_zero(earlier, *velocity[previous]), 0.0)
         after = np.where(moving[cell + 1], _share_to_zero(later, *velocity[following]), 0.0)
         both_parts = np.maximum(before + after, 1.0)
@@ -89,8 +105,11 @@ class Quadrature:
             if name == "velocity":
                 parts = [velocity, tiny * np.sign(earlier), tiny * np.sign(later)]
             else:
-                first, change = values[cell], values[cell + 1] - values[cell]
-                parts = [values, first + before * change, first + (1.0 - after) * change]
+                first, last, change = values[cell], values[cell + 1], values[cell + 1] - values[cell]
+                if jumps and name == "torque":
+                    sides = np.sign(later) - np.sign(earlier)
+                    change = change - jumps_at_reversals(values, cell, before, after, half, sides)
+                parts = [values, first + before * change, last - after * change]
             channels[name] = np.concatenate(parts)
         run = np.concatenate([recording.run, recording.run[cell], recording.run[cell]])
         half_step = 0.5 * step[cell]
@@ -99,8 +118,13 @@ class Quadrature:
 
     def change_while_moving(self, values: Array) -> Array:
         """Return by how much a channel, shape (N,), changes in each cell while the drive moves, shape (N,)."""
-        slope = np.diff(values, append=values[-1]) / np.diff(self.recording.time[: len(values)], append=np.inf)
-        return np.asarray(slope * self.moving_time)
+        change = np.zeros(len(values))
+        np.subtract(values[1:], values[:-1], out=change[:-1], where=self.half > 0.0)
+        if len(self.cell):
+            whole = self.recording.time[self.cell + 1] - self.recording.time[self.cell]
+            share = 2.0 * (self.before + self.after) / whole
+            change[self.cell] = share * (values[self.cell + 1] - values[self.cell])
+        return change
 
     def impulses(self, rows: Array) -> Array:
         """Return the integral of each row over each cell, shape (k, N), in torque × time; cell k follows sample k.
@@ -167,15 +191,11 @@ class Quadrature:
         the mean of the second derivatives at both ends of the cell. They are zero where the cell or a neighbour is
         split, rests or is missing; the middle one is where all cells are equal, but for rounding.
         """
-        step, whole = 2.0 * self.half, self.half > 0.0
-        slope = np.divide(1.0, step, out=np.zeros(len(step)), where=whole)
-        both = step[:-1] + step[1:]
-        second = np.divide(2.0, both, out=np.zeros(len(both)), where=both > 0.0)
-        cube = np.where(whole[:-2] & whole[1:-1] & whole[2:], -(step[1:-1] ** 3) / 24.0, 0.0)
-        own = cube * (second[:-1] - second[1:]) * slope[1:-1]
-        after = cube * second[1:] * slope[2:]
-        uneven = float(np.max(np.abs(own), initial=0.0)) > 1e-6 * float(np.max(np.abs(after), initial=0.0))
-        return np.array([-cube * second[:-1] * slope[:-2], own if uneven else np.zeros(len(own)), after])
+        from fricmodels.weakform.split import bending_of
+
+        weights = np.empty((3, max(len(self.half) - 2, 0)))
+        bending_of(self.half, weights)
+        return weights
 
 
 def mean_velocity(recording: Recording, position: Array) -> Array:

@@ -71,10 +71,12 @@ def hidden_turns(
     cell = np.flatnonzero(near & (np.diff(recording.run) == 0))
     marked = np.zeros(len(recording), dtype=bool)
     if len(cell):
-        least, greatest = drive.sticking_interval(recording, parameters)
-        net = recording.torque - recording.load_torque
-        side = np.where(net > greatest, 1, np.where(net < least, -1, 0))
-        hidden = cell[(side[cell] != side[cell + 1]) | (side[cell] == 0)]
+        limits = drive.sticking_interval(recording, parameters)
+        sides = []
+        for at in (cell, cell + 1):
+            net = recording.torque[at] - recording.load_torque[at]
+            sides.append(np.where(net > limits[1][at], 1, np.where(net < limits[0][at], -1, 0)))
+        hidden = cell[(sides[0] != sides[1]) | (sides[0] == 0)]
         marked[hidden] = marked[hidden + 1] = True
     return marked
 

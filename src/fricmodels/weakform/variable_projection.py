@@ -100,6 +100,7 @@ class Solution:
         residual: shape (M,).
         normal: normal equations of the Jacobian at the solution.
         iterations, converged: of the Gauss–Newton iteration.
+        start: nonlinear parameters that it began from, where it did.
     """
 
     theta: Array
@@ -109,6 +110,7 @@ class Solution:
     normal: NormalEquations
     iterations: int
     converged: bool
+    start: Array | None = None
 
     @property
     def cost(self) -> float:
@@ -161,9 +163,13 @@ class Projection:
         """Return the least-squares fit: from the best of the starting points, by Gauss–Newton to the end."""
         if not self._equations.separable.nonlinear:
             return self.at(np.zeros(0))
+        start = self.best_start(nonlinear)
+        return replace(self._descend(self.at(start), nonlinear, max_iterations), start=start)
+
+    def best_start(self, nonlinear: Nonlinear) -> Array:
+        """Return the starting point that leaves least."""
         starts = [nonlinear.clip(point) for point in nonlinear.combinations()]
-        start = min(starts, key=self.cost) if len(starts) > 1 else starts[0]
-        return self._descend(self.at(start), nonlinear, max_iterations)
+        return min(starts, key=self.cost) if len(starts) > 1 else starts[0]
 
     def _descend(self, at: Solution, nonlinear: Nonlinear, max_iterations: int) -> Solution:
         damping = 1e-3
@@ -192,17 +198,16 @@ class Projection:
 
     def _step(self, at: Solution, scale: Array, damping: float, moving: NDArray[np.bool_]) -> tuple[Array, float]:
         """Return the Levenberg step of α, the linear parameters following (projected out), and the fall it promises."""
+        from fricmodels.kernels.small import reduced
+
         free, last = self._free, self._width + np.flatnonzero(moving)
-        scale = scale[moving]
-        gram = at.normal.gram * np.outer(at.normal.size, at.normal.size)
-        inner = NormalEquations.of(gram[np.ix_(free, free)], np.zeros(len(free))).inverse
-        cross = gram[np.ix_(free, last)] * scale
-        right = at.normal.right * at.normal.size
-        reduced = gram[np.ix_(last, last)] * np.outer(scale, scale) - cross.T @ inner @ cross
-        gradient = right[last] * scale - cross.T @ (inner @ right[free])
-        diagonal = np.maximum(np.diag(reduced), 1e-300)
+        gram, scale = at.normal.gram, scale[moving]
+        inner = NormalEquations.of(np.ascontiguousarray(gram[free[:, None], free]), np.zeros(len(free))).inverse
+        matrix, gradient = np.empty((len(last), len(last))), np.empty(len(last))
+        reduced(gram, at.normal.right, inner, free, last, scale, matrix, gradient)
+        matrix += damping * np.diag(np.maximum(np.diag(matrix), 1e-300))
         step = np.zeros(len(moving))
-        step[moving] = np.linalg.lstsq(reduced + damping * np.diag(diagonal), gradient, rcond=1e-14)[0]
+        step[moving] = NormalEquations.of(matrix, gradient).solved
         return step, float(gradient @ step[moving])
 
     def cost(self, alpha: Array) -> float:

@@ -1,0 +1,51 @@
+"""Jumps of the motor torque where the drive turns, between two samples.
+
+A drive whose friction is compensated, or a computed torque, jumps where the drive turns, between two samples. A
+straight line over that cell is wrong by up to the Coulomb torque times half the cell, each time by another amount.
+The lines through the two samples before and after a reversal differ at it by the jump, or by noise alone if the
+torque goes on. The jump is the median over all reversals, if it is three times its standard error (that of a normal
+distribution), the same in all cells that show it rather than none: where noise hides the instant, the torque jumps
+in another cell.
+
+Where each sample is the mean torque over a sampling interval, as a current sensor may give it, straight lines are
+right. A jump at a share m of a cell from the nearer sample then is seen as :math:`(1 + m + 2m^2)/2` of its size.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from fricmodels.arrays import Array, Index
+
+_FEWEST_REVERSALS, _CERTAIN = 6, 3.0
+"""A jump is seen at so many reversals, and is so many times its standard error; six by chance have one sign once in 32
+times."""
+
+
+def jumps_at_reversals(torque: Array, cell: Index, before: Array, after: Array, half: Array, sides: Array) -> Array:
+    """Return by how much [N m or N] the motor torque jumps in each split cell, shape (c,).
+
+    Args:
+        torque: at the samples, shape (N,).
+        cell, before, after: split cells, and the shares of each before and after the zero, shape (c,).
+        half: half the duration of each cell that is not split, shape (N − 1,).
+        sides: change of the sign of the velocity in each of them; two at a reversal.
+    """
+    inner = (cell > 0) & (cell < len(half) - 1) & (np.abs(sides) == 2.0)
+    inner[inner] = (half[cell[inner] - 1] > 0.0) & (half[cell[inner] + 1] > 0.0)
+    jumps = np.zeros(len(cell))
+    if np.count_nonzero(inner) < _FEWEST_REVERSALS:
+        return jumps
+    at = cell[inner]
+    until = torque[at] + before[inner] * (torque[at] - torque[at - 1])
+    since = torque[at + 1] - after[inner] * (torque[at + 2] - torque[at + 1])
+    seen = (since - until) / sides[inner]
+    usual = float(np.median(seen))
+    apart = np.abs(seen - usual)
+    nearer = np.minimum(before[inner], after[inner])
+    of_means = 0.5 * (1.0 + nearer + 2.0 * nearer**2)
+    error = 1.2533 * 1.4826 * float(np.median(apart)) / np.sqrt(len(seen))
+    instant = apart.sum() < np.abs(seen - float(np.median(seen / of_means)) * of_means).sum()
+    if instant and abs(usual) > _CERTAIN * error:
+        jumps[inner] = np.where(apart < np.abs(seen), usual, 0.0) * sides[inner]
+    return jumps
