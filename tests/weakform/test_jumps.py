@@ -47,7 +47,7 @@ def seen(recording: Recording) -> Array:
     plain = Quadrature.of(recording, velocity, np.zeros(len(recording), dtype=bool))
     sides = np.sign(velocity[plain.cell + 1]) - np.sign(velocity[plain.cell])
     shares = (part / plain.half_step for part in (plain.before, plain.after))
-    return jumps_at_reversals(recording.torque, plain.cell, *shares, plain.half, sides) / sides
+    return jumps_at_reversals(recording.torque, plain.cell, *shares, plain.half, sides)[0] / sides
 
 
 @pytest.mark.parametrize("noise", [0.0, 1.0])
@@ -73,7 +73,7 @@ def test_the_integral_over_a_reversal_is_exact() -> None:
     errors = {}
     for jumps in (True, False):
         velocity = motion(recording.time)[0]
-        found = Quadrature.of(recording, velocity, np.zeros(len(recording), dtype=bool), jumps=jumps)
+        found = Quadrature.of(recording, velocity, np.zeros(len(recording), dtype=bool), None if jumps else 0.0)
         impulses = found.along_cubics(found.recording.torque[None])[0][found.cell]
         fine = recording.time[found.cell][:, None] + (np.arange(_FINE) + 0.5) / _FINE / RATE
         speed, slope = motion(fine)

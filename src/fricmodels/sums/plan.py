@@ -40,6 +40,7 @@ class Plan(BaseModel):
         friction: parameters of a first fit, which tell where a drive may stick between two samples.
         row_noise: mean square that noise of the velocity adds to ∫φ dω of a row.
         wrap: period by which the recorded position jumps back; 0 where it does not.
+        jump: by how much the motor torque jumps with the sign of the velocity; see :mod:`fricmodels.weakform.jumps`.
     """
 
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
@@ -57,6 +58,7 @@ class Plan(BaseModel):
     friction: dict[str, float]
     row_noise: Size
     wrap: Size = 0.0
+    jump: float = 0.0
 
     @property
     def hop(self) -> int:
@@ -137,5 +139,6 @@ def plan_for(recording: Recording, model: str, inertia: float | None = None) -> 
         peak=part.peak_speed,
         friction=dict(found.parameters),
         row_noise=problem.momentum_noise / max(problem.rows, 1),
+        jump=problem.quadrature.jump,
         wrap=float(recording.provenance.get("unwrapped", {}).get("period", 0.0)),
     )

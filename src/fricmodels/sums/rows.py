@@ -103,7 +103,7 @@ def block_rows(plan: Plan, channels: Mapping[str, Array], first: int, until: int
     """
     recording, smooth = _moving(plan, channels)
     unclear = _unclear(plan, recording, smooth)
-    quadrature = Quadrature.of(recording, smooth, unclear, jumps=False)
+    quadrature = Quadrature.of(recording, smooth, unclear, plan.jump)
     index = np.arange(len(recording))
     elsewhere = (index < first) | (index >= until + plan.width - plan.hop)
     over_cells = plan.derived_over > 0

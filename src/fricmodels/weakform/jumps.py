@@ -22,30 +22,44 @@ _FEWEST_REVERSALS, _CERTAIN = 6, 3.0
 times."""
 
 
-def jumps_at_reversals(torque: Array, cell: Index, before: Array, after: Array, half: Array, sides: Array) -> Array:
-    """Return by how much [N m or N] the motor torque jumps in each split cell, shape (c,).
+def jumps_at_reversals(
+    torque: Array, cell: Index, before: Array, after: Array, half: Array, sides: Array, usual: float | None = None
+) -> tuple[Array, float]:
+    """Return by how much [N m or N] the motor torque jumps in each split cell, shape (c,), and usually.
 
     Args:
         torque: at the samples, shape (N,).
         cell, before, after: split cells, and the shares of each before and after the zero, shape (c,).
         half: half the duration of each cell that is not split, shape (N − 1,).
         sides: change of the sign of the velocity in each of them; two at a reversal.
+        usual: the jump with the sign of the velocity, half of that at a reversal; as these reversals show it if not
+            given.
     """
     inner = (cell > 0) & (cell < len(half) - 1) & (np.abs(sides) == 2.0)
     inner[inner] = (half[cell[inner] - 1] > 0.0) & (half[cell[inner] + 1] > 0.0)
-    jumps = np.zeros(len(cell))
-    if np.count_nonzero(inner) < _FEWEST_REVERSALS:
-        return jumps
     at = cell[inner]
     until = torque[at] + before[inner] * (torque[at] - torque[at - 1])
     since = torque[at + 1] - after[inner] * (torque[at + 2] - torque[at + 1])
     seen = (since - until) / sides[inner]
+    if usual is None:
+        usual = _usual(seen, np.minimum(before[inner], after[inner]))
+    jumps = np.zeros(len(cell))
+    jumps[inner] = np.where(np.abs(seen - usual) < np.abs(seen), usual, 0.0) * sides[inner]
+    return jumps, usual
+
+
+def _usual(seen: Array, nearer: Array) -> float:
+    """Return the jump that reversals show; 0 where it may be none, or samples are means.
+
+    Args:
+        seen: by how much the lines on both sides of each reversal differ there, shape (n,).
+        nearer: share of the cell from the reversal to the nearer sample, shape (n,).
+    """
+    if len(seen) < _FEWEST_REVERSALS:
+        return 0.0
     usual = float(np.median(seen))
     apart = np.abs(seen - usual)
-    nearer = np.minimum(before[inner], after[inner])
     of_means = 0.5 * (1.0 + nearer + 2.0 * nearer**2)
     error = 1.2533 * 1.4826 * float(np.median(apart)) / np.sqrt(len(seen))
     instant = apart.sum() < np.abs(seen - float(np.median(seen / of_means)) * of_means).sum()
-    if instant and abs(usual) > _CERTAIN * error:
-        jumps[inner] = np.where(apart < np.abs(seen), usual, 0.0) * sides[inner]
-    return jumps
+    return usual if instant and abs(usual) > _CERTAIN * error else 0.0

@@ -68,6 +68,7 @@ class Quadrature:
         before, after: half the duration of the moving part before and after the zero.
         half_step: half the duration of each split cell.
         half: half the duration of each cell that is not split, 0 for the others, shape (N − 1,).
+        jump: by how much [N m or N] the motor torque jumps with the sign of the velocity; see :mod:`.jumps`.
     """
 
     recording: Recording
@@ -76,16 +77,19 @@ class Quadrature:
     after: Array
     half_step: Array
     half: Array
+    jump: float
 
     @classmethod
-    def of(cls, recording: Recording, velocity: Array, resting: NDArray[np.bool_], *, jumps: bool = True) -> Quadrature:
+    def of(
+        cls, recording: Recording, velocity: Array, resting: NDArray[np.bool_], jump: float | None = None
+    ) -> Quadrature:
         """Prepare the integrals over a recording with the velocity that the friction torque is to be evaluated at.
 
         Args:
             recording: as it is integrated.
             velocity: at its samples, shape (N,).
             resting: samples of no use, shape (N,).
-            jumps: whether the motor torque may jump where the drive turns; see :mod:`.jumps`.
+            jump: of the motor torque; as its reversals show it if not given.
         """
         from fricmodels.weakform.split import split_cells
 
@@ -106,15 +110,16 @@ class Quadrature:
                 parts = [velocity, tiny * np.sign(earlier), tiny * np.sign(later)]
             else:
                 first, last, change = values[cell], values[cell + 1], values[cell + 1] - values[cell]
-                if jumps and name == "torque":
+                if name == "torque":
                     sides = np.sign(later) - np.sign(earlier)
-                    change = change - jumps_at_reversals(values, cell, before, after, half, sides)
+                    jumps, jump = jumps_at_reversals(values, cell, before, after, half, sides, jump)
+                    change = change - jumps
                 parts = [values, first + before * change, last - after * change]
             channels[name] = np.concatenate(parts)
         run = np.concatenate([recording.run, recording.run[cell], recording.run[cell]])
         half_step = 0.5 * step[cell]
         at = replace(recording, channels=channels, run=run, origin=None)
-        return cls(at, cell, before * half_step, after * half_step, half_step, half)
+        return cls(at, cell, before * half_step, after * half_step, half_step, half, jump or 0.0)
 
     def change_while_moving(self, values: Array) -> Array:
         """Return by how much a channel, shape (N,), changes in each cell while the drive moves, shape (N,)."""
