@@ -157,10 +157,24 @@ class _Search:
                 if refused is not None:
                     self.note = f"'{refused.name}' was found, but the test error does not fall with it"
                 return
-            for diagnosis, rung in step:
-                self._append(rung)
+            for diagnosis, rung in self._lowering(step):
+                self.rungs.append(rung)
                 self.steps.append(diagnosis)
             self.diagnose()
+
+    def _lowering(self, step: list[tuple[Diagnosis, Rung]]) -> list[tuple[Diagnosis, Rung]]:
+        """Return the rungs, fitted as `compare` fits them, up to the last one that lowers the printed test error.
+
+        An effect that is left out is not considered again.
+        """
+        fitted = [(diagnosis, replace(rung, comparison=from_scratch(rung.comparison))) for diagnosis, rung in step]
+        errors = [c.errors.held_out_percent for c in (self._here, *(rung.comparison for _, rung in fitted))]
+        while fitted and errors[-1] >= errors[-2]:
+            name = fitted.pop()[1].added
+            errors.pop()
+            self._superfluous.add(name)
+            self.note = f"'{name}' was found, but the test error does not fall with it"
+        return fitted
 
     def _step(self) -> list[tuple[Diagnosis, Rung]]:
         """Add the effects that were found, one after the other; where no test error falls with one, two together.
@@ -243,14 +257,14 @@ class _Search:
                 self._update_look_alikes(name, seems.names)
                 continue
             trial = Refits(smaller).with_effect(seems.first)
-            if trial is None or not self._may_replace(trial):
+            if trial is None or not self._may_replace(trial, smaller):
                 continue
             diagnosis = self._examine(smaller)
             if not diagnosis.findings:
                 continue
             found = diagnosis.findings[0]
             other = None if found.tested.name == name else self._with(diagnosis, found.tested)
-            if other is not None and self._may_replace(other.comparison):
+            if other is not None and self._may_replace(other.comparison, smaller):
                 self._replace(name, smaller, other, diagnosis)
                 changed = True
             elif name in found.names:
@@ -269,7 +283,7 @@ class _Search:
             smaller = self._without(here, name) if chosen else here
             for tested in chosen:
                 other = refitted(smaller, smaller.drive.model.plus(tested.effect), here.estimate.parameters)
-                if self._may_replace(other):
+                if self._may_replace(other, smaller):
                     self._replace(name, smaller, Rung(other, added=tested.name), step)
                     changed = True
                     break
@@ -281,13 +295,16 @@ class _Search:
         self.rungs += rungs  # both or, where this is stopped, none
         self.steps.append(diagnosis)
 
-    def _may_replace(self, other: Comparison) -> bool:
+    def _may_replace(self, other: Comparison, smaller: Comparison) -> bool:
         """Whether a model may take the place of the present one.
 
+        Its effect lowers the printed test error of the model without either, as every effect of the ladder does.
         Its test error is as low, or clearly lower where it has more parameters. Or it leaves nothing that could be
         predicted where the present one does, with nearly the same test error.
         """
         here, policy = self._here, self._policy
+        if other.errors.held_out_percent >= smaller.errors.held_out_percent:
+            return False
         share = _test_error(other) / _test_error(here)
         larger = len(other.drive.model.parameters) > len(here.drive.model.parameters)
         if not (larger and share > 1 - policy.exchange_margin) and not _rises(other, here, policy.exchange_margin):

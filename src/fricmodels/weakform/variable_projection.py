@@ -207,7 +207,8 @@ class Projection:
         reduced(gram, at.normal.right, inner, free, last, scale, matrix, gradient)
         matrix += damping * np.diag(np.maximum(np.diag(matrix), 1e-300))
         step = np.zeros(len(moving))
-        step[moving] = NormalEquations.of(matrix, gradient).solved
+        # Directions that hardly change the residual count too: left out as rounding, they would never be found.
+        step[moving] = np.linalg.lstsq(matrix, gradient, rcond=1e-14)[0]
         return step, float(gradient @ step[moving])
 
     def cost(self, alpha: Array) -> float:
