@@ -5,7 +5,7 @@ of the speed), its torque is computed from inertia and friction, and both are sa
 2 kHz, with white noise of 0.03 to 3 % on the velocity and 0.1 to 5 % on the torque, or positions of 14 to 19 bits.
 The Coulomb torque jumps between two samples, as that of a compensated drive does.
 
-    python benchmarks/closed_form.py intervals [--count 300]
+    python benchmarks/closed_form.py intervals [--count 300] [--first 0]
     python benchmarks/closed_form.py nulls [--count 100]
     python benchmarks/closed_form.py singles [--count 80]
 """
@@ -160,10 +160,10 @@ def extra(rng: np.random.Generator, name: str, way: Path, time: Array, size: flo
     )
 
 
-def intervals(count: int) -> None:
+def intervals(seeds: range) -> None:
     """Print how far parameters are from the truth, in standard errors."""
     errors = []
-    for seed in range(count):
+    for seed in seeds:
         case = drawn(seed)
         try:
             found = compare(case.recording, "coulomb-viscous", case.true["J"] if case.inertia_given else None).estimate
@@ -176,14 +176,14 @@ def intervals(count: int) -> None:
         if max(map(abs, own.values()), default=0.0) > FAR:
             print(f"{seed}: {case.text}: " + ", ".join(f"{key} {z:+.1f}" for key, z in own.items()), flush=True)
     z = np.array(errors)
-    print(f"{count} recordings, {len(z)} intervals: {100 * np.mean(np.abs(z) < SIDE):.1f} % hold the truth, RMS of "
-          f"(error / standard error) {np.sqrt(np.mean(z**2)):.2f}, largest {np.max(np.abs(z)):.1f}")  # fmt: skip
+    print(f"{len(seeds)} recordings, {len(z)} intervals: {100 * np.mean(np.abs(z) < SIDE):.1f} % hold the truth, RMS "
+          f"of (error / standard error) {np.sqrt(np.mean(z**2)):.2f}, largest {np.max(np.abs(z)):.1f}")  # fmt: skip
 
 
-def names(count: int, hide: bool) -> None:
+def names(seeds: range, hide: bool) -> None:
     """Print what is called missing, and how often that is right."""
     counts: Counter[str] = Counter()
-    for seed in range(count):
+    for seed in seeds:
         case = drawn(seed, hide)
         try:
             compared = compare(case.recording, "coulomb-viscous", case.true["J"] if case.inertia_given else None)
@@ -205,11 +205,14 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("what", choices=["intervals", "nulls", "singles"])
     parser.add_argument("--count", type=int)
+    parser.add_argument("--first", type=int, default=0, help="the first seed")
     args = parser.parse_args()
+    count = args.count or {"intervals": 300, "nulls": 100, "singles": 80}[args.what]
+    seeds = range(args.first, args.first + count)
     if args.what == "intervals":
-        intervals(args.count or 300)
+        intervals(seeds)
     else:
-        names(args.count or (80 if args.what == "singles" else 100), args.what == "singles")
+        names(seeds, args.what == "singles")
 
 
 if __name__ == "__main__":

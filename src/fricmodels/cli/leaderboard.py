@@ -110,8 +110,12 @@ def show(board: Leaderboard, rank_by: str | None = None, top: int | None = None)
         print_line("")
     if left_out:
         print_line(f"Left out for want of room: {', '.join(dict.fromkeys(reversed(left_out)))}; --format md has all.")
-    if any(column.title == "not sure of" for each in found for column in each.columns):
-        print_line(f"{NOT_SURE}; --format md names them")
+    marks = "".join(
+        cell for each in found for column in each.columns if column.title == "not sure of" for cell in column.cells
+    )
+    meant = [text for mark, text in NOT_SURE.items() if mark in marks]
+    if meant:
+        print_line(f"{'; '.join(meant)}; --format md names them")
     for row in board.failures[:_MOST_REASONS]:
         print_line(f"{row['status']}: {row['model']} with {row['estimator']} on {row['dataset']}: {row['message']}")
     if len(board.failures) > _MOST_REASONS:

@@ -144,10 +144,6 @@ class _Search:
         """Diagnose the model that was reached; an effect that the others made superfluous is not considered again."""
         self.diagnosis = self._examine(self._here, self._superfluous)
 
-    def _append(self, rung: Rung) -> None:
-        """Take a rung, its model fitted as `compare` fits it."""
-        self.rungs.append(replace(rung, comparison=from_scratch(rung.comparison)))
-
     def extend(self) -> None:
         """Add what is missing until nothing is, or nothing lowers the test error."""
         while len(self.steps) < self._policy.most_steps:
@@ -163,18 +159,18 @@ class _Search:
             self.diagnose()
 
     def _lowering(self, step: list[tuple[Diagnosis, Rung]]) -> list[tuple[Diagnosis, Rung]]:
-        """Return the rungs, fitted as `compare` fits them, up to the last one that lowers the printed test error.
+        """Return the rungs, fitted as `compare` fits them, up to the one with the lowest printed test error.
 
-        An effect that is left out is not considered again.
+        The effect after it is not considered again; what was found with it may be found once more.
         """
         fitted = [(diagnosis, replace(rung, comparison=from_scratch(rung.comparison))) for diagnosis, rung in step]
         errors = [c.errors.held_out_percent for c in (self._here, *(rung.comparison for _, rung in fitted))]
-        while fitted and errors[-1] >= errors[-2]:
-            name = fitted.pop()[1].added
-            errors.pop()
+        kept = errors.index(min(errors))
+        if kept < len(fitted):
+            name = fitted[kept][1].added
             self._superfluous.add(name)
             self.note = f"'{name}' was found, but the test error does not fall with it"
-        return fitted
+        return fitted[:kept]
 
     def _step(self) -> list[tuple[Diagnosis, Rung]]:
         """Add the effects that were found, one after the other; where no test error falls with one, two together.
@@ -235,7 +231,7 @@ class _Search:
             removed.append(weakest)
         if removed:
             self._superfluous.update(removed)
-            self._append(Rung(comparison, removed="+".join(removed)))
+            self.rungs.append(Rung(from_scratch(comparison), removed="+".join(removed)))
         return bool(removed)
 
     def exchange(self) -> bool:

@@ -60,6 +60,7 @@ def _usual(seen: Array, nearer: Array) -> float:
     usual = float(np.median(seen))
     apart = np.abs(seen - usual)
     of_means = 0.5 * (1.0 + nearer + 2.0 * nearer**2)
+    # Of a normal distribution: the standard error of a median, by the median deviation.
     error = 1.2533 * 1.4826 * float(np.median(apart)) / np.sqrt(len(seen))
     instant = apart.sum() < np.abs(seen - float(np.median(seen / of_means)) * of_means).sum()
     return usual if instant and abs(usual) > _CERTAIN * error else 0.0
