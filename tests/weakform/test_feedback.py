@@ -21,9 +21,9 @@ from fricmodels.weakform.feedback import _axes, _left_by, feedback
 from fricmodels.weakform.nonlinear import Plan
 from fricmodels.weakform.prepared import prepared
 from fricmodels.weakform.problem import WeakFormProblem
+from fricmodels.weakform.quadrature import Quadrature
 from fricmodels.weakform.solve import solve
 from fricmodels.weakform.tangent import tangents
-from fricmodels.weakform.test_functions import Quadrature
 
 DRIVES = {
     "coulomb-viscous": {"J": 0.05, "K_v": 0.1, "K_c": 0.4},

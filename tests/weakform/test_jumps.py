@@ -15,7 +15,7 @@ from fricmodels.diagnosis import diagnose
 from fricmodels.dimension import Motion
 from fricmodels.recording import Recording
 from fricmodels.weakform.jumps import jumps_at_reversals
-from fricmodels.weakform.test_functions import Quadrature
+from fricmodels.weakform.quadrature import Quadrature
 
 Array = NDArray[np.float64]
 INERTIA, VISCOUS, COULOMB = 0.05, 0.1, 0.4

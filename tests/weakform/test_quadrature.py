@@ -7,8 +7,9 @@ import pytest
 
 from fricmodels.dimension import Motion
 from fricmodels.recording import Recording
-from fricmodels.weakform.test_functions import Quadrature, mean_velocity
+from fricmodels.weakform.quadrature import Quadrature
 from fricmodels.weakform.test_functions import TestFunctions as Functions
+from fricmodels.weakform.test_functions import mean_velocity
 
 HARDLY = 1e-9
 
@@ -92,3 +93,32 @@ def test_a_cubic_does_not_reach_over_a_reversal() -> None:
     quadrature = Quadrature.of(recording, recording.velocity, never)
     sign = np.sign(quadrature.recording.velocity)[None]
     assert quadrature.along_cubics(sign) == pytest.approx(quadrature.impulses(sign), abs=HARDLY)
+
+
+@pytest.mark.parametrize("friction", [0.0, 3.0])
+@pytest.mark.parametrize("over_cells", [False, True])
+def test_it_balances_as_well_through_reversals(over_cells: bool, friction: float) -> None:
+    """Straight lines there, and 1 % of a cell at rest between velocities continued from both sides, left 0.2 %."""
+    recording = swinging(100.0, friction=friction)
+    never = np.zeros(len(recording), dtype=bool)
+    bumps = Functions(recording, 16, never, over_cells=over_cells)
+    quadrature = Quadrature.of(recording, recording.velocity, never)
+    assert len(quadrature.cell) == 32
+    motion = mean_velocity(recording, recording["position"]) if over_cells else recording.velocity
+    points = quadrature.recording
+    opposing = friction * bumps.torques(quadrature, np.sign(points.velocity)[None])[0]
+    impulse, change = bumps.driving(quadrature, points.torque) - opposing, bumps.momentum(motion)
+    phase = 2 * np.pi * 2.0 / 100.0
+    assert np.sqrt(np.mean((impulse - change) ** 2) / np.mean(change**2)) < 0.1 * phase**2 / 12
+
+
+@pytest.mark.parametrize("lasts", [0.0, 0.6])
+def test_a_standstill_between_two_samples_is_as_long_as_both_slopes_say(lasts: float) -> None:
+    """Velocities that run to zero on straight lines leave no doubt about where."""
+    time = np.arange(12.0)
+    before, after = np.minimum(time - 5.2, 0.0), np.maximum(time - 5.2 - lasts, 0.0)
+    velocity = before + after
+    channels = {"time": time, "torque": np.ones(12), "velocity": velocity}
+    recording = Recording("stops", Motion.ROTARY, channels, np.zeros(12, dtype=np.int64))
+    found = Quadrature.of(recording, velocity, np.zeros(12, dtype=bool))
+    assert found.moving_time[5] == pytest.approx(1.0 - lasts)

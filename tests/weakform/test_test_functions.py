@@ -8,7 +8,8 @@ from numpy.typing import NDArray
 
 from fricmodels.dimension import Motion
 from fricmodels.recording import Recording
-from fricmodels.weakform.test_functions import HOPS, Quadrature
+from fricmodels.weakform.quadrature import Quadrature
+from fricmodels.weakform.test_functions import HOPS
 from fricmodels.weakform.test_functions import TestFunctions as Functions
 
 RUNS = {"one run": [203], "uneven ones": [31, 5, 64, 127, 32], "none long enough": [10, 12]}

@@ -15,7 +15,7 @@ from fricmodels.signals import Preparation
 from fricmodels.weakform.inference import covariance
 from fricmodels.weakform.nonlinear import Outcome, Plan, linear_constraints, nonlinear_search
 from fricmodels.weakform.separable import SeparableTerm, separable
-from fricmodels.weakform.test_functions import segments
+from fricmodels.weakform.stretches import segments
 from fricmodels.weakform.variable_projection import Equations, Projection
 
 Array = NDArray[np.float64]

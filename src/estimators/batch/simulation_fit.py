@@ -30,7 +30,7 @@ from fricmodels.weakform.least_squares import NormalEquations
 from fricmodels.weakform.model_velocity import model_velocity
 from fricmodels.weakform.nonlinear import Outcome, linear_constraints
 from fricmodels.weakform.ranges import natural_size
-from fricmodels.weakform.test_functions import segments
+from fricmodels.weakform.stretches import segments
 
 Array = NDArray[np.float64]
 

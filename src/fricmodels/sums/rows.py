@@ -13,7 +13,8 @@ from fricmodels.arrays import Array, Index, Mask
 from fricmodels.recording import Recording
 from fricmodels.signals.lanczos import DEGREE, fit_stretch
 from fricmodels.sums.plan import Plan
-from fricmodels.weakform.test_functions import HOPS, Quadrature, TestFunctions, mean_velocity
+from fricmodels.weakform.quadrature import Quadrature
+from fricmodels.weakform.test_functions import HOPS, TestFunctions, mean_velocity
 from fricmodels.weakform.unclear import hidden_turns, widened
 
 Rows: TypeAlias = tuple[Array, Index]
@@ -110,8 +111,8 @@ def block_rows(plan: Plan, channels: Mapping[str, Array], first: int, until: int
     bumps = TestFunctions(recording, plan.width, unclear | elsewhere, least_moving=1.0, over_cells=over_cells)
     points = _as_planned(quadrature.recording, plan)
     design, offset = plan.drive.regressors(points)
-    push = points.torque - points.load_torque - offset
-    integrals = bumps.torques(quadrature, np.vstack([push, design]))
+    push = bumps.driving(quadrature, points.torque - points.load_torque)
+    integrals = bumps.torques(quadrature, np.vstack([offset[None], design]))
     velocity = mean_velocity(recording, recording["position"]) if over_cells else recording.velocity
     turns = np.zeros(len(recording))
     cells = quadrature.cell
@@ -120,7 +121,7 @@ def block_rows(plan: Plan, channels: Mapping[str, Array], first: int, until: int
         turns[cells] = (side[cells + 1] - side[cells]) * plan.interval
     rate = quadrature.change_while_moving(recording.torque)
     further = [bumps.of_cells(turns[None])[0], bumps.of_cells(rate[None])[0]]
-    rows = np.vstack([integrals[:1], bumps.momentum(velocity)[None], integrals[1:], further])
+    rows = np.vstack([push - integrals[0], bumps.momentum(velocity), integrals[1:], further])
     return rows, bumps.begins
 
 

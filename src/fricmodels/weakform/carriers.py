@@ -23,7 +23,8 @@ from numpy.typing import NDArray
 
 from fricmodels.arrays import Array
 from fricmodels.recording import Recording
-from fricmodels.weakform.test_functions import Quadrature, TestFunctions
+from fricmodels.weakform.quadrature import Quadrature
+from fricmodels.weakform.test_functions import TestFunctions
 
 
 def at_steps(impulses: Array, over_cells: bool) -> Array:
@@ -97,6 +98,13 @@ class CarrierFunctions(TestFunctions):
         """
         steps = at_steps(quadrature.impulses(rows), self._plain.over_cells)
         return self._carried(None if self._alone else self._plain.torques(quadrature, rows), steps, self._waves)
+
+    def _bent_at_reversals(self, quadrature: Quadrature, torque: Array) -> Array:
+        """Nothing beside a carrier, where there are no cubics."""
+        rows = np.zeros((self.count // self.each, self.each))
+        if not self._alone:
+            rows[:, 0] = self._plain._bent_at_reversals(quadrature, torque)
+        return rows.ravel()
 
     def of_cells(self, impulses: Array) -> Array:
         """Return Σ φ I over the cells, shape (k, number of rows), of what happens within each cell."""

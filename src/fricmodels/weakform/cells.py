@@ -10,7 +10,7 @@ from numba import njit
 
 @njit(cache=True, nogil=True)
 def along_cubics(rows: Any, half: Any, cell: Any, before: Any, after: Any, bending: Any, values: Any) -> None:
-    """Write the integral of each row over each cell; see :meth:`.test_functions.Quadrature.along_cubics`.
+    """Write the integral of each row over each cell; see :meth:`.quadrature.Quadrature.along_cubics`.
 
     Args:
         rows: at the samples and at the instants of stopping and of starting, shape (k, N + 2 c).
@@ -44,7 +44,7 @@ def _bend(row: Any, bending: Any, value: Any, count: int) -> None:
 def under_hats(
     rows: Any, half: Any, cell: Any, before: Any, after: Any, half_step: Any, bending: Any, values: Any
 ) -> None:
-    """Write the integral of each row under hats; see :meth:`.test_functions.Quadrature.under_hats`.
+    """Write the integral of each row under hats; see :meth:`.quadrature.Quadrature.under_hats`.
 
     Args:
         rows, half, cell, before, after, bending, values: as of :func:`along_cubics`.

@@ -27,11 +27,12 @@ from fricmodels.term import Effect
 from fricmodels.weakform.carriers import CarrierFunctions
 from fricmodels.weakform.explained import explained_torque
 from fricmodels.weakform.friction_limits import limits_of_friction
+from fricmodels.weakform.quadrature import Quadrature
 from fricmodels.weakform.regression import Regression
 from fricmodels.weakform.remembered import Remembered, Room
 from fricmodels.weakform.row_noise import bump_width, momentum_noise, noise_in_columns, noise_like, torque_noise
 from fricmodels.weakform.smoothed import smoothed
-from fricmodels.weakform.test_functions import HOPS, Quadrature, TestFunctions, mean_velocity
+from fricmodels.weakform.test_functions import HOPS, TestFunctions, mean_velocity
 from fricmodels.weakform.unclear import creeping, direction_unclear
 
 _OF_ROWS = {"momentum", "noise_of_momentum", "driving", "torque_rate", "sign_change", "target", "centre", "integrated"}
@@ -49,7 +50,7 @@ class WeakFormProblem:
         recording: prepared; ``velocity`` as measured, torques at its time, see :meth:`fricmodels.drive.Drive.timed`.
         smooth: velocity freed of noise, at which friction is evaluated.
         resting: samples at rest.
-        quadrature, bumps: see :mod:`fricmodels.weakform.test_functions`.
+        quadrature, bumps: see :mod:`.quadrature`, :mod:`.test_functions`.
         half_width: of the filter that smooths it.
         friction_limits: see :mod:`.friction_limits`.
         estimated: parameters of the drive's fit, once there is one; see :attr:`motor_torque`.
@@ -242,7 +243,7 @@ class WeakFormProblem:
         if self.held:
             impulses = self.recording.torque * self.quadrature.moving_time
             return np.asarray(self.bumps.of_cells(impulses[None])[0] - self.integrals(points.load_torque[None])[0])
-        return np.asarray(self.integrals((points.torque - points.load_torque)[None])[0])
+        return self.bumps.driving(self.quadrature, points.torque - points.load_torque)
 
     @cached_property
     def torque_rate(self) -> Array:

@@ -10,8 +10,9 @@ from fricmodels.score import noise
 from fricmodels.signals import motion_noise, velocity_noise
 from fricmodels.signals.lanczos import lanczos_value
 from fricmodels.signals.rest import once
+from fricmodels.weakform.quadrature import Quadrature
 from fricmodels.weakform.regression import Regression
-from fricmodels.weakform.test_functions import HOPS, Quadrature, TestFunctions, mean_velocity
+from fricmodels.weakform.test_functions import HOPS, TestFunctions, mean_velocity
 
 Array = NDArray[np.float64]
 

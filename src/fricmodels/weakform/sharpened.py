@@ -18,8 +18,8 @@ import numpy as np
 from fricmodels.arrays import Array
 from fricmodels.recording import Recording
 from fricmodels.signals import lanczos_derivative
+from fricmodels.weakform.quadrature import Quadrature
 from fricmodels.weakform.solve import Solved, solve
-from fricmodels.weakform.test_functions import Quadrature
 
 
 def at_sharpened_velocity(found: Solved) -> Solved:

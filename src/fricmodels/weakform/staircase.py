@@ -24,7 +24,8 @@ from fricmodels.recording import Recording
 from fricmodels.signals import lanczos_derivative, motion_noise, quantum
 from fricmodels.signals.rest import once
 from fricmodels.weakform.problem import WeakFormProblem
-from fricmodels.weakform.test_functions import Quadrature, mean_velocity
+from fricmodels.weakform.quadrature import Quadrature
+from fricmodels.weakform.test_functions import mean_velocity
 
 PLACES = 8
 """Places of the staircase, evenly spaced within a step."""
