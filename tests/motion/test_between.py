@@ -75,4 +75,5 @@ def test_fits_scores_and_files_take_it() -> None:
     cut = [Recording(p.name, p.motion, p.channels, pieces[pieces % 2 == i]) for i, p in enumerate(parts)]
     (found,) = judged([Rung(drive, TRUE)], *cut)
     assert found.kept.between_samples == "held"
-    assert found.fit is not None and found.fit.parameters["K_c"] == pytest.approx(TRUE["K_c"], rel=1e-3)
+    assert found.fit is not None
+    assert found.fit.parameters["K_c"] == pytest.approx(TRUE["K_c"], rel=1e-3)

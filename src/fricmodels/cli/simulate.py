@@ -18,6 +18,9 @@ class Between(StrEnum):
     HELD = "held"
 
 
+_WORDS: dict[Between, Literal["linear", "held"]] = {Between.LINEAR: "linear", Between.HELD: "held"}
+
+
 def command(
     rig: Annotated[
         Path,
@@ -66,8 +69,7 @@ def command(
             raise InputError("a fitted model has no noise, and no seed; leave --seed out")
         if between_samples is not None and reference:
             raise InputError("--between-samples is about a recorded torque; with --reference there is none")
-        held = None if between_samples is None else between_samples.value
-        _fitted(rig, torque or reference or [], column, out, closed=bool(reference), between_samples=held)
+        _fitted(rig, torque or reference or [], column, out, closed=bool(reference), between_samples=between_samples)
         return
     if torque or reference or between_samples is not None:
         raise InputError(
@@ -91,7 +93,7 @@ def _fitted(
     out: Path,
     *,
     closed: bool,
-    between_samples: Literal["linear", "held"] | None,
+    between_samples: Between | None,
 ) -> None:
     from fricmodels.readers import read_together
     from fricmodels.saved import load
@@ -103,7 +105,7 @@ def _fitted(
     if closed:
         simulated, how = closed_loop(model, recording), "closed loop"
     else:
-        simulated, between = driven(model, recording, between_samples)
+        simulated, between = driven(model, recording, None if between_samples is None else _WORDS[between_samples])
         how = "open loop, the torque held between samples" if between == "held" else "open loop"
     written = write_recording(simulated, out)
     print(f"{written}: {len(simulated)} samples of {', '.join(simulated.channels)}")

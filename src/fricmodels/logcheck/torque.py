@@ -115,8 +115,8 @@ def delay(log: Log, rows: list[Balance]) -> Iterator[Finding]:
     after all columns of the balance are projected out, at the width at which it explains most; its error is over 32
     clusters. Said where T is longer than two samples at the level of
     :data:`~fricmodels.signals.clusters.PROBABLE`, and at no other width shorter at that level: a delay is the same at
-    every width, what the balance lacks (cogging, friction that falls with speed) is not. A motion that is recorded late is not told here from friction with
-    memory; that is the effect ``sensor-delay``.
+    every width, what the balance lacks (cogging, friction that falls with speed) is not. A motion that is recorded
+    late is not told here from friction with memory; that is the effect ``sensor-delay``.
     """
     interval = log.recording.interval
     found = [outcome for row in rows if (outcome := _late(row, interval)) is not None]
