@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -14,7 +13,7 @@ from fricmodels.dimension import Motion
 from fricmodels.errors import InputError
 from fricmodels.logcheck import Severity, checked, findings
 from fricmodels.recording import Recording
-from fricmodels.rig import load_rig, random_rig
+from fricmodels.rig import random_rig
 from fricmodels.signals.wrapping import find_wrap, unwrap
 
 INERTIA = 0.05
@@ -136,16 +135,6 @@ def test_drives_with_hidden_effects_are_accused_of_nothing_and_with_the_torque_t
     recording = rig.simulate()
     assert kinds(recording, rig.inertia) == {}
     assert kinds(changed(recording, torque=-recording.torque))["torque-sign"] is STOP
-
-
-def test_effects_that_look_late_at_one_width_are_no_delay(tmp_path):
-    """The joint of docs/models.md has cogging and a Stribeck effect; with them alone it seemed 12 samples late."""
-    page = (Path(__file__).parents[2] / "docs" / "models.md").read_text(encoding="utf-8")
-    (tmp_path / "elbow.yaml").write_text(page.partition("<!-- file: elbow.yaml -->\n```yaml\n")[2].partition("```")[0])
-    rig = load_rig(tmp_path / "elbow.yaml")
-    recording = rig.simulate()
-    assert kinds(recording, rig.inertia) == {}
-    assert "torque-delay" in kinds(changed(recording, torque=late(recording.torque, 8)))
 
 
 @pytest.mark.parametrize("factor", [180 / np.pi, 30 / np.pi])

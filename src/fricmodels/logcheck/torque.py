@@ -114,17 +114,14 @@ def delay(log: Log, rows: list[Balance]) -> Iterator[Finding]:
     frictional lag look like a delay, with columns for |ω| and ω|ω| besides. T is the coefficient of the change of m
     after all columns of the balance are projected out, at the width at which it explains most; its error is over 32
     clusters. Said where T is longer than two samples at the level of
-    :data:`~fricmodels.signals.clusters.PROBABLE`, and at no other width shorter at that level: a delay is the same at
-    every width, what the balance lacks (cogging, friction that falls with speed) is not. A motion that is recorded
-    late is not told here from friction with memory; that is the effect ``sensor-delay``.
+    :data:`~fricmodels.signals.clusters.PROBABLE`. A motion that is recorded late is not told here from friction with
+    memory; that is the effect ``sensor-delay``.
     """
     interval = log.recording.interval
     found = [outcome for row in rows if (outcome := _late(row, interval)) is not None]
     if not found:
         return
     late, error, count, _ = max(found, key=lambda outcome: outcome[3])
-    if any(significance(max(2.0 - other, 0.0) / wide, count) < PROBABLE for other, wide, count, _ in found):
-        return
     if significance(max(late - 2.0, 0.0) / error, count) < PROBABLE:
         yield Finding(
             "torque-delay",
