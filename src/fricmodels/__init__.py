@@ -10,6 +10,7 @@ Names are imported when first used, so that ``import fricmodels`` is quick.
 from __future__ import annotations
 
 import importlib
+from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 from fricmodels.display import Displayed
@@ -97,4 +98,9 @@ def __getattr__(name: str) -> Any:
 
 
 def __dir__() -> list[str]:
-    return sorted({*globals(), *__all__})
+    own = {name for name, value in globals().items() if name.startswith("__") or _is_module_of_this(value)}
+    return sorted({*own, *__all__})
+
+
+def _is_module_of_this(value: object) -> bool:
+    return isinstance(value, ModuleType) and value.__name__.startswith("fricmodels.")

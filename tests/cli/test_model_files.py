@@ -13,6 +13,7 @@ import pytest
 import fricmodels
 from fricmodels.cli import main
 from fricmodels.recording import Recording
+from fricmodels.saved.driven import write_recording
 
 MODEL = "coulomb-viscous+cogging"
 
@@ -119,6 +120,26 @@ def test_simulate_drives_a_file(room: Path, tmp_path: Path, capsys: pytest.Captu
     assert error < 0.1 * float(np.std(recorded.velocity))
 
 
+def test_a_held_torque_is_seen_said_and_may_be_said(
+    room: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The same torque moves the drive by steps or by straight lines; from the motion it is seen which it was."""
+    file, given = room / "joint.model.json", fricmodels.read(room / "joint.csv")
+    model = fricmodels.load(file)
+    for way in ("held", "linear"):
+        first = {"velocity": 0.0, "position": 0.1}
+        moved = model.simulate(given.torque, first, time=given.time, between_samples=way)
+        data = write_recording(moved, tmp_path / f"{way}.csv")
+        errors = []
+        for options in ([], ["--between-samples", "held"], ["--between-samples", "linear"]):
+            out = tmp_path / "simulated.csv"
+            code, text, err = call(capsys, "simulate", file, "--torque", data, "--out", out, *options)
+            assert code == 0, err
+            assert ("held between samples" in text) == ((options[-1] if options else way) == "held")
+            errors.append(float(np.sqrt(np.mean((fricmodels.read(out).velocity - moved.velocity) ** 2))))
+        assert errors[0] == errors[1 if way == "held" else 2] < 0.1 * max(errors)
+
+
 @pytest.mark.parametrize("target", ["c", "mjcf", "urdf", "isaac", "drake", "ros2", "json"])
 def test_export_writes_every_target(
     room: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], target: str
@@ -158,6 +179,7 @@ def test_export_refits_to_the_recording(room: Path, capsys: pytest.CaptureFixtur
         (["export", "{file}", "--to", "c", "--name", "1 joint"], "no name in C"),
         (["simulate", "{file}", "--out", "x.csv"], "--torque"),
         (["simulate", "{file}", "--torque", "{data}", "--out", "x.txt"], ".csv or .parquet"),
+        (["simulate", "{file}", "--reference", "{data}", "--between-samples", "held", "--out", "x.csv"], "recorded"),
         (["fit", "{data}", "--model", "coulomb-viscos", "--out", "x.model.json"], "did you mean"),
     ],
 )

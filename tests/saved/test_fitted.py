@@ -149,6 +149,7 @@ def test_what_is_there_is_shown() -> None:
     assert {"FittedModel", "load", "keep", "keep_fit", "compare", "improve"} <= set(dir(fricmodels))
     shown = set(dir(fricmodels))
     assert set(fricmodels.__all__) <= shown
+    assert not {"Any", "TYPE_CHECKING", "annotations", "importlib"} & shown
 
 
 def test_outside_of_what_was_recorded(arm: Any) -> None:

@@ -113,12 +113,13 @@ class Batch(Estimator):
 
     def _motion(self, drive: Drive, ready: Recording, found: Estimate) -> Solution:
         """Bring the simulated position nearest to the measured one, from the fit of the torque."""
-        from fricmodels.motion import Simulator, fit_motion
+        from fricmodels.motion import Simulator, fit_motion, torque_between_samples
 
         if "position" not in ready:
             raise EstimationError(f"objective 'position' needs the position, which '{ready.name}' does not have")
         try:
-            simulator = Simulator(drive, ready, horizon=self.settings.horizon)
+            between = torque_between_samples(drive, found.parameters, ready)
+            simulator = Simulator(drive, ready, horizon=self.settings.horizon, between_samples=between)
         except InputError as error:
             raise EstimationError(str(error)) from None
         fitted = fit_motion(simulator, [found.parameters], loss=self.settings.loss)

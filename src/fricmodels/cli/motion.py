@@ -132,9 +132,9 @@ def show_motion(console: Any, found: Sequence[Judged], horizon: int | None, inte
     from fricmodels.motion.document import error_words, how
     from fricmodels.terminal import Column, show_table
 
-    motion = found[0].rung.drive.motion
+    motion, held = found[0].rung.drive.motion, found[0].kept.between_samples == "held"
     unit = "rad" if motion.value == "rotary" else "m"
-    console.print(f"Simulated {how(horizon, interval, closed=closed)}:", markup=False, highlight=False)
+    console.print(f"Simulated {how(horizon, interval, closed=closed, held=held)}:", markup=False, highlight=False)
     columns = [
         Column("model", tuple(each.rung.name for each in found)),
         Column(f"by torque [{unit}]", tuple(f"{each.by_torque.position:.3g}" for each in found), True),
@@ -157,10 +157,12 @@ def refitted(
     Raises:
         EstimationError: where no simulation reaches its end.
     """
-    from fricmodels.motion import Simulator, fit_motion
+    from fricmodels.motion import Simulator, fit_motion, torque_between_samples
 
-    simulator = Simulator(comparison.drive, comparison.train, horizon=horizon, loop=loop)
-    fit = fit_motion(simulator, [{**(known or {}), **comparison.estimate.parameters}])
+    start = {**(known or {}), **comparison.estimate.parameters}
+    between = torque_between_samples(comparison.drive, start, comparison.train, loop=loop)
+    simulator = Simulator(comparison.drive, comparison.train, horizon=horizon, loop=loop, between_samples=between)
+    fit = fit_motion(simulator, [start])
     return with_parameters(comparison, fit), fit
 
 

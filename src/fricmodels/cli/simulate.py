@@ -2,12 +2,23 @@
 
 from __future__ import annotations
 
+from enum import StrEnum
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal
 
 import typer
 
 from fricmodels.cli.measurement import Column
+
+
+class Between(StrEnum):
+    """What a torque does between two samples."""
+
+    LINEAR = "linear"
+    HELD = "held"
+
+
+_WORDS: dict[Between, Literal["linear", "held"]] = {Between.LINEAR: "linear", Between.HELD: "held"}
 
 
 def command(
@@ -30,6 +41,14 @@ def command(
             "repeatable.",
         ),
     ] = None,
+    between_samples: Annotated[
+        Between | None,
+        typer.Option(
+            "--between-samples",
+            help="Whether the recorded torque goes straight from sample to sample, or is held; if not given what moves "
+            "the model clearly nearer to the recorded motion.",
+        ),
+    ] = None,
     column: Column = None,
 ) -> None:
     """Simulate a drive with hidden effects.
@@ -48,10 +67,14 @@ def command(
             )
         if seed is not None:
             raise InputError("a fitted model has no noise, and no seed; leave --seed out")
-        _fitted(rig, torque or reference or [], column, out, closed=bool(reference))
+        if between_samples is not None and reference:
+            raise InputError("--between-samples is about a recorded torque; with --reference there is none")
+        _fitted(rig, torque or reference or [], column, out, closed=bool(reference), between_samples=between_samples)
         return
-    if torque or reference:
-        raise InputError("--torque and --reference drive a fitted model; a rig has its own excitation")
+    if torque or reference or between_samples is not None:
+        raise InputError(
+            "--torque, --reference and --between-samples are for a fitted model; a rig has its own excitation"
+        )
     from fricmodels.rig import load_rig, write
 
     chosen = load_rig(rig)
@@ -63,7 +86,15 @@ def command(
     print(f"{truth}: the truth, {chosen.true_model}")
 
 
-def _fitted(path: Path, data: list[Path], column: list[str] | None, out: Path, *, closed: bool) -> None:
+def _fitted(
+    path: Path,
+    data: list[Path],
+    column: list[str] | None,
+    out: Path,
+    *,
+    closed: bool,
+    between_samples: Between | None,
+) -> None:
     from fricmodels.readers import read_together
     from fricmodels.saved import load
     from fricmodels.saved.controlled import closed_loop
@@ -71,8 +102,12 @@ def _fitted(path: Path, data: list[Path], column: list[str] | None, out: Path, *
 
     model = load(path)
     recording = read_together(data, columns=column or (), motion=model.motion)
-    simulated = (closed_loop if closed else driven)(model, recording)
+    if closed:
+        simulated, how = closed_loop(model, recording), "closed loop"
+    else:
+        simulated, between = driven(model, recording, None if between_samples is None else _WORDS[between_samples])
+        how = "open loop, the torque held between samples" if between == "held" else "open loop"
     written = write_recording(simulated, out)
     print(f"{written}: {len(simulated)} samples of {', '.join(simulated.channels)}")
-    for line in errors_in_words(simulated, recording, closed=closed):
+    for line in errors_in_words(simulated, recording, how):
         print(line)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from fricmodels.motion.between import torque_between_samples
 from fricmodels.motion.choose import Judged, Rung, judged
 from fricmodels.motion.controllers import (
     AnyController,
@@ -34,4 +35,5 @@ __all__ = [
     "read_controller",
     "state_at",
     "stored_controller",
+    "torque_between_samples",
 ]

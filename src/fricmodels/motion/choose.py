@@ -11,6 +11,7 @@ from fricmodels.arrays import Array
 from fricmodels.drive import Drive
 from fricmodels.errors import EstimationError
 from fricmodels.loop import Loop
+from fricmodels.motion.between import torque_between_samples
 from fricmodels.motion.errors import MotionErrors, motion_errors
 from fricmodels.motion.fit import MotionFit, fit_motion
 from fricmodels.motion.simulator import Simulator
@@ -74,7 +75,7 @@ def judged(
     pieces of ``test`` count. The best model has the least mean logarithm of the error; the choice is the first one, in
     order of the number of parameters, that is within one standard error of it: that of the difference between two
     models over K parts, :math:`s\sqrt{1/K + 1/(K-1)}`, as the fits share most of their data. Nothing but the recording
-    that is fitted takes part.
+    that is fitted takes part. Whether the torque is held between samples is found there too, with the largest model.
 
     Args:
         rungs: models with a start for each; the optimum of each is a start for the next, which may contain it.
@@ -90,9 +91,11 @@ def judged(
     errors = []
     parts = folds(train.origin.whole) if _of_one(train, test) and refit and train.origin is not None else []
     before: dict[str, float] = {}
+    largest = max(rungs, key=lambda rung: len(rung.drive.parameters))
+    between = torque_between_samples(largest.drive, largest.parameters, train, loop=loop)
     for rung in rungs:
-        fitted = Simulator(rung.drive, train, loop=loop, horizon=horizon)
-        kept = Simulator(rung.drive, test, loop=loop, horizon=horizon)
+        fitted = Simulator(rung.drive, train, loop=loop, horizon=horizon, between_samples=between)
+        kept = Simulator(rung.drive, test, loop=loop, horizon=horizon, between_samples=between)
         started = dict(rung.parameters)
         if loop is not None:
             started = {key: p.initial for key, p in zip(loop.keys, loop.parameters, strict=True)} | started
@@ -109,7 +112,7 @@ def judged(
         before = dict(fit.parameters)
         found.append(Judged(rung, kept, by_torque, fit, motion_errors(kept, fit.parameters)))
         if parts and len(rungs) > 1:
-            own = scores(rung.drive, fit.parameters, parts, loop=loop, horizon=horizon)
+            own = scores(rung.drive, fit.parameters, parts, loop=loop, horizon=horizon, between_samples=between)
             errors.append(np.mean(own, axis=1))
         else:
             errors.append(_by_piece(kept, fit.parameters))

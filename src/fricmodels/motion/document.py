@@ -21,9 +21,10 @@ def position_unit(motion: Motion) -> str:
     return "rad" if motion is Motion.ROTARY else "m"
 
 
-def how(horizon: int | None, interval: float, *, closed: bool = False) -> str:
+def how(horizon: int | None, interval: float, *, closed: bool = False, held: bool = False) -> str:
     """Say how a motion was simulated."""
     what = "through the controller, from the reference" if closed else "from the measured torque"
+    what += ", held between samples" if held else ""
     if horizon is None:
         return f"{what}, each piece in one go from its measured state"
     return f"{what}, anew from the measured state every {horizon} samples ({horizon * interval:.3g} s)"
@@ -70,6 +71,7 @@ def motion_document(found: Sequence[Judged], horizon: int | None, motion: Motion
         "unit": position_unit(motion),
         "horizon": horizon,
         "loop": "closed" if closed else "open",
+        "between_samples": found[0].kept.between_samples,
         "rows": rows,
     }
 

@@ -70,6 +70,7 @@ class Simulator:
             raise InputError(f"substeps must be at least 1, got {substeps}")
         _require(drive, loop, recording)
         self.drive, self.recording, self.loop, self.horizon = drive, recording, loop, horizon
+        self.between_samples: Between = between_samples
         self.keys = (*drive.keys, *(key for key in _free(loop)))
         if initial_samples is None:
             initial_samples = max(SAMPLES, 2 * recording.derived_over + 1)

@@ -14,6 +14,7 @@ from fricmodels.loop import Loop
 from fricmodels.motion.fit import fit_motion
 from fricmodels.motion.simulator import Simulator
 from fricmodels.recording import Recording
+from fricmodels.simulation import Between
 from fricmodels.split import part_of
 
 PARTS = 6
@@ -63,6 +64,7 @@ def scores(
     *,
     loop: Loop | None = None,
     horizon: int | None = None,
+    between_samples: Between = "linear",
 ) -> Array:
     """Return the logarithm of the RMS error of each held-out part, simulated by what the others gave.
 
@@ -72,18 +74,21 @@ def scores(
     Args:
         drive: the model. start: parameters of a fit to the motion of all parts. parts: of :func:`folds`.
         loop: what pushes the drive. horizon: samples of a window, if only that length counts.
+        between_samples: ``linear`` or ``held``.
     """
     found = []
     for fold in parts:
         lengths = [horizon] if horizon is not None else [_window(fold.held_out, share) for share in _SHARES]
         try:
-            fit = fit_motion(
-                Simulator(drive, fold.fitted, loop=loop, horizon=horizon), [start], most=_JACOBIANS, kinks=False
-            )
+            simulator = Simulator(drive, fold.fitted, loop=loop, horizon=horizon, between_samples=between_samples)
+            fit = fit_motion(simulator, [start], most=_JACOBIANS, kinks=False)
         except EstimationError:
             found.append(np.full(len(lengths), np.inf))
             continue
-        own = [Simulator(drive, fold.held_out, loop=loop, horizon=length) for length in lengths]
+        own = [
+            Simulator(drive, fold.held_out, loop=loop, horizon=length, between_samples=between_samples)
+            for length in lengths
+        ]
         found.append(np.array([log_error(simulator, fit.parameters) for simulator in own]))
     return np.array(found)
 

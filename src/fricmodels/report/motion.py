@@ -27,7 +27,12 @@ def motion_section(found: Sequence[Judged]) -> Section:
     shown = next((each for each in found if each.chosen), found[-1])
     errors = shown.by_torque if shown.test is None else shown.test
     motion, simulator = shown.rung.drive.motion, shown.kept
-    what = how(simulator.horizon, simulator.recording.interval, closed=simulator.loop is not None)
+    what = how(
+        simulator.horizon,
+        simulator.recording.interval,
+        closed=simulator.loop is not None,
+        held=simulator.between_samples == "held",
+    )
     by = "the parameters that the torque gave" if shown.fit is None else "parameters fitted to the motion"
     sentence = f"{shown.rung.name}, simulated {what}, with {by}: {error_words(errors, motion)}, on test data."
     figure = figures.simulated_motion(shown)

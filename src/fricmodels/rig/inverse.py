@@ -13,7 +13,6 @@ import numpy as np
 from fricmodels.arrays import Array
 from fricmodels.rig.motion import _past, accelerations, aged, excess, friction_torque, weakening_ratio
 from fricmodels.rig.physics import (
-    LUGRE,
     RIGID,
     RIPPLE,
     applied_torques,
@@ -29,8 +28,6 @@ if TYPE_CHECKING:
 
 _HELD = 0.9
 """Share that is held at rest of what bent contacts carry: a drive that is known to a tenth is not pushed on by it."""
-_TURNED = 0.5
-"""Share that pushes a contact over which gives back more than it took; see :mod:`fricmodels.tracking.compensator`."""
 _REST = 1e-9
 """A reference slower than this share of its fastest rests; so does a model's compensation, at a width of 1e-6."""
 
@@ -39,7 +36,7 @@ def true_torque(rig: Rig, interval: float, motion: Array, load: Array, *, origin
     """Return the motor torque under which the drive follows a motion, shape (N,).
 
     At rest dry friction is left out, which opposes motion and is there to hold, and nine tenths are held of what bent
-    contacts carry; those that give back more than they took are pushed over.
+    contacts carry.
     Bristles, ageing contacts and a load behind a joint are followed from rest along the motion.
 
     Args:
@@ -79,18 +76,16 @@ def _invert(p: Any, motion: Any, load: Any, step: float, origin: float, rest: fl
             elif peak != 0.0:
                 peak *= math.exp(-abs(travel) / p.ageing_distance)
             s1 = math.copysign(1.0, w1)
-        carried = 0.0
+        carried = (0.0, 0.0)
         known = known_load(p, q1 if not two else q2, load[k])
         if elastic:
-            ratio = weakening_ratio(p, w1, q1, known, slow, peak) if p.presliding == LUGRE else 1.0
+            ratio = weakening_ratio(p, w1, q1, known, slow, peak)
             z, carried = bristles(p, z, travel, ratio)
         if resting:
             tiny = 1e-3 * rest
             up = friction_torque(p, 1.0, tiny, lagged, q1, known, slow, peak, carried)
             down = friction_torque(p, -1.0, -tiny, lagged, q1, known, slow, peak, carried)
-            takes, gives = (up, down) if up > 0.0 else (-down, -up)
-            share = _HELD if _HELD * gives <= takes else -_TURNED
-            friction = share * min(abs(up), abs(down)) * math.copysign(1.0, up) if up * down > 0.0 else 0.0
+            friction = _HELD * min(abs(up), abs(down)) * math.copysign(1.0, up) if up * down > 0.0 else 0.0
         else:
             friction = friction_torque(p, s1, w1, lagged, q1, known, slow, peak, carried)
         without, _ = applied_torques(p, q1, w1, q2, w2, 0.0, known)
@@ -125,9 +120,9 @@ def _carried_along(
         if beyond == 0.0:
             return q2, 0.0, 0.0
         s2 = math.copysign(1.0, beyond)
-    _, b0 = accelerations(p, x, 0.0, s2, 0.0, g0, 0.0, slow, 0.0)
+    _, b0 = accelerations(p, x, 0.0, s2, 0.0, g0, 0.0, slow, (0.0, 0.0))
     y = (q1n, w1n, q2 + h * w2 + 0.5 * h * h * b0, w2 + h * b0, 0.0)
-    _, b1 = accelerations(p, y, 0.0, s2, 0.0, g1, 0.0, slow, 0.0)
+    _, b1 = accelerations(p, y, 0.0, s2, 0.0, g1, 0.0, slow, (0.0, 0.0))
     w = w2 + 0.5 * h * (b0 + b1)
     if w * s2 < 0.0:
         return q2 + 0.5 * h * w2, 0.0, 0.0

@@ -35,28 +35,32 @@ def friction_torque(
     load: float,
     slow: Any,
     peak: float,
-    carried: float,
+    carried: Any,
 ) -> float:
-    """Return the signed friction torque on the motor while it moves; ``carried`` is the bristles' share."""
+    """Return the signed friction torque on the motor while it moves; ``carried`` are the bristles' shares."""
     speed = lagged if p.lag > 0.0 else abs(w)
     if p.presliding == RIGID:
         dry = dry_torque(p, direction, speed, q, load, slow, peak)
         return float(p.motor_share * direction * (dry + viscous_torque(p, direction, speed, slow)))
     side = 1.0 if w >= 0 else -1.0
-    sliding = dry_torque(p, side, speed, q, load, slow, peak)
-    static, weakening = sliding, 1.0
-    if p.presliding == LUGRE:
-        static = dry_torque(p, side, 0.0, q, load, slow, peak)
-        weakening = max(sliding / max(static, 1e-300), 1e-3)
-    damping = p.micro_damping * w * (1.0 - side * carried / weakening)
+    weakening, bent_at = 1.0, speed
+    if p.presliding >= LUGRE:
+        weakening, bent_at = weakening_ratio(p, w, q, load, slow, peak), 0.0
+    forward, backward = carried
+    elastic = 0.0
+    if forward != 0.0:
+        elastic += forward * dry_torque(p, 1.0, bent_at, q, load, slow, peak)
+    if backward != 0.0:
+        elastic += backward * dry_torque(p, -1.0, bent_at, q, load, slow, peak)
+    damping = p.micro_damping * w * (1.0 - side * (forward + backward) / weakening)
     flow = side * viscous_torque(p, side, speed, slow)
-    return float(p.motor_share * (static * carried + damping + flow))
+    return float(p.motor_share * (elastic + damping + flow))
 
 
 @compiled
 def weakening_ratio(p: Any, w: float, q: float, load: float, slow: Any, peak: float) -> float:
-    """Return sliding over static dry friction, which LuGre bristles relax to."""
-    if p.presliding != LUGRE:
+    """Return sliding over static dry friction, which the bristles of LuGre relax to and Maxwell's blocks slip at."""
+    if p.presliding < LUGRE:
         return 1.0
     side = 1.0 if w >= 0 else -1.0
     static = dry_torque(p, side, 0.0, q, load, slow, peak)
@@ -73,7 +77,7 @@ def accelerations(
     given: float,
     lagged: float,
     slow: Any,
-    carried: float,
+    carried: Any,
 ) -> Any:
     """Return the accelerations of motor and load for the state x = (q1, w1, q2, w2, peak)."""
     q1, w1, q2, w2, peak = x
@@ -247,7 +251,7 @@ def _heun(
     slow: Any,
 ) -> Any:
     q1, w1, q2, w2, peak = x
-    carried = 0.0
+    carried = (0.0, 0.0)
     zn = z
     if p.presliding != RIGID:
         _, carried = bristles(p, z, 0.0, 1.0)

@@ -153,18 +153,24 @@ def applied_torques(p: Any, q1: float, w1: float, q2: float, w2: float, motor: f
 
 @compiled
 def bristles(p: Any, z: Any, travel: float, weakening: float) -> Any:
-    """Return the four elastic deflections after ``travel``, and the friction that they carry as a share of full."""
+    """Return the four elastic deflections after ``travel``, and the shares of full friction bent forward and backward.
+
+    A contact is as stiff and as strong as in the direction in which it is bent, whichever way and however fast it
+    moves, and slips at ``weakening`` of its strength: it gives back no more than it took.
+    """
     if p.presliding == MAXWELL_SLIP:
         a, b, c, d = 0.25 * p.elastic_width, 0.5 * p.elastic_width, 0.75 * p.elastic_width, p.elastic_width
-        za = min(max(z[0] + travel, -a), a)
-        zb = min(max(z[1] + travel, -b), b)
-        zc = min(max(z[2] + travel, -c), c)
-        zd = min(max(z[3] + travel, -d), d)
-        return (za, zb, zc, zd), 0.25 * (za / a + zb / b + zc / c + zd / d)
+        za = min(max(z[0] + travel, -a * weakening), a * weakening)
+        zb = min(max(z[1] + travel, -b * weakening), b * weakening)
+        zc = min(max(z[2] + travel, -c * weakening), c * weakening)
+        zd = min(max(z[3] + travel, -d * weakening), d * weakening)
+        forward = 0.25 * (max(za, 0.0) / a + max(zb, 0.0) / b + max(zc, 0.0) / c + max(zd, 0.0) / d)
+        backward = 0.25 * (min(za, 0.0) / a + min(zb, 0.0) / b + min(zc, 0.0) / c + min(zd, 0.0) / d)
+        return (za, zb, zc, zd), (forward, backward)
     side = 1.0 if travel > 0 else -1.0
     if p.presliding == DAHL:
         end, distance = side, p.elastic_width
     else:
         end, distance = side * weakening, p.elastic_width * weakening
     after = end + (z[0] - end) * math.exp(-abs(travel) / distance)
-    return (after, 0.0, 0.0, 0.0), after
+    return (after, 0.0, 0.0, 0.0), (max(after, 0.0), min(after, 0.0))

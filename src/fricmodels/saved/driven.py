@@ -13,20 +13,30 @@ from fricmodels.files import replaced
 from fricmodels.readers.columns import STANDARD
 from fricmodels.recording import OTHER, Recording
 from fricmodels.saved.fitted import FittedModel
+from fricmodels.simulation import Between
 
 
-def driven(model: FittedModel, recording: Recording) -> Recording:
+def driven(
+    model: FittedModel, recording: Recording, between_samples: Between | None = None
+) -> tuple[Recording, Between]:
     """Return the motion of a model under a recorded torque, each run open loop from its own first sample.
 
     Args:
         model: the fitted model. recording: as read.
+        between_samples: whether the torque is ``held`` or goes straight; if not given what moves the model clearly
+            nearer to the recorded motion, see :func:`fricmodels.motion.torque_between_samples`.
+
+    Returns:
+        The motion, and what was taken of the torque between samples.
 
     Raises:
         InputError: where the recording has no velocity, nor a position to derive it from.
     """
+    from fricmodels.motion import torque_between_samples
     from fricmodels.weakform.prepared import ready
 
     whole = ready(recording)
+    between = between_samples or torque_between_samples(model.drive, model.parameters, whole)
     channels: dict[str, list[Any]] = {}
     for run in whole.runs():
         first = {
@@ -35,20 +45,24 @@ def driven(model: FittedModel, recording: Recording) -> Recording:
         }
         given: dict[str, Any] = {name: run[name] for name in ("load_torque", "temperature") if name in run}
         further: Mapping[str, Any] = {name: run[name] for name in run.channels if name.startswith(OTHER)}
-        own = model.simulate(run.torque, first, time=run.time, further=further, units=dict(whole.units), **given)
+        own = model.simulate(
+            run.torque, first, time=run.time, further=further, units=dict(whole.units),
+            between_samples=between, **given,
+        )  # fmt: skip
         for name, values in own.channels.items():
             channels.setdefault(name, []).append(values)
     joined = {name: np.concatenate(parts) for name, parts in channels.items()}
-    return Recording("simulated", whole.motion, joined, np.sort(whole.run, kind="stable"), units=whole.units)
+    moved = Recording("simulated", whole.motion, joined, np.sort(whole.run, kind="stable"), units=whole.units)
+    return moved, between
 
 
-def errors_in_words(simulated: Recording, recording: Recording, *, closed: bool = False) -> list[str]:
+def errors_in_words(simulated: Recording, recording: Recording, how: str) -> list[str]:
     """Return in sentences how far the simulated motion is from the recorded one; open loop, every error adds up."""
     from fricmodels.weakform.prepared import ready
 
     whole = ready(recording)
     order = np.argsort(whole.run, kind="stable")
-    lines, loop = [], "closed loop" if closed else "open loop"
+    lines = []
     for name, unit in (("velocity", "rad/s"), ("position", "rad")):
         if name in whole:
             error = simulated[name] - whole[name][order]
@@ -56,7 +70,7 @@ def errors_in_words(simulated: Recording, recording: Recording, *, closed: bool 
                 lines.append(f"{name}: the simulation ended before the recording did")
                 continue
             size = unit if whole.motion.value == "rotary" else unit.replace("rad", "m")
-            lines.append(f"{name}: RMS error {float(np.sqrt(np.mean(error**2))):.4g} {size}, {loop}")
+            lines.append(f"{name}: RMS error {float(np.sqrt(np.mean(error**2))):.4g} {size}, {how}")
     return lines
 
 

@@ -198,7 +198,13 @@ def _tracked(source: Source, drive: Drive, fit: Fit, recording: Recording) -> di
 
 def _motion(job: Job, drive: Drive, fit: Fit, loaded: Loaded) -> Row:
     """Return the errors of the simulated motion, on what was kept back where there is such a part."""
-    from fricmodels.motion import Simulator, check_controller, motion_errors, stored_controller
+    from fricmodels.motion import (
+        Simulator,
+        check_controller,
+        motion_errors,
+        stored_controller,
+        torque_between_samples,
+    )
 
     scored = loaded.prepared_test if loaded.prepared_test is not None else loaded.prepared_train
     if "position" not in scored:
@@ -208,7 +214,9 @@ def _motion(job: Job, drive: Drive, fit: Fit, loaded: Loaded) -> Row:
         controller = stored_controller(json.loads(job.controller))
         check_controller(controller, frozenset(scored.channels), scored.name)
         loop = controller.loop()
-    errors = motion_errors(Simulator(drive, scored, loop=loop, horizon=job.horizon), fit.parameters)
+    between = torque_between_samples(drive, fit.parameters, loaded.prepared_train, loop=loop)
+    simulator = Simulator(drive, scored, loop=loop, horizon=job.horizon, between_samples=between)
+    errors = motion_errors(simulator, fit.parameters)
     return {
         "simulated_position_error": errors.position,
         "simulated_position_error_percent": errors.position_percent,
@@ -216,6 +224,7 @@ def _motion(job: Job, drive: Drive, fit: Fit, loaded: Loaded) -> Row:
         "simulated_velocity_error": errors.velocity,
         "simulated_velocity_error_percent": errors.velocity_percent,
         "simulated_horizon": job.horizon,
+        "simulated_between_samples": between,
     }
 
 

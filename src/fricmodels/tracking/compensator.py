@@ -11,8 +11,6 @@ taken on both sides of zero velocity and weighted by the direction, as
 :meth:`fricmodels.FittedModel.compensation` does. Internal states go on from sample to sample as in
 :class:`fricmodels.memory.MemoryStep`. While nothing is to move, nine tenths are held of what they carry to either side:
 a bent contact carries as much as it can, and with the least error of the model the whole would push the drive on.
-Where the friction of the two directions differs, a contact that is bent the easy way gives back more than it took: it
-drives a swing. It is turned over, to the middle of what the other side takes.
 """
 
 from __future__ import annotations
@@ -39,8 +37,6 @@ _SOLVED = ("motor_torque", "motor_torque_rate")
 _TINY = 1e-9
 HELD = 0.9
 """Share that is held at rest of what bent contacts carry: a model that is right to a tenth does not push them on."""
-TURNED = 0.5
-"""Share that pushes a contact over which gives back more than it took: as far from straight as from sliding."""
 _LEAST = 0.1
 """Least share of the motor torque that a model may leave to reach the shaft; it bounds the division."""
 FIRST = 3
@@ -191,10 +187,7 @@ def compensation_step(model: Model, at_rest: AtRest) -> Any:
         carried = above - free[0], below - free[1]
         least = casadi.fmin(casadi.fabs(carried[0]), casadi.fabs(carried[1]))
         alike = casadi.sign(carried[0]) + casadi.sign(carried[1])
-        takes = casadi.if_else(alike > 0, casadi.fabs(carried[0]), casadi.fabs(carried[1]))
-        gives = casadi.if_else(alike > 0, casadi.fabs(carried[1]), casadi.fabs(carried[0]))
-        share = casadi.if_else(HELD * gives <= takes, HELD, -TURNED)
-        torque = casadi.if_else(resting, (free[0] + free[1] + share * alike * least) / 2, torque)
+        torque = casadi.if_else(resting, (free[0] + free[1] + HELD * alike * least) / 2, torque)
     compensation = factor * torque
     kept = [base + compensation if name == "motor_torque" else now[i] for i, name in enumerate(needed)]
     following = casadi.vertcat(states, *kept, 1)
