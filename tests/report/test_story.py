@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import json
 import re
+from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from fricmodels.diagnosis import Ladder, compare_model, improve, kept_back, ready
@@ -17,7 +19,8 @@ from fricmodels.model import Model
 from fricmodels.progress import Progress, watched
 from fricmodels.readers import read
 from fricmodels.report import of_run, story
-from fricmodels.report.page import Block, Code, Equations, Fold, Gallery, Page, Picture, Table
+from fricmodels.report.motion import simulated
+from fricmodels.report.page import Block, Code, Equations, Fold, Gallery, Page, Picture, Table, Words
 from fricmodels.report.render import render
 from fricmodels.report.sections import error_words
 from fricmodels.results.comparison import LogFinding
@@ -250,6 +253,37 @@ def test_warnings_of_the_log_check_stand_in_the_answer(ladder: Ladder, page: Pag
     assert [*lines][-1] == "What to do next", "its command follows"
 
 
-def test_a_report_says_how_to_see_the_simulated_motion(page: Page) -> None:
+def test_the_simulated_motion_stands_beside_the_measured_one(page: Page, ladder: Ladder) -> None:
+    """Figure, caption and headline say the same, and the model with what was hidden moves as the drive did."""
     measured = next(section for section in page.sections if section.name == "measured")
-    assert "--score position" in getattr(measured.blocks[-1], "text", "")
+    fold = measured.blocks[-1]
+    assert isinstance(fold, Fold)
+    headline = re.fullmatch(
+        r"Simulated motion: the velocity is off by (\S+)\s% with what was found, by (\S+)\s% with the model as given",
+        fold.title,
+    )
+    assert headline is not None
+    last, first = (float(text) for text in headline.groups())
+    assert last < first / 4
+    picture = drawn(page, "simulated-motion")
+    lines = {trace.name: np.asarray(trace.y, dtype=float) for trace in picture.figure.data}
+    shown = lines["velocity simulated"] - lines["velocity measured"]
+    np.testing.assert_allclose(lines["simulated − measured"], shown, atol=1e-5)
+    assert f"({headline[1]}\xa0% of the RMS velocity)" in picture.message
+    assert "with the model as given" in picture.message
+    noise = re.search(r"noise of the sensors alone would give (\S+) rad/s", picture.message)
+    error = re.search(r"RMS velocity error is (\S+) rad/s", picture.message)
+    assert noise is not None
+    assert error is not None
+    assert 0 < float(noise[1]) <= 1.2 * float(error[1])
+    assert "--score position" in getattr(fold.blocks[-1], "text", "")
+
+
+def test_a_report_says_why_a_motion_is_not_simulated(ladder: Ladder) -> None:
+    comparison = ladder.first.comparison
+    estimate = comparison.estimate
+    loose = replace(estimate, parameters={**estimate.parameters, "J": 0.0})
+    drive = Drive(comparison.drive.model, None)
+    words = simulated([replace(comparison, drive=drive, estimate=loose)])
+    assert isinstance(words, Words)
+    assert words.text == "The motion that the model would make is not simulated: the inertia is zero."

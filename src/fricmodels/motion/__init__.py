@@ -15,6 +15,7 @@ from fricmodels.motion.controllers import (
 )
 from fricmodels.motion.errors import MotionErrors, motion_errors
 from fricmodels.motion.fit import MotionFit, fit_motion
+from fricmodels.motion.replay import Replay, Replays, Stretch, replayed, stretch_of, undetermined
 from fricmodels.motion.simulator import Simulator
 from fricmodels.motion.start import state_at
 
@@ -26,14 +27,20 @@ __all__ = [
     "MotionFit",
     "Motor",
     "PluginController",
+    "Replay",
+    "Replays",
     "Rung",
     "Simulator",
+    "Stretch",
     "check_controller",
     "fit_motion",
     "judged",
     "motion_errors",
     "read_controller",
+    "replayed",
     "state_at",
     "stored_controller",
+    "stretch_of",
     "torque_between_samples",
+    "undetermined",
 ]

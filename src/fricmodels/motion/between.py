@@ -22,7 +22,12 @@ _FEWEST = 6
 
 
 def torque_between_samples(
-    drive: Drive, values: Mapping[str, float], recording: Recording, *, loop: Loop | None = None
+    drive: Drive,
+    values: Mapping[str, float],
+    recording: Recording,
+    *,
+    loop: Loop | None = None,
+    compiled: bool = True,
 ) -> Between:
     r"""Return ``held`` where a held torque moves the drive clearly nearer to what was measured, else ``linear``.
 
@@ -36,12 +41,13 @@ def torque_between_samples(
         drive: the model. values: its parameters by key, SI.
         recording: prepared (:func:`fricmodels.weakform.prepared.ready`), with a position or a velocity.
         loop: what pushes the drive; through it there is no recorded torque, and the answer is ``linear``.
+        compiled: see :class:`.simulator.Simulator`.
     """
     if loop is not None:
         return "linear"
     window = _LENGTH * max(SAMPLES, 2 * recording.derived_over + 1)
-    straight = Simulator(drive, recording, horizon=window)
-    held = Simulator(drive, recording, horizon=window, between_samples="held")
+    straight = Simulator(drive, recording, horizon=window, compiled=compiled)
+    held = Simulator(drive, recording, horizon=window, between_samples="held", compiled=compiled)
     known = "position" in recording
     measured = recording["position"] if known else recording.velocity
     one, other = ((np.asarray(each(values)[0 if known else 1]) - measured) ** 2 for each in (straight, held))

@@ -11,11 +11,12 @@ import numpy as np
 from fricmodels.arrays import Array, Mask
 from fricmodels.drive import Drive
 from fricmodels.errors import InputError
+from fricmodels.kernels import Interpreted
 from fricmodels.loop import PREFIX, Loop
 from fricmodels.motion.start import SAMPLES, State, state_at
 from fricmodels.recording import Recording
 from fricmodels.simulation import PHASES, Between, stepping, stepping_rows, width_of_rest
-from fricmodels.stick_slip import MOTION, pushing_signals
+from fricmodels.stick_slip import MOTION, phase_of_step, pushing_signals
 
 _GREATEST = 1e75
 """A motion beyond this has no end; its square would be no number."""
@@ -48,6 +49,8 @@ class Simulator:
         between_samples: ``linear`` or ``held``.
         initial_samples: from which the state is estimated that a window starts from, see
             :func:`fricmodels.motion.start.state_at`; if not given 20, or as many as a noisy position is smoothed over.
+        compiled: whether the recursion is compiled, once for a machine, which takes a second or more; where not, a step
+            takes some microseconds.
 
     Raises:
         InputError: for a channel that is missing, a run of one sample, or times that do not increase.
@@ -63,6 +66,7 @@ class Simulator:
         substeps: int = 1,
         between_samples: Between = "linear",
         initial_samples: int | None = None,
+        compiled: bool = True,
     ) -> None:
         if horizon is not None and horizon < 1:
             raise InputError(f"a horizon is at least one sample, got {horizon}")
@@ -75,6 +79,7 @@ class Simulator:
         if initial_samples is None:
             initial_samples = max(SAMPLES, 2 * recording.derived_over + 1)
         self._substeps, self._windows, first = substeps, list[_Window](), list[int]()
+        self._scan = stepping(drive, loop) if compiled else Interpreted(phase_of_step(drive, loop))
         for number in np.unique(recording.run):
             index = np.flatnonzero(recording.run == number)
             run = recording.select(index)
@@ -133,7 +138,7 @@ class Simulator:
         own = [] if self.loop is None else [state.initial for state in self.loop.states]
         along = self.drive.states(self.recording, parameters) if declared and any(self._later) else ()
         position, velocity = np.empty(len(self.recording)), np.empty(len(self.recording))
-        scan, stride = stepping(self.drive, self.loop), PHASES * self._substeps
+        scan, stride = self._scan, PHASES * self._substeps
         for window, later, begins in zip(self._windows, self._later, self._first, strict=True):
             at = (window.start.velocity + moved_velocity, window.start.position + moved_position)
             states = [float(state[window.first]) for state in along] if later else declared

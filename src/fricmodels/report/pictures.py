@@ -27,6 +27,8 @@ from fricmodels.report.wording import count, counted, number, percent, share, sm
 from fricmodels.results.words import ALONG
 
 if TYPE_CHECKING:
+    from plotly.graph_objects import Figure
+
     from fricmodels.diagnosis.comparison import Comparison
     from fricmodels.results.diagnosis import Candidate, Correlation, Remaining
     from fricmodels.term import Effect
@@ -54,7 +56,7 @@ def over_time(comparison: Comparison, *, kept_back: bool = True, before: Compari
         first = samples.place[~samples.kept_back]
         figure = figures.overlay(comparison, (float(first[0]), float(first[-1])))
         words = f"Fit error {errors.averaged}: {percent(errors.percent)} of the RMS {what}"
-    shown = f"{drawn(*figures.drawn_samples(figure))}{_beyond(figures.beyond_axes(figure))}"
+    shown = f"{drawn(*figures.drawn_samples(figure))}{beyond_words(figure)}"
     words = f"{words}. {shown} {where_words(comparison)}"
     return Picture(f"{what.capitalize()} over time", words, figure, points_of(figure), "over-time")
 
@@ -66,7 +68,11 @@ def drawn(shown: int, total: int) -> str:
     return f"{count(shown)} of {count(total)} samples are drawn, the extremes among them, the same for both curves."
 
 
-def _beyond(samples: int) -> str:
+def beyond_words(figure: Figure) -> str:
+    """Say how many samples lie beyond the axes of a figure over time, where any do; with a space before it."""
+    from fricmodels.report import figures
+
+    samples = figures.beyond_axes(figure)
     return (
         f" {counted(samples, 'sample').capitalize()} far off {'lies' if samples == 1 else 'lie'} beyond the axes."
         if samples

@@ -64,7 +64,7 @@ if TYPE_CHECKING:
     from fricmodels.results.diagnosis import Correlation, DiagnosisDocument, Effect
 
 _OPEN = 2
-"""Effects that are all shown unfolded; of more only the first: those found later matter less."""
+"""Effects, and what remains, that are all shown unfolded; of more only the first effect: later ones matter less."""
 
 
 def found(data: DiagnosisDocument, rungs: Sequence[Rung], after: Mapping[str, Comparison] | None = None) -> Section:
@@ -80,7 +80,7 @@ def found(data: DiagnosisDocument, rungs: Sequence[Rung], after: Mapping[str, Co
     if not data.effects and data.remaining is None:
         blocks.append(Words(data.explanation))
     for number_of, effect in enumerate(data.effects):
-        still = number_of == 0 or len(data.effects) <= _OPEN
+        still = number_of == 0 or len(data.effects) + (data.remaining is not None) <= _OPEN
         alone = (rungs[0].comparison, (after or {}).get(effect.name)) if rungs else None
         blocks += _effect(effect, data, steps.get(effect.name, alone), still)
     if data.remaining is not None and rungs:

@@ -14,8 +14,8 @@ from fricmodels.report import sections
 from fricmodels.report.answer import answer, comparison_words, of_noise, window
 from fricmodels.report.captions import where_words
 from fricmodels.report.linear import in_forces
-from fricmodels.report.motion import motion_section
-from fricmodels.report.page import Page, Picture, Section, Tile, Verdict, Words
+from fricmodels.report.motion import motion_section, simulated
+from fricmodels.report.page import Page, Picture, Section, Tile, Verdict
 from fricmodels.report.provenance import recording_section
 from fricmodels.report.wording import count, counted, listed, percent, physics
 
@@ -28,17 +28,12 @@ if TYPE_CHECKING:
     from fricmodels.results.diagnosis import DiagnosisDocument
 
 
-_SIMULATE = (
-    "Whether the model also moves as the drive did is another test: with --score position, the same command simulates "
-    "the motion from the measured input and shows it here beside the measured one."
-)
-
-
 def of_ladder(ladder: Ladder, options: Sequence[str] = (), motion: Sequence[Judged] = ()) -> Page:
     """Return the report on a ladder, and on the motion that its rungs simulate where they were judged by it."""
     from fricmodels.diagnosis.document import document
 
-    return _with_motion(page(document(ladder.first, ladder), ladder.rungs, "improve", options), motion)
+    found = page(document(ladder.first, ladder), ladder.rungs, "improve", options, simulate=not motion)
+    return _with_motion(found, motion)
 
 
 def of_diagnosis(diagnosis: Diagnosis, options: Sequence[str] = ()) -> Page:
@@ -54,11 +49,9 @@ def of_diagnosis(diagnosis: Diagnosis, options: Sequence[str] = ()) -> Page:
 
 
 def _with_motion(page: Page, motion: Sequence[Judged]) -> Page:
-    """Put simulated motion before the last section, which is that of the recording; or say how to have it."""
+    """Put simulated motion before the last section, which is that of the recording, where models were judged by it."""
     if not motion:
-        measured = [section for section in page.sections if section.name == "measured"]
-        more = {section.name: replace(section, blocks=[*section.blocks, Words(_SIMULATE)]) for section in measured}
-        return replace(page, sections=[more.get(section.name, section) for section in page.sections])
+        return page
     return replace(page, sections=[*page.sections[:-1], motion_section(motion), page.sections[-1]])
 
 
@@ -70,7 +63,7 @@ def of_comparison(comparison: Comparison, options: Sequence[str] = (), motion: S
     advice = "What is missing in it is another question: fricmodels diagnose, with the same options, answers that."
     sentence, errors = comparison_words(data)
     found = [
-        sections.measured([comparison]),
+        _measured([comparison], simulate=not motion),
         sections.fails([comparison]),
         sections.all_parameters(data),
         recording_section(data, "compare", options),
@@ -85,6 +78,8 @@ def page(
     command: str,
     options: Sequence[str] = (),
     after: Mapping[str, Comparison] | None = None,
+    *,
+    simulate: bool = True,
 ) -> Page:
     """Return the report on a diagnosis.
 
@@ -94,8 +89,10 @@ def page(
         command: that made it.
         options: of that command.
         after: the model with one effect more, by its name, where no rung has it.
+        simulate: whether to show the motion that the model makes of the measured torque.
     """
-    return _page(data, verdict(data, options), story(data, rungs, command, options, after))
+    found = story(data, rungs, command, options, after, simulate=simulate)
+    return _page(data, verdict(data, options), found)
 
 
 def _page(data: ComparisonDocument, answer: Verdict, found: Sequence[Section]) -> Page:
@@ -116,6 +113,8 @@ def story(
     command: str,
     options: Sequence[str] = (),
     after: Mapping[str, Comparison] | None = None,
+    *,
+    simulate: bool = True,
 ) -> list[Section]:
     """Return the sections in reading order."""
     ends = _ends([rung.comparison for rung in rungs])
@@ -123,7 +122,7 @@ def story(
     if len(data.ladder) > 1:
         parts.append(lambda: sections.ladder(data, _ladder_picture(data, rungs)))
     if ends:
-        parts += [lambda: sections.measured(ends), lambda: sections.fails(ends)]
+        parts += [lambda: _measured(ends, simulate=simulate), lambda: sections.fails(ends)]
     parts += [
         lambda: sections.all_parameters(data, data.correlation),
         lambda: sections.limits(data, ends),
@@ -134,6 +133,11 @@ def story(
         found.append(make())
         give_back(data.recording.samples.total)
     return found
+
+
+def _measured(ends: Sequence[Comparison], *, simulate: bool) -> Section:
+    found = sections.measured(ends)
+    return replace(found, blocks=[*found.blocks, simulated(ends)]) if simulate else found
 
 
 def _ends(comparisons: Sequence[Comparison]) -> list[Comparison]:

@@ -12,7 +12,7 @@ from fricmodels.report.figures.downsample import extremes, line, together
 from fricmodels.report.figures.friction import friction_curve
 from fricmodels.report.figures.history import parameter_history
 from fricmodels.report.figures.hysteresis import hysteresis
-from fricmodels.report.figures.motion import simulated_motion
+from fricmodels.report.figures.motion import simulated_motion, simulated_velocity
 from fricmodels.report.figures.ranking import MOST, candidates
 from fricmodels.report.figures.residuals import residual_map, residual_maps
 from fricmodels.report.figures.shares import error_shares
@@ -48,6 +48,7 @@ __all__ = [
     "residual_maps",
     "residual_spectrum",
     "simulated_motion",
+    "simulated_velocity",
     "stribeck",
     "together",
     "worst_stretch",

@@ -9,9 +9,10 @@ import numpy as np
 from fricmodels.arrays import Array
 from fricmodels.report.figures.downsample import together
 from fricmodels.report.figures.style import Figure, add_lines, label, styled, subplots, unit_of
+from fricmodels.report.figures.time_course import without_outliers
 
 if TYPE_CHECKING:
-    from fricmodels.motion import Judged
+    from fricmodels.motion import Judged, Replays
 
 
 _EMPTY, _GAP = 0.4, 0.04
@@ -34,6 +35,55 @@ def _without_gaps(time: Array, interval: float) -> tuple[Array, str]:
     return np.concatenate([[0.0], np.cumsum(steps)]), "time, pieces of test data beside each other"
 
 
+def _one_clock(time: Array, interval: float) -> Array:
+    """Return times that do not decrease: runs with clocks of their own stand one after the other."""
+    steps = np.diff(time)
+    if not np.any(steps < 0):
+        return time
+    return np.concatenate([[0.0], np.cumsum(np.where(steps > 0, steps, interval))])
+
+
+def simulated_velocity(replays: Replays) -> Figure:
+    """Draw the velocity as measured and as models simulate it from the measured torque, and the errors below it.
+
+    A line is interrupted where the simulation begins anew from the measured state.
+
+    Args:
+        replays: the first model is the one before, where there are two.
+    """
+    recording, last = replays.stretch.recording, replays.models[-1]
+    before = replays.models[0] if len(replays.models) > 1 else None
+    time, axis = _without_gaps(_one_clock(recording.time, recording.interval), recording.interval)
+    unit, measured = unit_of("velocity", recording.motion), recording.velocity
+    errors = [each.velocity - measured for each in ([last] if before is None else [last, before])]
+    thin = together(time, [measured, *errors], replays.stretch.place)
+    figure = subplots()(rows=2, cols=1, shared_xaxes=True, row_heights=[0.66, 0.34], vertical_spacing=0.06)
+    drawn = [
+        (1, "velocity measured", thin.values[0], "measured", "solid", 1.8),
+        (1, "velocity simulated", thin.values[0] + thin.values[1], "vermillion", "4px,2px", 1.4),
+        (2, "simulated − measured", thin.values[1], "blue", "solid", 1.2),
+    ]
+    if before is not None:
+        drawn.insert(1, (1, "simulated, model as given", thin.values[0] + thin.values[2], "faint", "solid", 1.2))
+        drawn.insert(3, (2, "error, model as given", thin.values[2], "faint", "solid", 1.0))
+    add_lines(figure, thin.x, drawn, unit)
+    beyond = np.zeros(len(time), dtype=bool)
+    simulated = [measured + error for error in errors]
+    for row, limits, values in (
+        (1, without_outliers([measured], simulated), simulated),
+        (2, without_outliers([], errors), errors),
+    ):
+        if limits is not None:
+            figure.update_yaxes(range=limits, row=row, col=1)
+            beyond |= np.logical_or.reduce([(each < limits[0]) | (each > limits[1]) for each in values])
+    meta = {"drawn": thin.drawn, "total": len(time), "beyond": int(np.count_nonzero(beyond))}
+    figure.update_layout(meta=meta, hovermode="x unified")
+    figure.update_yaxes(title_text=label("velocity", unit), row=1, col=1)
+    figure.update_yaxes(title_text=label("error", unit), row=2, col=1)
+    figure.update_xaxes(title_text=label(axis, "s"), row=2, col=1)
+    return styled(figure, "Velocity over time, measured and simulated", last.model, height=400)
+
+
 def simulated_motion(judged: Judged) -> Figure:
     """Draw the position as measured and as simulated on what was kept back, and the error below it.
 
@@ -48,11 +98,7 @@ def simulated_motion(judged: Judged) -> Figure:
     known = "position" in recording
     channel = "position" if known else "velocity"
     simulated, measured = (position, recording["position"]) if known else (velocity, recording.velocity)
-    time = recording.time
-    if np.any(np.diff(time) < 0):  # runs with clocks of their own stand one after the other
-        steps = np.diff(time)
-        time = np.concatenate([[0.0], np.cumsum(np.where(steps > 0, steps, recording.interval))])
-    time, axis = _without_gaps(time, recording.interval)
+    time, axis = _without_gaps(_one_clock(recording.time, recording.interval), recording.interval)
     unit = unit_of(channel, recording.motion)
     error = np.nan_to_num(simulated - measured)
     thin = together(time, [measured, error], recording.run)

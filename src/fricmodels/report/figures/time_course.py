@@ -79,7 +79,7 @@ def overlay(
         drawn.insert(2, (2, "residual of the model as given", thin.values[2], "faint", "solid", 1.0))
     add_lines(figure, thin.x, drawn, samples.torque_unit)
     model, rest = measured - error, [error] if before is None else [error, Samples.of(before).error[chosen]]
-    top, low = _axis_without_outliers([measured], [model]), _axis_without_outliers([], rest)
+    top, low = without_outliers([measured], [model]), without_outliers([], rest)
     beyond = np.zeros(len(place), dtype=bool)
     for row, limits, values in ((1, top, [measured, model]), (2, low, rest)):
         if limits is not None:
@@ -111,7 +111,7 @@ def overlay(
     return styled(figure, f"{torque.capitalize()} over time, measured and modelled", samples.subtitle, height=400)
 
 
-def _axis_without_outliers(whole: list[Array], curves: list[Array]) -> list[float] | None:
+def without_outliers(whole: list[Array], curves: list[Array]) -> list[float] | None:
     """Return an axis that leaves out a few values far off, which would flatten all the rest; ``None`` for all of them.
 
     Args:
