@@ -32,7 +32,7 @@ def _without_gaps(time: Array, interval: float) -> tuple[Array, str]:
     if not empty > _EMPTY * whole:
         return time, "time"
     steps = np.where(gaps, _GAP * (whole - empty), steps)
-    return np.concatenate([[0.0], np.cumsum(steps)]), "time, pieces of test data beside each other"
+    return np.concatenate([[0.0], np.cumsum(steps)]), "time, gaps left out"
 
 
 def _one_clock(time: Array, interval: float) -> Array:
