@@ -22,9 +22,9 @@ from fricmodels.report import of_run, story
 from fricmodels.report.motion import simulated
 from fricmodels.report.page import Block, Code, Equations, Fold, Gallery, Page, Picture, Table, Words
 from fricmodels.report.render import render
-from fricmodels.report.sections import error_words
+from fricmodels.report.sections import error_words, found
 from fricmodels.results.comparison import LogFinding
-from fricmodels.results.diagnosis import DiagnosisDocument
+from fricmodels.results.diagnosis import DiagnosisDocument, Remaining
 from fricmodels.rig import write as write_recording
 from fricmodels.rig.demonstration import hidden
 
@@ -287,3 +287,19 @@ def test_a_report_says_why_a_motion_is_not_simulated(ladder: Ladder) -> None:
     words = simulated([replace(comparison, drive=drive, estimate=loose)])
     assert isinstance(words, Words)
     assert words.text == "The motion that the model would make is not simulated: the inertia is zero."
+
+
+def test_of_more_than_two_figures_of_what_is_missing_all_effects_but_the_first_fold(ladder: Ladder) -> None:
+    data = document(ladder.first, ladder)
+    assert len(data.effects) == 2
+    rest = data.model_copy(update={"remaining": Remaining.model_construct()})
+    folded = [
+        [
+            block.title
+            for block in found(each, []).blocks
+            if isinstance(block, Fold) and block.title.startswith("stribeck")
+        ]
+        for each in (data, rest)
+    ]
+    assert folded[0] == []
+    assert len(folded[1]) == 1
