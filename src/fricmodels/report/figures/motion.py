@@ -81,7 +81,7 @@ def simulated_velocity(replays: Replays) -> Figure:
     figure.update_yaxes(title_text=label("velocity", unit), row=1, col=1)
     figure.update_yaxes(title_text=label("error", unit), row=2, col=1)
     figure.update_xaxes(title_text=label(axis, "s"), row=2, col=1)
-    return styled(figure, "Velocity over time, measured and simulated", last.model, height=400)
+    return styled(figure, "Velocity over time, measured and simulated", last.model, height=330)
 
 
 def simulated_motion(judged: Judged) -> Figure:
