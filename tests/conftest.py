@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import importlib
 import os
 import shutil
 from collections.abc import Callable, Iterator, Mapping
+from pathlib import Path
+from types import ModuleType
 from typing import Any, NoReturn
 
 import numpy as np
@@ -24,6 +27,14 @@ LAW = {"K_v": 0.5, "K_c": 3.0}
 _FINE = 16
 _FREQUENCIES = np.array([0.31, 0.77, 1.43, 2.71])
 _AMPLITUDES = np.array([4.0, 3.0, 2.0, 1.0])
+
+
+@pytest.fixture(scope="session")
+def from_benchmarks() -> Iterator[Callable[[str], ModuleType]]:
+    """``from_benchmarks("kills")`` returns that module of ``benchmarks/``, whose figures a test looks at."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.syspath_prepend(str(Path(__file__).parents[1] / "benchmarks"))
+        yield importlib.import_module
 
 
 @pytest.fixture(scope="session")

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import dataclasses
-import importlib.util
+from collections.abc import Callable
 from pathlib import Path
+from types import ModuleType
 
 import numpy as np
 import pytest
@@ -242,12 +243,10 @@ def test_at_rest_only_what_lies_outside_the_sticking_interval_counts() -> None:
 
 
 @pytest.mark.parametrize("sensors", ["velocity", "positions"])
-def test_a_ripple_on_the_rig_enters_the_fitted_error_by_nine_tenths(sensors: str) -> None:
-    spec = importlib.util.spec_from_file_location("torque_error_benchmark", ROOT / "benchmarks" / "torque_error.py")
-    assert spec is not None
-    assert spec.loader is not None
-    benchmark = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(benchmark)
+def test_a_ripple_on_the_rig_enters_the_fitted_error_by_nine_tenths(
+    sensors: str, from_benchmarks: Callable[[str], ModuleType]
+) -> None:
+    benchmark = from_benchmarks("torque_error")
     without = benchmark.errors(benchmark.recording(sensors, samples=6000))
     for way in ("motion", "torque"):
         for frequency in (12.0, 250.0):

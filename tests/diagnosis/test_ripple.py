@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import importlib
-from collections.abc import Iterator
-from pathlib import Path
+from collections.abc import Callable
 from types import ModuleType
 
 import numpy as np
@@ -18,11 +16,9 @@ INERTIA = 2.0
 
 
 @pytest.fixture(scope="module")
-def benchmark() -> Iterator[ModuleType]:
+def benchmark(from_benchmarks: Callable[[str], ModuleType]) -> ModuleType:
     """Return the module that makes such drives."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.syspath_prepend(str(Path(__file__).parents[2] / "benchmarks"))
-        yield importlib.import_module("fast_ripple")
+    return from_benchmarks("fast_ripple")
 
 
 @pytest.mark.parametrize(("kind", "per_wave"), [("cogging", 3.0), ("position-friction", 5.0), ("cogging", 8.0)])

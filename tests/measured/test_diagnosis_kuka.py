@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import importlib
+from collections.abc import Callable
 from pathlib import Path
 from types import ModuleType
 
@@ -23,11 +23,9 @@ pytestmark = [
 
 
 @pytest.fixture(scope="module")
-def story() -> ModuleType:
+def story(from_benchmarks: Callable[[str], ModuleType]) -> ModuleType:
     """Return the module that reads the joints."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.syspath_prepend(str(ROOT / "benchmarks"))
-        return importlib.import_module("measured.kuka")
+    return from_benchmarks("measured.kuka")
 
 
 @pytest.mark.parametrize("joint", [1, 6])

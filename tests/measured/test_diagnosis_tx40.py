@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-import importlib
+from collections.abc import Callable
 from pathlib import Path
+from types import ModuleType
 
 import pytest
 
@@ -23,12 +24,10 @@ pytestmark = [
 
 
 @pytest.fixture(scope="module")
-def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def folder(tmp_path_factory: pytest.TempPathFactory, from_benchmarks: Callable[[str], ModuleType]) -> Path:
     """Prepare the joints as the page does."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.syspath_prepend(str(ROOT / "benchmarks"))
-        out = tmp_path_factory.mktemp("tx40")
-        importlib.import_module("measured.tx40").prepare(DATA, out)
+    out = tmp_path_factory.mktemp("tx40")
+    from_benchmarks("measured.tx40").prepare(DATA, out)
     return out
 
 

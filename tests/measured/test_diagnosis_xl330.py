@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import importlib
+from collections.abc import Callable
 from pathlib import Path
 from types import ModuleType
 
@@ -25,11 +25,9 @@ pytestmark = [
 
 
 @pytest.fixture(scope="module")
-def story() -> ModuleType:
+def story(from_benchmarks: Callable[[str], ModuleType]) -> ModuleType:
     """Return the module that prepares the logs."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.syspath_prepend(str(ROOT / "benchmarks"))
-        return importlib.import_module("measured.xl330")
+    return from_benchmarks("measured.xl330")
 
 
 @pytest.fixture(scope="module")

@@ -2,25 +2,18 @@
 
 from __future__ import annotations
 
-import importlib
-import sys
-from pathlib import Path
+from collections.abc import Callable
 from types import ModuleType
 
 import pytest
 
-BENCHMARKS = Path(__file__).parents[2] / "benchmarks"
 REPLICATIONS = 6
 ESTIMATORS = ("detchmendy-sridhar", "ekf", "rls", "constant-velocity")
 
 
 @pytest.fixture(scope="module")
-def matrix() -> ModuleType:
-    sys.path.append(str(BENCHMARKS))
-    try:
-        return importlib.import_module("coverage_matrix")
-    finally:
-        sys.path.remove(str(BENCHMARKS))
+def matrix(from_benchmarks: Callable[[str], ModuleType]) -> ModuleType:
+    return from_benchmarks("coverage_matrix")
 
 
 @pytest.mark.parametrize("number", [0, 3, 4])

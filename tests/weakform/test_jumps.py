@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import importlib.util
-import sys
-from pathlib import Path
-from typing import Any
+from collections.abc import Callable
+from types import ModuleType
 
 import numpy as np
 import pytest
@@ -88,19 +86,7 @@ def test_the_integral_over_a_reversal_is_exact() -> None:
     assert errors[False] > 0.3
 
 
-def test_a_drive_with_nothing_hidden_is_adequate() -> None:
+def test_a_drive_with_nothing_hidden_is_adequate(from_benchmarks: Callable[[str], ModuleType]) -> None:
     """Along straight lines what is left goes with the time since the last reversal, and the drive is unknown."""
-    drawn = closed_form().drawn(40)
+    drawn = from_benchmarks("closed_form").drawn(40)
     assert diagnose(drawn.recording, "coulomb-viscous", drawn.true["J"]).verdict == "adequate"
-
-
-def closed_form() -> Any:
-    """Return the benchmark of drives in closed form."""
-    path = Path(__file__).parents[2] / "benchmarks" / "closed_form.py"
-    spec = importlib.util.spec_from_file_location("closed_form", path)
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    sys.modules[spec.name] = module
-    spec.loader.exec_module(module)
-    return module

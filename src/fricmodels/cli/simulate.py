@@ -2,23 +2,12 @@
 
 from __future__ import annotations
 
-from enum import StrEnum
 from pathlib import Path
 from typing import Annotated, Literal
 
 import typer
 
 from fricmodels.cli.measurement import Column
-
-
-class Between(StrEnum):
-    """What a torque does between two samples."""
-
-    LINEAR = "linear"
-    HELD = "held"
-
-
-_WORDS: dict[Between, Literal["linear", "held"]] = {Between.LINEAR: "linear", Between.HELD: "held"}
 
 
 def command(
@@ -42,7 +31,7 @@ def command(
         ),
     ] = None,
     between_samples: Annotated[
-        Between | None,
+        Literal["linear", "held"] | None,
         typer.Option(
             "--between-samples",
             help="Whether the recorded torque goes straight from sample to sample, or is held; if not given what moves "
@@ -93,7 +82,7 @@ def _fitted(
     out: Path,
     *,
     closed: bool,
-    between_samples: Between | None,
+    between_samples: Literal["linear", "held"] | None,
 ) -> None:
     from fricmodels.readers import read_together
     from fricmodels.saved import load
@@ -105,7 +94,7 @@ def _fitted(
     if closed:
         simulated, how = closed_loop(model, recording), "closed loop"
     else:
-        simulated, between = driven(model, recording, None if between_samples is None else _WORDS[between_samples])
+        simulated, between = driven(model, recording, between_samples)
         how = "open loop, the torque held between samples" if between == "held" else "open loop"
     written = write_recording(simulated, out)
     print(f"{written}: {len(simulated)} samples of {', '.join(simulated.channels)}")
