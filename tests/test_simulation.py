@@ -220,3 +220,19 @@ def test_every_effect_can_be_simulated_and_converges() -> None:
             for n in (8, 32)
         )  # fmt: skip
         assert np.max(np.abs(coarse - fine)) < 1e-3 * np.max(np.abs(fine)), effect
+
+
+@pytest.mark.parametrize("late", [7, -7])
+def test_a_delay_of_the_record_is_a_shift_of_the_motion(late: int) -> None:
+    """Not the first order of one: the torque moves by seven hundredths of its shortest period."""
+    time = np.arange(3000) * 1e-3
+    torque = 0.15 * np.sin(3.0 * time) + 0.08 * np.sin(62.0 * time)
+    values = {"J": 0.01, "K_v": 0.05, "K_c": 0.03}
+    plain = simulate(Drive(Model.parse("coulomb-viscous")), values, time, torque)
+    delayed = simulate(
+        Drive(Model.parse("coulomb-viscous+sensor-delay")), {**values, "sensor-delay.T": late * 1e-3}, time, torque
+    )
+    here, there = (plain.velocity, delayed.velocity) if late > 0 else (delayed.velocity, plain.velocity)
+    shift, settled = abs(late), 2000  # where the first state, at rest, is forgotten
+    assert np.max(np.abs(here[settled:-shift] - there[settled + shift :])) < 2e-3 * np.max(np.abs(here))
+    np.testing.assert_array_equal(delayed.torque, torque)

@@ -104,10 +104,11 @@ def simulate(
     runs = np.broadcast_to(np.asarray(run, dtype=np.int64), times.shape).copy()
     driven = Recording(name, drive.motion, channels, runs, units=units or {})
     velocity, position = np.empty_like(times), np.empty_like(times)
+    pushed, timed = drive.timed(driven, values)
     for number in np.unique(runs):
         mask = runs == number
         velocity[mask], position[mask] = _integrate(
-            drive, values, driven.select(mask), initial_velocity, initial_position, between_samples, substeps,
+            drive, timed, pushed.select(mask), initial_velocity, initial_position, between_samples, substeps,
             initial_states, width,
         )  # fmt: skip
     channels["velocity"] = measure(velocity, noise=noise, quantisation=quantisation, hold=hold, seed=seed)

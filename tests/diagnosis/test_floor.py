@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from fricmodels.diagnosis.floor import floor, share_explained
+from fricmodels.diagnosis.floor import creditable, floor, share_explained
 from fricmodels.diagnosis.policy import POLICY
 from fricmodels.drive import Drive
 from fricmodels.model import Model
@@ -46,3 +46,11 @@ def test_shares(made: Made) -> None:
     assert share_explained(problem, total, total) == pytest.approx(0.0, abs=1e-12)
     assert share_explained(problem, total, 0.5 * (total + least)) == pytest.approx(0.5)
     assert share_explained(problem, total, least) == share_explained(problem, total, 0.0) == 1.0
+
+
+def test_what_lies_under_the_floor_is_nobodys_to_explain(made: Made) -> None:
+    problem, _ = estimate(Drive(LAW, 2.0), made(noise=1.0))
+    least = floor(problem)
+    assert creditable(problem, 5 * least, 2 * least) == 2 * least
+    assert creditable(problem, 5 * least, 4.5 * least) == creditable(problem, 5 * least, 5 * least) == 4 * least
+    assert creditable(problem, 0.5 * least, 0.4 * least) == 0.0

@@ -21,6 +21,7 @@ from fricmodels.drive import Drive
 from fricmodels.model import Model
 from fricmodels.plugins import load
 from fricmodels.recording import Recording
+from fricmodels.rig import Rig
 from fricmodels.weakform.estimate import estimate
 
 Made = Callable[..., Recording]
@@ -206,3 +207,24 @@ def test_an_error_is_above_noise_by_the_noise_of_its_own_part(made: Made) -> Non
     comparison = compare(made(noise=1.0), LAW, 2.0)
     assert errors_floor.is_above_noise(replace(comparison, sliding=SlidingErrors(1.0, 9.0, 1.0, 1.0)))
     assert not errors_floor.is_above_noise(replace(comparison, sliding=SlidingErrors(1.0, 9.0, 1.0, 8.0)))
+
+
+@pytest.mark.parametrize("samples", [0.8, 1.0])
+def test_a_delay_is_named_though_the_past_of_the_torque_can_be_all_of_it(samples: float) -> None:
+    """With half a sample by which the torque is held it is little longer than what sampling alone may do."""
+    rig = Rig.model_validate(
+        {
+            "inertia": 0.02,
+            "friction": {"viscous": 0.05, "coulomb": 0.3},
+            "effects": [{"name": "sensor-delay", "delay": samples / 100}],
+            "excitation": {"kind": "multisine", "amplitude": 2.0, "frequency": 0.4, "lines": 20},
+            "sensors": {"velocity_noise_percent": 0.3, "position": True},
+            "rate": 100,
+            "samples": 4000,
+            "seed": 2,
+        }
+    )
+    diagnosis = diagnose(rig.simulate(), LAW, 0.02)
+    (finding,) = diagnosis.findings
+    assert finding.names == ("sensor-delay",)
+    assert finding.tested.parameters["T"] == pytest.approx((samples + 0.5) / 100, rel=0.02)

@@ -220,3 +220,14 @@ def test_what_cannot_be_simulated_is_said() -> None:
     assert motion_errors(Simulator(drive(), still), VALUES).horizon is None
     falling = {**VALUES, "K_v": -1e4}
     assert not np.isfinite(motion_errors(Simulator(drive(), recording), falling).position)
+
+
+def test_a_delay_shifts_the_motion_as_the_ordinary_simulation_has_it() -> None:
+    """Also where the delay changes from one call to the next."""
+    recording, model = recorded(), drive("coulomb-viscous+sensor-delay")
+    simulator = Simulator(model, recording)
+    for delay in (0.004, -0.003, 0.0, 0.004):
+        values = {**VALUES, "sensor-delay.T": delay}
+        begin = simulator.starts[0][1].velocity
+        expected = simulate(model, values, recording.time, recording.torque, initial_velocity=begin)
+        np.testing.assert_allclose(simulator(values)[1], expected.velocity, rtol=0, atol=1e-12)

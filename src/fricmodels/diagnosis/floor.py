@@ -21,6 +21,19 @@ def floor(problem: WeakFormProblem, policy: Policy = POLICY) -> float:
     return float(inertia**2 * problem.momentum_noise + policy.least_torque**2 * (problem.driving @ problem.driving))
 
 
+def creditable(problem: WeakFormProblem, before: float, fall: float, policy: Policy = POLICY) -> float:
+    """Return how much of a fall of a sum of squares counts: what lies under the floor is noise.
+
+    Where an effect and a channel both leave no more than noise, neither explains more than the other.
+
+    Args:
+        problem: the fitted model and its rows.
+        before, fall: sum of squared residuals that is to be explained, and by how much it falls [(N m)² or N²].
+        policy: decides on the floor.
+    """
+    return min(fall, max(before - floor(problem, policy), 0.0))
+
+
 def share_explained(problem: WeakFormProblem, before: float, left: float, policy: Policy = POLICY) -> float:
     """Return which share of a sum of squares above the floor, and above noise of the motor torque, is explained.
 

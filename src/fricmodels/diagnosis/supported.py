@@ -46,7 +46,7 @@ from fricmodels.diagnosis.effect_set import (
     visible_of,
     without,
 )
-from fricmodels.diagnosis.floor import floor, share_explained
+from fricmodels.diagnosis.floor import creditable, floor, share_explained
 from fricmodels.diagnosis.policy import Policy
 from fricmodels.diagnosis.predictability import AUTOREGRESSIVE, ChannelPredictor
 from fricmodels.diagnosis.verdict import LookAlikes, predicts
@@ -159,20 +159,26 @@ class Support:
 def _support(result: CandidateTests, member: Member, others: list[Member], rest: Rest) -> Support:
     beside = stacked(result, others)
     own = gain_of(result, beside, member).fall
+
+    def in_its_place(columns: Array) -> bool:
+        return gain_of(result, np.vstack([beside, columns]), member).fall < result.policy.kept * own
+
     taking: list[Array] = []
     apart = [beside]
     for part in rest.parts:
-        takes_place = gain_of(result, np.vstack([beside, part]), member).fall < result.policy.kept * own
-        (taking if takes_place else apart).append(part)
+        (taking if in_its_place(part) else apart).append(part)
     base = np.vstack(apart)
     described, of_rest = gain_of(result, base, member), float("inf")
     if taking:
         instead = regression_of(result.problem, result.parameters, np.vstack([base, *taking]))
-        theirs = described.before - float(np.sum(instead.loss))
+        of_taking = described.before - float(np.sum(instead.loss))
+        ours, theirs = _credited(result, described.before, described.fall, of_taking)
         _, p_more = compare(described.regression.loss, instead.loss, described.without.terms)
-        if theirs > described.fall and p_more * rest.tried <= result.policy.outpredicted_significance:
-            of_rest = described.fall / theirs
-    full = gain_of(result, np.vstack([base, rest.lasting]), member) if len(rest.lasting) else described
+        if theirs > ours and p_more * rest.tried <= result.policy.outpredicted_significance:
+            of_rest = ours / theirs
+    # What lasts counts against an effect with memory only: a delay is all that the torque's own past can be.
+    counts = len(rest.lasting) and (bool(member.effect.states) or not in_its_place(rest.lasting))
+    full = gain_of(result, np.vstack([base, rest.lasting]), member) if counts else described
     found = Support(
         share_explained(result.problem, full.before, full.before - full.fall, result.policy),
         of_rest,
@@ -185,6 +191,10 @@ def _support(result: CandidateTests, member: Member, others: list[Member], rest:
     found = replace(found, of_own_sizes=gain_of_own_sizes(result, member.found.first, beside))
     of_channel, rival = _against_channels(result, described, member.found.first)
     return replace(found, of_channel=of_channel, rival=rival) if of_channel < of_rest else found
+
+
+def _credited(result: CandidateTests, before: float, *falls: float) -> tuple[float, ...]:
+    return tuple(creditable(result.problem, before, fall, result.policy) for fall in falls)
 
 
 def _one_cause(result: CandidateTests, member: Member, others: list[Member]) -> bool:
@@ -215,7 +225,8 @@ def _one_cause(result: CandidateTests, member: Member, others: list[Member]) -> 
             )
         )
         before = float(np.sum(without.loss))
-        theirs, own, all_own = (before - float(np.sum(r.loss)) for r in (channel, alone, together))
+        falls = (before - float(np.sum(r.loss)) for r in (channel, alone, together))
+        theirs, own, all_own = _credited(result, before, *falls)
         if all_own >= policy.of_channel * theirs:
             effects = np.vstack([member.columns, *(other.columns for other in taken)])
             few = len(effects) < policy.fewer_terms * len(predictor.columns)
@@ -250,11 +261,11 @@ def _against_channels(result: CandidateTests, gain: Gain, first: CandidateTest) 
     The past of the residual or of the torque counts only against an effect with memory: it shows all that lasts. A
     channel beside which the effect still does most of what it does is another cause.
     """
-    policy, own, least, rival = result.policy, gain.fall, np.inf, ""
+    policy, least, rival = result.policy, np.inf, ""
     for predictor in passing_beside(result, gain.without):
         if predictor.channels in AUTOREGRESSIVE and not first.effect.states:
             continue
-        theirs = gain.before - float(np.sum(predictor.evidence.loss))
+        own, theirs = _credited(result, gain.before, gain.fall, gain.before - float(np.sum(predictor.evidence.loss)))
         if own >= theirs:
             continue
         _, p_more = compare(gain.regression.loss, predictor.evidence.loss, gain.without.terms)
@@ -262,6 +273,6 @@ def _against_channels(result: CandidateTests, gain: Gain, first: CandidateTest) 
             continue
         both = gain.without.test(visible_of(gain.without, np.vstack([predictor.columns, gain.columns])))
         beside = float(np.sum(predictor.evidence.loss)) - float(np.sum(both.loss))
-        if beside < policy.kept * own and own / theirs < least:
+        if beside < policy.kept * gain.fall and own / theirs < least:
             least, rival = own / theirs, predictor.channels
     return least, rival

@@ -27,7 +27,6 @@ class _Window:
     """A piece that is simulated at one go: its first sample, the samples it predicts, and the state it starts from."""
 
     first: int
-    rows: Array
     predicted: slice
     start: State
 
@@ -88,19 +87,17 @@ class Simulator:
             first.append(int(index[0]))
             if index[-1] - index[0] + 1 != len(index):
                 raise InputError(f"the samples of run {number} of '{recording.name}' do not follow each other")
-            rows = stepping_rows(drive, run, between_samples, substeps, loop)
-            stride = PHASES * substeps
             edges = [*range(0, len(run) - 1, horizon or len(run)), len(run) - 1]
             for begin, end in pairwise(edges):
                 start = state_at(run, begin, initial_samples)
                 predicted = slice(int(index[0]) + begin + 1, int(index[0]) + end + 1)
-                own = rows[stride * begin : stride * end]
-                self._windows.append(_Window(int(index[0]) + begin, own, predicted, start))
+                self._windows.append(_Window(int(index[0]) + begin, predicted, start))
         self.scored: Mask = np.ones(len(recording), dtype=bool)
         self.scored[first] = False
         cut = recording.origin is not None  # what remembers does so through what was cut out
         self._later = [cut or window.first not in set(first) for window in self._windows]
         self._first = [window.first in set(first) for window in self._windows]
+        self._rows = self._rows_of(recording)
 
     @property
     def drive_given(self) -> dict[str, float]:
@@ -113,6 +110,31 @@ class Simulator:
     def starts(self) -> list[tuple[slice, State]]:
         """The samples that each window predicts, and the state that it starts from."""
         return [(window.predicted, window.start) for window in self._windows]
+
+    def _rows_of(self, recording: Recording) -> list[Array]:
+        """Return what drives each window, and what a step of it needs beside its state."""
+        rows, stride = [], PHASES * self._substeps
+        for number in np.unique(recording.run):
+            index = np.flatnonzero(recording.run == number)
+            own = stepping_rows(self.drive, recording.select(index), self.between_samples, self._substeps, self.loop)
+            for window in self._windows:
+                if index[0] <= window.first <= index[-1]:
+                    begin = window.first - int(index[0])
+                    end = begin + window.predicted.stop - window.predicted.start
+                    rows.append(own[stride * begin : stride * end])
+        return rows
+
+    def _timed(self, values: Mapping[str, float]) -> tuple[list[Array], Mapping[str, float]]:
+        """Return the rows with the torques at the time of the motion, and the values with no delay left.
+
+        A controller answers the motion that it is told, late or not: beside a loop a delay stays what the term says.
+        """
+        if self.loop is not None:
+            return self._rows, values
+        recording, timed = self.drive.timed(self.recording, values)
+        if recording is self.recording:
+            return self._rows, timed
+        return self._rows_of(recording), timed
 
     def __call__(
         self, values: Mapping[str, float], moved_position: float = 0.0, moved_velocity: float = 0.0
@@ -127,6 +149,7 @@ class Simulator:
             InputError: for a value that is missing, or an inertia that is not positive.
         """
         try:
+            rows, values = self._timed(values)
             inertia, parameters = self.drive.split(values)
         except KeyError as missing:
             raise InputError(f"to simulate '{self.drive.model.name}' a value is needed for {missing}") from None
@@ -139,10 +162,10 @@ class Simulator:
         along = self.drive.states(self.recording, parameters) if declared and any(self._later) else ()
         position, velocity = np.empty(len(self.recording)), np.empty(len(self.recording))
         scan, stride = self._scan, PHASES * self._substeps
-        for window, later, begins in zip(self._windows, self._later, self._first, strict=True):
+        for window, own_rows, later, begins in zip(self._windows, rows, self._later, self._first, strict=True):
             at = (window.start.velocity + moved_velocity, window.start.position + moved_position)
             states = [float(state[window.first]) for state in along] if later else declared
-            _, outputs, done = scan([*at, *states, *own, 0.0], window.rows, constants, stride=stride)
+            _, outputs, done = scan([*at, *states, *own, 0.0], own_rows, constants, stride=stride)
             outputs[done // stride :] = np.nan
             outputs[~(np.abs(outputs) < _GREATEST).all(axis=1)] = np.nan
             velocity[window.predicted], position[window.predicted] = outputs.T
