@@ -88,6 +88,10 @@ def test_files_and_runs_of_one_file_say_the_same(written: Callable[[str, pd.Data
     assert (merged.rows, merged.samples) == (together.rows, together.samples)
     near(sums.solved(merged), sums.solved(together))
     near(sums.solved(merged, 0.05), sums.solved(together, 0.05))
+    left, right = (sums.solved(one).standard_errors for one in (merged, together))
+    ratios = [left[key] / right[key] for key in TRUTH]
+    assert min(ratios) > 0.6, "the jackknife has other parts of the same size"
+    assert max(ratios) < 1.7, ratios
     again = sums.added(each[::-1])
     assert again.to_json() == merged.to_json(), "the order of the files decides nothing"
     near(sums.solved(each[0].plus(each[1].plus(each[2]))), sums.solved(each[0].plus(each[1]).plus(each[2])))
