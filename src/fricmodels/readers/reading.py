@@ -31,6 +31,7 @@ if TYPE_CHECKING:
 _WHOLE = 2.0**53
 """Below this every whole number is a float of its own."""
 _AS_IT_IS = units.Conversion(1.0, 0.0)
+_LONGEST_UNIT = 60
 
 
 def read(
@@ -186,6 +187,14 @@ def reader_of(source: Path, name: str | None) -> Reader:
 
 def with_stated_units(found: Mapping[str, Column], stated: Mapping[str, str]) -> dict[str, Column]:
     """Complete mappings without unit from the units that the file states."""
+    for channel, column in found.items():
+        unit = stated.get(column.column, "")
+        if column.unit is None and channel != "run" and unit and not units.known(unit):
+            shown = unit if len(unit) < _LONGEST_UNIT else unit[:_LONGEST_UNIT] + "…"
+            raise InputError(
+                f"column '{column.column}': the file gives the unknown unit '{shown}'; correct it, or give one, as in "
+                f"--column {channel}={column.column}:UNIT"
+            )
     return {
         channel: Column(column.name, column.column, stated[column.column])
         if column.unit is None and column.column in stated and channel != "run"
