@@ -19,7 +19,7 @@ import numpy as np
 from fricmodels.arrays import Array
 from fricmodels.diagnosis.candidate_tests import CandidateTest, CandidateTests
 from fricmodels.weakform.problem import WeakFormProblem
-from fricmodels.weakform.regression import compare
+from fricmodels.weakform.regression import SAME, compare
 from fricmodels.weakform.shifted import regression_of
 
 _PARTS = 3
@@ -55,6 +55,8 @@ def gain_of_own_sizes(result: CandidateTests, tested: CandidateTest, beside: Arr
     channels = list(_parts(problem))
     for part in channels:
         own = np.array([torque * (part == group) for group in range(int(part.max()) + 1)])
+        size = np.linalg.norm(own, axis=1)
+        own = own[size > SAME * np.max(size)]  # where the effect does nothing it has no size
         if not np.all(regression.visible(own)):
             continue
         apart = regression.test(own)
