@@ -51,13 +51,13 @@ def test_own_sizes_gain_where_the_effect_only_resembles(offset: float, of_accele
 
 
 def test_where_an_effect_does_nothing_it_has_no_size_to_compare() -> None:
-    """Friction at low speed is not zero at high speed, but 1e-161 of a newton metre, whose square is no number."""
+    """Friction at low speed is not zero at high speed, but 1e-157 of a newton metre, whose square is no number."""
     from fricmodels.signals import prepare
 
     problem, found = estimate(Drive(Model.parse("coulomb-viscous"), INERTIA), prepare(moved(0.5, 0.0)))
     result = candidate_tests(problem, found.parameters, only=["torque-offset"])
     (tested,) = result.tested
     speed = np.abs(problem.recording.velocity[np.clip(problem.centre, 0, len(problem.recording) - 1)])
-    fades = np.where(speed > np.quantile(speed, 2 / 3), 1e-161, 1.0)
+    fades = np.where(speed > np.quantile(speed, 2 / 3), 1e-157, 1.0)
     fading = replace(tested, found=replace(tested.found, columns=tested.found.columns * fades))
     assert 0.0 <= gain_of_own_sizes(result, fading, nothing(result)) < 0.1
