@@ -276,8 +276,10 @@ def smallest_line(white: Whitened, band: tuple[float, float], level: float) -> f
         return float("nan")
     q = 2 * len(white.ways)
     critical = float(fdtri(q, max(white.terms - q + 1, 1), 1.0 - max(level, 1e-15)))
-    shown = np.maximum(white.power(k, averaged=True), 1e-300)
-    variance = white.variance * _background(power) * np.mean(white.power(k) / shown**2, axis=0)
+    shown = np.square(np.broadcast_to(white.power(k, averaged=True), white.power(k).shape))
+    # A wave that leaves nothing in the samples is not seen, however large.
+    per_power = np.divide(white.power(k), shown, out=np.full(shown.shape, np.inf), where=shown > 0.0)
+    variance = white.variance * _background(power) * np.mean(per_power, axis=0)
     return float(np.max(np.sqrt(2.0 * critical * variance)))
 
 
