@@ -13,7 +13,7 @@ from fricmodels.dimension import Motion
 from fricmodels.errors import InputError
 from fricmodels.logcheck import Severity, checked, findings
 from fricmodels.recording import Recording
-from fricmodels.rig import random_rig
+from fricmodels.rig import Rig, random_rig
 from fricmodels.signals.wrapping import find_wrap, unwrap
 
 INERTIA = 0.05
@@ -223,3 +223,24 @@ def test_a_drive_that_stands_still_is_not_a_sensor_that_repeats_itself():
     counts = 9.5873799e-5 * np.round(30.0 * CLEAN["position"] / 9.5873799e-5)
     printed = np.array([float(f"{value:.4e}") for value in counts])
     assert "repeated-samples" not in kinds(without("velocity", changed(position=printed)))
+
+
+@pytest.mark.parametrize("seed", [0, 1])
+def test_cogging_and_a_stribeck_rise_are_no_delay(seed: int) -> None:
+    """What the balance leaves out is a delay of 12 samples at one width, and of none at the width that knows it best."""
+    rig = Rig.model_validate(
+        {
+            "inertia": 0.05,
+            "friction": {"viscous": 0.12, "coulomb": 0.8},
+            "effects": [
+                {"name": "cogging", "harmonics": [{"order": 7, "amplitude": 0.15}]},
+                {"name": "stribeck", "rise": 0.4, "speed": 0.3},
+            ],
+            "excitation": {"kind": "tracking", "velocity": 3, "frequency": 0.3, "bandwidth": 8},
+            "sensors": {"velocity_noise_percent": 0.1},
+            "rate": 1000,
+            "samples": 20_000,
+            "seed": seed,
+        }
+    )
+    assert "torque-delay" not in kinds(rig.simulate())

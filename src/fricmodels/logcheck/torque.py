@@ -22,6 +22,10 @@ _FACTORS = {
 _NEAR_INERTIA = 1.3
 _VOLTAGE = 0.75
 """Share of the variance from which one term makes the whole; a convention."""
+_LEAST_LATE = 2.0
+"""Samples: sampling and holding alone make about one."""
+_AGREED = 0.05
+"""Level at which a delay has to be above zero at every width that knows it better."""
 
 
 def sign(log: Log, found: Balance) -> Iterator[Finding]:
@@ -114,15 +118,18 @@ def delay(log: Log, rows: list[Balance]) -> Iterator[Finding]:
     frictional lag look like a delay, with columns for |ω| and ω|ω| besides. T is the coefficient of the change of m
     after all columns of the balance are projected out, at the width at which it explains most; its error is over 32
     clusters. Said where T is longer than two samples at the level of
-    :data:`~fricmodels.signals.clusters.PROBABLE`. A motion that is recorded late is not told here from friction with
-    memory; that is the effect ``sensor-delay``.
+    :data:`~fricmodels.signals.clusters.PROBABLE`, and every width that knows T better says as well that it is above
+    zero: a delay is the same at all widths, what else the balance leaves out is not. A motion that is recorded late is
+    not told here from friction with memory; that is the effect ``sensor-delay``.
     """
     interval = log.recording.interval
     found = [outcome for row in rows if (outcome := _late(row, interval)) is not None]
     if not found:
         return
     late, error, count, _ = max(found, key=lambda outcome: outcome[3])
-    if significance(max(late - 2.0, 0.0) / error, count) < PROBABLE:
+    surer = [outcome for outcome in found if outcome[1] < error]
+    agreed = all(significance(max(other, 0.0) / its, several) < _AGREED for other, its, several, _ in surer)
+    if agreed and significance(max(late - _LEAST_LATE, 0.0) / error, count) < PROBABLE:
         yield Finding(
             "torque-delay",
             Severity.WARN,
