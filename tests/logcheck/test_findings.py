@@ -227,7 +227,7 @@ def test_a_drive_that_stands_still_is_not_a_sensor_that_repeats_itself():
 
 @pytest.mark.parametrize("seed", [0, 1])
 def test_cogging_and_a_stribeck_rise_are_no_delay(seed: int) -> None:
-    """What the balance leaves out is a delay of 12 samples at one width, and of none at the width that knows it best."""
+    """What the balance leaves out is a delay of 12 samples at one width, of none at the one that knows it best."""
     rig = Rig.model_validate(
         {
             "inertia": 0.05,
