@@ -183,7 +183,7 @@ def blocks(story: Story, published: Mapping[str, str] | None = None) -> dict[str
         "verdict": ladder.last.verdict,
         "floor": f"{story.final.noise_floor_percent:.2g}",
         "seconds": f"{story.seconds:.0f}",
-        "note": ladder.note,
+        "note": f"{ladder.note}." if ladder.note else "",
     }
 
 
