@@ -99,6 +99,15 @@ def test_what_remains_far_above_noise_is_said_before_what_was_found() -> None:
     assert "--model coulomb-viscous+gravity " in found.command
 
 
+def test_what_nothing_predicts_but_is_far_above_noise_is_said_with_the_answer() -> None:
+    steps = [step("coulomb-viscous", 7.94), step("coulomb-viscous+gravity", 2.62, "gravity")]
+    found = answer(data(ladder=steps, noise_floor_percent=0.205))
+    assert found.sentence == (
+        "The model coulomb-viscous lacks one effect: gravity. With it 2.62\u00a0% of the motor torque remains, more "
+        "than noise (0.205\u00a0%)."
+    )
+
+
 def test_an_effect_that_comes_near_is_offered_with_its_command() -> None:
     steps = [step("coulomb-viscous", 60.0), step("coulomb-viscous+gravity", 26.9, "gravity")]
     found = answer(data(ladder=steps, remaining=rest(26.7, 9.0)), ["--leave-out", "drift", "--trust"])

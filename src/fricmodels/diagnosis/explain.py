@@ -163,7 +163,7 @@ def _predicted(diagnosis: Diagnosis) -> str:
             return "No smooth function of one channel predicts it, but it has a mean of its own at one place."
         worst = comparison.where[0]
         return (
-            f"{IN_NO_CHANNEL} {100 * worst.share_of_squared_error:.0f} % of the squared error lie in '{worst.regime}'."
+            f"{IN_NO_CHANNEL} {100 * worst.share_of_squared_error:.0f} % of the squared error lies in '{worst.regime}'."
         )
     falls = f"(it falls by {100 * view.evidence.gain:.0f} % on blocks that were not used for fitting)"
     if view.channels in AUTOREGRESSIVE:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from fricmodels import progress
 from fricmodels.arrays import Array
 from fricmodels.drive import Drive
 from fricmodels.errors import EstimationError
@@ -93,7 +94,7 @@ def judged(
     before: dict[str, float] = {}
     largest = max(rungs, key=lambda rung: len(rung.drive.parameters))
     between = torque_between_samples(largest.drive, largest.parameters, train, loop=loop)
-    for rung in rungs:
+    for rung in progress.each("fitting models to the motion" if refit else "simulating models", rungs):
         fitted = Simulator(rung.drive, train, loop=loop, horizon=horizon, between_samples=between)
         kept = Simulator(rung.drive, test, loop=loop, horizon=horizon, between_samples=between)
         started = dict(rung.parameters)

@@ -21,10 +21,9 @@ class Record:
 
 RECORDS: Mapping[str, Record] = {
     "missing-effect": Record(
-        "Of 88 simulated drives with one hidden effect the first name was right in 87; where the true effect was not "
-        "on the list, a wrong one was named in 11 of 88 (docs/hidden_effects.md). On rough drives 5 of 99 names were "
-        "wrong where several effects were hidden, and in 5 of 28 drives one was named where the true effect was not on "
-        "the list (docs/rough_drives.md).",
+        "Wrong names where the truth was known: 1 of 88 with one hidden effect (docs/hidden_effects.md), 5 of 99 with "
+        "several on rough drives (docs/rough_drives.md); where the true effect was not on the list, 11 of 88 and 5 of "
+        "28.",
         {
             "hidden_effects.md": (
                 "| right class named first | ≥ 97 % | 44 of 44 | 43 of 44 | 87 of 88 |",

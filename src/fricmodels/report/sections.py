@@ -87,7 +87,8 @@ def found(data: DiagnosisDocument, rungs: Sequence[Rung], after: Mapping[str, Co
         blocks.append(left_over(rungs[-1].comparison, data.remaining))
     if data.candidates:
         blocks.append(ranked(data.ranked, data.model))
-    return Section("missing", "What is missing" if data.effects else "The verdict", blocks)
+    unnamed = "What was tested" if data.remaining is None else "What remains unexplained"
+    return Section("missing", "What is missing" if data.effects else unnamed, blocks)
 
 
 def _effect(

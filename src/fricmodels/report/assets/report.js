@@ -271,6 +271,17 @@
     again(() => true);
   });
 
+  // A command breaks between its words, not within "--option" or a file's name that finds room on a line.
+  for (const code of document.querySelectorAll("pre code")) {
+    code.replaceChildren(...code.textContent.split(/(\s+)/).map((word) => {
+      if (!word.trim()) return word;
+      const token = document.createElement("span");
+      token.className = "token";
+      token.textContent = word;
+      return token;
+    }));
+  }
+
   const scrollers = () => document.querySelectorAll(".scroll").forEach((box) => {
     const hides = box.scrollWidth > box.clientWidth || box.scrollHeight > box.clientHeight;
     if (hides) box.tabIndex = 0; else box.removeAttribute("tabindex");
