@@ -208,6 +208,19 @@ def test_the_page_is_short_and_small(page: str, look: Callable[..., Any], reques
     assert path.stat().st_size <= 3_000_000
 
 
+def test_a_command_breaks_between_its_words_and_can_be_copied(look: Callable[..., Any], story_page: Path) -> None:
+    seen = look(story_page, width=400)
+    code = seen.page.locator(".verdict pre code")
+    said = code.evaluate("code => code.textContent")
+    tokens = seen.page.locator(".verdict pre .token")
+    assert said.startswith("fricmodels ")
+    assert tokens.all_text_contents() == said.split()
+    lines = tokens.evaluate_all("all => all.map(each => each.getClientRects().length)")
+    assert set(lines) == {1}, "each word is one box"
+    wide = tokens.evaluate_all("all => all.map(each => each.getBoundingClientRect().right)")
+    assert max(wide) <= code.evaluate("code => code.parentElement.getBoundingClientRect().right")
+
+
 def test_zoomed_in_two_curves_lie_where_the_data_are(look: Callable[..., Any], story_page: Path) -> None:
     """In a window of a fiftieth of the record, the gap that is drawn between the curves is the residual below them."""
     seen = look(story_page)
