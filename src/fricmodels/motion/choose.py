@@ -80,7 +80,8 @@ def judged(
 
     Args:
         rungs: models with a start for each; the optimum of each is a start for the next, which may contain it.
-        train, test: prepared; see :func:`fricmodels.diagnosis.comparison.kept_back`.
+        train: prepared; see :func:`fricmodels.diagnosis.comparison.kept_back`.
+        test: the same, of what is kept back.
         loop: what pushes the drive; the recorded torque if not given.
         horizon: samples of a window.
         refit: whether to fit the parameters to the motion; where not, only :attr:`Judged.by_torque` is known.

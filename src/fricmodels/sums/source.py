@@ -69,7 +69,9 @@ def pilot(path: str | Path, *, gaps: Gaps | str | None = None, **how: Any) -> Re
     """Return what a plan is made from: a file as a recording, of a long one blocks spread evenly over it.
 
     Args:
-        path, gaps, how: see :func:`of_file`.
+        path: the file.
+        gaps: see :func:`of_file`.
+        how: columns, motion, reader and torque constant.
 
     Raises:
         InputError: for a file that cannot be used.
