@@ -106,6 +106,8 @@ def test_what_nothing_predicts_but_is_far_above_noise_is_said_with_the_answer() 
         "The model coulomb-viscous lacks one effect: gravity. With it 2.62\u00a0% of the motor torque remains, more "
         "than noise (0.205\u00a0%)."
     )
+    least = [step("coulomb-viscous", 7.94), step("coulomb-viscous+gravity", 0.25, "gravity")]
+    assert answer(data(ladder=least, noise_floor_percent=1e-4)).sentence.endswith("gravity."), "no effect is so small"
 
 
 def test_an_effect_that_comes_near_is_offered_with_its_command() -> None:

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
+from fricmodels.diagnosis.policy import POLICY
 from fricmodels.report.reliability import RECORDS
 from fricmodels.report.wording import counted, listed, percent, small
 from fricmodels.results.words import SAMPLING, form, predictor
@@ -92,10 +93,11 @@ def _sentence(data: DiagnosisDocument) -> str:
         most = f"{left} of the motor {data.quantity} remains unexplained, far above noise ({_noise(data)})"
         return f"{most}. Part of what {model} lacks was found: {listed(names)}."
     text = f"The model {model} lacks {counted(len(names), 'effect')}: {listed(names)}."
-    if len(data.ladder) > 1 and not data.partial and _far_above_noise(data):
+    end = data.ladder[-1].held_out_rms_percent or 0.0
+    named = end > 100 * POLICY.least_torque  # below it no effect is named, however clearly it shows
+    if len(data.ladder) > 1 and not data.partial and named and _far_above_noise(data):
         it = "it" if len(names) == 1 else "them"
-        left = percent(data.ladder[-1].held_out_rms_percent)
-        text += f" With {it} {left} of the motor {data.quantity} remains, more than noise ({_noise(data)})."
+        text += f" With {it} {percent(end)} of the motor {data.quantity} remains, more than noise ({_noise(data)})."
     return text
 
 
