@@ -25,9 +25,10 @@ STORIES = ("emps", "tx40", "xl330", "kuka", "other_joints")
 
 
 def fill(template: str, parts: Mapping[str, str]) -> str:
-    """Replace every {{name}}; a name without a part is an error."""
+    """Replace every {{name}}; a name without a part is an error. What an empty part leaves empty is taken out."""
     text = re.sub(r"\{\{(\w+)\}\}", lambda match: parts[match.group(1)], template)
-    return text.rstrip() + "\n"
+    text = re.sub(r" +$", "", text, flags=re.MULTILINE)
+    return re.sub(r"\n{3,}", "\n\n", text).rstrip() + "\n"
 
 
 def prepare(name: str) -> None:

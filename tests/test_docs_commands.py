@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import inspect
 import json
+import pydoc
 import re
 import runpy
 import shlex
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -96,6 +99,30 @@ def test_formulas_are_set_and_not_typed(page: Path) -> None:
     text = "\n".join(line for line in text.splitlines() if not line.startswith(">"))  # what the program said
     assert re.findall(r"`[^`\n]*(?:[∫Σ√∂‖]|\^\(|d[τω]/dt = )[^`\n]*`", text.replace("`τ = …;  dz/dt = …`", "")) == []
     assert [line for line in text.splitlines() if re.match(r" {4}\S.*[τωφσΣ∫].* = ", line)] == []
+
+
+def referred() -> Iterator[tuple[str, object]]:
+    """Yield every function, class and method that the reference shows, by name."""
+    text = (DOCS / "reference.md").read_text(encoding="utf-8")
+    for path, chosen in re.findall(r"^::: (\S+)\n(?: +options: \{members: \[([^]]*)\]\})?", text, re.MULTILINE):
+        place = pydoc.locate(path)
+        names = chosen.split(", ") if chosen else [name for name in vars(place) if not name.startswith("_")]
+        for name in names if inspect.ismodule(place) else [""]:
+            found = getattr(place, name) if name else place
+            if inspect.isclass(found):
+                yield from ((f"{path}.{name}.{own}", value) for own, value in vars(found).items() if own[0] != "_")
+            yield f"{path}.{name}", found
+
+
+def test_the_reference_says_each_argument_by_itself() -> None:
+    """The documentation is built strictly: an argument that is not in the signature ends it."""
+    together = [
+        f"{name}: {line.strip()}"
+        for name, found in referred()
+        for line in (inspect.getdoc(found) or "").partition("Args:")[2].partition("\n\n")[0].splitlines()
+        if re.match(r" {4}\w+(, \w+)+:", line)
+    ]
+    assert together == []
 
 
 def test_the_plugin_of_the_page_is_an_effect(tmp_path: Path) -> None:

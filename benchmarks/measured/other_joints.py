@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
+from fricmodels.diagnosis import compare
 from fricmodels.readers import read, read_together
 from fricmodels.recording import Recording
 from fricmodels.signals import best_half_width, lanczos_derivative
@@ -41,6 +42,17 @@ def wrist(folder: Path, joint: int, others: bool) -> Recording:
     angle, name = beside["position"], f"other.j{11 - joint}_velocity"
     velocity = lanczos_derivative(own.time, angle, best_half_width(own.time, angle, own.run), own.run)[1]
     return replace(own, channels={**own.channels, name: velocity}, units={name: "rad/s"})
+
+
+def by_sum(folder: Path, joint: int) -> str:
+    """Return the test error of joint 5 or 6 of the TX40 with the sum of both velocities as the further channel."""
+    beside, own = wrist(folder, joint, True), wrist(folder, 11 - joint, True)
+    velocity = beside[f"other.j{11 - joint}_velocity"] + own[f"other.j{joint}_velocity"]
+    channels = {name: values for name, values in beside.channels.items() if not name.startswith("other.")}
+    channels["other.sum_velocity"] = velocity
+    summed = replace(beside, channels=channels, units={"other.sum_velocity": "rad/s"})
+    errors = compare(summed, f"{BASE}+other-friction(sum_velocity)", tx40.INERTIA).errors
+    return f"{errors.held_out_percent:.1f} %"
 
 
 def robot(data: Path, joint: int, others: bool) -> Recording:
@@ -87,5 +99,7 @@ def page(data: Path, configs: Path, pictures: Path, folder: Path, say: Callable[
         "five_words": blocks(stories["TX40 joint 5, with the others"])["words"],
         "five_parameters": parameter_table(stories["TX40 joint 5, with the others"].final),
         "six_parameters": parameter_table(stories["TX40 joint 6, with the others"].final),
+        "five_by_sum": by_sum(folder, 5),
+        "six_by_sum": by_sum(folder, 6),
         "robot3_parameters": parameter_table(stories["KR300 joint 3, with the others"].final),
     }

@@ -61,9 +61,9 @@ def tell(
     how: Split | None = None,
 ) -> Story:
     """Improve a model on a recording; ``how`` says what of it is kept back."""
-    start = time.perf_counter()
+    start = time.process_time()
     ladder = improve(recording, Model.parse(model), inertia, how=how)
-    seconds = time.perf_counter() - start
+    seconds = time.process_time() - start
     others = {name: ready(check) for name, check in (checks or {}).items()}
     return Story(ready(recording), ladder, others, seconds)
 
@@ -183,7 +183,7 @@ def blocks(story: Story, published: Mapping[str, str] | None = None) -> dict[str
         "verdict": ladder.last.verdict,
         "floor": f"{story.final.noise_floor_percent:.2g}",
         "seconds": f"{story.seconds:.0f}",
-        "note": ladder.note,
+        "note": f"{ladder.note}." if ladder.note else "",
     }
 
 

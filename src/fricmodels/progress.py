@@ -1,7 +1,7 @@
 """How far long work is, as data, and how it is stopped.
 
-Whoever wants to know watches: ``with watched(report, token): …``. Work deep within says what it does by :func:`stage`
-and :func:`each`, and knows nobody; nothing is passed through the functions between them.
+Whoever wants to know watches: ``with watched(report, token): …``. Work deep within says what it does by :func:`stage`,
+:func:`each` and :func:`steps`, and knows nobody; nothing is passed through the functions between them.
 """
 
 from __future__ import annotations
@@ -14,6 +14,8 @@ from dataclasses import dataclass, replace
 from typing import Any, TypeVar
 
 Item = TypeVar("Item")
+_WHOLE = 100
+"""Parts in a second from which on their number is whole."""
 
 
 @dataclass(frozen=True)
@@ -49,7 +51,10 @@ class Progress:
         """Return it in one line: ``testing effects on coulomb-viscous: 12 of 25, 3.1/s, 4 s left``."""
         if not self.total:
             return self.stage
-        known = "" if self.rate is None or self.left is None else f", {self.rate:.3g}/s, {self.left:.0f} s left"
+        known = ""
+        if self.rate is not None and self.left is not None:
+            rate = f"{self.rate:.0f}" if self.rate >= _WHOLE else f"{self.rate:.3g}"
+            known = f", {rate}/s, {self.left:.0f} s left"
         return f"{self.stage}: {self.done} of {self.total}{known}"
 
 
@@ -122,6 +127,28 @@ def stage(name: str) -> None:
     if watch is not None:
         watch.stage, watch.began = name, time.monotonic()
         watch.tell(0, 0)
+
+
+@contextmanager
+def steps(name: str, total: int) -> Iterator[Callable[..., None]]:
+    """Begin a stage of so many parts; yield what is called, with a number or for one, when parts are done.
+
+    Args:
+        name: of the stage.
+        total: parts, at most.
+    """
+    watch = _WATCHED.get()
+    began, finished = time.monotonic(), 0
+
+    def done(parts: int = 1) -> None:
+        nonlocal finished
+        finished = min(finished + parts, total)
+        if watch is not None:
+            watch.stage, watch.began = name, began
+            watch.tell(finished, total)
+
+    done(0)
+    yield done
 
 
 def each(name: str, items: Sequence[Item]) -> Iterable[Item]:

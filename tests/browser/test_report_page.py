@@ -200,12 +200,51 @@ def test_a_pdf_has_every_figure_on_full_pages(
     assert min(used[:-1]) > LEAST_FILLED, f"half-empty pages: {used}"
 
 
+def test_a_long_formula_does_not_shrink_the_printed_page(
+    look: Callable[..., Any], story_page: Path, tmp_path: Path, without_browser: Callable[[str], NoReturn]
+) -> None:
+    """A browser prints the whole page smaller where anything on it is wider than paper."""
+    pdftotext = shutil.which("pdftotext")
+    if pdftotext is None:
+        without_browser("there is no pdftotext; install it with: apt-get install poppler-utils")
+    sizes = []
+    for copies in (0, 3):
+        seen = look(story_page, 1280)
+        seen.page.evaluate(
+            "copies => { for (const each of document.querySelectorAll('.equations math')) { const own = each.innerHTML;"
+            " for (let i = 0; i < copies; i++) each.insertAdjacentHTML('beforeend', own); } }",
+            copies,
+        )
+        widest = "Math.max(...[...document.querySelectorAll('.equations math')].map(e => e.scrollWidth))"
+        assert copies == 0 or seen.page.evaluate(widest) > 1.2 * A4_WIDTH
+        seen.page.pdf(format="A4", path=tmp_path / "long.pdf")
+        command = [str(pdftotext), "-l", "1", "-bbox", str(tmp_path / "long.pdf"), "-"]
+        words = subprocess.run(command, check=True, capture_output=True, text=True).stdout
+        (place,) = re.findall(r'xMin="([0-9.]+)"[^>]*xMax="([0-9.]+)"[^>]*>report<', words)
+        begin, end = map(float, place)
+        sizes.append(end - begin)
+    assert sizes[1] == pytest.approx(sizes[0], rel=1e-3)
+
+
 @pytest.mark.parametrize("page", ["story_page", "tournament_page"])
 def test_the_page_is_short_and_small(page: str, look: Callable[..., Any], request: pytest.FixtureRequest) -> None:
     path = request.getfixturevalue(page)
     seen = look(path)
     assert seen.page.evaluate("document.documentElement.scrollHeight") <= 8000
     assert path.stat().st_size <= 3_000_000
+
+
+def test_a_command_breaks_between_its_words_and_can_be_copied(look: Callable[..., Any], story_page: Path) -> None:
+    seen = look(story_page, width=400)
+    code = seen.page.locator(".verdict pre code")
+    said = code.evaluate("code => code.textContent")
+    tokens = seen.page.locator(".verdict pre .token")
+    assert said.startswith("fricmodels ")
+    assert tokens.all_text_contents() == said.split()
+    lines = tokens.evaluate_all("all => all.map(each => each.getClientRects().length)")
+    assert set(lines) == {1}, "each word is one box"
+    wide = tokens.evaluate_all("all => all.map(each => each.getBoundingClientRect().right)")
+    assert max(wide) <= code.evaluate("code => code.parentElement.getBoundingClientRect().right")
 
 
 def test_zoomed_in_two_curves_lie_where_the_data_are(look: Callable[..., Any], story_page: Path) -> None:

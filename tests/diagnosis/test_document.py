@@ -177,7 +177,7 @@ def test_an_error_that_nothing_predicts_is_told(diagnosis: Diagnosis) -> None:
         assert is_above_noise(spoilt)
         told = explain(replace(silent, comparison=spoilt))
         assert "far above the noise" in told
-        assert f"lie in '{comparison.where[0].regime}'" in told
+        assert f"lies in '{comparison.where[0].regime}'" in told
     for fitted, noise in ((1.0, 0.2), (40.0, 39.8)):
         assert not is_above_noise(replace(comparison, sliding=SlidingErrors(fitted, 1.0, noise, noise)))
 

@@ -13,7 +13,7 @@ from fricmodels.diagnosis.comparison import Comparison
 from fricmodels.diagnosis.diagnose import diagnose
 from fricmodels.diagnosis.document import document
 from fricmodels.diagnosis.ladder import Ladder, improve
-from fricmodels.progress import Cancelled, Progress, Token, each, watched
+from fricmodels.progress import Cancelled, Progress, Token, each, steps, watched
 from fricmodels.recording import Recording
 from fricmodels.report.answer import answer
 from fricmodels.results.diagnosis import DiagnosisDocument
@@ -48,6 +48,26 @@ def test_unwatched_work_goes_its_way_and_a_watcher_may_stop_it() -> None:
     assert list(each("counting", range(3))) == [0, 1, 2]
 
 
+def test_parts_that_are_done_are_counted_and_there_are_never_more_than_said() -> None:
+    seen = list[Progress]()
+    with watched(seen.append), steps("summing", 5) as done:
+        done()
+        done(3)
+        done(9)
+    assert [(one.stage, one.done, one.total) for one in seen] == [("summing", n, 5) for n in (0, 1, 4, 5)]
+    assert str(Progress("summing", 2_000_000, 4_000_000, 2.0)) == "summing: 2000000 of 4000000, 1000000/s, 2 s left"
+    with steps("unwatched", 2) as done:
+        done()
+
+
+def test_a_comparison_says_how_far_it_is(recording: Recording) -> None:
+    seen = list[Progress]()
+    with watched(seen.append):
+        diagnosis.compare(recording, "coulomb-viscous")
+    parts = [one.done for one in seen if one.stage == "fitting coulomb-viscous"]
+    assert parts == [0, 1, 2]
+
+
 def stopped_at(stage: str, token: Token) -> Callable[[Progress], None]:
     def watch(found: Progress) -> None:
         if found.stage.startswith(stage):
@@ -70,7 +90,9 @@ def test_a_diagnosis_that_is_stopped_has_the_fitted_model(recording: Recording) 
     assert seen[0].stage == "fitting coulomb-viscous"
     assert seen[-1].stage == "testing effects on coulomb-viscous"
     assert 3 <= seen[-1].done <= 4 < seen[-1].total
-    assert [found.done for found in seen[1:]] == [*range(len(seen) - 1)]
+    tested = [found.done for found in seen if found.stage == seen[-1].stage]
+    assert tested == [*range(len(tested))]
+    assert [found.done for found in seen[1 : -len(tested)]] == [0, 1, 2], "and before, the parts of the fit"
 
 
 def test_a_ladder_that_is_stopped_has_its_rungs_and_says_so(recording: Recording) -> None:

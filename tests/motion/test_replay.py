@@ -129,5 +129,8 @@ def test_it_is_said_why_a_motion_is_not_simulated() -> None:
     assert undetermined(PLAIN, 0.01, 0.001) == ""
     assert undetermined(Drive(PLAIN.model, 0.01), 0.01, None) == "", "it was given"
     stiff = {**TRUE, "J": 1e-300}
-    with pytest.raises(InputError, match="ended before the recording did"):
+    with pytest.raises(InputError, match=r"1e-300 kg m², is next to none: .* and samples are 0\.001 s apart"):
         replayed([(MADE, stiff)], stretch_of(recorded(800)))
+    driven = {**TRUE, "K_v": -1e3}
+    with pytest.raises(InputError, match="cogging grows without bound before the recording ends"):
+        replayed([(MADE, driven)], stretch_of(recorded(800)))

@@ -5,6 +5,7 @@ import pytest
 
 from fricmodels.dimension import Motion
 from fricmodels.errors import InputError
+from fricmodels.readers import units
 from fricmodels.readers.units import conversion, fits, known
 
 R, L = Motion.ROTARY, Motion.LINEAR
@@ -119,3 +120,13 @@ def test_units_with_numbers_and_exponents_are_worked_out(unit: str, factor: floa
 def test_a_unit_beyond_floats_is_no_unit() -> None:
     with pytest.raises(InputError, match="unknown unit"):
         conversion("count**12(1e3turn)1e3", "velocity", Motion.ROTARY)
+
+
+def test_what_the_package_knows_of_its_own_units_is_what_pint_says() -> None:
+    registry = units._registry()
+    roots = {unit: registry.get_root_units(units._quantity(unit).units)[1] for unit in units._OWN}
+    for one, root in roots.items():
+        assert {other for other in roots if roots[other] == root} == {one}
+        quantity = units._quantity(one)
+        assert registry.Quantity(quantity.magnitude, quantity.units).to(one).magnitude == 1.0
+        assert units._between(one, one) == units.Conversion(1.0, 0.0)

@@ -99,6 +99,17 @@ def test_what_remains_far_above_noise_is_said_before_what_was_found() -> None:
     assert "--model coulomb-viscous+gravity " in found.command
 
 
+def test_what_nothing_predicts_but_is_far_above_noise_is_said_with_the_answer() -> None:
+    steps = [step("coulomb-viscous", 7.94), step("coulomb-viscous+gravity", 2.62, "gravity")]
+    found = answer(data(ladder=steps, noise_floor_percent=0.205))
+    assert found.sentence == (
+        "The model coulomb-viscous lacks one effect: gravity. With it 2.62\u00a0% of the motor torque remains, more "
+        "than noise (0.205\u00a0%)."
+    )
+    least = [step("coulomb-viscous", 7.94), step("coulomb-viscous+gravity", 0.25, "gravity")]
+    assert answer(data(ladder=least, noise_floor_percent=1e-4)).sentence.endswith("gravity."), "no effect is so small"
+
+
 def test_an_effect_that_comes_near_is_offered_with_its_command() -> None:
     steps = [step("coulomb-viscous", 60.0), step("coulomb-viscous+gravity", 26.9, "gravity")]
     found = answer(data(ladder=steps, remaining=rest(26.7, 9.0)), ["--leave-out", "drift", "--trust"])
@@ -141,7 +152,7 @@ def test_an_answer_without_effects_says_what_it_can() -> None:
     assert "Position predicts the error, and not by chance: p is below" in found.sure
     adequate = answer(data(verdict="adequate", effects=[], ladder=[step("coulomb-viscous", 3.3)]))
     assert adequate.tone == "good"
-    assert "one of these was called adequate" in adequate.sure
+    assert "two of these were called adequate" in adequate.sure
     assert adequate.next.startswith("Use the model")
 
 

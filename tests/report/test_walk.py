@@ -16,9 +16,11 @@ from fricmodels.model import Model
 from fricmodels.recording import Recording
 from fricmodels.report import figures, pictures, story
 from fricmodels.report.captions import spectrum_words
+from fricmodels.report.channels import channel_of_rest
 from fricmodels.report.estimates import settling
 from fricmodels.report.figures.style import logarithmic
 from fricmodels.report.page import Block, Code, Fold, Gallery, Picture, Table
+from fricmodels.results.diagnosis import Remaining
 from fricmodels.results.history import Course, ParameterHistory
 from fricmodels.results.words import of_motion, predictor
 from fricmodels.weakform.prepared import ready
@@ -34,6 +36,27 @@ def compared(recording: Recording, inertia: float) -> Comparison:
 @pytest.fixture(scope="module")
 def linear(made: Made) -> Comparison:
     return compared(made(motion=Motion.LINEAR), 2.0)
+
+
+@pytest.mark.parametrize(
+    ("predictor", "channel"),
+    [
+        ("motor torque, along the motion", "torque"),
+        ("motor torque shortly before", "torque_rate"),
+        ("rate of the motor torque", "torque_rate"),
+        ("time, along the motion", "time"),
+        ("load torque and direction", "load_torque"),
+        ("distance since the last reversal", "distance since reversal"),
+        ("j4 position, along the motion", "other.j4_position"),
+        ("speed, along the motion", "velocity"),
+        ("its own course shortly before", "velocity"),
+    ],
+)
+def test_what_remains_is_shown_over_what_predicts_it(made: Made, predictor: str, channel: str) -> None:
+    recording = made(samples=500)
+    recording = recording.with_channels(**{"other.j4_position": recording["position"]})
+    rest = Remaining(percent=9.0, SI=1.0, channel=predictor, where="", place=None, nearest=(), text="")
+    assert channel_of_rest(rest, recording) == channel
 
 
 def test_a_torque_is_a_force_on_a_linear_axis_and_names_stay() -> None:

@@ -59,3 +59,8 @@ def test_words() -> None:
     assert wording.small(1e-20) == "below one in a million"
     assert wording.known_model("no-such-law") is None
     assert wording.meaning_of("J", {}) == "inertia"
+
+
+def test_powers_of_ten_in_a_sentence_are_set() -> None:
+    assert wording.set_powers("J, 1e-09 kg m², in 2.5e+03 s") == "J, 1×10⁻⁹ kg m², in 2.5×10³ s"
+    assert wording.set_powers("a column file_1e5 of 0.001 s") == "a column file_1e5 of 0.001 s"

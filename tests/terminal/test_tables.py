@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from rich.console import Console
 
-from fricmodels.terminal import Column, plain, show_table
+from fricmodels.terminal import Column, breaks, plain, show_records, show_table
 from fricmodels.terminal.tables import fold
 
 WIDTHS = st.integers(60, 160)
@@ -68,6 +68,7 @@ def test_folding_keeps_every_character(text: str, width: int) -> None:
 def test_a_model_folds_after_its_terms_and_a_unit_stays_whole() -> None:
     assert fold("coulomb-viscous+cogging+stribeck", 20) == "coulomb-viscous+\ncogging+stribeck"
     assert fold("RMS error [N m s/rad]", 14) == "RMS error\n[N m s/rad]"
+    assert fold("J [kg m^2], K_v [N m s/rad]", 20) == "J [kg m^2],\nK_v [N m s/rad]"
 
 
 def test_columns_without_room_follow_below_under_the_same_names() -> None:
@@ -89,3 +90,18 @@ def test_a_name_does_not_steer_the_terminal() -> None:
 @pytest.mark.parametrize("columns", [[Column("name", ())], []])
 def test_an_empty_table_says_so(columns: list[Column]) -> None:
     assert "none" in printed(columns, 80)
+
+
+def test_a_list_of_names_that_a_table_would_break_is_printed_in_blocks() -> None:
+    names = Column("name", ("asymmetric-exponential-stick-slip", "square-root"))
+    symbols = Column("parameters", ("K_v1 [N m s/rad], K_c1 [N m], B_1 [s/rad]", "K_v [N m s^(1/2)/rad^(1/2)]"))
+    formulas = Column("equation", ("τ_F = [K_v1·|ω| + C_1 + (K_c1 − C_1)·exp(−B_1·|ω|)]·sgn₁ω", "τ_F = 0"))
+    assert breaks([names, formulas, symbols], 80)
+    assert not breaks([names, Column("from", ("here", "there"))], 60)
+    stream = io.StringIO()
+    show_records(Console(file=stream, width=60), [names, formulas, symbols])
+    lines = stream.getvalue().splitlines()
+    assert all(len(line) <= 60 for line in lines)
+    assert lines[0] == "asymmetric-exponential-stick-slip"
+    assert "  parameters  K_v1 [N m s/rad], K_c1 [N m], B_1 [s/rad]" in lines
+    assert lines[-1] == "  parameters  K_v [N m s^(1/2)/rad^(1/2)]"

@@ -56,11 +56,12 @@ def command(
     from fricmodels.diagnosis import compare
     from fricmodels.diagnosis.overlay import write_overlay
     from fricmodels.diagnosis.present import show_comparison
+    from fricmodels.progress import watched
     from fricmodels.report.console import show_answer_of_comparison
 
     with answered(recording, chosen):
         shown = console()
-        with working(f"fitting {chosen.name}"):
+        with working(f"fitting {chosen.name}") as say, watched(say):
             comparison = compare(recording, chosen, given.inertia)
         if verbose:
             show_comparison(shown, comparison)

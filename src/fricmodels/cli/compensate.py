@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 if TYPE_CHECKING:
+    from fricmodels.progress import Progress
     from fricmodels.saved import FittedModel
 
 
@@ -65,13 +68,18 @@ def command(
     if seed is not None:
         drives = [drive.model_copy(update={"seed": seed}) for drive in drives]
     with working("simulating") as progress:
-        studies = [
-            study(drive, settings, start=start, given=given, motions=motions, progress=progress) for drive in drives
-        ]
+        studies = []
+        for drive in drives:
+            told = _of(drive.name, progress)
+            studies.append(study(drive, settings, start=start, given=given, motions=motions, progress=told))
     shown = console()
     show(shown, studies, [str(path) for path in rigs], seed)
     if out is not None:
         shown.print(f"wrote {write(studies, out)}", markup=False, soft_wrap=True)
+
+
+def _of(name: str, say: Callable[[Progress], None]) -> Callable[[Progress], None]:
+    return lambda step: say(replace(step, stage=f"{name}: {step.stage}"))
 
 
 def _models(names: list[str]) -> tuple[str | None, list[tuple[str, FittedModel]]]:

@@ -7,6 +7,9 @@ from typing import Annotated
 
 import typer
 
+_INDENT = 3
+"""Columns before a line that goes on."""
+
 
 def command(
     out: Annotated[Path, typer.Option(help="Directory for the results.")] = Path("demo-run"),
@@ -28,13 +31,15 @@ def command(
 
 def _tournament(out: Path, jobs: int | None) -> None:
     from fricmodels.cli.leaderboard import show
-    from fricmodels.cli.printing import progress_of_fits
+    from fricmodels.cli.printing import print_line, progress_of_fits
     from fricmodels.tournament import run
     from fricmodels.tournament.demonstration import demonstration
 
     config = demonstration()
-    print("1. A motor with Coulomb and viscous friction that differ between its directions, 2 % noise on the velocity.")
-    print("   Every law × every estimator, ranked by the torque error on the cycles that were not fitted:")
+    text = "1. A motor with Coulomb and viscous friction that differ between its directions, 2 % noise on the velocity."
+    print_line(text, _INDENT)
+    text = "   Every law × every estimator, ranked by the torque error on the cycles that were not fitted:"
+    print_line(text, _INDENT)
     with progress_of_fits() as report:
         board = run(config, out, processes=jobs, report=report)
     show(board, config.ranking)
@@ -43,7 +48,7 @@ def _tournament(out: Path, jobs: int | None) -> None:
 
 def _hidden_effects(out: Path, jobs: int | None) -> None:
     from fricmodels.cli.leaderboard import show
-    from fricmodels.cli.printing import console, progress_of_fits, working
+    from fricmodels.cli.printing import console, print_line, progress_of_fits, working
     from fricmodels.diagnosis import improve
     from fricmodels.diagnosis.document import document, write
     from fricmodels.model import Model
@@ -55,16 +60,18 @@ def _hidden_effects(out: Path, jobs: int | None) -> None:
     from fricmodels.tournament.demonstration import with_and_without
 
     print()
-    print("2. A robot joint, modelled by Coulomb and viscous friction. Its truth is hidden from the program.")
+    print_line(
+        "2. A robot joint, modelled by Coulomb and viscous friction. Its truth is hidden from the program.", _INDENT
+    )
     rig = hidden()
     data, truth = write_recording(rig.simulate(), out / "joint.csv")
     recording = read(data, name=rig.name)
     with working("looking for what is missing") as say:
         ladder = improve(recording, Model.parse("coulomb-viscous"), rig.inertia, progress=say)
     show_answer_of_ladder(console(), ladder)
-    print(f"   The truth was {rig.true_model} ({truth.name}).")
+    print_line(f"   The truth was {rig.true_model} ({truth.name}).", _INDENT)
     models = [rung.model for rung in ladder.rungs]
-    print("3. The leaderboard with and without what was found, on data that took no part in fitting:")
+    print_line("3. The leaderboard with and without what was found, on data that took no part in fitting:", _INDENT)
     config = with_and_without(data, models, rig.inertia)
     with progress_of_fits() as report:
         board = run(config, out, processes=jobs, report=report)

@@ -73,9 +73,10 @@ def command(
     from fricmodels.cli.answers import answered
     from fricmodels.cli.printing import working
     from fricmodels.diagnosis import compare
+    from fricmodels.progress import watched
     from fricmodels.saved import keep
 
-    with answered(given.recording, given.model), working(f"fitting {given.model.name}"):
+    with answered(given.recording, given.model), working(f"fitting {given.model.name}") as say, watched(say):
         comparison = compare(given.recording, given.model, given.inertia)
         kept = keep(comparison)
         if by_position:
@@ -101,6 +102,7 @@ def _by_sums(
 ) -> None:
     """Fit to sums, read from files or made here."""
     from fricmodels.cli.printing import working
+    from fricmodels.progress import watched
     from fricmodels.saved.summed import keep_sums
     from fricmodels.sums import added, load
 
@@ -108,7 +110,7 @@ def _by_sums(
         total = added(load(path) for path in data)
     else:
         plan = plan_of(data[0], model, inertia, linear, trust, gaps, how)
-        with working(f"fitting {model}"):
+        with working(f"fitting {model}") as say, watched(say):
             total = added(one for _, one in summed(data, plan, gaps, how))
     check_model(total, model)
     _say(keep_sums(total, inertia), out)

@@ -106,10 +106,11 @@ def by_motion(
     from fricmodels.cli.printing import working
     from fricmodels.motion import Rung, judged
     from fricmodels.motion.document import motion_document, write_motion
+    from fricmodels.progress import watched
 
     first = comparisons[0]
     rungs = [Rung(each.drive, {**(known or {}), **each.estimate.parameters}) for each in comparisons]
-    with working("simulating"):
+    with working("simulating") as say, watched(say):
         found = judged(rungs, first.train, first.test, loop=loop, horizon=horizon, refit=not fixed)
     console.print()
     show_motion(console, found, horizon, first.train.interval, loop is not None)

@@ -40,8 +40,9 @@ def _version(distribution: str) -> str:
 
 
 def _given(distribution: str, names: list[str]) -> str:
-    if distribution != "fricmodels":
-        return ", ".join(names) or "nothing"
     kinds = dict.fromkeys(name.partition(" ")[0] for name in names)
+    if distribution != "fricmodels":
+        own = {kind: [name.removeprefix(f"{kind} ") for name in names if name.startswith(f"{kind} ")] for kind in kinds}
+        return ", ".join(f"{kind}{'s' * (len(all_) > 1)} {', '.join(all_)}" for kind, all_ in own.items()) or "nothing"
     counts = {kind: sum(name.startswith(f"{kind} ") for name in names) for kind in kinds}
     return ", ".join(f"{count} {kind}s" for kind, count in counts.items())

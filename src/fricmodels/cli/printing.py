@@ -39,12 +39,17 @@ def console(*, errors: bool = False, otherwise: int = _NO_TERMINAL) -> Console:
 def print_table(columns: Sequence[Column], title: str = "") -> None:
     """Print columns as a table; text from files is not taken for markup.
 
-    Without numbers it is a list of names, wide where there is no terminal, so that other programs find them whole.
+    Without numbers it is a list of names, wide where there is no terminal, so that other programs find them whole, and
+    in blocks where a table would break a name or a formula.
     """
-    from fricmodels.terminal import show_table
+    from fricmodels.terminal import breaks, show_records, show_table
 
     names = not any(column.number for column in columns)
-    show_table(console(otherwise=_NO_TERMINAL_NAMES if names else _NO_TERMINAL), columns, title)
+    shown = console(otherwise=_NO_TERMINAL_NAMES if names else _NO_TERMINAL)
+    if names and not title and shown.width < _NO_TERMINAL_NAMES and breaks(columns, shown.width):
+        show_records(shown, columns)
+    else:
+        show_table(shown, columns, title)
 
 
 def print_line(text: str, indent: int | None = None) -> None:

@@ -64,13 +64,17 @@ def command(
         raise InputError(
             "--torque, --reference and --between-samples are for a fitted model; a rig has its own excitation"
         )
+    from fricmodels.cli.printing import working
+    from fricmodels.progress import steps, watched
     from fricmodels.rig import load_rig, write
 
     chosen = load_rig(rig)
     if seed is not None:
         chosen = chosen.model_copy(update={"seed": seed})
-    recording = chosen.simulate()
-    data, truth = write(recording, out)
+    with working("simulating") as say, watched(say), steps(f"simulating {chosen.name}, and writing it", 2) as done:
+        recording = chosen.simulate()
+        done()
+        data, truth = write(recording, out)
     print(f"{data}: {len(recording)} samples of {', '.join(recording.channels)}")
     print(f"{truth}: the truth, {chosen.true_model}")
 
@@ -84,19 +88,28 @@ def _fitted(
     closed: bool,
     between_samples: Literal["linear", "held"] | None,
 ) -> None:
+    from fricmodels.cli.printing import print_line, working
+    from fricmodels.progress import steps, watched
     from fricmodels.readers import read_together
     from fricmodels.saved import load
     from fricmodels.saved.controlled import closed_loop
     from fricmodels.saved.driven import driven, errors_in_words, write_recording
 
     model = load(path)
-    recording = read_together(data, columns=column or (), motion=model.motion)
-    if closed:
-        simulated, how = closed_loop(model, recording), "closed loop"
-    else:
-        simulated, between = driven(model, recording, between_samples)
-        how = "open loop, the torque held between samples" if between == "held" else "open loop"
-    written = write_recording(simulated, out)
+    with (
+        working("simulating") as say,
+        watched(say),
+        steps(f"reading, simulating and writing with {path.name}", 3) as done,
+    ):
+        recording = read_together(data, columns=column or (), motion=model.motion)
+        done()
+        if closed:
+            simulated, how = closed_loop(model, recording), "closed loop"
+        else:
+            simulated, between = driven(model, recording, between_samples)
+            how = "open loop, the torque held between samples" if between == "held" else "open loop"
+        done()
+        written = write_recording(simulated, out)
     print(f"{written}: {len(simulated)} samples of {', '.join(simulated.channels)}")
     for line in errors_in_words(simulated, recording, how):
-        print(line)
+        print_line(line)

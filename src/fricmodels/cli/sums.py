@@ -59,6 +59,7 @@ def command(
     """
     from fricmodels.cli.printing import working
     from fricmodels.errors import InputError
+    from fricmodels.progress import watched
     from fricmodels.sums import added, load
     from fricmodels.sums.summed import SUFFIX
 
@@ -78,7 +79,7 @@ def command(
         raise InputError(f"two recordings called {twice} would have one file of sums; give each its own folder")
     plan = load(like).plan if like is not None else plan_of(data[0], model, inertia, linear, trust, gaps, how)
     found = []
-    with working(f"summing {len(data)} file{'s' * (len(data) != 1)}"):
+    with working(f"summing {len(data)} file{'s' * (len(data) != 1)}") as say, watched(say):
         for path, sums in summed(data, plan, gaps, how):
             check_model(sums, model)
             if one:

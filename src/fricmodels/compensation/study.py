@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from fricmodels.diagnosis import compare, improve
 from fricmodels.errors import FricmodelsError
+from fricmodels.progress import Token, Watcher, each, stage, watched
 from fricmodels.rig import Rig
 from fricmodels.saved import FittedModel, keep
 from fricmodels.tracking import Experiment, Figures, Run, Settings
@@ -94,7 +95,8 @@ def study(
     start: str | None = None,
     given: Sequence[tuple[str, FittedModel]] = (),
     motions: int = 3,
-    progress: Callable[[str], None] | None = None,
+    progress: Watcher | None = None,
+    token: Token | None = None,
 ) -> Study:
     """Compare tracking errors with and without compensation.
 
@@ -107,44 +109,58 @@ def study(
         start: model from which the ladder begins; the law of the rig if not given.
         given: places and models of files, in place of the ladder's.
         motions: number of motions; only the seed tells them apart.
-        progress: called with one line at every step.
+        progress: called with a :class:`~fricmodels.progress.Progress` at every part of the work.
+        token: stops it, with :class:`~fricmodels.progress.Cancelled`.
 
     Raises:
         FricmodelsError: where the drive cannot be simulated, controlled or identified.
     """
-    say = progress or (lambda line: None)
-    chosen = settings or Settings()
-    say(f"{rig.name}: recording")
+    with watched(progress, token):
+        return _study(rig, settings or Settings(), start, given, motions)
+
+
+def _study(
+    rig: Rig, settings: Settings, start: str | None, given: Sequence[tuple[str, FittedModel]], motions: int
+) -> Study:
+    stage("recording")
     recording = rig.simulate()
     experiments = tuple(
-        Experiment(rig, chosen.model_copy(update={"seed": chosen.seed + number})) for number in range(motions)
+        Experiment(rig, settings.model_copy(update={"seed": settings.seed + number})) for number in range(motions)
     )
-    say(f"{rig.name}: fitting Coulomb and viscous friction")
+    stage("fitting Coulomb and viscous friction")
     simple = "asymmetric-coulomb-viscous" if rig.friction.asymmetric else "coulomb-viscous"
     models = {COULOMB: keep(compare(recording, simple, rig.inertia))}
     verdict, named = "", tuple[str, ...]()
     if given:
         models |= dict(given)
     else:
-        ladder = improve(recording, start or rig.friction.law, rig.inertia, progress=lambda t: say(f"{rig.name}: {t}"))
+        ladder = improve(recording, start or rig.friction.law, rig.inertia)
         models[IMPROVED] = keep(ladder)
         verdict = ladder.first.verdict
         begun = {effect.name for effect in ladder.rungs[0].comparison.drive.model.effects}
         named = tuple(e.name for e in models[IMPROVED].model.effects if e.name not in begun)
-    ways = [Way(NONE, "", tuple(one.run(None).figures for one in experiments))]
-    for name, model in models.items():
-        say(f"{rig.name}: following with {model.name}")
-        ways.append(_way(name, model, experiments))
-    say(f"{rig.name}: following with the true torque")
-    ways.append(Way(TRUE, rig.true_model, tuple(one.run_true().figures for one in experiments)))
-    return Study(rig, experiments, tuple(ways), verdict, named, models)
+    return Study(rig, experiments, _ways(rig, models, experiments), verdict, named, models)
 
 
-def _way(name: str, model: FittedModel, experiments: Sequence[Experiment]) -> Way:
-    try:
-        return Way(name, model.name, tuple(run_with(model, one).figures for one in experiments))
-    except FricmodelsError as error:
-        return Way(name, model.name, (), str(error))
+def _ways(rig: Rig, models: Mapping[str, FittedModel], experiments: Sequence[Experiment]) -> tuple[Way, ...]:
+    """Follow every motion in every way: without, with each model, and with what the drive's equations ask for."""
+    names = {NONE: "", **{name: model.name for name, model in models.items()}, TRUE: rig.true_model}
+    figures: dict[str, list[Figures]] = {name: [] for name in names}
+    failed: dict[str, str] = {}
+    for name, one in each("following motions", [(name, one) for name in names for one in experiments]):
+        if name in failed:
+            continue
+        try:
+            found = one.run_true() if name == TRUE else one.run(None) if name == NONE else run_with(models[name], one)
+            figures[name].append(found.figures)
+        except FricmodelsError as error:
+            if name in (NONE, TRUE):
+                raise
+            failed[name] = str(error)
+    return tuple(
+        Way(name, model, () if name in failed else tuple(figures[name]), failed.get(name, ""))
+        for name, model in names.items()
+    )
 
 
 def run_with(model: FittedModel, experiment: Experiment) -> Run:

@@ -15,6 +15,7 @@ from fricmodels.drive import Drive
 from fricmodels.errors import InputError
 from fricmodels.model import Model
 from fricmodels.processes import give_back
+from fricmodels.progress import steps
 from fricmodels.recording import Recording
 from fricmodels.score.bands import Errors, torque_errors
 from fricmodels.score.torque import filtered_torque_error, sliding_half_width
@@ -204,6 +205,10 @@ def noise_torques(recording: Recording, inertia: float, half_width: int, draw: i
     return inertia * rate, own.after(even_weights(half_width)[0])
 
 
+_PARTS = 3
+"""Of a comparison: the recording is prepared, the model fitted, its errors judged."""
+
+
 def compare(
     recording: Recording, model: Model | str, inertia: float | None = None, *, how: Split | None = None
 ) -> Comparison:
@@ -219,10 +224,15 @@ def compare(
     Raises:
         InputError: for an unknown model, or a recording that lacks what it needs or does not move enough.
     """
-    train, test = kept_back(ready(recording), how)
     drive = Drive(Model.of(model), inertia, recording.motion)
     known = drive.model.known
-    if not known.fixed:
-        return compare_model(train, test, drive, known.values)
-    given = {} if inertia is None else {drive.inertia_key: inertia}
-    return compare_fit(train, test, drive, {**known.values, **given}, known.standard_errors)
+    with steps(f"fitting {drive.model.name}", _PARTS) as done:
+        train, test = kept_back(ready(recording), how)
+        done()
+        if known.fixed:
+            given = {} if inertia is None else {drive.inertia_key: inertia}
+            return compare_fit(train, test, drive, {**known.values, **given}, known.standard_errors)
+        drive = Drive(drive.model.on(train), drive.inertia, drive.motion)
+        problem, found = estimated(drive, train, known.values)
+        done()
+        return _compared(problem, found, train, test)

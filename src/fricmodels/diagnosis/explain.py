@@ -11,7 +11,7 @@ from fricmodels.diagnosis.ladder import Ladder, added
 from fricmodels.diagnosis.predictability import AUTOREGRESSIVE
 from fricmodels.diagnosis.ripple import FastRipple
 from fricmodels.dimension import Motion
-from fricmodels.results.words import SAMPLING, look_alikes
+from fricmodels.results.words import SAMPLING, figures, look_alikes, of_motion
 from fricmodels.weakform.ripple import relations
 
 _FEW = 2
@@ -58,7 +58,7 @@ def explain(diagnosis: Diagnosis, ladder: Ladder | None = None) -> str:
             parts.append(unknown(ladder.last))
     if ladder is not None and ladder.note:
         parts.append(ladder.note + ".")
-    return " ".join(parts)
+    return of_motion(" ".join(parts), comparison.drive.motion)
 
 
 def _hidden_by_sampling(diagnosis: Diagnosis) -> list[str]:
@@ -122,10 +122,14 @@ def _size(tested: CandidateTest, motion: Motion) -> str:
     if len(declared) > _FEW or any(p.symbol not in spread for p in declared):
         return ""
     sizes = (
-        f"{p.symbol} = {tested.parameters[p.symbol]:.3g} ± {spread[p.symbol]:.2g} {p.unit_for(motion)}"
+        f"{p.symbol} = {tested.parameters[p.symbol]:.3g} ± {spread[p.symbol]:.2g} {_unit(p.unit_for(motion))}".rstrip()
         for p in declared
     )
     return f" {', '.join(sizes)}."
+
+
+def _unit(unit: str) -> str:
+    return "" if unit == "1" else unit
 
 
 def unknown(diagnosis: Diagnosis) -> str:
@@ -134,10 +138,10 @@ def unknown(diagnosis: Diagnosis) -> str:
     if rest is None:
         return ""
     unit = "N m" if diagnosis.comparison.drive.motion is Motion.ROTARY else "N"
-    parts = [
-        f"Something is missing that no known effect explains: {rest.SI:.2g} {unit} RMS, {rest.percent:.2g} % of the "
-        f"motor torque. {_predicted(diagnosis)}"
-    ]
+    size = f": {figures(rest.SI)} {unit} RMS, {figures(rest.percent)} % of the motor torque"
+    if not rest.SI > 0:
+        size = ", no larger than what noise alone would leave"
+    parts = [f"Something is missing that no known effect explains{size}. {_predicted(diagnosis)}"]
     if diagnosis.refused is not None:
         parts.append(f"'{diagnosis.refused.name}' explains part of it, but the test error does not fall with it.")
     if rest.place is not None:
@@ -159,7 +163,7 @@ def _predicted(diagnosis: Diagnosis) -> str:
             return "No smooth function of one channel predicts it, but it has a mean of its own at one place."
         worst = comparison.where[0]
         return (
-            f"{IN_NO_CHANNEL} {100 * worst.share_of_squared_error:.0f} % of the squared error lie in '{worst.regime}'."
+            f"{IN_NO_CHANNEL} {100 * worst.share_of_squared_error:.0f} % of the squared error lies in '{worst.regime}'."
         )
     falls = f"(it falls by {100 * view.evidence.gain:.0f} % on blocks that were not used for fitting)"
     if view.channels in AUTOREGRESSIVE:

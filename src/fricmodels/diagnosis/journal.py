@@ -25,7 +25,6 @@ from fricmodels.drive import Drive
 from fricmodels.files import locked
 from fricmodels.recording import Recording
 from fricmodels.term import Effect
-from fricmodels.tournament.code import digest
 from fricmodels.weakform.candidate import Candidate, NonlinearOptimum
 from fricmodels.weakform.estimate import Estimate, estimate
 from fricmodels.weakform.friction_limits import limits_of_friction
@@ -150,6 +149,8 @@ def journal(path: Path, of: str) -> Iterator[Journal]:
 
 def identity(recording: Recording, *decides: object) -> str:
     """Return a hash of what decides a ladder: the recording, what was asked, and the code that does it."""
+    from fricmodels.tournament.code import digest
+
     content = hashlib.sha256(f"{recording.checksum} {decides!r}".encode())
     registries = plugins.load().registries.values()
     names = {registry.entry(name).distribution for registry in registries for name in registry}

@@ -33,7 +33,9 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-_NO_OTHER = "95 % includes 0"
+_NO_OTHER = "may be 0"
+"""Of a parameter whose 95 % interval includes zero."""
+_NORMAL_95 = 1.959964
 _NO_SPREAD = ("given", "not determined")
 _BAR = 20
 _NARROW_BAR = 8
@@ -108,8 +110,10 @@ def show_parameters(console: Console, comparison: Comparison, title: str = "Para
 def _remark(key: str, held: Sequence[str], estimate: Estimate) -> str:
     if key in held:
         return "at its bound"
-    reason = estimate.not_identified.get(key, "")
-    return _NO_OTHER if "contains zero" in reason else "not identified" if reason else ""
+    reason, error = estimate.not_identified.get(key, ""), estimate.standard_errors.get(key) or 0.0
+    if "contains zero" in reason or abs(estimate.parameters[key]) < _NORMAL_95 * error:
+        return _NO_OTHER
+    return "not identified" if reason else ""
 
 
 def _spread(error: float | None) -> str:

@@ -76,7 +76,7 @@ def remaining(
     near.sort(key=lambda one: one.held_out_percent)
     if place is None:
         worst = comparison.where[0]
-        where = f"{100 * worst.share_of_squared_error:.0f} % of the squared error lie {in_words(worst.regime)}"
+        where = f"{100 * worst.share_of_squared_error:.0f} % of the squared error lies {in_words(worst.regime)}"
     else:
         where = at_place(place, comparison.drive.motion)
         channel = channel or place.channel.replace("_", " ")

@@ -20,8 +20,8 @@ _NESTED = ("tags", "parameters", "standard_errors", "true_parameters", "not_iden
 
 _NAMES = {"held_out_rms_torque_error_percent": "test error", "rms_torque_error_percent": "fit error"}
 NOT_SURE = {
-    "?": "ok 2?: two parameters are not determined, or not distinguished from zero",
-    "|": "ok 1|: one parameter is at its bound",
+    "?": "?: so many parameters are not determined, or not distinguished from zero",
+    "|": "|: so many parameters are at their bounds",
 }
 """What the marks behind a status mean."""
 """What the marks of a leaderboard mean."""

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from fricmodels import progress
 from fricmodels.arrays import Array
 from fricmodels.drive import Drive
 from fricmodels.errors import EstimationError
@@ -79,7 +80,8 @@ def judged(
 
     Args:
         rungs: models with a start for each; the optimum of each is a start for the next, which may contain it.
-        train, test: prepared; see :func:`fricmodels.diagnosis.comparison.kept_back`.
+        train: prepared; see :func:`fricmodels.diagnosis.comparison.kept_back`.
+        test: the same, of what is kept back.
         loop: what pushes the drive; the recorded torque if not given.
         horizon: samples of a window.
         refit: whether to fit the parameters to the motion; where not, only :attr:`Judged.by_torque` is known.
@@ -93,7 +95,7 @@ def judged(
     before: dict[str, float] = {}
     largest = max(rungs, key=lambda rung: len(rung.drive.parameters))
     between = torque_between_samples(largest.drive, largest.parameters, train, loop=loop)
-    for rung in rungs:
+    for rung in progress.each("fitting models to the motion" if refit else "simulating models", rungs):
         fitted = Simulator(rung.drive, train, loop=loop, horizon=horizon, between_samples=between)
         kept = Simulator(rung.drive, test, loop=loop, horizon=horizon, between_samples=between)
         started = dict(rung.parameters)

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from fricmodels.arrays import Array
+from fricmodels.progress import steps
 
 _LARGEST = 1e14
 """Ratio of variances in the distribution of steps beyond which it is flat to rounding."""
@@ -51,6 +52,20 @@ def evolved(
 
     Source: N. Hansen, "The CMA evolution strategy: a tutorial", arXiv:1604.00772, 2016, with its default settings.
     """
+    with steps("trying parameters on the motion", most) as tried:
+        return _evolved(cost, start, spread, bounds, most, seed, settled, tried)
+
+
+def _evolved(
+    cost: Callable[[Array], float],
+    start: Array,
+    spread: Array,
+    bounds: tuple[Array, Array],
+    most: int,
+    seed: int,
+    settled: float,
+    tried: Callable[[int], None],
+) -> Evolved:
     low, high = bounds
     n = len(start)
     random = np.random.default_rng(seed)
@@ -78,6 +93,7 @@ def evolved(
         points = np.clip(start + (mean + sigma * steps) @ spread.T, low, high)
         costs = np.array([_finite(cost(point)) for point in points])
         used += count
+        tried(count)
         order = np.argsort(costs, kind="stable")
         before = best
         if costs[order[0]] < best:

@@ -149,7 +149,7 @@ def replayed(models: Sequence[tuple[Drive, Mapping[str, float]]], stretch: Stret
         velocity = simulator(values)[1]
         wrong = (velocity - recording.velocity)[simulator.scored]
         if not np.all(np.isfinite(wrong)):
-            raise InputError(f"the simulation of {drive.model.name} ended before the recording did")
+            raise InputError(_why_ended(drive, values, recording))
         rms = float(np.sqrt(np.mean(recording.velocity[simulator.scored] ** 2)))
         error = float(np.sqrt(np.mean(wrong**2)))
         found.append(Replay(drive.model.name, velocity, error, 100 * error / rms if rms > 0 else np.nan))
@@ -170,6 +170,24 @@ def undetermined(drive: Drive, inertia: float, error: float | None) -> str:
     if drive.inertia is None and not (error and inertia > _NORMAL_95 * error):
         return f"this recording does not determine the {name}"
     return ""
+
+
+def _why_ended(drive: Drive, values: Mapping[str, float], recording: Recording) -> str:
+    """Say why a simulation ended: the inertia is lost between two samples, or the model's own speed has no end.
+
+    The RMS torque brings an inertia to the RMS speed within J·RMS(ω)/RMS(τ). Where that is less than the time between
+    two samples, no motion that inertia makes is in the recording.
+    """
+    inertia = float(values[drive.inertia_key])
+    speed, torque = (float(np.sqrt(np.mean(recording[each] ** 2))) for each in ("velocity", "torque"))
+    name, unit, effort = ("mass", "kg", "force") if drive.motion.value == "linear" else ("inertia", "kg m²", "torque")
+    if inertia * speed < recording.interval * torque:
+        given = f"the {name} that was given" if drive.inertia is not None else f"the {name} that was found"
+        return (
+            f"{given}, {inertia:.3g} {unit}, is next to none: the measured {effort} would bring it to the measured "
+            f"speed in {inertia * speed / torque:.1g} s, and samples are {recording.interval:.3g} s apart"
+        )
+    return f"the simulated speed of {drive.model.name} grows without bound before the recording ends"
 
 
 def _simulator(drive: Drive, stretch: Stretch, between: Between) -> Simulator:

@@ -143,7 +143,8 @@ class Simulator:
 
         Args:
             values: parameters of the model by key, the inertia unless the drive has one, and those of the loop.
-            moved_position, moved_velocity: what is added to the state that every window starts from.
+            moved_position: what is added to the position that every window starts from.
+            moved_velocity: what is added to the velocity there.
 
         Raises:
             InputError: for a value that is missing, or an inertia that is not positive.

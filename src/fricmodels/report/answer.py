@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
+from fricmodels.diagnosis.policy import POLICY
 from fricmodels.report.reliability import RECORDS
 from fricmodels.report.wording import counted, listed, percent, small
 from fricmodels.results.words import SAMPLING, form, predictor
@@ -31,7 +32,7 @@ _TOO_LARGE = 1.25
 """Times the error that is left above which an estimate of the noise is said to be too large."""
 _MINUS = re.compile(r"(?<![\w.])-(?=\d)")
 FAR_ABOVE = 2.0
-"""Times the noise above which the error that remains is said before what was found."""
+"""Times the noise above which the error that remains is said with the answer: first, if something still predicts it."""
 
 
 @dataclass(frozen=True)
@@ -88,17 +89,26 @@ def _sentence(data: DiagnosisDocument) -> str:
         return f"Something is missing from the model {model} that no known effect explains."
     names = [listed(effect.names, "or") for effect in data.effects]
     if _much_remains(data):
-        left, noise = percent(data.ladder[-1].held_out_rms_percent), percent(data.noise_floor_percent)
-        most = f"{left} of the motor {data.quantity} remains unexplained, far above noise ({noise})"
+        left = percent(data.ladder[-1].held_out_rms_percent)
+        most = f"{left} of the motor {data.quantity} remains unexplained, far above noise ({_noise(data)})"
         return f"{most}. Part of what {model} lacks was found: {listed(names)}."
-    return f"The model {model} lacks {counted(len(names), 'effect')}: {listed(names)}."
+    text = f"The model {model} lacks {counted(len(names), 'effect')}: {listed(names)}."
+    end = data.ladder[-1].held_out_rms_percent or 0.0
+    named = end > 100 * POLICY.least_torque  # below it no effect is named, however clearly it shows
+    if len(data.ladder) > 1 and not data.partial and named and _far_above_noise(data):
+        it = "it" if len(names) == 1 else "them"
+        text += f" With {it} {percent(end)} of the motor {data.quantity} remains, more than noise ({_noise(data)})."
+    return text
 
 
 def _much_remains(data: DiagnosisDocument) -> bool:
     """Whether a ladder ends far above noise, and something is said to be missing still."""
+    return len(data.ladder) > 1 and data.remaining is not None and _far_above_noise(data)
+
+
+def _far_above_noise(data: DiagnosisDocument) -> bool:
     end, noise = data.ladder[-1].held_out_rms_percent, data.noise_floor_percent
-    far = end is not None and noise is not None and end > FAR_ABOVE * noise
-    return len(data.ladder) > 1 and data.remaining is not None and far
+    return end is not None and noise is not None and end > FAR_ABOVE * noise
 
 
 def window(data: ComparisonDocument) -> str:
@@ -124,8 +134,12 @@ def error_words(data: ComparisonDocument) -> str:
 
 def of_noise(data: ComparisonDocument) -> str:
     """Say how much noise alone would leave."""
-    text = percent(data.noise_floor_percent)
-    return text.replace("<\u00a0", "less than ") if text.startswith("<") else f"about {text}"
+    text = _noise(data)
+    return text if text.startswith("less") else f"about {text}"
+
+
+def _noise(data: ComparisonDocument) -> str:
+    return percent(data.noise_floor_percent).replace("<\u00a0", "less than ")
 
 
 def _within_noise(data: ComparisonDocument) -> bool:

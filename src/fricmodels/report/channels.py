@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fricmodels.model import Model
-from fricmodels.recording import channel_of
+from fricmodels.recording import OTHER, Recording, channel_of
 from fricmodels.report.figures.against import SINCE_REVERSAL, TORQUE_RATE
 from fricmodels.report.figures.residuals import changing
 
@@ -34,6 +34,26 @@ def shown_over(comparison: Comparison, effect: Effect, parameters: Mapping[str, 
     return next((channel for channel in channels if channel in ("torque", TORQUE_RATE)), "velocity"), None
 
 
-def channel_of_rest(rest: Remaining) -> str:
+_PREDICTED_BY = {
+    "rate of the motor torque": TORQUE_RATE,
+    "motor torque shortly before": TORQUE_RATE,
+    "motor torque": "torque",
+    "load torque": "load_torque",
+    "position": "position",
+    "acceleration": "acceleration",
+    "temperature": "temperature",
+    "distance since the last reversal": SINCE_REVERSAL,
+    "time since the last reversal": SINCE_REVERSAL,
+    "time since motion began": "velocity",
+    "time": "time",
+}
+"""What predicts an error, by how it begins → the channel over which that shows."""
+
+
+def channel_of_rest(rest: Remaining, recording: Recording) -> str:
     """Return the channel over which to show what remains: that of its place, or the one that predicts it."""
-    return "velocity" if rest.over == "speed" else rest.over
+    if rest.place is not None:
+        return "velocity" if rest.place.channel == "speed" else rest.place.channel
+    further = {name.removeprefix(OTHER).replace("_", " "): name for name in recording.further}
+    known = {**_PREDICTED_BY, **further}
+    return next((channel for begin, channel in known.items() if rest.channel.startswith(begin)), "velocity")

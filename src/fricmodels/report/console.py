@@ -149,7 +149,10 @@ def _evidence(console: Console, data: DiagnosisDocument, diagnosis: Diagnosis) -
         channel, period = shown_over(comparison, tested.effect, tested.parameters)
         after = None if diagnosis.refits is None else diagnosis.refits.with_effect(tested)
     elif data.remaining is not None:
-        channel, along = channel_of_rest(data.remaining), True if ALONG in data.remaining.channel else None
+        channel, along = (
+            channel_of_rest(data.remaining, comparison.train),
+            True if ALONG in data.remaining.channel else None,
+        )
     try:
         over = error_over(comparison, channel, after, period, along=along)
     except InputError:

@@ -10,7 +10,7 @@ from fricmodels.diagnosis.document import FILE as DIAGNOSIS
 from fricmodels.errors import FricmodelsError, InputError
 from fricmodels.progress import each
 from fricmodels.report import story, tournament
-from fricmodels.report.page import Page, Section, Words
+from fricmodels.report.page import Fold, Page, Picture, Section, Words
 from fricmodels.report.wording import known_model
 from fricmodels.results.diagnosis import DiagnosisDocument
 from fricmodels.stored import as_written
@@ -48,9 +48,9 @@ def _page(directory: Path) -> Page:
     board, origin = Leaderboard.read(folder), read_origin(folder)
     if diagnosis is None:
         return tournament.page(board, origin, folder)
-    found = tournament.sections(board, origin, folder)
-    taken = {section.name for section in diagnosis.sections}
-    renamed = [_renamed(section) if section.name in taken else section for section in found]
+    first, *others = tournament.sections(board, origin, folder)
+    ranks = [Fold(block.title, [block]) if isinstance(block, Picture) else block for block in first.blocks]
+    beside = Section("tournament", "The tournament", [*ranks, *(Fold(s.title, s.blocks) for s in others)])
     return replace(
         diagnosis,
         kicker="Friction report on a recording and a tournament",
@@ -58,12 +58,8 @@ def _page(directory: Path) -> Page:
             diagnosis.verdict,
             details=[*diagnosis.verdict.details, f"In the tournament, {tournament.verdict(board).sentence}"],
         ),
-        sections=[*diagnosis.sections, *renamed],
+        sections=[*diagnosis.sections, beside],
     )
-
-
-def _renamed(section: Section) -> Section:
-    return replace(section, name=f"tournament-{section.name}")
 
 
 def _of_diagnosis(folder: Path) -> Page:

@@ -11,7 +11,7 @@ from fricmodels.motion.document import error_words, how, position_unit
 from fricmodels.report.figure_tables import points_of
 from fricmodels.report.page import Block, Fold, Picture, Section, Words, table
 from fricmodels.report.pictures import beyond_words, drawn
-from fricmodels.report.wording import count, number, percent
+from fricmodels.report.wording import count, number, percent, set_powers
 
 if TYPE_CHECKING:
     from fricmodels.diagnosis.comparison import Comparison
@@ -49,7 +49,7 @@ def simulated(comparisons: Sequence[Comparison]) -> Block:
     try:
         found = replayed([(each.drive, each.estimate.parameters) for each in comparisons], stretch)
     except InputError as reason:
-        return Words(f"The motion that the model would make is not simulated: {reason}.")
+        return Words(f"The motion that the model would make is not simulated: {set_powers(str(reason))}.")
     figure = figures.simulated_velocity(found)
     shown = f"{drawn(*figures.drawn_samples(figure))}{beyond_words(figure)}"
     words = f"{replay_words(found, last.drive.motion)} {shown}"

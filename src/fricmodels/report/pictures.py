@@ -179,7 +179,7 @@ def left_over(comparison: Comparison, rest: Remaining) -> Picture:
     """
     from fricmodels.report import figures
 
-    channel = channel_of_rest(rest)
+    channel = channel_of_rest(rest, comparison.train)
     if rest.channel.startswith(FINELY):
         figure = figures.residual_spectrum(comparison)
         title = "What remains: the waves of the error over position"

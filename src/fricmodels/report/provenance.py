@@ -14,6 +14,8 @@ from fricmodels.results.words import form
 if TYPE_CHECKING:
     from fricmodels.results.comparison import ComparisonDocument, RecordingFacts
 
+_GRAVE = {"stop": "an error", "warn": "a warning", "note": "a note"}
+
 
 def recording_section(data: ComparisonDocument, command: str, options: Sequence[str] = ()) -> Section:
     """Describe the recording, the versions, and how to do it again.
@@ -27,8 +29,11 @@ def recording_section(data: ComparisonDocument, command: str, options: Sequence[
     words = f"{count(known.samples.total)} samples of {data.dataset}, sampled {_sampling(known)}."
     blocks: list[Block] = [Words(words), Fold("Recording, channels and versions of programs", [recording(data)])]
     if known.findings:
-        rows = [(one.kind, one.severity, "; ".join(filter(None, (one.text, one.remedy)))) for one in known.findings]
-        blocks.append(table("What is the matter with it", {"what": False, "severity": False, "seen": False}, rows))
+        rows = [
+            (one.kind, _GRAVE.get(one.severity, one.severity), "; ".join(filter(None, (one.text, one.remedy))))
+            for one in known.findings
+        ]
+        blocks.append(table("What is the matter with it", {"what": False, "how grave": False, "seen": False}, rows))
     if known.source:
         blocks.append(Code("To do it again", commands(data, command, options)))
     return Section("provenance", "Data, versions, how to reproduce", blocks)

@@ -87,7 +87,8 @@ def found(data: DiagnosisDocument, rungs: Sequence[Rung], after: Mapping[str, Co
         blocks.append(left_over(rungs[-1].comparison, data.remaining))
     if data.candidates:
         blocks.append(ranked(data.ranked, data.model))
-    return Section("missing", "What is missing" if data.effects else "The verdict", blocks)
+    title = "What is missing" if data.effects else "What was tested"
+    return Section("missing", "What remains unexplained" if data.remaining and not data.effects else title, blocks)
 
 
 def _effect(
@@ -367,9 +368,8 @@ def limits(data: DiagnosisDocument, comparisons: Sequence[Comparison] = ()) -> S
 def floor_words(sizes: Iterable[float | None]) -> str:
     """Say once that the least size is a floor of ours, where some effect stands at it."""
     floor = 100 * POLICY.least_torque
-    if not any(size is not None and abs(size - floor) < 1e-9 * floor for size in sizes):
-        return ""
-    return f"No effect below {percent(floor)} of the torque is named, however clearly it shows; that floor is ours."
+    said = f"No effect below {percent(floor)} of the torque is named, however clearly it shows; that floor is ours."
+    return said if any(size is not None and abs(size - floor) < 1e-9 * floor for size in sizes) else ""
 
 
 def _reason(text: str) -> tuple[str, str]:

@@ -16,6 +16,7 @@ from fricmodels.results.words import LEAST_CHANCE, in_percent
 
 NORMAL_95 = 1.959964
 """Standard errors on either side of a 95 % interval."""
+_POWER = re.compile(r"(?<![\w.])(\d+(?:\.\d+)?)e([+-]?\d+)\b")
 _SUPERSCRIPT = str.maketrans("-0123456789/.", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹ᐟ·")
 _LEAST_PERCENT = 0.001
 _UNCERTAIN_DIGITS = 2
@@ -54,6 +55,11 @@ def number(value: float | None, digits: int = 3) -> str:
     if -4 <= exponent < 5:
         return f"{value:.{max(0, digits - 1 - exponent)}f}".replace("-", "−")
     return f"{mantissa.replace('-', '−')}×10{str(exponent).translate(_SUPERSCRIPT)}"
+
+
+def set_powers(text: str) -> str:
+    """Return a text with its numbers like 1e-09 as 1×10⁻⁹."""
+    return _POWER.sub(lambda found: f"{found[1]}×10{str(int(found[2])).translate(_SUPERSCRIPT)}", text)
 
 
 def count(value: int) -> str:

@@ -59,6 +59,12 @@ def form(value: float | None, how: str) -> str:
     return "–" if value is None else format(value, how)
 
 
+def figures(value: float, digits: int = 2) -> str:
+    """Return a number in so many figures and, below a million, without a power of ten: 140, not 1.4e+02."""
+    text = f"{value:.{digits}g}"
+    return f"{float(text):.0f}" if "e+" in text and abs(value) < 1e6 else text
+
+
 def in_percent(share: float | None) -> float | None:
     """Return a share in percent, where there is one."""
     return None if share is None else 100 * share

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
 from pathlib import Path
@@ -13,6 +13,7 @@ import numpy as np
 from fricmodels.arrays import Array
 from fricmodels.errors import InputError
 from fricmodels.gaps import Gaps
+from fricmodels.progress import steps
 from fricmodels.readers import check
 from fricmodels.readers.blocks import Block, Blocks, blocks, check_values
 from fricmodels.readers.gaps import kept
@@ -47,7 +48,7 @@ def of_file(path: str | Path, plan: Plan, *, gaps: Gaps | str | None = None, **h
     columns = len(plan.drive.model.parameters) + 4
     products = np.zeros((PARTS, columns, columns))
     total = 0
-    for rows, begins in cut.rows(opened.of(names)):
+    for rows, begins in cut.rows(counted(opened, names)):
         edges = np.searchsorted(begins * PARTS // opened.rows, np.arange(PARTS + 1))
         for number in np.flatnonzero(np.diff(edges)):
             some = rows[:, edges[number] : edges[number + 1]]
@@ -56,11 +57,21 @@ def of_file(path: str | Path, plan: Plan, *, gaps: Gaps | str | None = None, **h
     return Sums.of(plan, opened.source.name, products, total, cut.samples, cut.seen)
 
 
+def counted(opened: Blocks, names: Sequence[str]) -> Iterator[Block]:
+    """Yield the blocks of a file, and tell how many of its rows are done."""
+    with steps(f"summing the samples of {opened.source.name}", opened.rows) as done:
+        for block in opened.of(names):
+            yield block
+            done(len(block.run))
+
+
 def pilot(path: str | Path, *, gaps: Gaps | str | None = None, **how: Any) -> Recording:
     """Return what a plan is made from: a file as a recording, of a long one blocks spread evenly over it.
 
     Args:
-        path, gaps, how: see :func:`of_file`.
+        path: the file.
+        gaps: see :func:`of_file`.
+        how: columns, motion, reader and torque constant.
 
     Raises:
         InputError: for a file that cannot be used.

@@ -84,9 +84,11 @@ class Sums:
         """Return the sums of one file.
 
         Args:
-            plan: what the rows are. name: of the file.
+            plan: what the rows are.
+            name: of the file.
             stretches: products by part, shape (PARTS, columns, columns).
-            rows, samples: how many.
+            rows: how many.
+            samples: how many.
             seen: channel → least and greatest value.
         """
         limits = {channel: (float(least), float(most)) for channel, (least, most) in sorted(seen.items())}

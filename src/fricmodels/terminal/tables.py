@@ -75,16 +75,17 @@ def _parts(columns: Sequence[Column], width: int) -> list[list[Column]]:
 
 def _least(column: Column, width: int, *, key: bool = False) -> int:
     """Return the width below which a column becomes unreadable, or a name can no longer be copied."""
-    natural = max([_longest_word(column.title), *(_width(cell) for cell in column.cells)])
+    natural = max([longest_word(column.title), *(_width(cell) for cell in column.cells)])
     if column.number:
         return min(natural, width)
     names = key or not any(" " in cell for cell in column.cells)
-    longest = natural if key else max(map(_longest_word, column.cells), default=0)
-    enough = max(_LEAST_TEXT, _longest_word(column.title), min(longest, width * 2 // 5) if names else 0)
+    longest = natural if key else max(map(longest_word, column.cells), default=0)
+    enough = max(_LEAST_TEXT, longest_word(column.title), min(longest, width * 2 // 5) if names else 0)
     return min(natural, enough, width)
 
 
-def _longest_word(text: str) -> int:
+def longest_word(text: str) -> int:
+    """Return the width of the longest piece that a fold keeps together."""
     return max((_width(piece.rstrip()) for piece in _pieces(text)), default=0)
 
 
@@ -99,7 +100,7 @@ def _table(columns: Sequence[Column], width: int) -> Any:
     from rich.table import Table
     from rich.text import Text
 
-    widths = _widths(columns, width)
+    widths = widths_of(columns, width)
     table = Table(box=box.SIMPLE_HEAD, pad_edge=False, show_edge=False, padding=(0, _GAP - 1, 0, 0))
     for column, own in zip(columns, widths, strict=True):
         justify: Any = "right" if column.number else "left"
@@ -111,7 +112,7 @@ def _table(columns: Sequence[Column], width: int) -> Any:
     return table
 
 
-def _widths(columns: Sequence[Column], width: int) -> list[int]:
+def widths_of(columns: Sequence[Column], width: int) -> list[int]:
     """Return the width of each column: the least, then as wide as cells and titles ask for while there is room."""
     widths = [_least(column, width, key=number == 0) for number, column in enumerate(columns)]
     spare = width - sum(widths) - _GAP * (len(columns) - 1)
@@ -135,11 +136,16 @@ def _widen(widths: list[int], wanted: Sequence[int], spare: int) -> int:
 
 
 def fold(text: str, width: int) -> str:
-    """Break text into lines of a width: at spaces, after the plus signs of a model's name, or else anywhere."""
+    """Break text into lines of a width: at spaces, after the plus signs of a model's name, or else anywhere.
+
+    A unit in brackets goes on the next line together with the word before it, where both find room there.
+    """
     lines = [""]
     for piece in _pieces(plain(text)):
         if _width(lines[-1]) + _width(piece.rstrip()) > width and lines[-1]:
-            lines.append("")
+            words, space, symbol = lines[-1].rstrip().rpartition(" ")
+            both = bool(space) and piece[0] == "[" and _width(f"{symbol} {piece.rstrip()}") <= width
+            lines[-1:] = [words, f"{symbol} "] if both else [lines[-1], ""]
         lines[-1] += piece
         while _width(lines[-1].rstrip()) > width:
             whole = lines.pop()
@@ -150,4 +156,4 @@ def fold(text: str, width: int) -> str:
 
 def _pieces(text: str) -> list[str]:
     """Return what stays together: words, units in brackets, the terms of a model's name."""
-    return re.findall(r"\[[^\]]*\]\s*|[^\s+]*\+|[^\s+]+\s*|\s+", text)
+    return re.findall(r"\[[^\]]*\][,;.)]*\s*|[^\s+]*\+|[^\s+]+\s*|\s+", text)

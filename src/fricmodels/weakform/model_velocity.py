@@ -241,7 +241,8 @@ def _averaged_noise(noise: Noise, gain: float) -> float:
 
 
 def _risk(measured: Array, velocity: Array, own_noise: float) -> float:
-    return float(np.mean((velocity - measured) ** 2)) + 2 * own_noise
+    with np.errstate(over="ignore"):  # a motion that runs away is infinitely far off
+        return float(np.mean((velocity - measured) ** 2)) + 2 * own_noise
 
 
 def _risk_of(predicted: ModelVelocity | None, recording: Recording) -> float:

@@ -251,6 +251,19 @@
   }, { rootMargin: "400px" });
   places.forEach((place) => watcher.observe(place));
 
+  // A formula wider than the page would make the browser print the whole page smaller.
+  const FORMULA = 636, LETTERS = 14; // pixels of a formula's line on paper, and of the letters there
+  function fitted() {
+    const smaller = LETTERS / parseFloat(getComputedStyle(document.body).fontSize);
+    for (const formula of document.querySelectorAll(".equations math")) {
+      const width = smaller * formula.getBoundingClientRect().width;
+      if (width > FORMULA) {
+        const own = parseFloat(getComputedStyle(formula).fontSize) / parseFloat(getComputedStyle(formula.parentElement).fontSize);
+        formula.style.fontSize = `${own * FORMULA / width}em`;
+      }
+    }
+  }
+
   // On paper everything is unfolded, drawn at the width of the page (A4 or Letter), dark on white.
   let unfolded = [];
   window.addEventListener("beforeprint", () => {
@@ -258,6 +271,7 @@
     unfolded.forEach((each) => { each.open = true; });
     places.forEach(draw);
     paper = true;
+    fitted();
     for (const [place, held] of drawn) {
       if (!held) continue;
       held.width = place.closest(".gallery") && !place.closest(".wide") ? NARROW : WIDE;
@@ -267,9 +281,21 @@
   });
   window.addEventListener("afterprint", () => {
     paper = false;
+    for (const formula of document.querySelectorAll(".equations math")) formula.style.fontSize = "";
     unfolded.forEach((each) => { each.open = false; });
     again(() => true);
   });
+
+  // A command breaks between its words, not within "--option" or a file's name that finds room on a line.
+  for (const code of document.querySelectorAll("pre code")) {
+    code.replaceChildren(...code.textContent.split(/(\s+)/).map((word) => {
+      if (!word.trim()) return word;
+      const token = document.createElement("span");
+      token.className = "token";
+      token.textContent = word;
+      return token;
+    }));
+  }
 
   const scrollers = () => document.querySelectorAll(".scroll").forEach((box) => {
     const hides = box.scrollWidth > box.clientWidth || box.scrollHeight > box.clientHeight;

@@ -1,0 +1,14 @@
+"""Words and numbers that several views say."""
+
+from __future__ import annotations
+
+import pytest
+
+from fricmodels.results import words
+
+
+@pytest.mark.parametrize(
+    ("value", "text"), [(140.3, "140"), (31.2, "31"), (0.0885, "0.088"), (0.0, "0"), (9_960.0, "10000"), (2e9, "2e+09")]
+)
+def test_figures_have_no_power_of_ten_where_a_plain_number_can_be_read(value: float, text: str) -> None:
+    assert words.figures(value) == text
