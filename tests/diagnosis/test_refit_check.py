@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fricmodels.diagnosis import examine
+from fricmodels.diagnosis import examine, refits
 from fricmodels.diagnosis.candidate_tests import candidate_tests
 from fricmodels.diagnosis.comparison import Comparison, compare, with_effect
 from fricmodels.diagnosis.policy import POLICY
@@ -185,3 +185,16 @@ def test_what_the_rows_see_as_too_small_is_named_if_the_error_falls_far(seed: in
     diagnosis = examine(rung)
     assert [finding.names for finding in diagnosis.findings] == [("joint-compliance",)]
     assert examine(resonance(seed, hidden=False)).verdict == "adequate"
+
+
+def test_an_effect_that_comes_out_as_nothing_is_not_what_lowers_the_error(
+    stiff: Comparison, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Where its coefficients are zero the rest of the model was fitted better, and that is no sign of the effect."""
+    (tested,) = candidate_tests(replace(stiff.problem), stiff.estimate.parameters, only=["torque-offset"]).tested
+    fitted = with_effect(stiff, tested.effect, tested.parameters)
+    for offset, stays in ((0.3, True), (0.0, False)):
+        values = {**fitted.estimate.parameters, "torque-offset.tau_0": offset}
+        given = replace(fitted, estimate=replace(fitted.estimate, parameters=values))
+        monkeypatch.setattr(refits, "with_effect", lambda *_, given=given: given)
+        assert (Refits(stiff).with_effect(tested) is not None) is stays

@@ -23,14 +23,19 @@ class Refits:
         self._beside: dict[Key, Refits] = {}
 
     def with_effect(self, tested: CandidateTest) -> Comparison | None:
-        """Return the model with an effect, fitted from the estimate of it; ``None`` where that fails."""
+        """Return the model with an effect, fitted from the estimate of it.
+
+        ``None`` where that fails, or where the effect comes out as nothing: a smaller error is then not its doing.
+        """
         key = _key(tested)
         if key not in self._found:
             stage(f"fitting {self.comparison.drive.model.name}+{tested.name}")
             try:
-                self._found[key] = with_effect(self.comparison, tested.effect, tested.parameters)
+                fitted = with_effect(self.comparison, tested.effect, tested.parameters)
             except FricmodelsError:
                 self._found[key] = None
+            else:
+                self._found[key] = None if _is_nothing(fitted, tested.name) else fitted
         return self._found[key]
 
     def beside(self, tested: CandidateTest) -> Refits | None:
@@ -62,6 +67,17 @@ class Refits:
         pairs = [*zip(other.errors.bands, here.errors.bands, strict=True)]
         seen = [pair for pair in pairs if pair[0].window_ms <= window_ms] or pairs[:1]
         return any(after.held_out_percent < before.held_out_percent for after, before in seen)
+
+
+def _is_nothing(fitted: Comparison, name: str) -> bool:
+    """Whether an effect of a fitted model has no torque: all coefficients that it is linear in are zero."""
+    model, values = fitted.drive.model, fitted.estimate.parameters
+    own = [
+        values[p.key]
+        for p, linear in zip(model.parameters, model.linear, strict=True)
+        if linear and p.key.startswith(f"{name}.")
+    ]
+    return bool(own) and not any(own)
 
 
 def _key(tested: CandidateTest) -> Key:
