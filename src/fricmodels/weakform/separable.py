@@ -14,6 +14,7 @@ from fricmodels.drive import rest_width
 from fricmodels.kernels import ArrayFunction
 from fricmodels.model import Model
 from fricmodels.recording import Recording
+from fricmodels.signals.rest import once
 
 Array = NDArray[np.float64]
 Memory: TypeAlias = Callable[[Model, Array], Sequence[Array]]
@@ -74,11 +75,21 @@ class SeparableTerm:
     def _evaluate(
         self, function: ArrayFunction, rows: int, recording: Recording, alpha: tuple[float, ...], states: Sequence[Any]
     ) -> Array:
-        signals: list[Any] = [
-            recording.signal(name) if name in self.model.needs else 0.0 for name in self.model.signals
-        ]
-        (values,) = function(*signals, *alpha, *states, rest_width(recording))
-        return np.broadcast_to(values, (rows, len(recording)))
+        known, key = _known(recording), function
+        if key not in known:
+            signals: list[Any] = [
+                recording.signal(name) if name in self.model.needs else 0.0 for name in self.model.signals
+            ]
+            later = [None] * (len(alpha) + len(states))
+            known[key] = function.given(*signals, *later, rest_width(recording))
+        (values,) = known[key](*alpha, *states)
+        return values if values.shape[1] == len(recording) else np.broadcast_to(values, (rows, len(recording)))
+
+
+@once
+def _known(_: Recording) -> dict[ArrayFunction, Callable[..., list[Array]]]:
+    """Functions of nonlinear parameters and internal states alone, at the samples of a recording."""
+    return {}
 
 
 @dataclass(frozen=True)

@@ -300,10 +300,10 @@ def _with_bounds(constraints: Array, limits: Array, bounds: Array) -> tuple[Arra
     more = len(bounds)
     if not more:
         return constraints, limits
-    padded = np.pad(constraints, ((0, 0), (0, more)))
-    own = np.hstack([np.zeros((more, constraints.shape[1])), np.eye(more)])
-    finite = np.isfinite(bounds)
-    return (
-        np.vstack([padded, own[finite[:, 0]], -own[finite[:, 1]]]),
-        np.concatenate([limits, bounds[finite[:, 0], 0], -bounds[finite[:, 1], 1]]),
-    )
+    count, width = constraints.shape
+    sides = [(i, side, 1.0 - 2.0 * side) for side in (0, 1) for i in range(more) if np.isfinite(bounds[i, side])]
+    matrix, least = np.zeros((count + len(sides), width + more)), np.empty(count + len(sides))
+    matrix[:count, :width], least[:count] = constraints, limits
+    for row, (i, side, sign) in enumerate(sides, count):
+        matrix[row, width + i], least[row] = sign, sign * bounds[i, side]
+    return matrix, least
