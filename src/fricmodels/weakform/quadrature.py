@@ -91,7 +91,8 @@ class Quadrature:
         run = np.concatenate([recording.run, recording.run[cell], recording.run[cell]])
         half_step = 0.5 * step[cell]
         at = replace(recording, channels=channels, run=run, origin=None)
-        return cls(at, cell, before * half_step, after * half_step, half_step, half, jumps, jump or 0.0, _cubic(recording))
+        before, after, cubic = before * half_step, after * half_step, _cubic(recording)
+        return cls(at, cell, before, after, half_step, half, jumps, jump or 0.0, cubic)
 
     def change_while_moving(self, values: Array) -> Array:
         """Return by how much a channel, shape (N,), changes in each cell while the drive moves, shape (N,)."""
