@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import NDArray
@@ -82,11 +83,26 @@ def noise_in_columns(
     found = regression.project_out(change)
     if momentum is None:
         return found
-    rest = regression.base[np.abs(regression.base @ momentum) < (1.0 - 1e-9) * np.linalg.norm(momentum)]
-    basis = np.linalg.svd(rest, full_matrices=False)[2]
-    own = momentum - (momentum @ basis.T) @ basis
+    own, left = _of_momentum(regression, momentum, noise)
     share = columns @ own / float(own @ own)
-    return np.asarray(found - share[:, None] * regression.project_out(noise[None]))
+    return np.asarray(found - share[:, None] * left)
+
+
+def _of_momentum(regression: Regression, momentum: Array, noise: Array) -> tuple[Array, Array]:
+    """Return what the other base directions leave of the momentum, (rows,), and all of them of its noise, (1, rows).
+
+    Found once for all columns that a regression is asked for.
+    """
+    known = _momentum_of.get(regression)
+    if known is None or known[0] is not momentum or known[1] is not noise:
+        rest = regression.base[np.abs(regression.base @ momentum) < (1.0 - 1e-9) * np.linalg.norm(momentum)]
+        basis = np.linalg.svd(rest, full_matrices=False)[2]
+        own = momentum - (momentum @ basis.T) @ basis
+        known = _momentum_of[regression] = (momentum, noise, own, regression.project_out(noise[None]))
+    return known[2], known[3]
+
+
+_momentum_of: WeakKeyDictionary[Regression, tuple[Array, Array, Array, Array]] = WeakKeyDictionary()
 
 
 def bump_width(
