@@ -65,9 +65,22 @@ _FUNCTIONS: dict[str, Any] = {
 }
 
 
+_Plain = tuple[Callable[..., Any] | None, tuple[int, ...], tuple[int, int]]
+"""An operation, the places of its operands, that of its result, and of a second one, else 0; or ``None``, a place, and
+an output and its row."""
 _Step = tuple[Callable[..., Any] | None, tuple[int, ...], tuple[int, int], tuple[int, ...]]
-"""An operation, the places of its operands and of its result, 0, and the places that nobody asks for any more; or
-``None``, a place, an output and its row, and these places."""
+"""The same with the places that nobody asks for any more."""
+
+
+def _sine_and_cosine(angle: Any) -> tuple[Any, Any]:
+    """Return both, in hardly more time than one of them."""
+    if not isinstance(angle, np.ndarray) or angle.ndim == 0:
+        return np.sin(angle), np.cos(angle)
+    from fricmodels.kernels.small import sine_and_cosine
+
+    both = np.empty((2, len(angle)))
+    sine_and_cosine(angle, both)
+    return both[0], both[1]
 
 
 class ArrayFunction:
@@ -93,7 +106,8 @@ class ArrayFunction:
         constants = iter(range(self._arity, self._places))
         given = {element: place for place, element in enumerate(elements)}
         where: dict[int, int] = {}  # place of what the function's own work vector holds
-        steps: list[tuple[Callable[..., Any] | None, tuple[int, ...], tuple[int, int]]] = []
+        steps: list[_Plain] = []
+        known: dict[tuple[str, tuple[int, ...]], int] = {}  # the same of the same is the same
         for step in listed:
             if step.operation == "OP_OUTPUT":
                 index, element = step.outputs
@@ -106,10 +120,12 @@ class ArrayFunction:
                 where[result] = given[step.inputs[0], step.inputs[1]]
             else:
                 operands = tuple(where[i] for i in step.inputs[: function_arity(step.operation)])
-                where[result] = self._places
-                self._places += 1
-                steps.append((_FUNCTIONS[step.operation], operands, (where[result], 0)))
-        self._steps = _releasing(steps)
+                if (step.operation, operands) not in known:
+                    known[step.operation, operands] = self._places
+                    self._places += 1
+                    steps.append((_FUNCTIONS[step.operation], operands, (known[step.operation, operands], 0)))
+                where[result] = known[step.operation, operands]
+        self._steps = _releasing(_paired(steps))
 
     def __call__(self, *arguments: ArrayLike) -> list[Array]:
         """Evaluate; see the class.
@@ -129,13 +145,13 @@ class ArrayFunction:
         later = [place for place, argument in enumerate(arguments) if argument is None]
         values = self._values([0.0 if argument is None else argument for argument in arguments])
         moving = set(later)
-        before: list[Any] = []
-        after: list[Any] = []
+        before: list[_Plain] = []
+        after: list[_Plain] = []
         for operation, operands, (place, row), _ in self._steps:
             waits = operation is None or not moving.isdisjoint(operands)
             (after if waits else before).append((operation, operands, (place, row)))
             if waits and operation is not None:
-                moving.add(place)
+                moving.update((place, row) if row else (place,))
         wanted = {place for _, operands, _ in after for place in operands} - moving
         work = [*values, *self._constants, *[None] * (self._places - self._arity - len(self._constants))]
         _run(_releasing(before, wanted), work, [])
@@ -148,7 +164,7 @@ class ArrayFunction:
             now = list(work)
             for place, argument in zip(later, rest, strict=True):
                 now[place] = np.asarray(argument, dtype=float)
-            return self._evaluated(steps, now, count)
+            return self._evaluated(steps, now, max(count, *(now[place].size for place in later), 1))
 
         return found
 
@@ -182,13 +198,30 @@ def _run(steps: Sequence[_Step], work: list[Any], results: list[Array]) -> None:
         for operation, operands, (place, row), done in steps:
             if operation is None:
                 results[place][row] = work[operands[0]]
+            elif row:
+                work[place], work[row] = operation(work[operands[0]])
             else:
                 work[place] = operation(*[work[i] for i in operands])
             for i in done:
                 work[i] = None
 
 
-def _releasing(steps: Sequence[tuple[Any, Any, Any]], kept: Set[int] = frozenset()) -> list[_Step]:
+def _paired(steps: Sequence[_Plain]) -> list[_Plain]:
+    """Return steps in which the sine and the cosine of the same angle are one."""
+    sines, cosines = (
+        {operands[0]: place for operation, operands, (place, _) in steps if operation is wanted}
+        for wanted in (np.sin, np.cos)
+    )
+    both, found = sines.keys() & cosines.keys(), []
+    for operation, operands, target in steps:
+        if operation not in (np.sin, np.cos) or operands[0] not in both:
+            found.append((operation, operands, target))
+        elif target[0] == min(sines[operands[0]], cosines[operands[0]]):  # the first of the two
+            found.append((_sine_and_cosine, operands, (sines[operands[0]], cosines[operands[0]])))
+    return found
+
+
+def _releasing(steps: Sequence[_Plain], kept: Set[int] = frozenset()) -> list[_Step]:
     """Return steps with the places that nobody asks for after each of them, but for some that are kept."""
     found: list[_Step] = []
     asked = set(kept)
