@@ -153,7 +153,7 @@ class ArrayFunction:
             if waits and operation is not None:
                 moving.update((place, row) if row else (place,))
         wanted = {place for _, operands, _ in after for place in operands} - moving
-        work = [*values, *self._constants, *[None] * (self._places - self._arity - len(self._constants))]
+        work: list[Any] = [*values, *self._constants, *[None] * (self._places - self._arity - len(self._constants))]
         _run(_releasing(before, wanted), work, [])
         for place in set(range(self._arity)) - wanted:
             work[place] = None
