@@ -5,7 +5,10 @@ PLUGINS := $(patsubst %/pyproject.toml,%,$(wildcard plugins/*/pyproject.toml))
 # Two test processes share two cores: threads of linear algebra would only get in each other's way.
 ONE_THREAD := OPENBLAS_NUM_THREADS=1 OMP_NUM_THREADS=1 NUMBA_NUM_THREADS=1
 
-.PHONY: help demo test test-long lint paper bench clean
+# Tests start many processes: each of them would compile every source again where no bytecode may be kept.
+BYTECODE := PYTHONDONTWRITEBYTECODE=
+
+.PHONY: help demo test tests test-long lint paper bench clean
 help:
 	@echo "make demo       simulate a drive, run a tournament, find a hidden effect"
 	@echo "make test       lint, types and tests (under ten minutes on two cores)"
@@ -28,10 +31,14 @@ lint: $(VENV)/.installed
 	$(BIN)/mypy
 	$(BIN)/mypy $(addsuffix /src,$(PLUGINS))
 
-test: lint
+# Lint and types are looked at while tests wait for what they have made hang.
+test: $(VENV)/.installed
+	@$(MAKE) --no-print-directory --jobs=2 lint tests
+
+tests: $(VENV)/.installed
 	@command -v chromium >/dev/null || command -v chromium-browser >/dev/null || command -v google-chrome >/dev/null \
 		|| echo "there is no Chromium: the tests of the report in a browser are skipped (apt-get install chromium)"
-	$(ONE_THREAD) $(BIN)/pytest -n 2 --dist worksteal -m "not long" tests plugins
+	$(BYTECODE) $(ONE_THREAD) $(BIN)/pytest -n 2 --dist worksteal -m "not long" tests plugins
 
 test-long: $(VENV)/.installed
 	$(BIN)/pytest -m long

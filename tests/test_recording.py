@@ -133,3 +133,13 @@ def test_a_delay_without_length_takes_the_rate_of_the_torque() -> None:
     np.testing.assert_allclose(both[0][inside], late, rtol=1e-6)
     np.testing.assert_allclose(both[1][inside], np.diff(recording.torque)[1:5] / 0.1, rtol=1e-6)
     np.testing.assert_allclose(recording.retimed(1e-9).signal("motor_torque_rate")[inside], rate[inside], rtol=1e-6)
+
+
+def test_what_was_found_stays_where_its_channel_stays() -> None:
+    time = 0.01 * np.arange(100)
+    channels = {"time": time, "torque": np.ones(100), "velocity": np.sin(time)}
+    recording = Recording("one", Motion.ROTARY, channels, np.zeros(100, dtype=np.int64))
+    assert (recording.interval, recording.peak_speed) == pytest.approx((0.01, np.sin(0.99)))
+    faster, later = recording.with_channels(velocity=3.0 * np.sin(time)), recording.with_channels(time=2.0 * time)
+    assert (faster.interval, faster.peak_speed) == pytest.approx((0.01, 3.0 * np.sin(0.99)))
+    assert (later.interval, later.peak_speed) == pytest.approx((0.02, np.sin(0.99)))

@@ -59,6 +59,9 @@ OTHER = "other."
 RATE = "rate of "
 """What the name of a signal begins with that is the rate of a further channel, as ``rate of other.j2_velocity``."""
 
+_FOUND_IN = {"run_numbers": None, "interval": "time", "peak_speed": "velocity"}
+"""What is found once of a recording, and the channel whose change changes it."""
+
 RUN = "run"
 """The number of the run that a sample was recorded in, as a signal of a term."""
 
@@ -282,7 +285,10 @@ class Recording(Displayed):
     def with_channels(self, *, derived: bool = True, **channels: Array) -> Recording:
         """Return a copy with channels added or replaced."""
         marked = self.derived | set(channels) if derived else self.derived - set(channels)
-        return replace(self, channels={**self.channels, **channels}, derived=frozenset(marked))
+        copy = replace(self, channels={**self.channels, **channels}, derived=frozenset(marked))
+        same = {name for name, channel in _FOUND_IN.items() if channel not in channels} & self.__dict__.keys()
+        copy.__dict__.update({name: self.__dict__[name] for name in same})
+        return copy
 
     def scaled(self, scales: Scales) -> Recording:
         """Return the recording in normalised units: each channel divided by the size of its dimension."""

@@ -259,8 +259,14 @@ def stepping_rows(
 
 def width_of_rest(driven: Recording, inertia: float) -> float:
     """Return a millionth of what the torque adds to the velocity in a sample."""
-    push = float(np.max(np.abs(driven.torque - driven.load_torque)))
-    return 1e-6 * float(np.median(np.diff(driven.time))) * push / inertia or 1e-9
+    step, push = _step_and_push(driven)
+    return 1e-6 * step * push / inertia or 1e-9
+
+
+@once
+def _step_and_push(driven: Recording) -> tuple[float, float]:
+    """Return the median sampling interval and the largest torque that drives."""
+    return float(np.median(np.diff(driven.time))), float(np.max(np.abs(driven.torque - driven.load_torque)))
 
 
 def advanced(

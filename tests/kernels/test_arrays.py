@@ -68,3 +68,15 @@ def test_a_wrong_number_of_arguments_is_refused() -> None:
     function = ArrayFunction(casadi.Function("f", [x, y], [x + y]))
     with pytest.raises(TypeError, match="takes 2 scalar inputs, got 1"):
         function(1.0)
+
+
+@pytest.mark.parametrize("name", OPERATORS)
+def test_what_is_given_first_and_what_later_does_not_matter(name: str) -> None:
+    a, b = np.random.default_rng(0).uniform(-2, 2, (2, 40_000))
+    compiled = ArrayFunction(casadi.Function("f", [x, y], [OPERATORS[name]]))
+    (expected,) = compiled(a, b)
+    np.testing.assert_array_equal(compiled.given(a, None)(b)[0], expected)
+    later = compiled.given(None, b)
+    for _ in range(2):
+        np.testing.assert_array_equal(later(a)[0], expected)
+    np.testing.assert_array_equal(compiled.given(a, None)(0.7)[0], compiled(a, 0.7)[0])

@@ -243,6 +243,19 @@ def test_without_a_cache_plugins_are_tried_each_time(
     assert tried == ["exits"] * 2
 
 
+def test_kept_bytecode_is_no_other_plugin(install: Install, monkeypatch: pytest.MonkeyPatch) -> None:
+    site = install("exits", DEADLY["exits"][0])
+    loaded_again()
+    tried = counted(monkeypatch)
+    (site / "__pycache__").mkdir(exist_ok=True)
+    (site / "__pycache__" / "one.pyc").write_bytes(b"kept")
+    loaded_again()
+    assert tried == []
+    (site / "another.pth").write_text("")
+    loaded_again()
+    assert tried == ["exits"]
+
+
 def test_what_a_plugin_started_ends_with_it(install: Install, tmp_path: Path) -> None:
     """A child of a child that hangs does not stay behind."""
     sign = tmp_path / "sign"

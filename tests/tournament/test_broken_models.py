@@ -106,7 +106,7 @@ datasets:
 models: [{models}]
 estimators: batch
 simulate: false
-timeout: 10
+timeout: 6
 """
 
 
@@ -166,7 +166,7 @@ def test_rows_say_what_happened_and_the_others_go_on(site: Path, tmp_path: Path)
     assert "K has the wrong unit 'N m s/rad': the torque equation needs 'N m'" in found["wrong-unit"][1]
     assert "law 'no-unit' cannot be used" in found["no-unit"][1]
     assert "unknown symbol 'furlong'" in found["no-unit"][1]
-    assert found["endless"] == ("timeout", "took longer than 10 s")
+    assert found["endless"] == ("timeout", "took longer than 6 s")
     assert found["kills"] == ("crashed", "its process died with exit code 7")
     assert found["exits"][0] == "failed"
     assert "SystemExit: 3" in found["exits"][1]

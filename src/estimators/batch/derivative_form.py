@@ -43,11 +43,11 @@ def derivative_equations(drive: Drive, recording: Recording, preparation: Prepar
 
     split = separable(drive.model)
 
-    def moving(alpha: Array, slopes: bool) -> Array:
+    def moving(alpha: Array, slopes: bool) -> list[Array]:
         def rows(term: SeparableTerm, own: tuple[float, ...]) -> Array:
             return seen(term.moving_rows(filtered, np.array(own), states, slopes=slopes))
 
-        return split.moving_rows(alpha, rows, slopes=slopes)
+        return split.moving_blocks(alpha, rows)
 
     def states(model: Model, parameters: Array) -> Sequence[Array]:
         return Drive(model, None, drive.motion).states(filtered, parameters)

@@ -110,6 +110,7 @@ class _Search:
         self.rungs, self.diagnosis, self.note = [Rung(first.comparison)], first, ""
         self.steps: list[Diagnosis] = []
         self._superfluous: set[str] = set()
+        self._smaller: tuple[Comparison, dict[str, Comparison]] = (first.comparison, {})
 
     def to_the_end(self) -> None:
         """Add what is missing, then remove or exchange what others made superfluous, and look once more."""
@@ -213,7 +214,14 @@ class _Search:
         return None if comparison is None else Rung(comparison, added=tested.name)
 
     def _without(self, comparison: Comparison, name: str) -> Comparison:
-        return refitted(comparison, comparison.drive.model.minus(name), comparison.estimate.parameters)
+        """Return a model without one of its effects, refitted: once as long as the model stays."""
+        larger, known = self._smaller
+        if larger is not comparison:
+            known = {}
+            self._smaller = (comparison, known)
+        if name not in known:
+            known[name] = refitted(comparison, comparison.drive.model.minus(name), comparison.estimate.parameters)
+        return known[name]
 
     def prune(self) -> bool:
         """Remove every added effect that the others have made superfluous; whether any was."""

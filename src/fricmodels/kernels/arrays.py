@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence, Set
 from typing import Any
 
 import numpy as np
@@ -65,8 +65,22 @@ _FUNCTIONS: dict[str, Any] = {
 }
 
 
-_Step = tuple[Callable[..., Any] | None, tuple[int, ...], tuple[int, int]]
-"""An operation, the places of its operands and of its result, 0; or ``None``, a place, and an output and its row."""
+_Plain = tuple[Callable[..., Any] | None, tuple[int, ...], tuple[int, int]]
+"""An operation, the places of its operands, that of its result, and of a second one, else 0; or ``None``, a place, and
+an output and its row."""
+_Step = tuple[Callable[..., Any] | None, tuple[int, ...], tuple[int, int], tuple[int, ...]]
+"""The same with the places that nobody asks for any more."""
+
+
+def _sine_and_cosine(angle: Any) -> tuple[Any, Any]:
+    """Return both, in hardly more time than one of them."""
+    if not isinstance(angle, np.ndarray) or angle.ndim == 0:
+        return np.sin(angle), np.cos(angle)
+    from fricmodels.kernels.small import sine_and_cosine
+
+    both = np.empty((2, len(angle)))
+    sine_and_cosine(angle, both)
+    return both[0], both[1]
 
 
 class ArrayFunction:
@@ -88,15 +102,16 @@ class ArrayFunction:
         ]
         listed = instructions(function)
         self._constants = [step.constant for step in listed if step.operation == "OP_CONST"]
-        first = self._arity + len(self._constants)
-        constants = iter(range(self._arity, first))
+        self._places = self._arity + len(self._constants)  # every result gets a place of its own after these
+        constants = iter(range(self._arity, self._places))
         given = {element: place for place, element in enumerate(elements)}
         where: dict[int, int] = {}  # place of what the function's own work vector holds
-        self._steps: list[_Step] = []
+        steps: list[_Plain] = []
+        known: dict[tuple[str, tuple[int, ...]], int] = {}  # the same of the same is the same
         for step in listed:
             if step.operation == "OP_OUTPUT":
                 index, element = step.outputs
-                self._steps.append((None, (where[step.inputs[0]],), (index, places[index][element])))
+                steps.append((None, (where[step.inputs[0]],), (index, places[index][element])))
                 continue
             (result,) = step.outputs
             if step.operation == "OP_CONST":
@@ -105,9 +120,12 @@ class ArrayFunction:
                 where[result] = given[step.inputs[0], step.inputs[1]]
             else:
                 operands = tuple(where[i] for i in step.inputs[: function_arity(step.operation)])
-                where[result] = first + result
-                self._steps.append((_FUNCTIONS[step.operation], operands, (where[result], 0)))
-        self._places = max([first, *(place + 1 for operation, _, (place, _) in self._steps if operation)])
+                if (step.operation, operands) not in known:
+                    known[step.operation, operands] = self._places
+                    self._places += 1
+                    steps.append((_FUNCTIONS[step.operation], operands, (known[step.operation, operands], 0)))
+                where[result] = known[step.operation, operands]
+        self._steps = _releasing(_paired(steps))
 
     def __call__(self, *arguments: ArrayLike) -> list[Array]:
         """Evaluate; see the class.
@@ -115,26 +133,103 @@ class ArrayFunction:
         Raises:
             TypeError: when the number of arguments is not that of the scalar inputs.
         """
+        return self._evaluated(self._steps, self._values(arguments))
+
+    def given(self, *arguments: ArrayLike | None) -> Callable[..., list[Array]]:
+        """Evaluate what does not depend on some arguments; return the function of these alone.
+
+        Args:
+            arguments: as of a call; ``None`` for each that is given later. What was computed is kept as long as the
+                function that is returned.
+        """
+        later = [place for place, argument in enumerate(arguments) if argument is None]
+        values = self._values([0.0 if argument is None else argument for argument in arguments])
+        moving = set(later)
+        before: list[_Plain] = []
+        after: list[_Plain] = []
+        for operation, operands, (place, row), _ in self._steps:
+            waits = operation is None or not moving.isdisjoint(operands)
+            (after if waits else before).append((operation, operands, (place, row)))
+            if waits and operation is not None:
+                moving.update((place, row) if row else (place,))
+        wanted = {place for _, operands, _ in after for place in operands} - moving
+        work: list[Any] = [*values, *self._constants, *[None] * (self._places - self._arity - len(self._constants))]
+        _run(_releasing(before, wanted), work, [])
+        for place in set(range(self._arity)) - wanted:
+            work[place] = None
+        count = max((value.size for value in values if value.ndim), default=1)
+        steps = _releasing(after, frozenset(range(self._places)) - moving)
+
+        def found(*rest: ArrayLike) -> list[Array]:
+            now = list(work)
+            for place, argument in zip(later, rest, strict=True):
+                now[place] = np.asarray(argument, dtype=float)
+            return self._evaluated(steps, now, max(count, *(now[place].size for place in later), 1))
+
+        return found
+
+    def _values(self, arguments: Sequence[ArrayLike | None]) -> list[Array]:
         if len(arguments) != self._arity:
             raise TypeError(f"this function takes {self._arity} scalar inputs, got {len(arguments)}")
-        values = [np.asarray(argument, dtype=float) for argument in arguments]
-        count = max((value.size for value in values if value.ndim), default=1)
+        return [np.asarray(argument, dtype=float) for argument in arguments]
+
+    def _evaluated(self, steps: Sequence[_Step], values: Sequence[Any], count: int | None = None) -> list[Array]:
+        """Return the outputs by some steps, block by block, from what is known at the first places."""
+        if count is None:
+            count = max((value.size for value in values if value.ndim), default=1)
+            values = [*values, *self._constants]
         results = [np.zeros((rows * columns, count)) for rows, columns in self._rows]
-        for start in range(0, count, _BLOCK):
-            stop = min(start + _BLOCK, count)
-            block = [value[start:stop] if value.ndim else value for value in values]
-            self._evaluate(block, [result[:, start:stop] for result in results])
+        blocks = max(1, round(count / _BLOCK))
+        missing = [None] * (self._places - len(values))
+        for i in range(blocks):
+            part = slice(i * count // blocks, (i + 1) * count // blocks)
+            block = [_of(value, part) for value in values] if blocks > 1 else list(values)
+            _run(steps, block + missing, [result[:, part] for result in results])
         return results
 
-    def _evaluate(self, values: list[Array], results: list[Array]) -> None:
-        work: list[Any] = [*values, *self._constants]
-        work += [None] * (self._places - len(work))
-        with np.errstate(all="ignore"):
-            for operation, operands, (place, row) in self._steps:
-                if operation is None:
-                    results[place][row] = work[operands[0]]
-                else:
-                    work[place] = operation(*[work[i] for i in operands])
+
+def _of(value: Any, part: slice) -> Any:
+    return value[part] if isinstance(value, np.ndarray) and value.ndim else value
+
+
+def _run(steps: Sequence[_Step], work: list[Any], results: list[Array]) -> None:
+    """Carry out steps on what is at each place."""
+    with np.errstate(all="ignore"):
+        for operation, operands, (place, row), done in steps:
+            if operation is None:
+                results[place][row] = work[operands[0]]
+            elif row:
+                work[place], work[row] = operation(work[operands[0]])
+            else:
+                work[place] = operation(*[work[i] for i in operands])
+            for i in done:
+                work[i] = None
+
+
+def _paired(steps: Sequence[_Plain]) -> list[_Plain]:
+    """Return steps in which the sine and the cosine of the same angle are one."""
+    sines, cosines = (
+        {operands[0]: place for operation, operands, (place, _) in steps if operation is wanted}
+        for wanted in (np.sin, np.cos)
+    )
+    both, found = sines.keys() & cosines.keys(), []
+    for operation, operands, target in steps:
+        if operation not in (np.sin, np.cos) or operands[0] not in both:
+            found.append((operation, operands, target))
+        elif target[0] == min(sines[operands[0]], cosines[operands[0]]):  # the first of the two
+            found.append((_sine_and_cosine, operands, (sines[operands[0]], cosines[operands[0]])))
+    return found
+
+
+def _releasing(steps: Sequence[_Plain], kept: Set[int] = frozenset()) -> list[_Step]:
+    """Return steps with the places that nobody asks for after each of them, but for some that are kept."""
+    found: list[_Step] = []
+    asked = set(kept)
+    for operation, operands, target in reversed(steps):
+        done = tuple(place for place in set(operands) if place not in asked)
+        asked.update(operands)
+        found.append((operation, operands, target, done))
+    return found[::-1]
 
 
 _UNARY = {name for name, function in _FUNCTIONS.items() if isinstance(function, np.ufunc) and function.nin == 1} | {

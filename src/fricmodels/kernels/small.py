@@ -1,7 +1,8 @@
-"""Small symmetric matrices, compiled: for these a call of LAPACK is mostly overhead."""
+"""Small symmetric matrices, compiled: for these a call of LAPACK is mostly overhead. And what NumPy has no call for."""
 
 from __future__ import annotations
 
+from math import cos, sin
 from typing import Any
 
 import numpy as np
@@ -89,3 +90,11 @@ def reduced(gram: Any, right: Any, inner: Any, free: Any, last: Any, scale: Any,
             for i in range(len(free)):
                 found -= along[i] * gram[free[i], q]
             matrix[a, b] = found * scale[a] * scale[b]
+
+
+@njit(cache=True, nogil=True)
+def sine_and_cosine(angle: Any, both: Any) -> None:
+    """Write sine and cosine of each angle, shape (N,) → (2, N)."""
+    for i in range(len(angle)):
+        both[0, i] = sin(angle[i])
+        both[1, i] = cos(angle[i])

@@ -21,7 +21,7 @@ import subprocess
 import sys
 import time
 from collections import deque
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from importlib.metadata import EntryPoint
@@ -138,10 +138,20 @@ def _fingerprint(point: EntryPoint, limit: float) -> str:
         sys.version,
         str(limit),
         str(beside),
-        *_stamps([beside]),
+        *_installed_in(beside),
     ]
     parts += _stamps(_files(point.module.partition(".")[0]))
     return hashlib.sha256("\n".join(parts).encode()).hexdigest()
+
+
+def _installed_in(folder: Path) -> Iterator[str]:
+    """Yield what changes when something is installed in a folder, or removed; kept bytecode is no such thing."""
+    try:
+        names = sorted(name for name in os.listdir(folder) if name != "__pycache__")
+    except OSError:
+        return
+    yield from names
+    yield from _stamps([folder / name for name in names if name.endswith((".dist-info", ".egg-info", ".pth"))])
 
 
 def _files(package: str) -> Iterator[Path]:
@@ -160,7 +170,7 @@ def _files(package: str) -> Iterator[Path]:
             yield from (Path(where, name) for name in sorted(names) if name.endswith(_CODES))
 
 
-def _stamps(paths: Sequence[Path] | Iterator[Path]) -> Iterator[str]:
+def _stamps(paths: Iterable[Path]) -> Iterator[str]:
     for path in paths:
         try:
             status = path.stat()

@@ -85,7 +85,7 @@ def _equations(sums: Sums, drive: Drive, rows: Array) -> Equations:
         target,
         rows[1] if drive.inertia is None else None,
         fixed,
-        lambda alpha, slopes: np.zeros((0, rows.shape[1])),
+        lambda alpha, slopes: (),
         rows[-2:],
         np.array([(-np.inf, np.inf), (-interval, interval)]),
         sums.plan.row_noise * sums.rows if drive.inertia is None else 0.0,

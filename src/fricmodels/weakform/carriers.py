@@ -124,6 +124,9 @@ class CarrierFunctions(TestFunctions):
         return np.asarray(self._carried(plain, steps, self._waves)[0])
 
     def _carried(self, plain: Array | None, steps: Array, waves: Array) -> Array:
-        parts = [] if plain is None else [plain]
-        parts += [self._plain.of_steps(steps * wave) for wave in waves]
-        return np.stack(parts, axis=2).reshape(len(steps), self.count)
+        rows = np.empty((len(steps), self.count // self.each, self.each))
+        if plain is not None:
+            rows[:, :, 0] = plain
+        for place, wave in enumerate(waves, self.each - len(waves)):
+            rows[:, :, place] = self._plain.of_steps(steps * wave)
+        return rows.reshape(len(steps), self.count)

@@ -24,14 +24,14 @@ def equations(problem: WeakFormProblem, *, timing: bool) -> Equations:
     split = separable(problem.drive.model)
     points = problem.points
 
-    def moving(alpha: Array, slopes: bool) -> Array:
+    def moving(alpha: Array, slopes: bool) -> list[Array]:
         def rows(term: SeparableTerm, own: tuple[float, ...]) -> Array:
             def compute() -> Array:
                 return problem.integrals(term.moving_rows(points, np.array(own), problem.states_of, slopes=slopes))
 
             return problem.integrated((term.model, own, slopes), compute)
 
-        return split.moving_rows(alpha, rows, slopes=slopes)
+        return split.moving_blocks(alpha, rows)
 
     nuisances, limits = timing_nuisances(problem) if timing else (np.zeros((0, problem.rows)), np.zeros((0, 2)))
     return Equations(

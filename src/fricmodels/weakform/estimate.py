@@ -22,6 +22,7 @@ from fricmodels.errors import InputError
 from fricmodels.model import Model
 from fricmodels.recording import Recording
 from fricmodels.score.torque import filtered_torque_error, sliding_half_width
+from fricmodels.signals.rest import once
 from fricmodels.weakform.friction_limits import limits_of_friction
 from fricmodels.weakform.identification import identified
 from fricmodels.weakform.least_squares import NormalEquations
@@ -239,9 +240,15 @@ def _guess(drive: Drive, recording: Recording, start: Mapping[str, float]) -> di
     """Return parameters good enough to choose the width of the test functions: only the inertia matters."""
     values = {p.key: start.get(p.key, p.declared.initial) for p in drive.model.parameters}
     if drive.inertia is None:
-        acceleration = np.gradient(recording.velocity, recording.time)
-        coarse = np.convolve(acceleration, np.ones(9) / 9, "same")
-        force = np.convolve(recording.torque - recording.load_torque, np.ones(9) / 9, "same")
-        base = np.array([coarse, np.sign(recording.velocity), recording.velocity])
-        values[drive.inertia_key] = max(float(NormalEquations.of(base @ base.T, base @ force).solved[0]), 1e-12)
+        values[drive.inertia_key] = _rough_inertia(recording)
     return values
+
+
+@once
+def _rough_inertia(recording: Recording) -> float:
+    """Return the inertia that goes with a coarse acceleration beside Coulomb and viscous friction."""
+    acceleration = np.gradient(recording.velocity, recording.time)
+    coarse = np.convolve(acceleration, np.ones(9) / 9, "same")
+    force = np.convolve(recording.torque - recording.load_torque, np.ones(9) / 9, "same")
+    base = np.array([coarse, np.sign(recording.velocity), recording.velocity])
+    return max(float(NormalEquations.of(base @ base.T, base @ force).solved[0]), 1e-12)

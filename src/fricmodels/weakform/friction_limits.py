@@ -6,8 +6,10 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from fricmodels.arrays import Array
 from fricmodels.drive import Drive
 from fricmodels.recording import Recording
+from fricmodels.signals.rest import once
 
 
 def limits_of_friction(drive: Drive, recording: Recording, parameters: Mapping[str, float]) -> tuple[float, float]:
@@ -16,11 +18,17 @@ def limits_of_friction(drive: Drive, recording: Recording, parameters: Mapping[s
     Neither part can be more than all of the friction, in the direction that has more of it. How a model divides its
     friction between them is not known so well, least of all while an effect is missing.
     """
-    peak = float(np.max(np.abs(recording.velocity)))
-    grid = np.concatenate([[1e-9], np.geomspace(1e-4, 1.0, 40)]) * (peak or 1.0)
-    few = recording.select(np.zeros(len(grid), dtype=np.int64))
+    peak, grid, few = _speeds(recording)
     states = [np.full(len(grid), state.initial) for state in drive.model.states]
     most = max(
         float(np.max(np.abs(drive.friction(few, parameters, velocity=side * grid, states=states)))) for side in (1, -1)
     )
     return most / (peak or 1.0), most
+
+
+@once
+def _speeds(recording: Recording) -> tuple[float, Array, Recording]:
+    """Return the largest speed, a grid up to it, and the first sample so many times."""
+    peak = recording.peak_speed
+    grid = np.concatenate([[1e-9], np.geomspace(1e-4, 1.0, 40)]) * (peak or 1.0)
+    return peak, grid, recording.select(np.zeros(len(grid), dtype=np.int64))

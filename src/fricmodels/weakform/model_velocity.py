@@ -172,12 +172,14 @@ def _rounds(
         inertia, _ = drive.split(parameters)
         width = max(width, bump_width(problem.recording, inertia, FEWEST_WHERE_ALL_COUNT, NOISE_SHARE_WHERE_ALL_COUNT))
     for _ in range(MAX_ROUNDS):
-        predicted, first = first, None
+        before, (predicted, first) = used, (first, None)
         if predicted is None:
             now = {**parameters, **dict(zip(drive.keys, values, strict=True))}
             predicted = model_velocity(drive, now, problem.recording, held=problem.held)
         if predicted is None or predicted.prediction_error > WORSE * least:
             break
+        if before is not None and np.array_equal(predicted.velocity, before.velocity):
+            return best, predicted, True  # as where it is the measured one, whatever the model
         rows = problem.along(predicted.velocity, predicted.resting, width)
         if rows.rows <= 4 * len(drive.parameters):
             break
@@ -274,7 +276,7 @@ def model_velocity(
     for number in recording.run_numbers:
         inside = recording.run == number
         level, hidden_by, error, gain = wandering_level(recording.velocity[inside] - simulated[inside], own)
-        velocity[inside] = simulated[inside] + level
+        velocity[inside] = recording.velocity[inside] if gain == 1.0 else simulated[inside] + level
         noise[inside] = hidden_by
         gains.append(gain)
         squares += error * float(inside.sum())

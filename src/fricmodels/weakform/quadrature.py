@@ -13,6 +13,7 @@ import numpy as np
 
 from fricmodels.arrays import Array, Index, Mask
 from fricmodels.recording import Recording
+from fricmodels.signals.rest import once
 from fricmodels.weakform.jumps import jumps_at_reversals
 from fricmodels.weakform.stretches import stretches_of
 
@@ -35,6 +36,8 @@ class Quadrature:
         half: half the duration of each cell that is not split, 0 for the others, shape (N − 1,).
         jumps: by how much [N m or N] the motor torque jumps in each split cell, shape (c,); see :mod:`.jumps`.
         jump: by how much it jumps with the sign of the velocity.
+        cubic: what a cubic adds to the straight line over each cell but the first and last, were all whole: weights of
+            the changes within the cell before, the cell, and the cell after, shape (3, N − 3).
     """
 
     recording: Recording
@@ -45,6 +48,7 @@ class Quadrature:
     half: Array
     jumps: Array
     jump: float
+    cubic: Array
 
     @classmethod
     def of(cls, recording: Recording, velocity: Array, resting: Mask, jump: float | None = None) -> Quadrature:
@@ -87,7 +91,8 @@ class Quadrature:
         run = np.concatenate([recording.run, recording.run[cell], recording.run[cell]])
         half_step = 0.5 * step[cell]
         at = replace(recording, channels=channels, run=run, origin=None)
-        return cls(at, cell, before * half_step, after * half_step, half_step, half, jumps, jump or 0.0)
+        before, after, cubic = before * half_step, after * half_step, _cubic(recording)
+        return cls(at, cell, before, after, half_step, half, jumps, jump or 0.0, cubic)
 
     def change_while_moving(self, values: Array) -> Array:
         """Return by how much a channel, shape (N,), changes in each cell while the drive moves, shape (N,)."""
@@ -143,18 +148,15 @@ class Quadrature:
         Args:
             torque: motor torque less load torque at the samples, shape (N,).
         """
-        from fricmodels.weakform.split import bending_of
+        from fricmodels.weakform.split import bent_about
 
         through = (self.half_step > 0.0) & (self.before + self.after > (1.0 - 1e-9) * self.half_step)
         if self.jump:
             through &= self.jumps != 0.0
-        half, change = self.half.copy(), np.diff(torque)
+        half, change, bent = self.half.copy(), np.diff(torque), np.zeros(len(torque))
         half[self.cell[through]] = self.half_step[through]
         change[self.cell] -= self.jumps
-        whole, bent = np.empty_like(self._bending), np.zeros(len(torque))
-        bending_of(half, whole)
-        whole -= self._bending
-        bent[1:-2] = whole[0] * change[:-2] + whole[1] * change[1:-1] + whole[2] * change[2:]
+        bent_about(self.cell[through], half, self.half, self.cubic, change, bent)
         return bent
 
     @cached_property
@@ -183,17 +185,27 @@ class Quadrature:
 
     @cached_property
     def _bending(self) -> Array:
-        r"""Weights of the changes within the cell before, each cell, and the cell after, shape (3, N − 3).
+        """What is added of :attr:`cubic`: nothing where the cell or a neighbour is split, rests or is missing."""
+        from fricmodels.weakform.split import where_whole
 
-        What a cubic adds to the straight line over each cell but the first and last: :math:`-\frac{h^3}{12} f''`, with
-        the mean of the second derivatives at both ends of the cell. They are zero where the cell or a neighbour is
-        split, rests or is missing; the middle one is where all cells are equal, but for rounding.
-        """
-        from fricmodels.weakform.split import bending_of
-
-        weights = np.empty((3, max(len(self.half) - 2, 0)))
-        bending_of(self.half, weights)
+        weights = np.empty_like(self.cubic)
+        where_whole(self.half, self.cubic, weights)
         return weights
+
+
+@once
+def _cubic(recording: Recording) -> Array:
+    r"""Return what a cubic adds to the straight line: :math:`-\frac{h^3}{12} f''`, shape (3, N − 3).
+
+    With the mean of the second derivatives at both ends of the cell. The middle weight is zero where all cells are
+    equal, but for rounding.
+    """
+    from fricmodels.weakform.split import bending_of
+
+    _, step, _ = stretches_of(recording)
+    weights = np.empty((3, max(len(step) - 2, 0)))
+    bending_of(0.5 * step, weights)
+    return weights
 
 
 def _share_to_zero(velocity: Array, next_one: Array, one_further: Array) -> tuple[Array, Array]:

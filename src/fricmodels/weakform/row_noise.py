@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import math
+from weakref import WeakKeyDictionary
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -80,11 +83,26 @@ def noise_in_columns(
     found = regression.project_out(change)
     if momentum is None:
         return found
-    rest = regression.base[np.abs(regression.base @ momentum) < (1.0 - 1e-9) * np.linalg.norm(momentum)]
-    basis = np.linalg.svd(rest, full_matrices=False)[2]
-    own = momentum - (momentum @ basis.T) @ basis
+    own, left = _of_momentum(regression, momentum, noise)
     share = columns @ own / float(own @ own)
-    return np.asarray(found - share[:, None] * regression.project_out(noise[None]))
+    return np.asarray(found - share[:, None] * left)
+
+
+def _of_momentum(regression: Regression, momentum: Array, noise: Array) -> tuple[Array, Array]:
+    """Return what the other base directions leave of the momentum, (rows,), and all of them of its noise, (1, rows).
+
+    Found once for all columns that a regression is asked for.
+    """
+    known = _momentum_of.get(regression)
+    if known is None or known[0] is not momentum or known[1] is not noise:
+        rest = regression.base[np.abs(regression.base @ momentum) < (1.0 - 1e-9) * np.linalg.norm(momentum)]
+        basis = np.linalg.svd(rest, full_matrices=False)[2]
+        own = momentum - (momentum @ basis.T) @ basis
+        known = _momentum_of[regression] = (momentum, noise, own, regression.project_out(noise[None]))
+    return known[2], known[3]
+
+
+_momentum_of: WeakKeyDictionary[Regression, tuple[Array, Array, Array, Array]] = WeakKeyDictionary()
 
 
 def bump_width(
@@ -113,14 +131,26 @@ def bump_width(
     narrowest = max(_NARROWEST, -(-_DERIVED * recording.derived_over // HOPS) * HOPS)
     widest = max(narrowest, min(WIDEST, shortest // fewest // HOPS * HOPS))
     most = max(widest, min(WIDEST, shortest // _FEWEST_FOR_INERTIA // HOPS * HOPS)) if estimated else widest
-    moving, over_cells = np.zeros(len(recording), dtype=bool), recording.derived_over > 0
-    velocity = mean_velocity(recording, recording["position"]) if over_cells else recording.velocity
     for width in range(narrowest, most, HOPS):
-        bumps = TestFunctions(recording, width, moving, over_cells=over_cells)
-        rows = momentum_noise(bumps, recording)
-        quiet = width >= widest or not len(rows) or inertia * float(np.sqrt(np.mean(rows**2))) <= wanted
-        if quiet and not (
-            estimated and float(rows @ rows) > _OF_MOMENTUM * float(np.sum(bumps.momentum(velocity) ** 2))
-        ):
+        count, squares, momentum = _momentum(recording, width)
+        quiet = width >= widest or not count or inertia * math.sqrt(squares / count) <= wanted
+        if quiet and not (estimated and squares > _OF_MOMENTUM * momentum):
             return width
     return most
+
+
+def _momentum(recording: Recording, width: int) -> tuple[int, float, float]:
+    """Return the number of test functions of a width, and the sums of squares of noise and of all momentum in them."""
+    known = _momenta(recording)
+    if width not in known:
+        nothing, over_cells = np.zeros(len(recording), dtype=bool), recording.derived_over > 0
+        bumps = TestFunctions(recording, width, nothing, over_cells=over_cells)
+        velocity = mean_velocity(recording, recording["position"]) if over_cells else recording.velocity
+        noise, momentum = momentum_noise(bumps, recording), bumps.momentum(velocity)
+        known[width] = len(noise), float(noise @ noise), float(momentum @ momentum)
+    return known[width]
+
+
+@once
+def _momenta(_: Recording) -> dict[int, tuple[int, float, float]]:
+    return {}

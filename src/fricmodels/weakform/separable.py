@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -14,6 +14,7 @@ from fricmodels.drive import rest_width
 from fricmodels.kernels import ArrayFunction
 from fricmodels.model import Model
 from fricmodels.recording import Recording
+from fricmodels.signals.rest import once
 
 Array = NDArray[np.float64]
 Memory: TypeAlias = Callable[[Model, Array], Sequence[Array]]
@@ -74,11 +75,21 @@ class SeparableTerm:
     def _evaluate(
         self, function: ArrayFunction, rows: int, recording: Recording, alpha: tuple[float, ...], states: Sequence[Any]
     ) -> Array:
-        signals: list[Any] = [
-            recording.signal(name) if name in self.model.needs else 0.0 for name in self.model.signals
-        ]
-        (values,) = function(*signals, *alpha, *states, rest_width(recording))
-        return np.broadcast_to(values, (rows, len(recording)))
+        known, key = _known(recording), function
+        if key not in known:
+            signals: list[Any] = [
+                recording.signal(name) if name in self.model.needs else 0.0 for name in self.model.signals
+            ]
+            later = [None] * (len(alpha) + len(states))
+            known[key] = function.given(*signals, *later, rest_width(recording))
+        (values,) = known[key](*alpha, *states)
+        return values if values.shape[1] == len(recording) else np.broadcast_to(values, (rows, len(recording)))
+
+
+@once
+def _known(_: Recording) -> dict[ArrayFunction, Callable[..., list[Array]]]:
+    """Functions of nonlinear parameters and internal states alone, at the samples of a recording."""
+    return {}
 
 
 @dataclass(frozen=True)
@@ -119,12 +130,20 @@ class Separable:
             rows: gives those of a term by its own nonlinear parameters, followed by its slopes if these are wanted.
             slopes: whether they are.
         """
-        moving = [term for term in self.terms if term.moving]
-        found = [rows(term, tuple(alpha[list(term.nonlinear)].tolist())) for term in moving]
-        values = [each[: len(term.moving)] for each, term in zip(found, moving, strict=True)]
+        found = self.moving_blocks(alpha, rows)
+        values = [each[: len(term.moving)] for each, term in zip(found, self.moving_terms, strict=True)]
         if slopes:
-            values += [each[len(term.moving) :] for each, term in zip(found, moving, strict=True)]
+            values += [each[len(term.moving) :] for each, term in zip(found, self.moving_terms, strict=True)]
         return np.concatenate(values) if len(values) > 1 else values[0]
+
+    def moving_blocks(self, alpha: Array, rows: Callable[[SeparableTerm, tuple[float, ...]], Array]) -> list[Array]:
+        """Return what :meth:`moving_rows` is made of, one block for each of the terms that move."""
+        return [rows(term, tuple(alpha[list(term.nonlinear)].tolist())) for term in self.moving_terms]
+
+    @cached_property
+    def moving_terms(self) -> tuple[SeparableTerm, ...]:
+        """The terms that have moving rows."""
+        return tuple(term for term in self.terms if term.moving)
 
 
 @lru_cache(maxsize=128)

@@ -348,7 +348,7 @@ def _searched(problem: WeakFormProblem, least_squares: Projection, search: Nonli
 
     @cache
     def value(point: tuple[float, ...]) -> float:
-        return -least_squares.cost(np.array(point))
+        return -least_squares.cost_beside(np.array(point))
 
     start = tuple(begin.tolist())
     if len(points) > 1 and len(chosen) > 2:  # many summits: from several of the values that are tried first

@@ -33,7 +33,7 @@ def bending_of(half: Any, weights: Any) -> None:
     """Write the weights of the changes within the cell before, each cell, and the cell after.
 
     Args:
-        half: half the duration of each cell, 0 where it is split, rests or is missing, shape (N − 1,).
+        half: half the duration of each cell, 0 where it is missing, shape (N − 1,).
         weights: to be written, shape (3, N − 3).
     """
     most, largest = 0.0, 0.0
@@ -49,3 +49,56 @@ def bending_of(half: Any, weights: Any) -> None:
             most, largest = max(most, abs(weights[1, k])), max(largest, abs(weights[2, k]))
     if not most > 1e-6 * largest:
         weights[1, :] = 0.0
+
+
+@njit(cache=True, nogil=True)
+def where_whole(half: Any, weights: Any, kept: Any) -> None:
+    """Write weights where the cell and both of its neighbours are whole, 0 elsewhere.
+
+    Args:
+        half: half the duration of each cell, 0 where it is split, rests or is missing, shape (N − 1,).
+        weights: of :func:`bending_of`, shape (3, N − 3).
+        kept: to be written, shape (3, N − 3).
+    """
+    for k in range(weights.shape[1]):
+        whole = half[k] > 0.0 and half[k + 1] > 0.0 and half[k + 2] > 0.0
+        for i in range(3):
+            kept[i, k] = weights[i, k] if whole else 0.0
+
+
+@njit(cache=True, nogil=True)
+def bent_about(cells: Any, half: Any, split: Any, weights: Any, change: Any, bent: Any) -> None:
+    """Write what a cubic adds in some cells and beside them that is left out where these are split.
+
+    Args:
+        cells: which cells, shape (c,).
+        half: half the duration of each cell, these cells counted as whole, shape (N − 1,).
+        split: the same with these cells as split.
+        weights: of :func:`bending_of`, shape (3, N − 3).
+        change: of the torque in each cell, shape (N − 1,).
+        bent: to be written there, shape (N,).
+    """
+    for cell in cells:
+        for k in range(max(cell - 2, 0), min(cell + 1, weights.shape[1])):
+            whole = half[k] > 0.0 and half[k + 1] > 0.0 and half[k + 2] > 0.0
+            if whole and not (split[k] > 0.0 and split[k + 1] > 0.0 and split[k + 2] > 0.0):
+                bent[k + 1] = weights[0, k] * change[k] + weights[1, k] * change[k + 1] + weights[2, k] * change[k + 2]
+
+
+@njit(cache=True, nogil=True)
+def near_standstill(velocity: Any, run: Any, band: float, cell: Any) -> int:
+    """Write the cells in which a velocity could reach zero, or is zero as far as can be told; return how many.
+
+    Args:
+        velocity, run: at the samples, shape (N,).
+        band: velocity up to which it may be zero.
+        cell: to be written as far as there are such cells, shape (N,).
+    """
+    found = 0
+    for k in range(len(velocity) - 1):
+        first, last = abs(velocity[k]), abs(velocity[k + 1])
+        near = min(first, last) < abs(velocity[k + 1] - velocity[k]) or max(first, last) <= band
+        if near and run[k] == run[k + 1]:
+            cell[found] = k
+            found += 1
+    return found

@@ -17,6 +17,7 @@ acceleration under a hat over both, and hats add up to straight lines. By the tr
 from __future__ import annotations
 
 from copy import copy
+from functools import lru_cache
 
 import numpy as np
 
@@ -41,6 +42,7 @@ def mean_velocity(recording: Recording, position: Array) -> Array:
     return velocity
 
 
+@lru_cache(maxsize=64)
 def _cells(width: int, over_cells: bool) -> tuple[Array, Array]:
     """Return a bump's weights of the changes of velocity, and of everything else in each cell, each of sum 1.
 

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from fricmodels.drive import Drive
 from fricmodels.recording import Recording
 from fricmodels.signals import smoothed_velocity, stretches
+from fricmodels.signals.rest import once
 from fricmodels.weakform.test_functions import HOPS
 
 Array = NDArray[np.float64]
@@ -46,13 +47,26 @@ def creeping(recording: Recording, width: int) -> NDArray[np.bool_]:
 
     There the friction torque is not known, nor whether the drive moves at all. A reversal passes through faster.
     """
+    known = _creeping(recording)
+    if width not in known:
+        known[width] = _slow_for_long(recording, max(2, width // HOPS))
+    return known[width]
+
+
+@once
+def _creeping(_: Recording) -> dict[int, NDArray[np.bool_]]:
+    return {}
+
+
+def _slow_for_long(recording: Recording, count: int) -> NDArray[np.bool_]:
+    """Mark stretches of more than so many samples in which noise hides the direction."""
     velocity, error = smoothed_velocity(recording)
     slow = np.abs(velocity) <= CERTAIN * error
     unclear = np.zeros(len(recording), dtype=bool)
     for part in stretches(recording.time, recording.run):
         borders = np.flatnonzero(np.diff(slow[part].astype(np.int8))) + 1
         edges = np.concatenate([[0], borders, [part.stop - part.start]]) + part.start
-        long = slow[edges[:-1]] & (np.diff(edges) > max(2, width // HOPS))
+        long = slow[edges[:-1]] & (np.diff(edges) > count)
         unclear[part] = np.repeat(long, np.diff(edges))
     return unclear
 
@@ -66,9 +80,10 @@ def hidden_turns(
     it on in one direction, beyond what friction holds. Otherwise it may have stuck, or turned twice, in between. So it
     may where both velocities are zero as far as can be told.
     """
-    first, last = np.abs(smooth[:-1]), np.abs(smooth[1:])
-    near = (np.minimum(first, last) < np.abs(np.diff(smooth))) | (np.maximum(first, last) <= CERTAIN * error)
-    cell = np.flatnonzero(near & (np.diff(recording.run) == 0))
+    from fricmodels.weakform.split import near_standstill
+
+    cell = np.empty(len(recording), dtype=np.int64)
+    cell = cell[: near_standstill(smooth, recording.run, CERTAIN * error, cell)]
     marked = np.zeros(len(recording), dtype=bool)
     if len(cell):
         limits = drive.sticking_interval(recording, parameters)

@@ -23,6 +23,50 @@ TOLERANCE = 1e-6
 standard error, √(TOLERANCE)."""
 _FEW = 2
 """Columns that move, up to which only their own products are made anew."""
+
+
+class _Tried:
+    """The columns of the linear parameters at the α that was tried last, and their products.
+
+    A search moves one parameter at a time: what does not depend on it stays. Each product is one sum over the rows, so
+    that it is the same whatever was tried before.
+
+    Attributes:
+        columns: shape (width, M). gram, right: their products with each other and with the target.
+        blocks: of each term that moves.
+    """
+
+    def __init__(self, columns: Array, gram: Array, target: Array) -> None:
+        self.columns, self.gram = columns.copy(), gram.copy()
+        self.target, self.right = target, columns @ target
+        self.blocks: list[Array | None] = []
+
+    def update(self, places: Sequence[Sequence[int]], blocks: Sequence[Array], target: Array) -> None:
+        """Put in other blocks.
+
+        Args:
+            places: column of each row of a block, −1 for one that belongs to the target.
+            blocks: of each term that moves.
+            target: of these blocks.
+        """
+        before = self.blocks or [None] * len(blocks)
+        self.blocks = list(blocks)
+        new = []
+        for rows, block, known in zip(places, blocks, before, strict=True):
+            if block is not known:
+                for place, values in zip(rows, block, strict=False):
+                    if place >= 0:
+                        self.columns[place] = values
+                        new.append(place)
+        for place in new:
+            own = self.columns[place]
+            self.gram[place] = self.gram[:, place] = [own @ other for other in self.columns]
+        if target is not self.target:
+            self.target, new = target, list(range(len(self.columns)))
+        for place in new:
+            self.right[place] = self.columns[place] @ target
+
+
 LARGEST_RATIO = 1.5
 """Largest step of a parameter on a logarithmic scale: a factor of e^1.5."""
 
@@ -37,7 +81,8 @@ class Equations:
         target: the functionals of τ_m − τ_L (less J dω/dt where the inertia is given), shape (M,).
         acceleration: the functionals of dω/dt where the inertia is estimated, shape (M,), else ``None``.
         fixed: the functionals of the model's fixed rows, shape (rows, M).
-        moving: α, whether with slopes → functionals of the moving rows (and slopes), shape (rows, M).
+        moving: α, whether with slopes → functionals of the moving rows (and slopes) of each term that has such, shape
+            (rows, M). Those of a term that were asked for before may be the same array: it is not to be written to.
         nuisances: columns beside the model, such as a shift in time, shape (m, M).
         nuisance_limits: lower and upper bound of the coefficient of each nuisance, shape (m, 2).
         acceleration_noise: sum of squares that noise adds to the functionals of dω/dt.
@@ -48,7 +93,7 @@ class Equations:
     target: Array
     acceleration: Array | None
     fixed: Array
-    moving: Callable[[Array, bool], Array]
+    moving: Callable[[Array, bool], Sequence[Array]]
     nuisances: Array = field(default_factory=lambda: np.zeros((0, 0)))
     nuisance_limits: Array = field(default_factory=lambda: np.zeros((0, 2)))
     acceleration_noise: float = 0.0
@@ -157,7 +202,11 @@ class Projection:
                 self._target -= values
             else:
                 self._columns[self._first + row] = values
-        self._moving = sorted({self._first + row for row in split.moving if row != len(split.linear)})
+        self._places = [
+            [-1 if row == len(split.linear) else self._first + row for row in term.moving]
+            for term in split.moving_terms
+        ]
+        self._moving = sorted({place for places in self._places for place in places if place >= 0})
 
     def solve(self, nonlinear: Nonlinear, max_iterations: int = 50) -> Solution:
         """Return the least-squares fit: from the best of the starting points, by Gauss–Newton to the end."""
@@ -213,16 +262,50 @@ class Projection:
 
     def cost(self, alpha: Array) -> float:
         """Return the squared error at α; infinite where the model is not finite there."""
-        target, _ = self._linear_problem(self._tried, alpha, slopes=False)
+        target = self._moved(self._scanned, self._blocks(alpha, slopes=False))
         with np.errstate(invalid="ignore", over="ignore"):
-            residual = target - self._solve(self._tried, self._products(self._tried), target) @ self._tried
-            cost = float(residual @ residual)
+            return self._left(self._scanned, self._products(self._scanned), self._scanned @ target, target)
+
+    def cost_beside(self, alpha: Array) -> float:
+        """Return :meth:`cost`, but for rounding, in less time where α is that of the last one but for a parameter."""
+        tried, blocks = self._tried, self._blocks(alpha, slopes=False)
+        with np.errstate(invalid="ignore", over="ignore"):
+            tried.update(self._places, blocks, self._target_beside(blocks))
+            return self._left(tried.columns, tried.gram, tried.right, tried.target)
+
+    def _left(self, columns: Array, gram: Array, right: Array, target: Array) -> float:
+        residual = target - self._solve(gram, right) @ columns
+        cost = float(residual @ residual)
         return cost if np.isfinite(cost) else float("inf")
 
     @cached_property
-    def _tried(self) -> Array:
-        """The columns of the linear parameters at the α that was tried last, shape (width, M)."""
+    def _scanned(self) -> Array:
+        """The columns of the linear parameters at the α that was scanned last, shape (width, M)."""
         return self._columns.copy()
+
+    @cached_property
+    def _tried(self) -> _Tried:
+        return _Tried(self._columns, self._fixed_products, self._target)
+
+    def _blocks(self, alpha: Array, *, slopes: bool) -> Sequence[Array]:
+        return self._equations.moving(alpha, slopes) if self._places else ()
+
+    def _moved(self, columns: Array, blocks: Sequence[Array]) -> Array:
+        """Write the columns of the linear parameters that depend on α; return the target."""
+        for places, block in zip(self._places, blocks, strict=True):
+            for place, values in zip(places, block, strict=False):
+                if place >= 0:
+                    columns[place] = values
+        return self._target_beside(blocks)
+
+    def _target_beside(self, blocks: Sequence[Array]) -> Array:
+        """Return the target without what moving rows add that no linear parameter multiplies."""
+        target = self._target
+        for places, block in zip(self._places, blocks, strict=True):
+            for place, values in zip(places, block, strict=False):
+                if place < 0:
+                    target = target - values
+        return target
 
     @cached_property
     def _fixed_products(self) -> Array:
@@ -238,8 +321,8 @@ class Projection:
             gram[row] = gram[:, row] = columns @ columns[row]
         return gram
 
-    def _solve(self, columns: Array, gram: Array, target: Array) -> Array:
-        theta, right = self._theta.copy(), columns @ target
+    def _solve(self, gram: Array, right: Array) -> Array:
+        theta = self._theta.copy()
         if self._held:
             right = (right - gram @ theta)[self._free]
             gram = gram[np.ix_(self._free, self._free)]
@@ -261,28 +344,17 @@ class Projection:
             gram[0, 0] -= min(noise, 0.5 * alone) if alone < math.inf else 0.0
         return gram
 
-    def _linear_problem(self, columns: Array, alpha: Array, *, slopes: bool) -> tuple[Array, Array]:
-        """Write the columns of the linear parameters that depend on α; return target and functionals of the slopes."""
-        split, target = self._equations.separable, self._target
-        if not split.moving:
-            return target, np.zeros((0, len(target)))
-        rows = self._equations.moving(alpha, slopes)
-        for row, values in zip(split.moving, rows[: len(split.moving)], strict=True):
-            if row == len(split.linear):
-                target = target - values
-            else:
-                columns[self._first + row] = values
-        return target, rows[len(split.moving) :]
-
     def at(self, alpha: Array) -> Solution:
         """Return the linear fit at given nonlinear parameters, with all derivatives."""
         split, n = self._equations.separable, self._width
         columns = np.empty((n + len(alpha), len(self._target)))
         linear, own = columns[:n], columns[n:]
         linear[:], own[:] = self._columns, 0.0
-        target, slopes = self._linear_problem(linear, alpha, slopes=True)
+        blocks = self._blocks(alpha, slopes=True)
+        target = self._moved(linear, blocks)
         products = self._products(linear)
-        theta = self._solve(linear, products, target)
+        theta = self._solve(products, linear @ target)
+        slopes = (values for places, block in zip(self._places, blocks, strict=True) for values in block[len(places) :])
         for (row, j), values in zip(split.slopes, slopes, strict=True):
             factor = 1.0 if row == len(split.linear) else theta[self._first + row]
             own[j] += factor * values
@@ -300,10 +372,10 @@ def _with_bounds(constraints: Array, limits: Array, bounds: Array) -> tuple[Arra
     more = len(bounds)
     if not more:
         return constraints, limits
-    padded = np.pad(constraints, ((0, 0), (0, more)))
-    own = np.hstack([np.zeros((more, constraints.shape[1])), np.eye(more)])
-    finite = np.isfinite(bounds)
-    return (
-        np.vstack([padded, own[finite[:, 0]], -own[finite[:, 1]]]),
-        np.concatenate([limits, bounds[finite[:, 0], 0], -bounds[finite[:, 1], 1]]),
-    )
+    count, width = constraints.shape
+    sides = [(i, side, 1.0 - 2.0 * side) for side in (0, 1) for i in range(more) if np.isfinite(bounds[i, side])]
+    matrix, least = np.zeros((count + len(sides), width + more)), np.empty(count + len(sides))
+    matrix[:count, :width], least[:count] = constraints, limits
+    for row, (i, side, sign) in enumerate(sides, count):
+        matrix[row, width + i], least[row] = sign, sign * bounds[i, side]
+    return matrix, least
