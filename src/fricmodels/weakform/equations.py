@@ -65,7 +65,8 @@ def timing_nuisances(problem: WeakFormProblem) -> tuple[Array, Array]:
 def projection(problem: WeakFormProblem, plan: Plan, *, timing: bool) -> tuple[Projection, Nonlinear]:
     """Return the least-squares problem of a drive, and where its nonlinear parameters are sought."""
     linear = [p for p in problem.drive.parameters if p.linear]
-    constraints, limits = linear_constraints(linear, problem.delay)
+    pushing = problem.recording.torque - problem.recording.load_torque
+    constraints, limits = linear_constraints(linear, problem.delay, float(np.max(np.abs(pushing))))
     held = {i: plan.held[p.key] for i, p in enumerate(linear) if p.key in plan.held}
     search = nonlinear_search(problem.drive, problem.recording, plan)
     return Projection(equations(problem, timing=timing), constraints, limits, held), search

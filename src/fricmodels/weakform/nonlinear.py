@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from fricmodels.dimension import FORCE
 from fricmodels.drive import Drive, DriveParameter
 from fricmodels.errors import InputError, suggestion
 from fricmodels.recording import Recording
@@ -34,12 +35,18 @@ class Outcome:
     message: str
 
 
-def linear_constraints(parameters: Sequence[DriveParameter], delay: float = 0.0) -> tuple[Array, Array]:
+def linear_constraints(
+    parameters: Sequence[DriveParameter], delay: float = 0.0, largest_push: float = np.inf
+) -> tuple[Array, Array]:
     """Return G and h with ``G θ ≥ h``: bounds of the linear parameters, and which is at least which other.
+
+    A stick torque, which is at least the slip torque, is no larger than what has pushed the drive out of rest. Else,
+    where hardly a sample is slow enough to see it, it could be anything.
 
     Args:
         parameters: the linear ones.
         delay: time [s] by which the recording was shifted already; what is fitted of a delay comes on top of it.
+        largest_push: largest torque that pushed the drive [N m or N].
     """
     keys = [p.key for p in parameters]
     rows, limits = [], []
@@ -54,6 +61,9 @@ def linear_constraints(parameters: Sequence[DriveParameter], delay: float = 0.0)
         if np.isfinite(p.declared.upper):
             rows.append(-row)
             limits.append(gone - p.declared.upper)
+        if bounded_by_another and p.dimension == FORCE and np.isfinite(largest_push):
+            rows.append(-row)
+            limits.append(-largest_push)
         if bounded_by_another:
             row = row.copy()
             row[keys.index(str(p.at_least))] = -1.0

@@ -1,0 +1,37 @@
+"""A stick torque is no larger than what has pushed the drive out of rest, however few samples show it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from fricmodels.diagnosis import compare
+from fricmodels.drive import Drive
+from fricmodels.model import Model
+from fricmodels.weakform.nonlinear import linear_constraints
+
+LAW = Drive(Model.parse("exponential-stick-slip"), 2.0)
+
+
+def test_only_a_stick_torque_has_that_bound() -> None:
+    linear = [p for p in LAW.parameters if p.linear]
+    rows, limits = linear_constraints(linear, largest_push=12.0)
+    plain, _ = linear_constraints(linear)
+    (row,) = (row for row, limit in zip(rows, limits, strict=True) if limit == -12.0)
+    assert [p.key for p, weight in zip(linear, row, strict=True) if weight] == ["K_c"]
+    assert len(rows) == len(plain) + 1
+
+
+def test_it_is_kept_where_the_rows_would_take_anything(from_benchmarks: Callable[[str], Any]) -> None:
+    """A drive with frictional lag, few samples of which are slow: K_c came out as 7e5 N m, and the error as 8e4 %."""
+    from fricmodels.rig import random_rig
+
+    rng = from_benchmarks("hidden.draw").generator(0, "processors", "frictional-lag", 4, 0)
+    rig = random_rig(rng, ["frictional-lag"])
+    recording = rig.simulate()
+    free = compare(recording, "exponential-stick-slip", rig.inertia)
+    plain = compare(recording, "coulomb-viscous", rig.inertia)
+    assert free.estimate.parameters["K_c"] <= float(np.max(np.abs(recording.torque))) * (1 + 1e-9)
+    assert free.errors.held_out_percent < 1.5 * plain.errors.held_out_percent
