@@ -74,6 +74,7 @@ def answer(path: Path, *, change: float = 0.0, ladder: bool = False) -> Row:
     from fricmodels.errors import FricmodelsError
     from fricmodels.model import Model
     from fricmodels.recording import Recording
+    from fricmodels.results.words import noise_text
 
     rng = np.random.default_rng(1)
     with np.load(path) as data:
@@ -98,7 +99,8 @@ def answer(path: Path, *, change: float = 0.0, ladder: bool = False) -> Row:
         return {"verdict": "refused", "names": [], "lines": [str(error)]}
     comparison = diagnosis.comparison
     errors = comparison.errors
-    shown = f"{errors.SI:.4g} {errors.percent:.4g} {errors.held_out_percent:.4g} {comparison.noise_floor_percent:.3g}"
+    noise = noise_text(comparison.noise_floor_percent)
+    shown = f"{errors.SI:.4g} {errors.percent:.4g} {errors.held_out_percent:.4g} {noise}"
     console.print(f"errors {shown}")
     show_parameters(console, comparison)
     show_diagnosis(console, diagnosis)

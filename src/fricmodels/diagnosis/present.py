@@ -19,7 +19,7 @@ from fricmodels.diagnosis.places import profile
 from fricmodels.dimension import Motion
 from fricmodels.parameter import at_bound
 from fricmodels.recording import Recording
-from fricmodels.results.words import BY_WINDOW, FOUND, NOT_FOUND, NOT_SEEN, SIZE, form, in_percent
+from fricmodels.results.words import BY_WINDOW, FOUND, NOT_FOUND, NOT_SEEN, SIZE, form, in_percent, noise_text
 from fricmodels.score import Errors, headline_window, torque_error_over
 from fricmodels.signals import stretches
 from fricmodels.terminal import Band, Column, Marks, bar, plain, show_plot, show_table, spoken
@@ -83,7 +83,7 @@ def show_bands(console: Console, errors: Errors, unit: str) -> None:
         Column(f"test error [{unit}]", tuple(f"{band.held_out_SI:.4g}" for band in bands), True),
         Column("fit error", tuple(f"{band.percent:.4g} %" for band in bands), True),
         Column("test error", tuple(f"{band.held_out_percent:.4g} %" for band in bands), True),
-        Column("noise alone", tuple(f"{band.noise_floor_percent:.3g} %" for band in bands), True),
+        Column("noise alone", tuple(noise_text(band.noise_floor_percent) for band in bands), True),
     ]
     show_table(console, columns, BY_WINDOW)
 

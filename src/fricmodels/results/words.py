@@ -68,3 +68,14 @@ def figures(value: float, digits: int = 2) -> str:
 def in_percent(share: float | None) -> float | None:
     """Return a share in percent, where there is one."""
     return None if share is None else 100 * share
+
+
+_LEAST_NOISE = 0.001
+
+
+def noise_text(percent: float, digits: int = 3) -> str:
+    """Return what noise alone leaves [% of the RMS torque].
+
+    Less than a thousandth of a percent is rounding, another number on every processor, and is not told apart.
+    """
+    return f"< {_LEAST_NOISE} %" if percent < _LEAST_NOISE else f"{percent:.{digits}g} %"
