@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 
 from estimators.detchmendy_sridhar import DetchmendySridhar
@@ -122,6 +122,7 @@ def test_the_covariance_stays_one(paper: SimpleNamespace, cls: Any) -> None:
     ),
     seed=st.integers(0, 99),
 )
+@example(pieces=[("speed", 14), ("motion", 120), ("new run", 73), ("rest", 9), ("motion", 98), ("gap", 29)], seed=0)
 def test_the_covariance_stays_one_whatever_comes(
     paper: SimpleNamespace, cls: Any, pieces: list[tuple[str, int]], seed: int
 ) -> None:

@@ -40,6 +40,8 @@ _MODEL_NOISE = (0.0, 1e-3, 3e-3, 1e-2, 3e-2, 0.1, 0.3)
 _NOISE_FACTORS = (0.5, 0.7, 1.0, 1.4, 2.0)
 _PRIOR_FACTORS = (1.0, 0.3, 0.1)
 """For laws with nonlinear parameters: how wide to start, as a share of the widest, lest linearisation fails."""
+_ROUNDING = 1e-14
+"""Share of a variance that rounding may take from it in a step, and that is given back: else P may lose its sign."""
 _INDISTINCT = 1.92
 """Half the 95 % quantile of chi-square, one degree of freedom: model noise is assumed where it explains more."""
 
@@ -228,6 +230,7 @@ def kalman_step(space: NormalisedSpace, drive: Drive) -> Any:
     posterior = predicted - casadi.mtimes(gain, predicted[0, :])
     kept = predicted[0, :] * ((r + (1 - measured) * predicted[0, 0]) / spread)
     posterior[0, :], posterior[:, 0] = kept, kept.T
+    posterior += casadi.diag(_ROUNDING * casadi.diag(predicted))
     estimate = bounded(estimate, posterior, lower, upper, drive)
     return casadi.Function(
         "kalman",
