@@ -112,13 +112,15 @@ def main() -> None:
     parser.add_argument("--kind", action="append", help="this kind of trial (repeatable)")
     parser.add_argument("--only", action="append", help="this effect (repeatable)")
     parser.add_argument("--out", default=str(ROOT / "runs" / "rough_drives.jsonl"))
+    parser.add_argument("--also", action="append", default=[], help="rows of another run that count too (repeatable)")
     parser.add_argument("--every", type=int, default=10, help="trials between lines of progress")
     parser.add_argument("--any-code", action="store_true", help="use stored rows of other versions of the code too")
     parser.add_argument("--no-run", action="store_true", help="only print what is stored")
     parser.add_argument("--report", action="store_true", help="write docs/rough_drives.md")
     arguments = parser.parse_args()
     os.environ.update(dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_NUM_THREADS"), "1"))
-    lines = summary(run(arguments))
+    others = [line for path in arguments.also for line in Path(path).read_text(encoding="utf-8").splitlines()]
+    lines = summary([*run(arguments), *(row for row in map(json.loads, others) if row["status"] != "failed")])
     print("\n".join(lines))
     if arguments.report:
         from fricmodels.files import write_text
