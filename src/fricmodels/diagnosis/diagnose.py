@@ -24,7 +24,7 @@ from fricmodels.diagnosis.refits import Refits
 from fricmodels.diagnosis.remaining import Remaining, remaining
 from fricmodels.diagnosis.ripple import FastRipple, fast_ripple
 from fricmodels.diagnosis.supported import Judgement, judge
-from fricmodels.diagnosis.verdict import LookAlikes, not_far_worse, passing_all_gates, select_effect, torque_share
+from fricmodels.diagnosis.verdict import LookAlikes, passing_all_gates, select_effect, torque_share
 from fricmodels.dimension import TIME
 from fricmodels.display import Displayed
 from fricmodels.model import Model
@@ -146,7 +146,7 @@ def examine(comparison: Comparison, *, leave_out: Iterable[str] = (), policy: Po
     judgement = judge(result, out, best) if best is not None or predictors else None
     together = [] if judgement is None else judgement.supported(policy)
     found = refit_check(refits, result, out, together[0] if together else None)
-    named = _confirmed(refits, found, not_far_worse(result, passing_all_gates(result)), policy)
+    named = _confirmed(refits, found, passing_all_gates(result), policy)
     place = _noticed_place(result, comparison) if named is None else None
     noise = None if place is not None else _noise(comparison, result, named, predictors)
     view = next((p for p in predictors if p.channels not in AUTOREGRESSIVE), predictors[0] if predictors else None)
@@ -217,15 +217,15 @@ def seems_missing(comparison: Comparison, leave_out: Iterable[str], policy: Poli
 
 
 def _confirmed(
-    refits: Refits, found: LookAlikes | None, near: list[CandidateTest], policy: Policy
+    refits: Refits, found: LookAlikes | None, passing: list[CandidateTest], policy: Policy
 ) -> LookAlikes | None:
-    """Return what was found if the test error falls with it, or else the one near it that lowers it most.
+    """Return what was found if the test error falls with it, or else the passing effect with which it falls furthest.
 
     Nothing is said to be missing that does not lower the error on data that took no part in finding it.
     """
     if found is None or refits.lowers_test_error(found.first):
         return found
-    others = [t for t in near if t.name != found.first.name][: policy.step_trials - 1]
+    others = [t for t in passing if t.name != found.first.name][: policy.step_trials - 1]
     helpful = [(refits.with_effect(t), t) for t in others if refits.lowers_test_error(t)]
     errors = [(other.sliding.held_out_percent, i) for i, (other, _) in enumerate(helpful) if other is not None]
     if not errors:

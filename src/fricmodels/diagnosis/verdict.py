@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -82,12 +81,6 @@ def torque_share(result: CandidateTests, evidence: Evidence) -> float:
     """Return the RMS torque that columns explain beyond the base model, over the RMS torque."""
     explained = evidence.explained * float(np.mean(result.regression.residual**2))
     return float(np.sqrt(max(explained, 0.0) / np.mean(result.problem.driving**2)))
-
-
-def not_far_worse(result: CandidateTests, passing: Sequence[CandidateTest]) -> list[CandidateTest]:
-    """Return those of some effects whose residual comes near that of the best one; any other only mimics it."""
-    nearest = result.policy.far_worse * min((_rms(result, t) for t in passing), default=0.0)
-    return [t for t in passing if _rms(result, t) < nearest]
 
 
 def select_effect(result: CandidateTests) -> LookAlikes | None:
