@@ -38,7 +38,7 @@ test: $(VENV)/.installed
 tests: $(VENV)/.installed
 	@command -v chromium >/dev/null || command -v chromium-browser >/dev/null || command -v google-chrome >/dev/null \
 		|| echo "there is no Chromium: the tests of the report in a browser are skipped (apt-get install chromium)"
-	$(BYTECODE) $(ONE_THREAD) $(BIN)/pytest -n 2 --dist worksteal -m "not long" plugins tests
+	$(BYTECODE) $(ONE_THREAD) $(BIN)/pytest -n 2 --dist worksteal -m "not long" tests plugins
 
 test-long: $(VENV)/.installed
 	$(BIN)/pytest -m long
