@@ -8,8 +8,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from fricmodels import progress
 from fricmodels.arrays import Array
-from fricmodels.progress import steps
 
 _LARGEST = 1e14
 """Ratio of variances in the distribution of steps beyond which it is flat to rounding."""
@@ -52,20 +52,6 @@ def evolved(
 
     Source: N. Hansen, "The CMA evolution strategy: a tutorial", arXiv:1604.00772, 2016, with its default settings.
     """
-    with steps("trying parameters on the motion", most) as tried:
-        return _evolved(cost, start, spread, bounds, most, seed, settled, tried)
-
-
-def _evolved(
-    cost: Callable[[Array], float],
-    start: Array,
-    spread: Array,
-    bounds: tuple[Array, Array],
-    most: int,
-    seed: int,
-    settled: float,
-    tried: Callable[[int], None],
-) -> Evolved:
     low, high = bounds
     n = len(start)
     random = np.random.default_rng(seed)
@@ -86,41 +72,42 @@ def _evolved(
     values, vectors = np.ones(n), np.eye(n)
     best_at = np.clip(start, low, high)
     best, used, generation = _finite(cost(best_at)), 1, 0
-    while used + count <= most:
-        generation += 1
-        normal = random.standard_normal((count, n))
-        steps = (normal * values) @ vectors.T
-        points = np.clip(start + (mean + sigma * steps) @ spread.T, low, high)
-        costs = np.array([_finite(cost(point)) for point in points])
-        used += count
-        tried(count)
-        order = np.argsort(costs, kind="stable")
-        before = best
-        if costs[order[0]] < best:
-            best, best_at = float(costs[order[0]]), points[order[0]]
-        chosen = steps[order[:parents]]
-        moved = weights @ chosen
-        mean = mean + sigma * moved
-        path_sigma = (1 - c_sigma) * path_sigma + math.sqrt(c_sigma * (2 - c_sigma) * effective) * (
-            vectors @ ((vectors.T @ moved) / values)
-        )
-        length = float(np.linalg.norm(path_sigma))
-        steady = length / math.sqrt(1 - (1 - c_sigma) ** (2 * generation)) < (1.4 + 2 / (n + 1)) * expected
-        path = (1 - c_path) * path + (math.sqrt(c_path * (2 - c_path) * effective) * moved if steady else 0.0)
-        kept = 0.0 if steady else c_path * (2 - c_path)
-        matrix = (
-            (1 - c_one * (1 - kept) - c_mu) * matrix
-            + c_one * np.outer(path, path)
-            + c_mu * (chosen.T * weights) @ chosen
-        )
-        sigma *= math.exp(min(1.0, c_sigma / damping * (length / expected - 1)))
-        squares, vectors = np.linalg.eigh((matrix + matrix.T) / 2)
-        if not squares[-1] > 0:
-            break
-        values = np.sqrt(np.maximum(squares, squares[-1] / _LARGEST))
-        around = costs[order[: parents + 1]]
-        if math.isfinite(best) and before - best <= settled * best and around[-1] - around[0] <= settled * best:
-            break
+    with progress.steps("trying parameters on the motion", most) as tried:
+        while used + count <= most:
+            generation += 1
+            normal = random.standard_normal((count, n))
+            steps = (normal * values) @ vectors.T
+            points = np.clip(start + (mean + sigma * steps) @ spread.T, low, high)
+            costs = np.array([_finite(cost(point)) for point in points])
+            used += count
+            tried(count)
+            order = np.argsort(costs, kind="stable")
+            before = best
+            if costs[order[0]] < best:
+                best, best_at = float(costs[order[0]]), points[order[0]]
+            chosen = steps[order[:parents]]
+            moved = weights @ chosen
+            mean = mean + sigma * moved
+            path_sigma = (1 - c_sigma) * path_sigma + math.sqrt(c_sigma * (2 - c_sigma) * effective) * (
+                vectors @ ((vectors.T @ moved) / values)
+            )
+            length = float(np.linalg.norm(path_sigma))
+            steady = length / math.sqrt(1 - (1 - c_sigma) ** (2 * generation)) < (1.4 + 2 / (n + 1)) * expected
+            path = (1 - c_path) * path + (math.sqrt(c_path * (2 - c_path) * effective) * moved if steady else 0.0)
+            kept = 0.0 if steady else c_path * (2 - c_path)
+            matrix = (
+                (1 - c_one * (1 - kept) - c_mu) * matrix
+                + c_one * np.outer(path, path)
+                + c_mu * (chosen.T * weights) @ chosen
+            )
+            sigma *= math.exp(min(1.0, c_sigma / damping * (length / expected - 1)))
+            squares, vectors = np.linalg.eigh((matrix + matrix.T) / 2)
+            if not squares[-1] > 0:
+                break
+            values = np.sqrt(np.maximum(squares, squares[-1] / _LARGEST))
+            around = costs[order[: parents + 1]]
+            if math.isfinite(best) and before - best <= settled * best and around[-1] - around[0] <= settled * best:
+                break
     return Evolved(best_at, best, used)
 
 

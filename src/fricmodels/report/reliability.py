@@ -21,9 +21,9 @@ class Record:
 
 RECORDS: Mapping[str, Record] = {
     "missing-effect": Record(
-        "Wrong names where the truth was known: 1 of 154 with one hidden effect (docs/hidden_effects.md), 10 of 193 "
-        "with several on rough drives (docs/rough_drives.md); where the true effect was not on the list, 19 of 154 and "
-        "12 of 56.",
+        "Where the truth was known, the right effect did not come first on 2 of 154 drives with one hidden effect "
+        "(docs/hidden_effects.md), and 10 of 193 names were wrong with several on rough drives (docs/rough_drives.md); "
+        "where the true effect was not on the list, a name was given on 19 of 154 and 12 of 56.",
         {
             "hidden_effects.md": (
                 "| right class named first | ≥ 97 % | 44 of 44 | 43 of 44 | 65 of 66 | 152 of 154 |",
