@@ -61,3 +61,14 @@ def test_owners_share_a_room_and_leave_it() -> None:
     for key in range(9):
         first(key, lambda: np.zeros(1))
     assert first("a", lambda: np.zeros(1)).sum() == 1
+
+
+def test_a_room_is_cleared_for_all() -> None:
+    room = Room(8 * 10)
+    first, second = Remembered(room), Remembered(room)
+    first("a", lambda: np.zeros(5))
+    second("a", lambda: np.zeros(5))
+    room.clear()
+    assert first("a", lambda: np.ones(5)).sum() == 5
+    assert second("a", lambda: np.ones(5)).sum() == 5
+    assert first("a", lambda: np.zeros(5)).sum() == 5

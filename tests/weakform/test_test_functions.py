@@ -73,3 +73,15 @@ def test_a_reversal_within_a_cell_is_exact(width: int, instant: float) -> None:
     driving = np.where(quadrature.recording.velocity < 0, slow, fast)
     impulse = functions.of_cells(quadrature.impulses(driving[None]))[0]
     np.testing.assert_allclose(impulse, functions.momentum(velocity), rtol=0, atol=1e-12)
+
+
+@pytest.mark.parametrize("over_cells", [False, True])
+def test_many_rows_are_what_each_is_alone(over_cells: bool) -> None:
+    rng = np.random.default_rng(2)
+    one, velocity = recording([203, 90]), np.convolve(rng.normal(size=300), np.ones(8), "valid")
+    bumps = Functions(one, 16, np.zeros(len(one), dtype=bool), over_cells=over_cells)
+    quadrature = Quadrature.of(one, velocity, np.zeros(len(one), dtype=bool))
+    rows = rng.normal(size=(19, len(quadrature.recording)))
+    alone = np.concatenate([bumps.torques(quadrature, row[None]) for row in rows])
+    np.testing.assert_array_equal(bumps.torques(quadrature, rows), alone)
+    assert bumps.torques(quadrature, rows[:0]).shape == (0, bumps.count)

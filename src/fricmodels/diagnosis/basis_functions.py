@@ -82,7 +82,7 @@ def _of_motion(problem: WeakFormProblem) -> Sets:
     velocity, time = points.velocity, points.time
     speed, side = np.abs(velocity), np.sign(velocity)
     found: dict[str, Callable[[], Array]] = {
-        "speed, along the motion": lambda: side * _hats(speed, _HATS),
+        "speed, along the motion": lambda: _turned(side, _hats(speed, _HATS)),
         "speed, the same in both directions": lambda: _hats(speed, _HATS),
         "time, along the motion": lambda: side * _slow(time),
         "time, along the motion, and speed": lambda: np.vstack([side * _slow(time), velocity * _slow(time)]),
@@ -92,7 +92,7 @@ def _of_motion(problem: WeakFormProblem) -> Sets:
         TORQUE_RATE: lambda: np.vstack([points["torque_rate"], side * np.abs(points["torque_rate"])]),
         "acceleration": lambda: np.vstack([points["acceleration"], side * np.abs(points["acceleration"])]),
         # To first order friction that lags: the rate of what depends on speed.
-        "acceleration and speed": lambda: points["acceleration"] * _hats(speed, _HATS),
+        "acceleration and speed": lambda: _turned(points["acceleration"], _hats(speed, _HATS)),
     }
     if "temperature" in points:
         warm = points["temperature"] - np.mean(points["temperature"])
@@ -172,19 +172,22 @@ def _of_history(problem: WeakFormProblem, regression: Regression, policy: Policy
 
     def after_reversal() -> Array:
         near = _log_hats(history().travelled, _HATS)
-        acceleration = problem.quadrature.recording["acceleration"]
-        return np.vstack([history().side * near, acceleration * near[: _HATS // 2]])
+        again = problem.quadrature.recording["acceleration"] * near[: _HATS // 2]
+        return np.vstack([_turned(history().side, near), again])
 
     def after_start(since: Array) -> Array:
         near = _log_hats(since, _HATS)
-        return history().side * np.vstack([near, np.log1p(history().dwell / problem.recording.interval) * near])
+        both = np.empty((2, *near.shape))
+        both[0] = near
+        np.multiply(np.log1p(history().dwell / problem.recording.interval), near, out=both[1])
+        return _turned(history().side, both.reshape(-1, near.shape[1]))
 
     recording = problem.recording
     lags: NDArray[np.int64] = np.unique(np.arange(1, _EARLIER + 1) * problem.bumps.width // _EARLIER)
     apart = problem.bumps.width + problem.half_width
     found: dict[str, Callable[[], Array]] = {
         "distance since the last reversal": after_reversal,
-        "time since the last reversal": lambda: history().side * _log_hats(history().turned, _HATS),
+        "time since the last reversal": lambda: _turned(history().side, _log_hats(history().turned, _HATS)),
         "distance since motion began, and the rest before": lambda: after_start(history().moved),
         "time since motion began, and the rest before": lambda: after_start(history().started),
         # Far enough before to share no noise with the rows.
@@ -241,7 +244,15 @@ def _tents(values: Array, knots: Array) -> Array:
     knots = np.unique(knots)
     if len(knots) < 2:
         return np.zeros((1, len(values)))
-    return np.stack([np.interp(values, knots, row) for row in np.eye(len(knots))])
+    rows = np.empty((len(knots), len(values)))
+    for row, heights in zip(rows, np.eye(len(knots)), strict=True):
+        row[:] = np.interp(values, knots, heights)
+    return rows
+
+
+def _turned(factor: Array, rows: Array) -> Array:
+    """Return rows times a factor at each sample; they are written to: there may be many."""
+    return np.multiply(factor, rows, out=rows)
 
 
 def _powers(values: Array) -> Array:
@@ -267,12 +278,12 @@ def _earlier(problem: WeakFormProblem, values: Array, lags: NDArray[np.int64]) -
     recording, cell = problem.recording, problem.quadrature.cell
     run = recording.run
     first = np.maximum.accumulate(np.where(np.concatenate([[True], np.diff(run) != 0]), np.arange(len(run)), 0))
-    rows = []
-    for lag in lags:
+    rows = np.empty((len(lags), len(run) + 2 * len(cell)))
+    for row, lag in zip(rows, lags, strict=True):
         index = np.maximum(np.arange(len(run)) - lag, first)
         after = index[np.minimum(cell + 1, len(run) - 1)]
-        rows.append(values[np.concatenate([index, index[cell], after])])
-    return np.vstack(rows)
+        row[:] = values[np.concatenate([index, index[cell], after])]
+    return rows
 
 
 def _torque_noise(problem: WeakFormProblem) -> float:

@@ -28,10 +28,12 @@ from fricmodels.diagnosis.verdict import LookAlikes, passing_all_gates, select_e
 from fricmodels.dimension import TIME
 from fricmodels.display import Displayed
 from fricmodels.model import Model
+from fricmodels.processes import give_back
 from fricmodels.progress import Cancelled, Token, Watcher, stage, watched
 from fricmodels.recording import Recording
 from fricmodels.split import Split
 from fricmodels.weakform.lines import averaged_from
+from fricmodels.weakform.remembered import INTEGRALS
 
 _AS_SHORT = 1.01
 """Factor within which a duration is the shortest one that is sought."""
@@ -132,6 +134,9 @@ def diagnose(
             return examine(comparison, leave_out=leave_out, policy=policy)
         except KeyboardInterrupt:
             raise Cancelled(comparison) from None
+        finally:
+            INTEGRALS.clear()  # what remains to be done is to show what was found, with arrays of its own
+            give_back(len(recording))
 
 
 def examine(comparison: Comparison, *, leave_out: Iterable[str] = (), policy: Policy = POLICY) -> Diagnosis:

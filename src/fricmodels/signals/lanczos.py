@@ -20,8 +20,8 @@ from fricmodels.arrays import Array, Index
 from fricmodels.signals.segments import Runs, is_even, stretches
 
 DEGREE = 2
-_BLOCK = 1 << 22
-"""Numbers held at once while fitting, so that memory stays bounded."""
+_BLOCK = 1 << 16
+"""Windows that are fitted at once, so that memory stays bounded."""
 _FEW = 48
 """Weights with which a direct convolution is the faster one."""
 _BLOCKS = 8
@@ -153,25 +153,19 @@ def _even_window(half_width: int, degree: int) -> tuple[Array, Array]:
 
 def _fit_windows(time: Array, values: Array, size: int, degree: int, at: Index) -> tuple[Array, Array]:
     """Fit at the samples ``at`` by normal equations, each window scaled to [−1, 1] about its sample."""
+    from fricmodels.kernels.windows import window_moments
+
     smooth, slope = np.empty(len(at)), np.empty(len(at))
-    rows = max(1, _BLOCK // size)
-    for start in range(0, len(at), rows):
-        centre = at[start : start + rows]
-        first = np.clip(centre - size // 2, 0, len(time) - size)
-        window = first[:, None] + np.arange(size)
-        offset = time[window] - time[centre][:, None]
-        scale = np.maximum(-offset[:, 0], offset[:, -1])
-        offset /= scale[:, None]
-        signal = values[window] - values[centre][:, None]
-        powers = [np.ones_like(offset)]
-        for _ in range(2 * degree):
-            powers.append(powers[-1] * offset)
-        moments = np.stack([power.sum(axis=1) for power in powers], axis=1)
-        right = np.stack([np.einsum("ij,ij->i", power, signal) for power in powers[: degree + 1]], axis=1)
+    time, values = np.ascontiguousarray(time, dtype=float), np.ascontiguousarray(values, dtype=float)
+    for start in range(0, len(at), _BLOCK):
+        centre = at[start : start + _BLOCK]
+        scale = np.empty(len(centre))
+        moments, right = np.zeros((len(centre), 2 * degree + 1)), np.zeros((len(centre), degree + 1))
+        window_moments(time, values, size, centre, scale, moments, right)
         normal = moments[:, np.add.outer(np.arange(degree + 1), np.arange(degree + 1))]
         coefficients = np.linalg.solve(normal, right[:, :, None])[:, :, 0]
-        smooth[start : start + rows] = coefficients[:, 0] + values[centre]
-        slope[start : start + rows] = coefficients[:, 1] / scale
+        smooth[start : start + _BLOCK] = coefficients[:, 0] + values[centre]
+        slope[start : start + _BLOCK] = coefficients[:, 1] / scale
     return smooth, slope
 
 

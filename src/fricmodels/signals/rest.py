@@ -342,7 +342,8 @@ def standstill(velocity: Array) -> float:
 
     It is a hundredth of the RMS change from sample to sample, so that a drive that turns hardly ever stops there.
     """
-    return _STANDING * float(np.sqrt(np.mean(np.diff(velocity) ** 2))) if len(velocity) > 1 else 0.0
+    change = np.diff(velocity)
+    return _STANDING * float(np.sqrt(np.mean(np.square(change, out=change)))) if len(change) else 0.0
 
 
 def _passage(recording: Recording, velocity: Array, band: float) -> float:

@@ -22,7 +22,7 @@ from fricmodels.arrays import Array
 from fricmodels.weakform.solve import Solved
 
 _SEEN = 1e-12
-"""Share of the largest eigenvalue of the correlations below which a direction is rounding."""
+"""Share of the largest eigenvalue of the correlations below which a direction is rounding in any case."""
 MOST_FEEDBACK = 0.9
 """Rounds that converge more slowly than by this factor are not told from such that do not."""
 
@@ -38,7 +38,7 @@ def feedback(found: Solved, changes: Array, fitted: Callable[[Array], Array]) ->
     """
     if not changes.any():
         return np.eye(len(changes))
-    root, back = _axes(found.covariance)
+    root, back = _axes(found.covariance, found.solution.normal.rounding)
     response = back @ found.moved_by(_left_by(found, root.T @ changes))
     most = np.linalg.svd(response)[2][0]
     here, step = found.values, root @ most
@@ -50,12 +50,18 @@ def feedback(found: Solved, changes: Array, fitted: Callable[[Array], Array]) ->
     return np.asarray(np.eye(len(here)) + root @ (np.linalg.inv(unit - response) - unit) @ back)
 
 
-def _axes(covariance: Array) -> tuple[Array, Array]:
-    """Return R with RR' the covariance, in units of the standard errors, and its inverse from the left."""
+def _axes(covariance: Array, rounding: float = 0.0) -> tuple[Array, Array]:
+    """Return R with RR' the covariance, in units of the standard errors, and its inverse from the left.
+
+    Args:
+        covariance: of the parameters, shape (n, n).
+        rounding: share of its largest eigenvalue to which it is true. Along what is known better than that by so much
+            an axis points anywhere.
+    """
     spread = np.sqrt(np.clip(np.diag(covariance), 0.0, None))
     size = np.where(spread > 0.0, spread, 1.0)
     value, vector = np.linalg.eigh(covariance / np.outer(size, size))
-    seen = value > _SEEN * max(float(value[-1]), 1e-300)
+    seen = value > max(_SEEN, rounding) * max(float(value[-1]), 1e-300)
     scale = np.sqrt(value[seen])
     return size[:, None] * vector[:, seen] * scale, vector[:, seen].T / scale[:, None] / size
 

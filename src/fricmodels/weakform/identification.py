@@ -38,6 +38,9 @@ def identified(found: Solved) -> Solved:
     refused: set[str] = set()
     while True:
         reasons = not_identified(drive, now.values, now.covariance, now.undetermined, searched)
+        if held:  # what is said of an interval is said of the one that is given, with nothing held
+            given = not_identified(drive, now.values, free.covariance, now.undetermined, searched)
+            reasons = {key: given.get(key, reason) for key, reason in reasons.items()}
         reasons = {**lost_in_noise(noisy), **reasons, **held}
         choice = to_hold(drive, now.values, now.covariance, searched, set(reasons) - set(held) - refused, noisy)
         if choice is None:
@@ -102,7 +105,7 @@ def not_identified(
             found[key] = f"its 95 % interval, {values[i] - half:.3g} to {values[i] + half:.3g} {unit}, contains zero"
             if correlation > 0.9:
                 found[key] += f"; it trades with {keys[partner]} (correlation {correlation:.3f})"
-    return found
+    return {key: found[key] for key in keys if key in found}
 
 
 def to_hold(

@@ -71,6 +71,12 @@ class NormalEquations:
         return len(self.gram) if self.quick is not None else int((self.values > RANK_TOLERANCE).sum())
 
     @property
+    def rounding(self) -> float:
+        """Share of its largest eigenvalue to which the inverse, in scaled columns, is true where the products are."""
+        seen = self.values[self.values > RANK_TOLERANCE]
+        return float(len(seen) * np.finfo(float).eps * seen[-1] / seen[0]) if len(seen) else 1.0
+
+    @property
     def null(self) -> Array:
         """Directions, in scaled columns, that the data do not determine, shape (n, n − rank)."""
         if self.quick is not None:
@@ -86,7 +92,9 @@ class NormalEquations:
         """(XᵀX)⁻¹ in the original columns, of the part that the data determine."""
         if self.quick is not None:
             return self.quick
-        return np.asarray((self.vectors * self._inverse_values) @ self.vectors.T / (self.size[:, None] * self.size))
+        found = (self.vectors * self._inverse_values) @ self.vectors.T / (self.size[:, None] * self.size)
+        some = np.diag(self.gram) > _NOTHING  # a column of zeros has no part in any direction, not even by rounding
+        return np.asarray(np.where(some & some[:, None], found, 0.0))
 
     @property
     def first_alone(self) -> float:
@@ -107,11 +115,19 @@ class NormalEquations:
             return np.asarray(free)
         root = np.sqrt(np.maximum(self.values, RANK_TOLERANCE))
         back = self.vectors / root / self.size[:, None]
-        return free + back @ _least_distance(constraints @ back, -slack)
+        step, active = _least_distance(constraints @ back, -slack)
+        found = free + back @ step
+        for row in np.flatnonzero(active & (np.count_nonzero(constraints, axis=1) == 1)).tolist():
+            place = int(np.flatnonzero(constraints[row])[0])
+            found[place] = limits[row] / constraints[row, place]  # it is at its bound, not beside it by rounding
+        return found
 
 
-def _least_distance(matrix: Array, bound: Array) -> Array:
-    """Return the shortest z with ``matrix @ z ≥ bound`` (Lawson and Hanson, Solving Least Squares Problems, ch. 23)."""
+def _least_distance(matrix: Array, bound: Array) -> tuple[Array, NDArray[np.bool_]]:
+    """Return the shortest z with ``matrix @ z ≥ bound``, and which of these rows are equal to their bounds.
+
+    Source: C. L. Lawson, R. J. Hanson, "Solving Least Squares Problems", 1974, ch. 23.
+    """
     from scipy.optimize import nnls
 
     rows = np.linalg.norm(matrix, axis=1)
@@ -123,4 +139,4 @@ def _least_distance(matrix: Array, bound: Array) -> Array:
     target[-1] = 1.0
     dual, _ = nnls(stacked, target)
     residual = stacked @ dual - target
-    return np.asarray(-residual[:-1] / residual[-1] * unit)
+    return np.asarray(-residual[:-1] / residual[-1] * unit), dual > 0.0

@@ -58,7 +58,8 @@ def _ready(recording: Recording) -> Recording:
     if float(np.ptp(prepared.velocity)) == 0:
         raise InputError(f"recording '{recording.name}' does not move; record some motion")
     give_back(len(prepared))
-    return prepared.with_channels(derived="time" in recording.derived, time=prepared.time - prepared.time[0])
+    time, begin = prepared.time, float(prepared.time[0])
+    return prepared.with_channels(derived="time" in recording.derived, time=time - begin if begin else time)
 
 
 _kept = once(_ready)

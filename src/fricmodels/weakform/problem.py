@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cache, cached_property, lru_cache
+from functools import cached_property, lru_cache
 from typing import Any
 
 import numpy as np
@@ -29,7 +29,7 @@ from fricmodels.weakform.explained import explained_torque
 from fricmodels.weakform.friction_limits import limits_of_friction
 from fricmodels.weakform.quadrature import Quadrature
 from fricmodels.weakform.regression import Regression
-from fricmodels.weakform.remembered import Remembered, Room
+from fricmodels.weakform.remembered import INTEGRALS, Remembered
 from fricmodels.weakform.row_noise import bump_width, momentum_noise, noise_in_columns, noise_like, torque_noise
 from fricmodels.weakform.smoothed import smoothed
 from fricmodels.weakform.test_functions import HOPS, TestFunctions, mean_velocity
@@ -37,8 +37,8 @@ from fricmodels.weakform.unclear import creeping, direction_unclear
 
 _OF_ROWS = {"momentum", "noise_of_momentum", "driving", "torque_rate", "sign_change", "target", "centre", "integrated"}
 """What is computed once for the same rows."""
-_ROOM = Room(2**28)
-"""Bytes of integrals that all problems remember."""
+_MEMORIES = 2
+"""Models of which it is kept how their internal states are integrated along a motion."""
 
 
 @dataclass(frozen=True)
@@ -298,7 +298,7 @@ class WeakFormProblem:
     @cached_property
     def integrated(self) -> Remembered:
         """Integrals of this problem that do not depend on a regression, by what they are of."""
-        return Remembered(_ROOM)
+        return Remembered(INTEGRALS)
 
     def evaluate(self, drive: Drive, nonlinear: Sequence[float] = (), delay: float = 0.0) -> tuple[Array, Array]:
         """Evaluate a drive's linear columns at the quadrature's samples; internal states follow the smooth motion.
@@ -343,7 +343,7 @@ class WeakFormProblem:
         moved = np.where(self.resting, 0.0, self.smooth)  # at rest there is only noise, which a state would gather
         along = replace(self.recording, channels={**self.recording.channels, "velocity": moved})
         whole, width = along.whole(), rest_width(along)
-        return cache(lambda model: Drive(model, None, self.drive.motion).memory(whole, width))
+        return lru_cache(_MEMORIES)(lambda model: Drive(model, None, self.drive.motion).memory(whole, width))
 
     @cached_property
     def _places(self) -> NDArray[np.int64]:

@@ -53,9 +53,19 @@ class Room:
                 self._drop(owner, key)
             self._keys.pop(owner, None)
 
+    def clear(self) -> None:
+        """Let go of all arrays; what is asked for again is computed again."""
+        with self._turn:
+            while self._arrays:
+                self._drop(*next(iter(self._arrays)))
+
     def _drop(self, owner: int, key: Hashable) -> None:
         self._free += self._arrays.pop((owner, key)).nbytes
         self._keys[owner].discard(key)
+
+
+INTEGRALS = Room(3 * 2**26)
+"""Bytes of integrals that all weak-form problems remember."""
 
 
 class Remembered:

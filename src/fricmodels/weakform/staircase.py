@@ -29,6 +29,8 @@ from fricmodels.weakform.test_functions import mean_velocity
 
 PLACES = 8
 """Places of the staircase, evenly spaced within a step."""
+_ON_EDGE = 1e-9
+"""Share of a step: what lies so near below an edge lies on it but for rounding, as means of few rounded values do."""
 _GOLDEN = 0.5 * (np.sqrt(5.0) - 1.0)
 """Multiples of it, less whole numbers, are spread evenly: offsets that do not go with the places."""
 
@@ -50,7 +52,7 @@ def errors_of_steps(recording: Recording) -> tuple[Array, Array]:
     if course is None or len(course) != len(values):
         course = lanczos_derivative(time, values, max(derived, 1), run)[0]
     place = (np.arange(PLACES) + 0.5) / PLACES
-    errors = step * (np.floor(course / step + place[:, None]) + 0.5 - place[:, None]) - course
+    errors = step * (np.floor(course / step + place[:, None] + _ON_EDGE) + 0.5 - place[:, None]) - course
     if not derived:
         errors += step * (2.0 * (np.arange(1, PLACES + 1) * _GOLDEN % 1.0) - 1.0)[:, None]
         return errors, errors

@@ -28,6 +28,8 @@ from fricmodels.weakform.stretches import segments
 
 HOPS = 8
 """Neighbouring bumps are an eighth of a bump apart: finer ones say nothing new."""
+_TOGETHER = 8
+"""Rows that are integrated together, so that memory stays bounded."""
 
 
 def mean_velocity(recording: Recording, position: Array) -> Array:
@@ -139,6 +141,9 @@ class TestFunctions:
 
     def torques(self, quadrature: Quadrature, rows: Array) -> Array:
         """Return ∫φ f dt of rows, shape (k, N + two for each split cell) → (k, number of test functions)."""
+        if len(rows) > _TOGETHER:
+            some = [rows[start : start + _TOGETHER] for start in range(0, len(rows), _TOGETHER)]
+            return np.concatenate([self.torques(quadrature, each) for each in some])
         if self.over_cells:
             return self._apply(quadrature.under_hats(rows), self.changes)
         return self.of_cells(quadrature.along_cubics(rows))

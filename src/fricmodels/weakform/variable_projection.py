@@ -23,6 +23,10 @@ TOLERANCE = 1e-6
 standard error, √(TOLERANCE)."""
 _FEW = 2
 """Columns that move, up to which only their own products are made anew."""
+_NOTHING = 1e-9
+"""Share of the target below which what a parameter changes is rounding, as where its amplitude is at a bound."""
+_EQUAL = 1e-9
+"""Share by which squared errors that are equal but for rounding may differ: the first of them is taken."""
 
 
 class _Tried:
@@ -218,7 +222,10 @@ class Projection:
     def best_start(self, nonlinear: Nonlinear) -> Array:
         """Return the starting point that leaves least."""
         starts = [nonlinear.clip(point) for point in nonlinear.combinations()]
-        return min(starts, key=self.cost) if len(starts) > 1 else starts[0]
+        if len(starts) == 1:
+            return starts[0]
+        costs = np.array([self.cost(start) for start in starts])
+        return starts[int(np.argmax(costs <= (1.0 + _EQUAL) * costs.min()))]
 
     def _descend(self, at: Solution, nonlinear: Nonlinear, max_iterations: int) -> Solution:
         damping = 1e-3
@@ -354,10 +361,16 @@ class Projection:
         target = self._moved(linear, blocks)
         products = self._products(linear)
         theta = self._solve(products, linear @ target)
-        slopes = (values for places, block in zip(self._places, blocks, strict=True) for values in block[len(places) :])
+        slopes = [values for places, block in zip(self._places, blocks, strict=True) for values in block[len(places) :]]
         for (row, j), values in zip(split.slopes, slopes, strict=True):
             factor = 1.0 if row == len(split.linear) else theta[self._first + row]
             own[j] += factor * values
+        whole = float(target @ target)
+        for j in np.flatnonzero(np.einsum("ij,ij->i", own, own) * alpha**2 <= _NOTHING * whole).tolist():
+            pairs = [(self._first + row, v) for (row, i), v in zip(split.slopes, slopes, strict=True) if i == j]
+            share = [v @ v / products[k, k] for k, v in pairs if k < self._nuisances and products[k, k] > 0.0]
+            if own[j] @ own[j] <= _NOTHING**2 * whole * max(share, default=0.0):
+                own[j] = 0.0
         residual = target - theta @ linear
         gram = np.empty((len(columns), len(columns)))
         gram[:n, :n] = products
