@@ -32,3 +32,17 @@ def test_blocks_change_no_torque_error(made: Callable[..., Recording], monkeypat
         np.testing.assert_allclose(dataclasses.astuple(own), dataclasses.astuple(its), rtol=1e-10)
     np.testing.assert_allclose(errors, other, rtol=1e-9, atol=1e-11 * float(np.max(np.abs(errors))))
     np.testing.assert_array_equal(torque.filtered_torque_error(drive, values, train, 7), filtered)
+
+
+@pytest.mark.parametrize("of", ["velocity", "position"])
+def test_moments_in_blocks_enter_a_balance_alike(of: balance.Source) -> None:
+    rng = np.random.default_rng(1)
+    first, second, step = rng.standard_normal((2, 20)), rng.standard_normal((2, 20)), rng.uniform(1.0, 2.0, 20)
+    expected = []
+    for one in (first, second):
+        weighed = one * step
+        expected.append(weighed[1, :-1] + weighed[0, 1:] if of == "position" else weighed.sum(axis=0))
+    for size in (1, 3, 20):
+        cut = [slice(start, min(start + size, 20)) for start in range(0, 20, size)]
+        found = balance._in_balance(((part, first[:, part].copy(), second[:, part].copy()) for part in cut), step, of)
+        np.testing.assert_array_equal(found, expected)

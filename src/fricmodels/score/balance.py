@@ -158,8 +158,11 @@ def balances(drive: Drive, values: Mapping[str, float], prepared: Recording) -> 
     smooth, spread = smoothed_velocity(prepared)
     rest = resting(prepared)
     # At a reversal the slope of the velocity jumps; there smoothing may change it by more than noise does.
-    bent = np.abs(prepared.velocity - smooth) > 3 * velocity_noise(prepared).deviation
+    apart = prepared.velocity - smooth
+    bent = np.abs(apart, out=apart) > 3 * velocity_noise(prepared).deviation
+    del apart
     velocity = np.where(bent, prepared.velocity, smooth)
+    del bent
     velocity[rest | (np.abs(velocity) <= standstill(velocity))] = 0.0
     doubtful = np.abs(velocity) <= 3 * spread
     recording, values = drive.timed(prepared, values)
@@ -171,8 +174,7 @@ def balances(drive: Drive, values: Mapping[str, float], prepared: Recording) -> 
         memory = [state[part] for state in states]
         applied = one.torque - one.load_torque
         found = friction_moments(drive, values, one, memory, rest[part], doubtful[part])
-        friction = [_weighted(each, np.diff(one.time), of) for each in found]
-        del found
+        friction = _in_balance(found, np.diff(one.time), of)
         balance = _balance(part, one.time, applied, inertia * prepared[of][part], friction, of)
         del friction
         if rest[part].any():
@@ -227,11 +229,11 @@ def _balance(part: slice, time: Array, applied: Array, motion: Array, friction: 
         time: time stamps [s], shape (N,).
         applied: τ_m − τ_L at the samples.
         motion: velocity or position times inertia.
-        friction: least and greatest, of :func:`friction_moments`, as :func:`_weighted` gives them.
+        friction: least and greatest, of :func:`friction_moments`, as :func:`_in_balance` gives them.
         of: what ``motion`` is.
     """
     step = np.diff(time)
-    needed = _weighted(moments(applied[:-1], applied[1:]), step, of)
+    (needed,) = _in_balance(_moments(applied), step, of)
     if of == "position":
         edges, change = (time[:-1] + time[1:]) / 2, np.diff(np.diff(motion) / step)
     else:
@@ -256,10 +258,29 @@ def _balance(part: slice, time: Array, applied: Array, motion: Array, friction: 
     return Balance(part, time, edges, most, needed, error)
 
 
-def _weighted(found: Array, step: Array, of: Source) -> Array:
-    """Return :func:`moments` of intervals of some length as they enter a balance; they are changed."""
-    found *= step
-    return np.asarray(found[1, :-1] + found[0, 1:] if of == "position" else found.sum(axis=0))
+def _moments(values: Array) -> Iterator[tuple[slice, Array]]:
+    """Yield the moments of straight lines between values, of some intervals after the other."""
+    for start in range(0, len(values) - 1, _BLOCK):
+        part = values[start : start + _BLOCK + 1]
+        yield slice(start, start + len(part) - 1), moments(part[:-1], part[1:])
+
+
+def _in_balance(found: Iterable[tuple[slice, *tuple[Array, ...]]], step: Array, of: Source) -> list[Array]:
+    """Return :func:`moments` of intervals of some length, that come some after the other, as they enter a balance.
+
+    Of positions each weighs the end of an interval and the beginning of the next one, else a whole interval.
+    """
+    sums: list[Array] = []
+    for part, *several in found:
+        sums = sums or [np.empty(len(step)) for _ in several]
+        for total, each in zip(sums, several, strict=True):
+            each *= step[part]
+            if of == "position":
+                total[part] = each[1]
+                total[part.start - 1 if part.start else 0 : part.stop - 1] += each[0, 0 if part.start else 1 :]
+            else:
+                total[part] = each.sum(axis=0)
+    return [total[:-1] for total in sums] if of == "position" else sums
 
 
 def _slope_of_spline(edges: Array, values: Array, time: Array) -> Array:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from fricmodels.drive import Drive
 from fricmodels.recording import Recording
+from fricmodels.results.words import about_noise, noise_text
 from fricmodels.score.balance import balances, noise_balances, over_windows
 from fricmodels.score.noise import apparent_inertia
 from fricmodels.signals.rest import once
@@ -68,15 +69,16 @@ class Errors:
     def in_words(self, unit: str) -> str:
         """Return the error of the headline and that per sample, each with what noise alone would leave."""
         line, sample = self.headline, self.per_sample
+        noise = about_noise(line.noise_floor_percent)
         text = (
             f"RMS torque error {self.averaged}: {line.SI:.4g} {unit}, {line.percent:.4g} % of the RMS motor torque; "
-            f"test error {line.held_out_percent:.4g} %; noise alone would leave about {line.noise_floor_percent:.3g} %."
+            f"test error {line.held_out_percent:.4g} %; noise alone would leave {noise}."
         )
         if line is sample:
             return text
         return (
             f"{text} Per sample ({sample.window_ms:.3g} ms): {sample.percent:.3g} %; test error "
-            f"{sample.held_out_percent:.3g} %; noise alone {sample.noise_floor_percent:.3g} %."
+            f"{sample.held_out_percent:.3g} %; noise alone {noise_text(sample.noise_floor_percent)}."
         )
 
     @property

@@ -8,7 +8,7 @@ the error is how far the torque that would be needed lies outside these limits, 
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
@@ -110,7 +110,7 @@ def filtered_torque_error(
     moving = recording.with_channels(velocity=smooth)
     if beyond_sampling:
         doubtful |= np.abs(smooth) <= slowest_certain(drive, values, moving)
-    error, rate = np.zeros(len(recording)), np.zeros(len(recording))
+    error, rate = np.zeros(len(recording)), np.zeros(len(recording) if beyond_sampling else 0)
     inertia, parameters = drive.split(values)
     states = drive.states(moving, parameters)
     for part in stretches(recording.time, recording.run):
@@ -118,8 +118,11 @@ def filtered_torque_error(
         if len(one) < 2:
             continue
         needed = _mean(one.torque - one.load_torque) - inertia * np.diff(recording.velocity[part]) / np.diff(one.time)
-        friction = friction_moments(drive, values, one, [state[part] for state in states], rest[part], doubtful[part])
-        least, greatest = (moments.sum(axis=0) for moments in friction)
+        least, greatest = np.empty((2, len(needed)))
+        for some, low, high in friction_moments(
+            drive, values, one, [state[part] for state in states], rest[part], doubtful[part]
+        ):
+            least[some], greatest[some] = low.sum(axis=0), high.sum(axis=0)
         if beyond_sampling:
             limits = drive.sticking_interval(one, values, states=[state[part] for state in states])
             less, more = about_reversals(one.velocity, share_before_zero(one.velocity), *limits)
@@ -149,23 +152,24 @@ def friction_moments(
     states: Sequence[Array],
     rest: Mask,
     doubtful: Mask,
-) -> tuple[Array, Array]:
-    """Return :func:`moments` of the least and the greatest friction torque of each interval; equal while sliding.
+) -> Iterator[tuple[slice, Array, Array]]:
+    """Yield :func:`moments` of the least and the greatest friction torque of some intervals after the other.
 
-    Where the velocity is zero, though not long enough for a rest, the friction lies anywhere in the sticking interval.
+    They are equal while sliding. Where the velocity is zero, though not long enough for a rest, the friction lies
+    anywhere in the sticking interval.
+
+    Yields:
+        Which intervals they are, and the moments, shape (2, intervals) each.
     """
-    count, share = len(one) - 1, share_before_zero(one.velocity)
-    least, greatest = np.empty((2, count)), np.empty((2, count))
+    count = len(one) - 1
     for start in range(0, count, _INTERVALS):
         stop = min(start + _INTERVALS, count)
-        part = slice(start, stop + 1)
+        part, before = slice(start, stop + 1), max(start - 1, 0)
         some = one.select(part)
         vars(some).update(peak_speed=one.peak_speed)  # by which the width of rest is known, of all and not of a part
-        found = _moments_of(
-            drive, values, some, [state[part] for state in states], rest[part], doubtful[part], share[start:stop]
-        )
-        least[:, start:stop], greatest[:, start:stop] = found
-    return least, greatest
+        share = share_before_zero(one.velocity[before : stop + 2])[start - before :][: stop - start]
+        found = _moments_of(drive, values, some, [state[part] for state in states], rest[part], doubtful[part], share)
+        yield slice(start, stop), *found
 
 
 def _moments_of(

@@ -173,6 +173,11 @@
 
   const WIDE = 668, NARROW = 322; // pixels of A4 and of half of it
   const TOUCH = window.matchMedia("(pointer: coarse)").matches;
+  function sized(held, place) {
+    held.width = place.closest(".gallery") && !place.closest(".wide") ? NARROW : WIDE;
+    place.style.height = `${onPaper(held)}px`;
+  }
+
   const settings = { displayModeBar: false, responsive: false, showTips: false, doubleClick: "reset" };
 
   function draw(place) {
@@ -183,6 +188,7 @@
       const figure = JSON.parse(unpacked(place.id + "-data"));
       const held = { looks: library(), figure, width: place.clientWidth, height: place.clientHeight };
       drawn.set(place, held);
+      if (paper) sized(held, place);
       Plotly.newPlot(place, ...drawing(held, place), settings);
       place.dataset.drawn = "yes";
       tools(place);
@@ -269,15 +275,11 @@
   window.addEventListener("beforeprint", () => {
     unfolded = [...document.querySelectorAll("main details:not([open])")].filter((each) => !each.closest(".tools"));
     unfolded.forEach((each) => { each.open = true; });
-    places.forEach(draw);
     paper = true;
     fitted();
-    for (const [place, held] of drawn) {
-      if (!held) continue;
-      held.width = place.closest(".gallery") && !place.closest(".wide") ? NARROW : WIDE;
-      place.style.height = `${onPaper(held)}px`;
-    }
+    for (const [place, held] of drawn) if (held) sized(held, place);
     again(() => true);
+    places.forEach(draw); // what was not drawn yet is drawn once, as it is on paper
   });
   window.addEventListener("afterprint", () => {
     paper = false;

@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
-from fricmodels.arrays import Array, Index
+from fricmodels.arrays import Array, Index, Mask
 from fricmodels.dimension import DISPLACEMENT
 from fricmodels.errors import InputError
 from fricmodels.report.figures.grid import even_edges
 from fricmodels.report.figures.hysteresis import reversals
-from fricmodels.report.figures.residuals import correlation_length
+from fricmodels.report.figures.residuals import Pieces, resemblance
 from fricmodels.report.figures.samples import Samples
 from fricmodels.report.figures.style import LIGHT, Figure, graph_objects, label, logarithmic, styled, unit_of, words
 
@@ -30,6 +31,11 @@ _LEAST = 8
 _OUTER = 0.002
 _PERIODS = 1.5
 """A position is folded where it covers more periods than this."""
+_BLOCK = 1 << 17
+"""Samples that are looked at together, so that memory stays bounded."""
+
+_Block: TypeAlias = tuple[Array, Array, Array, Index]
+"""Where some samples lie, two signals of them, and the uninterrupted piece that each belongs to."""
 
 
 @dataclass(frozen=True)
@@ -61,21 +67,54 @@ def means(x: Array, values: Array, other: Array, piece: Index, edges: Array) -> 
         piece: uninterrupted pieces of the samples.
         edges: of the bins; what lies beyond them is left out.
     """
-    place = np.searchsorted(edges, x, side="right") - 1
-    inside = (place >= 0) & (place < len(edges) - 1)
-    place, kept = place[inside], values[inside]
+
+    def blocks() -> Iterator[_Block]:
+        for start in range(0, len(x), _BLOCK):
+            part = slice(start, start + _BLOCK)
+            yield x[part], values[part], other[part], piece[part]
+
+    return _means(blocks, edges)
+
+
+def _means(blocks: Callable[[], Iterator[_Block]], edges: Array) -> Means:
+    """Return :func:`means` of samples that come in blocks, in order of time, twice: memory stays bounded."""
     size = len(edges) - 1
-    count = np.bincount(place, minlength=size)
+    count, total, second = np.zeros(size, dtype=np.int64), np.zeros(size), np.zeros(size)
+    pieces = Pieces()
+    for x, values, other, piece in blocks():
+        place, inside = _bins(x, edges)
+        count += np.bincount(place, minlength=size)
+        total, second = _added(total, place, values[inside]), _added(second, place, other[inside])
+        pieces.follow(piece[inside])
     some = np.maximum(count, 1)
-    mean = np.bincount(place, kept, size) / some
-    second = np.bincount(place, other[inside], size) / some
-    kept -= mean[place]
-    deviation = np.sqrt(np.bincount(place, kept**2, size) / some)
-    del place
-    alike = correlation_length(kept, piece[inside])
+    mean, square, taken = total / some, np.zeros(size), 0
+    longest = pieces.beginning_of_longest()
+    excerpt = [np.zeros(0)]
+    for x, values, _, _ in blocks():
+        place, inside = _bins(x, edges)
+        rest = values[inside]
+        rest -= mean[place]
+        square = _added(square, place, rest**2)
+        excerpt.append(rest[max(longest.start - taken, 0) : max(longest.stop - taken, 0)])
+        taken += len(rest)
+    deviation, alike = np.sqrt(square / some), resemblance(np.concatenate(excerpt))
     shown = count >= _LEAST
     half = NORMAL_95 * deviation / np.sqrt(np.maximum(count / alike, 1.0))
-    return Means(((edges[:-1] + edges[1:]) / 2)[shown], mean[shown], half[shown], second[shown])
+    return Means(((edges[:-1] + edges[1:]) / 2)[shown], mean[shown], half[shown], (second / some)[shown])
+
+
+def _bins(x: Array, edges: Array) -> tuple[Index, Mask]:
+    """Return the bin of each sample that lies in one, and which samples do."""
+    place = np.searchsorted(edges, x, side="right") - 1
+    inside = (place >= 0) & (place < len(edges) - 1)
+    return place[inside], inside
+
+
+def _added(total: Array, place: Index, values: Array) -> Array:
+    """Return sums in bins with further values added to them one after the other, as if all were added at once."""
+    size = len(total)
+    places, weights = np.concatenate([np.arange(size), place]), np.concatenate([total, values])
+    return np.asarray(np.bincount(places, weights, size), dtype=float)
 
 
 @dataclass(frozen=True)
@@ -105,19 +144,29 @@ def error_over(
 ) -> ErrorOver:
     """Return the mean error over a channel; see :func:`error_against`."""
     samples = Samples.of(before)
-    index, x, title, folded = _place(samples, channel, period)
-    error = samples.error[index]
-    added = error - Samples.of(after).error[index] if after is not None else np.zeros(len(error))
-    side, piece = np.sign(samples.velocity[index]), samples.recording.run[index]
-    del index
-    low, high = (float(q) for q in np.quantile(x, [_OUTER / 2, 1 - _OUTER / 2]))
-    edges = even_edges(*((0.0, folded) if folded else (low, high)), _BINS)
-    plain = means(x, error, added, piece, edges)
-    turned = means(x, side * error, side * added if after is not None else added, piece, edges)
+    error = samples.error
+    larger = None if after is None else Samples.of(after).error
+    place, title, folded = _place(samples, channel, period)
+    edges = even_edges(*((0.0, folded) if folded else place.reach()), _BINS)
+
+    def found(turn: bool, left: bool = False) -> Means:
+        def blocks() -> Iterator[_Block]:
+            for index, x in place.blocks():
+                own = error[index]
+                added = np.broadcast_to(0.0, len(own)) if larger is None else own - larger[index]
+                shown = own - added if left else own
+                side = np.sign(samples.velocity[index]) if turn else 1.0
+                what = added if left or larger is None else side * added
+                yield x, side * shown, what, samples.recording.run[index]
+
+        return _means(blocks, edges)
+
+    plain, turned = found(turn=False), found(turn=True)
     stronger = _strength(turned, after is not None) > _strength(plain, after is not None)
     opposes = bool(stronger) if along is None else along
-    left = means(x, (side if opposes else 1.0) * (error - added), added, piece, edges) if after is not None else None
-    return ErrorOver(turned if opposes else plain, left, title, opposes)
+    return ErrorOver(
+        turned if opposes else plain, found(opposes, left=True) if larger is not None else None, title, opposes
+    )
 
 
 def error_against(
@@ -180,26 +229,57 @@ def _strength(shown: Means, modelled: bool) -> float:
     return float(np.mean((shown.other if modelled else shown.mean) ** 2)) if len(shown.at) else 0.0
 
 
-def _place(samples: Samples, channel: str, period: float | None) -> tuple[Index, Array, str, float]:
-    """Return the samples, where they lie, the title of that axis, and the period over which they are folded, or 0."""
-    moving = np.flatnonzero(~samples.resting)
+@dataclass(frozen=True)
+class _Place:
+    """Samples, and where they lie on an axis.
+
+    Attributes:
+        samples: which ones, in order: a mask of all, or their numbers.
+        at: where each of all samples lies; where they are numbered, each of these.
+        period: over which that is folded, or 0.
+    """
+
+    samples: Mask | Index
+    at: Array
+    period: float = 0.0
+
+    def blocks(self) -> Iterator[tuple[Index, Array]]:
+        """Yield the numbers of some samples after the other, and where they lie."""
+        for start in range(0, len(self.at), _BLOCK):
+            part = slice(start, start + _BLOCK)
+            some = self.samples[part]
+            numbers = np.flatnonzero(some) + start if some.dtype == bool else np.asarray(some, np.int64)
+            at = self.at[part][some] if some.dtype == bool else self.at[part]
+            yield numbers, np.mod(at, self.period) if self.period else at
+
+    def reach(self) -> tuple[float, float]:
+        """Return between which places all but a few samples lie."""
+        at = self.at[self.samples] if self.samples.dtype == bool else self.at.copy()
+        low, high = np.quantile(at, [_OUTER / 2, 1 - _OUTER / 2], overwrite_input=True)
+        return float(low), float(high)
+
+
+def _place(samples: Samples, channel: str, period: float | None) -> tuple[_Place, str, float]:
+    """Return where the samples lie, the title of that axis, and the period over which they are folded, or 0."""
+    moving = ~samples.resting
     length = unit_of(DISPLACEMENT, samples.motion)
     if channel == SINCE_REVERSAL:
         near = reversals(samples)
         after = near.select(near.leaving)
         after = after.select(after.common(after.way))
-        return after.index, after.way, label(SINCE_REVERSAL, length), 0.0
+        return _Place(after.index, after.way), label(SINCE_REVERSAL, length), 0.0
     if channel == "velocity":
-        return moving, samples.velocity[moving], samples.axis("velocity"), 0.0
+        return _Place(moving, samples.velocity), samples.axis("velocity"), 0.0
     if channel == TORQUE_RATE:
-        rate = samples.recording.signal("motor_torque_rate")[moving]
-        return moving, rate, label(words("rate of the motor torque", samples.motion), samples.unit(channel)), 0.0
+        rate = samples.recording.signal("motor_torque_rate")
+        title = label(words("rate of the motor torque", samples.motion), samples.unit(channel))
+        return _Place(moving, rate), title, 0.0
     if channel not in samples.recording or not float(np.ptp(samples.recording[channel])) > 0:
         raise InputError(f"the channel '{channel}' of recording '{samples.recording.name}' never changes")
-    values = samples.recording[channel][moving]
-    if channel == "position" and period and float(np.ptp(values)) > _PERIODS * period:
-        return moving, np.mod(values, period), label("position within one period", length), period
-    return moving, values, samples.axis(channel), 0.0
+    values = samples.recording[channel]
+    if channel == "position" and period and float(np.ptp(values[moving])) > _PERIODS * period:
+        return _Place(moving, values, period), label("position within one period", length), period
+    return _Place(moving, values), samples.axis(channel), 0.0
 
 
 def stribeck(before: Comparison, after: Comparison | None = None) -> Figure:

@@ -99,15 +99,38 @@ def _edges(values: Array, cells: int) -> Array:
     return even_edges(low, high, cells)
 
 
-def correlation_length(values: Array, piece: Index) -> float:
-    """Return over how many samples a signal resembles itself: the sum of its autocorrelation up to its first zero.
+class Pieces:
+    """Finds the longest piece of samples that come in blocks."""
 
-    From the longest piece, or its beginning.
-    """
-    starts = np.flatnonzero(np.concatenate([[True], np.diff(piece) != 0]))
-    sizes = np.diff(np.append(starts, len(values)))
-    longest = int(np.argmax(sizes))
-    part = values[starts[longest] : starts[longest] + min(int(sizes[longest]), _EXCERPT)]
+    def __init__(self) -> None:
+        self._count = 0
+        self._starts = [np.zeros(0, dtype=np.int64)]
+        self._last: Index = np.zeros(0, dtype=np.int64)
+
+    def follow(self, piece: Index) -> None:
+        """Take further samples: the number of the piece that each belongs to, shape (N,)."""
+        joined = np.concatenate([self._last, piece])
+        starts = np.flatnonzero(joined[1:] != joined[:-1]) + 1
+        self._starts.append(starts + self._count - len(self._last))
+        self._count, self._last = self._count + len(piece), joined[-1:]
+
+    def beginning_of_longest(self) -> slice:
+        """Return which samples the longest piece is, the first of those as long, or its beginning."""
+        starts = np.concatenate([[0], *self._starts])
+        sizes = np.diff(np.append(starts, self._count))
+        longest = int(np.argmax(sizes))
+        return slice(int(starts[longest]), int(starts[longest]) + min(int(sizes[longest]), _EXCERPT))
+
+
+def correlation_length(values: Array, piece: Index) -> float:
+    """Return over how many samples a signal resembles itself, from the longest piece, or its beginning."""
+    pieces = Pieces()
+    pieces.follow(piece)
+    return resemblance(values[pieces.beginning_of_longest()])
+
+
+def resemblance(part: Array) -> float:
+    """Return over how many samples a signal resembles itself: the sum of its autocorrelation up to its first zero."""
     part = part - part.mean()
     count = len(part)
     power = np.abs(np.fft.rfft(part, 2 * count)) ** 2

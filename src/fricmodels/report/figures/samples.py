@@ -6,11 +6,12 @@ import weakref
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
+from numpy.typing import NDArray
 
-from fricmodels.arrays import Array, Index, Mask
+from fricmodels.arrays import Array, Mask
 from fricmodels.dimension import FORCE, Motion
 from fricmodels.processes import give_back
 from fricmodels.recording import RUN, Recording
@@ -20,6 +21,8 @@ if TYPE_CHECKING:
     from fricmodels.diagnosis.comparison import Comparison
     from fricmodels.drive import Drive
 
+
+_Pieces: TypeAlias = tuple[tuple[bool, slice], ...]
 
 _known: dict[int, tuple[weakref.ref[Comparison], Samples]] = {}
 _joined_before: weakref.WeakValueDictionary[tuple[int, int], _Joined] = weakref.WeakValueDictionary()
@@ -32,7 +35,7 @@ class _Joined:
     Attributes:
         train, test: the parts.
         recording, place, consecutive, kept_back, velocity, resting: as of :class:`Samples`.
-        order: where each sample of the whole stands in the two parts one after the other.
+        pieces: what follows one another in the whole: whether it was kept back, and where it stands in its part.
     """
 
     train: Recording
@@ -43,7 +46,7 @@ class _Joined:
     kept_back: Mask
     velocity: Array
     resting: Mask
-    order: Index
+    pieces: _Pieces
 
     @classmethod
     def of(cls, train: Recording, test: Recording) -> _Joined:
@@ -53,6 +56,10 @@ class _Joined:
         if known is None:
             known = _joined_before[key] = _together(train, test)
         return known
+
+    def in_order(self, train: Array, test: Array) -> Array:
+        """Return what was found of each sample of the two parts, in the order of the whole, shape (N,)."""
+        return _in_order(self.pieces, train, test)
 
 
 @dataclass(frozen=True)
@@ -84,7 +91,7 @@ class Samples:
         window = headline_window(train)
         found = [torque_error_over(self.drive, self.parameters, part, window) for part in (train, test)]
         give_back(len(self.recording))
-        return np.concatenate(found)[self.joined.order]
+        return self.joined.in_order(*found)
 
     @cached_property
     def smoothed_error(self) -> Array:
@@ -95,7 +102,7 @@ class Samples:
         width = sliding_half_width(train)
         found = [filtered_torque_error(self.drive, self.parameters, part, width) for part in (train, test)]
         give_back(len(self.recording))
-        return np.concatenate(found)[self.joined.order]
+        return self.joined.in_order(*found)
 
     @classmethod
     def of(cls, comparison: Comparison) -> Samples:
@@ -215,52 +222,60 @@ class Samples:
         return label("time, runs one after another" if self.consecutive else "time", "s")
 
 
-def _cut_from(train: Recording, test: Recording, order: Index) -> Recording | None:
-    """Return the recording of which two parts are all samples, in its order; its arrays are not copied."""
+def _in_order(pieces: _Pieces, train: NDArray[Any], test: NDArray[Any]) -> NDArray[Any]:
+    return np.concatenate([(test if later else train)[piece] for later, piece in pieces])
+
+
+def _cut_from(train: Recording, test: Recording, pieces: _Pieces) -> Recording | None:
+    """Return the recording of which pieces of two parts are all samples, in its order; its arrays are not copied."""
     if train.origin is None or test.origin is None or train.origin.whole is not test.origin.whole:
         return None
-    whole = train.origin.whole
-    if len(order) != len(whole) or any(name not in whole for name in train.channels):
+    whole, names = train.origin.whole, [name for name in train.channels if name in test]
+    if len(train) + len(test) != len(whole) or any(name not in whole for name in train.channels):
         return None
-    if not np.array_equal(np.concatenate([train.origin.index, test.origin.index])[order], np.arange(len(whole))):
-        return None
-    parts = [(part, part.origin.index) for part in (train, test) if part.origin is not None]
-    names = [name for name in train.channels if name in test]
-    alike = all(np.array_equal(whole[name][index], part[name]) for part, index in parts for name in names)
-    return whole if alike else None
+    begin = 0
+    for later, piece in pieces:
+        part, index = (test, test.origin.index) if later else (train, train.origin.index)
+        there = slice(begin, begin + piece.stop - piece.start)
+        if not np.array_equal(index[piece], np.arange(there.start, there.stop)):
+            return None
+        if not all(np.array_equal(whole[name][there], part[name][piece]) for name in names):
+            return None
+        begin = there.stop
+    return whole
 
 
 def _together(train: Recording, test: Recording) -> _Joined:
     """Put two parts of a recording together again, by time where that says the order."""
     from fricmodels.signals import resting, smoothed_velocity, stretches
 
-    parts = [*((train, piece) for piece in stretches(train.time, train.run))]
-    parts += [(test, piece) for piece in stretches(test.time, test.run)]
-    starts = np.array([part.time[piece.start] for part, piece in parts])
-    stops = np.array([part.time[piece.stop - 1] for part, piece in parts])
+    parts = [*((train, False, piece) for piece in stretches(train.time, train.run))]
+    parts += [(test, True, piece) for piece in stretches(test.time, test.run)]
+    starts = np.array([part.time[piece.start] for part, _, piece in parts])
+    stops = np.array([part.time[piece.stop - 1] for part, _, piece in parts])
     by_time = np.argsort(starts, kind="stable")
     consecutive = bool(np.any(starts[by_time][1:] < stops[by_time][:-1]))
-    offsets = np.concatenate([[0], np.cumsum([piece.stop - piece.start for _, piece in parts])])
     chosen = np.arange(len(parts)) if consecutive else by_time
-    order = np.concatenate([np.arange(offsets[i], offsets[i + 1]) for i in chosen])
-    sizes = np.diff(offsets)[chosen]
-    whole = _cut_from(train, test, order)
+    pieces: _Pieces = tuple(parts[i][1:] for i in chosen)
+    sizes = np.array([piece.stop - piece.start for _, piece in pieces])
+    whole = _cut_from(train, test, pieces)
     channels = {
-        name: np.concatenate([train[name], test[name]])[order] if whole is None else whole[name]
+        name: _in_order(pieces, train[name], test[name]) if whole is None else whole[name]
         for name in train.channels
         if name in test
     }
-    channels[RUN] = np.concatenate([train.signal(RUN), test.signal(RUN)])[order]
-    run = np.repeat(np.arange(len(parts)), sizes)
+    if whole is not None and RUN not in whole and len(whole.run_numbers) == 1:  # one number for all samples
+        channels[RUN] = np.broadcast_to(whole.run[:1].astype(float), len(whole))
+    else:
+        channels[RUN] = _in_order(pieces, train.signal(RUN), test.signal(RUN))
+    run = np.repeat(np.arange(len(pieces)), sizes)
     recording = Recording(train.name, train.motion, channels, run, derived=train.derived, units=train.units)
-    kept_back = np.arange(len(order)) >= len(train)
     place = recording.time
     if consecutive:
         lengths = stops - starts + train.interval
         place = place + np.repeat(np.cumsum(lengths) - lengths - starts, sizes)
-    rests = [resting(part) for part in (train, test)]
-    velocities = [
-        np.where(rest, 0.0, smoothed_velocity(part)[0]) for rest, part in zip(rests, (train, test), strict=True)
-    ]
-    velocity, still = np.concatenate(velocities)[order], np.concatenate(rests)[order].astype(bool)
-    return _Joined(train, test, recording, place, consecutive, kept_back[order], velocity, still, order)
+    still = _in_order(pieces, resting(train), resting(test))
+    velocity = _in_order(pieces, smoothed_velocity(train)[0], smoothed_velocity(test)[0])
+    velocity[still] = 0.0
+    kept_back = np.repeat([later for later, _ in pieces], sizes)
+    return _Joined(train, test, recording, place, consecutive, kept_back, velocity, still, pieces)
