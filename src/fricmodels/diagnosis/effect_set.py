@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fricmodels.diagnosis.basis_functions import hats_within
-from fricmodels.diagnosis.candidate_tests import CandidateTest, CandidateTests, candidate_tests
+from fricmodels.diagnosis.candidate_tests import CandidateTest, CandidateTests, candidate_tests, tested_at
 from fricmodels.diagnosis.floor import floor
+from fricmodels.diagnosis.journal import searched
 from fricmodels.diagnosis.places import largest_place
 from fricmodels.diagnosis.predictability import AUTOREGRESSIVE, ChannelPredictor, channel_predictors, each_predictor
 from fricmodels.diagnosis.verdict import LookAlikes, predicts, select_effect
@@ -81,6 +83,28 @@ def found_in_turn(
 def member_of(result: CandidateTests, found: LookAlikes) -> Member:
     """Return an effect that was found as a member of a set."""
     return Member(found, columns_and_tangents(result, found.first))
+
+
+def without_tangents(result: CandidateTests, member: Member, beside: Array) -> Iterator[Member]:
+    """Yield a member with the columns of its equation alone: as it was found, then sought anew beside given columns.
+
+    A tangent stands for a small change of a nonlinear parameter. Its coefficient has no bound: with a large one the
+    columns add up to what the effect cannot be at any value. A wave and its tangent are a straight line, which no wave
+    is.
+
+    Args:
+        result: the residual.
+        member: an effect of the set; nothing is yielded for one that has no such parameter.
+        beside: columns, shape (k, rows).
+    """
+    effect, first = member.effect, member.found.first
+    if not len(first.found.nonlinear) or any(p.delay for p in effect.parameters):
+        return
+    yield replace(member, columns=first.found.columns)
+    regression = regression_of(result.problem, result.parameters, beside)
+    found = searched(result.problem, regression, effect, result.problem.alone(effect), 0.0)
+    if found is not None and np.any(found.kept):
+        yield Member(replace(member.found, first=tested_at(regression, effect, found)), found.columns)
 
 
 def pruned(result: CandidateTests, members: list[Member]) -> list[Member]:

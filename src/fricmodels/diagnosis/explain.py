@@ -11,7 +11,7 @@ from fricmodels.diagnosis.ladder import Ladder, added
 from fricmodels.diagnosis.predictability import AUTOREGRESSIVE
 from fricmodels.diagnosis.ripple import FastRipple
 from fricmodels.dimension import Motion
-from fricmodels.results.words import SAMPLING, figures, look_alikes, noise_text, of_motion
+from fricmodels.results.words import SAMPLING, about_noise, figures, look_alikes, of_motion
 from fricmodels.weakform.ripple import relations
 
 _FEW = 2
@@ -29,8 +29,8 @@ def explain(diagnosis: Diagnosis, ladder: Ladder | None = None) -> str:
     name = comparison.drive.model.name
     opening = (
         f"The model '{name}' leaves an RMS torque error of {comparison.errors.held_out_percent:.3g} % of the RMS motor "
-        f"torque on data that it was not fitted to, {comparison.errors.averaged}; sensor noise alone would leave about "
-        f"{noise_text(comparison.noise_floor_percent, 2)}."
+        f"torque on data that it was not fitted to, {comparison.errors.averaged}; sensor noise alone would leave "
+        f"{about_noise(comparison.noise_floor_percent, 2)}."
     )
     parts = [opening]
     if diagnosis.verdict == "adequate":

@@ -13,7 +13,8 @@ still does beside a description of the rest that assumes no physics:
 
    and if neither R nor any channel explains clearly more in the place of e. What does is in its place if e loses most
    of what it explains beside it; R then describes no other cause, and is left out of the formula.
-   L is the sum of squared residuals on blocks that were not used for fitting, L_0 what noise and sampling leave.
+   L is the sum of squared residuals, L_0 what noise and sampling leave. What e explains is what its equation can
+   be, without the tangents of its nonlinear parameters.
 
 4. It has one size all over the motion, see :mod:`.constancy`.
 
@@ -29,6 +30,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from fricmodels.diagnosis.basis_functions import FINELY, FINELY_ALONG, FINELY_TORQUE
 from fricmodels.diagnosis.candidate_tests import CandidateTest, CandidateTests
 from fricmodels.diagnosis.constancy import gain_of_own_sizes
 from fricmodels.diagnosis.effect_set import (
@@ -45,6 +47,7 @@ from fricmodels.diagnosis.effect_set import (
     stacked,
     visible_of,
     without,
+    without_tangents,
 )
 from fricmodels.diagnosis.floor import creditable, floor, share_explained
 from fricmodels.diagnosis.policy import Policy
@@ -56,6 +59,8 @@ from fricmodels.weakform.shifted import regression_of
 
 Array = NDArray[np.float64]
 
+_WAVES = frozenset({FINELY, FINELY_ALONG, FINELY_TORQUE})
+"""Predictors that are several waves at numbers that were sought."""
 _RIVALS = 3
 """The best predictors of the whole residual that are asked whether they take the place of several effects."""
 
@@ -163,22 +168,68 @@ def _support(result: CandidateTests, member: Member, others: list[Member], rest:
     def in_its_place(columns: Array) -> bool:
         return gain_of(result, np.vstack([beside, columns]), member).fall < result.policy.kept * own
 
-    taking: list[Array] = []
-    apart = [beside]
-    for part in rest.parts:
-        (taking if in_its_place(part) else apart).append(part)
-    base = np.vstack(apart)
-    described, of_rest = gain_of(result, base, member), float("inf")
-    if taking:
-        instead = regression_of(result.problem, result.parameters, np.vstack([base, *taking]))
-        of_taking = described.before - float(np.sum(instead.loss))
-        ours, theirs = _credited(result, described.before, described.fall, of_taking)
-        _, p_more = compare(described.regression.loss, instead.loss, described.without.terms)
-        if theirs > ours and p_more * rest.tried <= result.policy.outpredicted_significance:
-            of_rest = ours / theirs
+    names = (*rest.channels, *[""] * len(rest.parts))  # effects at their search bounds come last, and have none
+    taking = {i: names[i] for i, part in enumerate(rest.parts) if in_its_place(part)}
+    instead = _Instead(
+        np.vstack([nothing(result), *(rest.parts[i] for i in taking)]), frozenset(taking.values()), rest.tried
+    )
+    apart = [beside, *(part for i, part in enumerate(rest.parts) if i not in taking)]
     # What lasts counts against an effect with memory only: a delay is all that the torque's own past can be.
     counts = len(rest.lasting) and (bool(member.effect.states) or not in_its_place(rest.lasting))
-    full = gain_of(result, np.vstack([base, rest.lasting]), member) if counts else described
+    place = _Place(beside, np.vstack(apart), instead, rest.lasting if counts else nothing(result))
+    found = _support_of(result, member, place)
+    if not found.suffices(result.policy):
+        return found
+    # The Wald test keeps the tangents: they are what was sought besides.
+    for one in without_tangents(result, member, place.base):
+        found = replace(_support_of(result, one, place), p_value=found.p_value)
+        if found.suffices(result.policy):
+            break
+    return found
+
+
+@dataclass(frozen=True)
+class _Instead:
+    """What may be in the place of an effect.
+
+    Attributes:
+        columns: shape (k, rows); none where nothing is.
+        channels: names of the channels that they are of.
+        tried: number of predictors among which these were chosen.
+    """
+
+    columns: Array
+    channels: frozenset[str]
+    tried: int
+
+
+@dataclass(frozen=True)
+class _Place:
+    """Beside what an effect is judged, each as columns, shape (k, rows).
+
+    Attributes:
+        named: the other effects.
+        base: these, and what describes the rest and is not in the place of this effect.
+        instead: what describes the rest and is in its place.
+        lasting: the past of the residual or of the torque, where it counts.
+    """
+
+    named: Array
+    base: Array
+    instead: _Instead
+    lasting: Array
+
+
+def _support_of(result: CandidateTests, member: Member, place: _Place) -> Support:
+    described, of_rest, instead = gain_of(result, place.base, member), float("inf"), place.instead
+    if len(instead.columns):
+        other = regression_of(result.problem, result.parameters, np.vstack([place.base, instead.columns]))
+        of_instead = described.before - float(np.sum(other.loss))
+        ours, theirs = _credited(result, described.before, described.fall, of_instead)
+        if theirs > ours and _is_better(result, described, ours / theirs, other, other.loss, instead):
+            of_rest = ours / theirs
+    lasting = place.lasting
+    full = gain_of(result, np.vstack([place.base, lasting]), member) if len(lasting) else described
     found = Support(
         share_explained(result.problem, full.before, full.before - full.fall, result.policy),
         of_rest,
@@ -188,8 +239,8 @@ def _support(result: CandidateTests, member: Member, others: list[Member], rest:
     )
     if not found.suffices(result.policy):
         return found  # no channel need be asked
-    found = replace(found, of_own_sizes=gain_of_own_sizes(result, member.found.first, beside))
-    of_channel, rival = _against_channels(result, described, member.found.first)
+    found = replace(found, of_own_sizes=gain_of_own_sizes(result, member.found.first, place.named))
+    of_channel, rival = _against_channels(result, described, member.found.first, place.base)
     return replace(found, of_channel=of_channel, rival=rival) if of_channel < of_rest else found
 
 
@@ -239,13 +290,16 @@ def _one_cause(result: CandidateTests, member: Member, others: list[Member]) -> 
     return False
 
 
-def _predicts_beside(result: CandidateTests, regression: Regression, columns: Array, tried: int = 1) -> bool:
-    """Whether columns predict what a regression leaves, as any channel has to that is to count."""
+def _predicts_beside(
+    result: CandidateTests, regression: Regression, columns: Array, tried: int = 1, level: float = 1.0
+) -> bool:
+    """Whether columns predict what a regression leaves, as any channel has to that is to count, and at a level."""
     seen = visible_of(regression, columns)
     if not len(seen):
         return False
     evidence = regression.test(seen)
-    return predicts(replace(result, regression=regression), evidence, min(1.0, evidence.p_value * tried))
+    p_value = min(1.0, evidence.p_value * tried)
+    return p_value < level and predicts(replace(result, regression=regression), evidence, p_value)
 
 
 def _takes_place(result: CandidateTests, predictor: ChannelPredictor, member: Member, every: list[Member]) -> bool:
@@ -255,7 +309,35 @@ def _takes_place(result: CandidateTests, predictor: ChannelPredictor, member: Me
     return gain_of(result, np.vstack([beside, predictor.columns]), member).fall < result.policy.kept * own
 
 
-def _against_channels(result: CandidateTests, gain: Gain, first: CandidateTest) -> tuple[float, str]:
+def _is_better(
+    result: CandidateTests, gain: Gain, ratio: float, other: Regression, loss: Array, instead: _Instead
+) -> bool:
+    """Whether what is in the place of an effect predicts clearly more than it.
+
+    It does if the errors, compared as those of two forecasts, say so (Diebold and Mariano 1995). It also does if it
+    predicts what the effect leaves, and the effect nothing of what it leaves (Chong and Hendry 1986): where an effect
+    lies within what a channel can be, that is the test of its form, of which the two errors tell little. Not so of
+    waves at numbers that were sought: of several in one channel one may be the effect's, and the next another cause's.
+
+    Args:
+        result: the residual.
+        gain: what the effect does.
+        ratio: of what it explains to what is explained in its place.
+        other: the regression with that in its place.
+        loss: its squared residuals, shape (rows,).
+        instead: what is in its place.
+    """
+    policy = result.policy
+    _, p_more = compare(gain.regression.loss, loss, gain.without.terms)
+    if p_more * instead.tried <= policy.outpredicted_significance:
+        return True
+    if ratio >= policy.of_channel or instead.channels & _WAVES:
+        return False
+    adds = _predicts_beside(result, gain.regression, instead.columns, instead.tried, policy.form_significance)
+    return adds and not _predicts_beside(result, other, gain.columns)
+
+
+def _against_channels(result: CandidateTests, gain: Gain, first: CandidateTest, beside: Array) -> tuple[float, str]:
     """Return the least ratio of what an effect explains to what a channel explains that predicts clearly more, and it.
 
     The past of the residual or of the torque counts only against an effect with memory: it shows all that lasts. A
@@ -268,11 +350,12 @@ def _against_channels(result: CandidateTests, gain: Gain, first: CandidateTest) 
         own, theirs = _credited(result, gain.before, gain.fall, gain.before - float(np.sum(predictor.evidence.loss)))
         if own >= theirs:
             continue
-        _, p_more = compare(gain.regression.loss, predictor.evidence.loss, gain.without.terms)
-        if p_more * predictor.tried > policy.outpredicted_significance:
-            continue
         both = gain.without.test(visible_of(gain.without, np.vstack([predictor.columns, gain.columns])))
-        beside = float(np.sum(predictor.evidence.loss)) - float(np.sum(both.loss))
-        if beside < policy.kept * gain.fall and own / theirs < least:
+        kept = float(np.sum(predictor.evidence.loss)) - float(np.sum(both.loss))
+        if kept >= policy.kept * gain.fall or own / theirs >= least:
+            continue
+        other = regression_of(result.problem, result.parameters, np.vstack([beside, predictor.columns]))
+        instead = _Instead(predictor.columns, frozenset({predictor.channels}), predictor.tried)
+        if _is_better(result, gain, own / theirs, other, predictor.evidence.loss, instead):
             least, rival = own / theirs, predictor.channels
     return least, rival
