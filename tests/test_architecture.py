@@ -22,6 +22,7 @@ LAYERS = (
         "documents",
         "files",
         "gaps",
+        "lazy",
         "processes",
         "progress",
         "stored",

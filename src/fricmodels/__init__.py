@@ -9,12 +9,12 @@ Names are imported when first used, so that ``import fricmodels`` is quick.
 
 from __future__ import annotations
 
-import importlib
 from types import ModuleType
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from fricmodels.display import Displayed
 from fricmodels.hookspecs import hookimpl
+from fricmodels.lazy import first_use
 
 if TYPE_CHECKING:
     from fricmodels.diagnosis.comparison import compare
@@ -91,10 +91,7 @@ def _display() -> Display:
 Displayed.display = _display
 
 
-def __getattr__(name: str) -> Any:
-    if name in _HOMES:
-        return getattr(importlib.import_module(_HOMES[name]), name)
-    raise AttributeError(f"module 'fricmodels' has no attribute '{name}'")
+__getattr__ = first_use(__name__, _HOMES)
 
 
 def __dir__() -> list[str]:

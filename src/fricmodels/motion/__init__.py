@@ -1,23 +1,57 @@
-"""Simulated motion: how far a model's motion goes from the measured one, and the parameters that bring it nearest."""
+"""Simulated motion: how far a model's motion goes from the measured one, and the parameters that bring it nearest.
+
+Names are imported when first used: a part of this package needs few of the others.
+"""
 
 from __future__ import annotations
 
-from fricmodels.motion.between import torque_between_samples
-from fricmodels.motion.choose import Judged, Rung, judged
-from fricmodels.motion.controllers import (
-    AnyController,
-    Controller,
-    Motor,
-    PluginController,
-    check_controller,
-    read_controller,
-    stored_controller,
-)
-from fricmodels.motion.errors import MotionErrors, motion_errors
-from fricmodels.motion.fit import MotionFit, fit_motion
-from fricmodels.motion.replay import Replay, Replays, Stretch, replayed, stretch_of, undetermined
-from fricmodels.motion.simulator import Simulator
-from fricmodels.motion.start import state_at
+from typing import TYPE_CHECKING
+
+from fricmodels.lazy import first_use
+
+if TYPE_CHECKING:
+    from fricmodels.motion.between import torque_between_samples
+    from fricmodels.motion.choose import Judged, Rung, judged
+    from fricmodels.motion.controllers import (
+        AnyController,
+        Controller,
+        Motor,
+        PluginController,
+        check_controller,
+        read_controller,
+        stored_controller,
+    )
+    from fricmodels.motion.errors import MotionErrors, motion_errors
+    from fricmodels.motion.fit import MotionFit, fit_motion
+    from fricmodels.motion.replay import Replay, Replays, Stretch, replayed, stretch_of, undetermined
+    from fricmodels.motion.simulator import Simulator
+    from fricmodels.motion.start import state_at
+
+_HOMES = {
+    "AnyController": "fricmodels.motion.controllers",
+    "Controller": "fricmodels.motion.controllers",
+    "Judged": "fricmodels.motion.choose",
+    "MotionErrors": "fricmodels.motion.errors",
+    "MotionFit": "fricmodels.motion.fit",
+    "Motor": "fricmodels.motion.controllers",
+    "PluginController": "fricmodels.motion.controllers",
+    "Replay": "fricmodels.motion.replay",
+    "Replays": "fricmodels.motion.replay",
+    "Rung": "fricmodels.motion.choose",
+    "Simulator": "fricmodels.motion.simulator",
+    "Stretch": "fricmodels.motion.replay",
+    "check_controller": "fricmodels.motion.controllers",
+    "fit_motion": "fricmodels.motion.fit",
+    "judged": "fricmodels.motion.choose",
+    "motion_errors": "fricmodels.motion.errors",
+    "read_controller": "fricmodels.motion.controllers",
+    "replayed": "fricmodels.motion.replay",
+    "state_at": "fricmodels.motion.start",
+    "stored_controller": "fricmodels.motion.controllers",
+    "stretch_of": "fricmodels.motion.replay",
+    "torque_between_samples": "fricmodels.motion.between",
+    "undetermined": "fricmodels.motion.replay",
+}
 
 __all__ = [
     "AnyController",
@@ -44,3 +78,6 @@ __all__ = [
     "torque_between_samples",
     "undetermined",
 ]
+
+
+__getattr__ = first_use(__name__, _HOMES)
