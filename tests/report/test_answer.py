@@ -169,8 +169,8 @@ def test_a_step_that_raises_the_test_error_is_not_said_to_lower_it() -> None:
 
 def test_noise_that_is_too_small_to_tell_reads_as_a_sentence() -> None:
     found = answer(data(noise_floor_percent=1e-5))
-    assert "noise alone would leave less than 0.001\u00a0%" in found.error
-    assert "of which noise makes less than 0.001\u00a0%" in found.remains
+    assert "noise alone would leave less than 0.1\u00a0%" in found.error
+    assert "of which noise makes less than 0.1\u00a0%" in found.remains
     assert "about" not in found.error
 
 

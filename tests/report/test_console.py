@@ -3,20 +3,19 @@
 from __future__ import annotations
 
 import io
+from typing import Any
 
 import pytest
 from rich.console import Console
 
 from fricmodels.cli.printing import progress_line
-from fricmodels.diagnosis import Ladder, improve
+from fricmodels.diagnosis import Ladder
 from fricmodels.report.console import show_answer_of_comparison, show_answer_of_diagnosis, show_answer_of_ladder
-from fricmodels.rig.demonstration import hidden
 
 
-@pytest.fixture(scope="module")
-def ladder() -> Ladder:
-    rig = hidden()
-    return improve(rig.model_copy(update={"samples": 7_500}).simulate(), "coulomb-viscous", rig.inertia)
+@pytest.fixture
+def ladder(demonstration: Any) -> Ladder:
+    return demonstration.ladder
 
 
 def printed(ladder: Ladder, what: str, width: int = 80, encoding: str = "utf-8") -> str:

@@ -4,20 +4,21 @@ from __future__ import annotations
 
 import json
 import re
+import shutil
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
-from fricmodels.diagnosis import Ladder, compare_model, improve, kept_back, ready
+from fricmodels.diagnosis import Ladder, compare_model, kept_back, ready
 from fricmodels.diagnosis.document import document
 from fricmodels.diagnosis.document import write as write_document
 from fricmodels.drive import Drive
 from fricmodels.errors import InputError
 from fricmodels.model import Model
 from fricmodels.progress import Progress, watched
-from fricmodels.readers import read
 from fricmodels.report import of_run, story
 from fricmodels.report.motion import simulated
 from fricmodels.report.page import Block, Code, Equations, Fold, Gallery, Page, Picture, Table, Words
@@ -25,7 +26,6 @@ from fricmodels.report.render import render
 from fricmodels.report.sections import error_words, found
 from fricmodels.results.comparison import LogFinding
 from fricmodels.results.diagnosis import DiagnosisDocument, Remaining
-from fricmodels.rig import write as write_recording
 from fricmodels.rig.demonstration import hidden
 
 
@@ -57,10 +57,9 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture(scope="module")
-def ladder(folder: Path) -> Ladder:
-    rig = hidden()
-    data, _ = write_recording(rig.model_copy(update={"samples": 7_500}).simulate(), folder / "joint.csv")
-    found = improve(read(data), Model.parse("coulomb-viscous"), rig.inertia)
+def ladder(folder: Path, demonstration: Any) -> Ladder:
+    shutil.copy(demonstration.data, folder / "joint.csv")
+    found: Ladder = demonstration.ladder
     write_document(document(found.first, found), folder)
     return found
 

@@ -15,5 +15,5 @@ def test_figures_have_no_power_of_ten_where_a_plain_number_can_be_read(value: fl
 
 
 def test_noise_that_is_rounding_has_no_digits() -> None:
-    assert words.noise_text(3.45e-9) == words.noise_text(2.9e-9) == "< 0.001 %"
+    assert words.noise_text(3.45e-9) == words.noise_text(2.9e-9) == "< 0.1 %"
     assert (words.noise_text(0.2371), words.noise_text(0.2371, 2)) == ("0.237 %", "0.24 %")

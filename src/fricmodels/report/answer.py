@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Literal
 
 from fricmodels.diagnosis.policy import POLICY
 from fricmodels.report.reliability import RECORDS
-from fricmodels.report.wording import counted, listed, percent, small
+from fricmodels.report.wording import counted, listed, noise_alone, percent, small
 from fricmodels.results.words import SAMPLING, form, predictor
 from fricmodels.score.bands import averaged
 
@@ -139,7 +139,7 @@ def of_noise(data: ComparisonDocument) -> str:
 
 
 def _noise(data: ComparisonDocument) -> str:
-    return percent(data.noise_floor_percent).replace("<\u00a0", "less than ")
+    return noise_alone(data.noise_floor_percent).replace("<\u00a0", "less than ")
 
 
 def _within_noise(data: ComparisonDocument) -> bool:
@@ -159,7 +159,7 @@ def comparison_words(data: ComparisonDocument) -> tuple[str, str]:
         return sentence, words
     return sentence, (
         f"{words} Per sample ({form(sample.window_ms, '.3g')} ms) the test error is "
-        f"{percent(sample.held_out_percent)}, of noise alone {percent(sample.noise_floor_percent)}."
+        f"{percent(sample.held_out_percent)}, of noise alone {noise_alone(sample.noise_floor_percent)}."
     )
 
 

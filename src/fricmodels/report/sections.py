@@ -46,6 +46,7 @@ from fricmodels.report.wording import (
     known_model,
     listed,
     meaning_of,
+    noise_alone,
     number,
     percent,
     physics,
@@ -196,11 +197,11 @@ def bands(comparison: Comparison) -> Table:
     listed = comparison.errors.bands
     names = ["a sample", *(f"{band.window_ms:.3g} ms" for band in listed[1:])]
     rows = [
-        (name, percent(band.percent), percent(band.held_out_percent), percent(band.noise_floor_percent))
+        (name, percent(band.percent), percent(band.held_out_percent), noise_alone(band.noise_floor_percent))
         for name, band in zip(names, listed, strict=True)
     ]
-    titles = {"averaged over": False, "fit error": True, "test error": True, "sensor noise alone": True}
-    return table(BY_WINDOW, titles, rows)
+    errors = dict.fromkeys(("fit error", "test error", "sensor noise alone"), True)
+    return table(BY_WINDOW, {"averaged over": False, **errors}, rows)
 
 
 def ladder(data: DiagnosisDocument, picture: Picture | None) -> Section:
@@ -381,11 +382,8 @@ def _identified(data: DiagnosisDocument) -> list[Block]:
     last = data.steps[-1]
     errors = last.standard_errors
     loose = [key for key, error in errors.items() if error is None or error <= 0]
-    weak = [
-        key
-        for key, error in errors.items()
-        if error and (value := last.parameters.get(key)) is not None and abs(value) < NORMAL_95 * error
-    ]
+    values = last.parameters
+    weak = [key for key, e in errors.items() if e and (v := values.get(key)) is not None and abs(v) < NORMAL_95 * e]
     points = []
     if loose:
         points.append(f"Not determined by this recording: {listed(loose)}.")

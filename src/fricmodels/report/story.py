@@ -17,7 +17,7 @@ from fricmodels.report.linear import in_forces
 from fricmodels.report.motion import motion_section, simulated
 from fricmodels.report.page import Page, Picture, Section, Tile, Verdict
 from fricmodels.report.provenance import recording_section
-from fricmodels.report.wording import count, counted, listed, percent, physics
+from fricmodels.report.wording import count, counted, listed, noise_alone, percent, physics
 
 if TYPE_CHECKING:
     from fricmodels.diagnosis.comparison import Comparison
@@ -204,7 +204,9 @@ def tiles(data: ComparisonDocument) -> list[Tile]:
         last = rungs[-1]
         gained = [name for name in last.model.split("+") if name not in data.model.split("+")]
         shown.append(Tile(percent(last.held_out_rms_percent), "test error with what was found", f"+ {listed(gained)}"))
-    shown.append(Tile(percent(data.noise_floor_percent), "sensor noise alone", over or "estimated from the channels"))
+    shown.append(
+        Tile(noise_alone(data.noise_floor_percent), "sensor noise alone", over or "estimated from the channels")
+    )
     samples = data.recording.samples
     kept_back = 100 * samples.kept_back / samples.total
     shown.append(Tile(count(samples.total), "samples", f"{kept_back:.0f} % for the test error"))

@@ -12,7 +12,7 @@ from fricmodels.dimension import Motion
 from fricmodels.model import Model
 from fricmodels.parameter import Parameter
 from fricmodels.report.figures.style import EXPONENT
-from fricmodels.results.words import LEAST_CHANCE, in_percent
+from fricmodels.results.words import LEAST_CHANCE, LEAST_NOISE, in_percent
 
 NORMAL_95 = 1.959964
 """Standard errors on either side of a 95 % interval."""
@@ -37,6 +37,11 @@ def percent(value: float | None) -> str:
     if value is not None and 0 < value < _LEAST_PERCENT:
         return f"<\u00a0{_LEAST_PERCENT}\u00a0%"
     return "–" if value is None or not math.isfinite(value) else f"{number(value)}\u00a0%"
+
+
+def noise_alone(value: float | None) -> str:
+    """Return what noise alone leaves in percent; less than a tenth of a percent is not told apart."""
+    return f"<\u00a0{LEAST_NOISE}\u00a0%" if value is not None and value < LEAST_NOISE else percent(value)
 
 
 def share(value: float | None) -> str:

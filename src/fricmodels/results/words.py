@@ -70,12 +70,20 @@ def in_percent(share: float | None) -> float | None:
     return None if share is None else 100 * share
 
 
-_LEAST_NOISE = 0.001
+LEAST_NOISE = 0.1
+"""Noise with fewer percent of the RMS torque has no digits: a change of every sample in its ninth makes as much."""
 
 
 def noise_text(percent: float, digits: int = 3) -> str:
     """Return what noise alone leaves [% of the RMS torque].
 
-    Less than a thousandth of a percent is rounding, another number on every processor, and is not told apart.
+    Less than a tenth of a percent is not told apart: no torque is known as well, and what is written there changes with
+    the last digits of the samples.
     """
-    return f"< {_LEAST_NOISE} %" if percent < _LEAST_NOISE else f"{percent:.{digits}g} %"
+    return f"< {LEAST_NOISE} %" if percent < LEAST_NOISE else f"{percent:.{digits}g} %"
+
+
+def about_noise(percent: float, digits: int = 3) -> str:
+    """Return what noise alone leaves in a sentence: about so much, or less than what is told apart."""
+    text = noise_text(percent, digits)
+    return text.replace("< ", "less than ") if text.startswith("<") else f"about {text}"
