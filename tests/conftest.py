@@ -8,7 +8,7 @@ import shutil
 from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from types import ModuleType
-from typing import Any, NoReturn
+from typing import TYPE_CHECKING, Any, NamedTuple, NoReturn
 
 import numpy as np
 import pytest
@@ -19,6 +19,9 @@ from fricmodels.drive import Drive
 from fricmodels.model import Model
 from fricmodels.recording import Recording
 from fricmodels.saved import FittedModel
+
+if TYPE_CHECKING:
+    from fricmodels.diagnosis import Ladder
 
 Made = Callable[..., Recording]
 
@@ -87,6 +90,27 @@ def made() -> Made:
         return Recording("made", motion, measured, np.zeros(samples, dtype=np.int64))
 
     return build
+
+
+class Demonstration(NamedTuple):
+    """A file of the drive of ``fricmodels demo``, and what `improve` finds in it."""
+
+    data: Path
+    inertia: float
+    ladder: Ladder
+
+
+@pytest.fixture(scope="session")
+def demonstration(tmp_path_factory: pytest.TempPathFactory) -> Demonstration:
+    """Half of the recording of ``fricmodels demo``, improved once for all who look at the result."""
+    from fricmodels.diagnosis import improve
+    from fricmodels.readers import read
+    from fricmodels.rig import write
+    from fricmodels.rig.demonstration import hidden
+
+    rig = hidden().model_copy(update={"samples": 7_500})
+    data, _ = write(rig.simulate(), tmp_path_factory.mktemp("demonstration") / "joint.csv")
+    return Demonstration(data, rig.inertia, improve(read(data), "coulomb-viscous", rig.inertia))
 
 
 Kept = Callable[..., FittedModel]

@@ -9,13 +9,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from fricmodels.diagnosis import Comparison, compare, improve
+from fricmodels.diagnosis import Comparison, compare
 from fricmodels.diagnosis.document import document
 from fricmodels.readers import read
 from fricmodels.recording import Recording
 from fricmodels.rig import load_rig, random_rig
 from fricmodels.rig import write as write_recording
-from fricmodels.rig.demonstration import hidden
 from fricmodels.tournament import run
 from fricmodels.tournament.config import Config
 
@@ -77,16 +76,13 @@ def test_rigs_of_the_configurations(path: Path, tmp_path: Path) -> None:
     assert_same(compare(recording, "asymmetric-coulomb-viscous", rig.inertia), row)
 
 
-def test_the_last_rung_of_the_demonstration_is_what_a_tournament_finds(tmp_path: Path) -> None:
-    rig = hidden()
-    data = written(rig.simulate(), tmp_path)
-    ladder = improve(read(data), "coulomb-viscous", rig.inertia)
+def test_the_last_rung_of_the_demonstration_is_what_a_tournament_finds(tmp_path: Path, demonstration: Any) -> None:
+    data, inertia, ladder = demonstration
     last = ladder.rungs[-1].comparison
     assert len(ladder.rungs) > 1
-    assert_same(last, row_of(data, last.drive.model.name, rig.inertia, tmp_path))
-    assert_same(
-        compare(read(data), last.drive.model, rig.inertia), row_of(data, last.drive.model.name, rig.inertia, tmp_path)
-    )
+    row = row_of(data, last.drive.model.name, inertia, tmp_path)
+    assert_same(last, row)
+    assert_same(compare(read(data), last.drive.model, inertia), row)
     rung = json.loads(document(ladder.first, ladder).to_json())["ladder"][-1]
     assert rung["parameters"] == dict(last.estimate.parameters)
     assert rung["held_out_rms_percent"] == last.errors.held_out_percent

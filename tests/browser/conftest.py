@@ -10,7 +10,7 @@ from typing import Any, NoReturn
 
 import pytest
 
-from fricmodels.diagnosis import compare_model, improve, kept_back, ready
+from fricmodels.diagnosis import compare_model, kept_back, ready
 from fricmodels.drive import Drive
 from fricmodels.model import Model
 from fricmodels.report import of_run, story, write
@@ -91,12 +91,9 @@ def axe(without_browser: Callable[[str], NoReturn]) -> str:
 
 
 @pytest.fixture(scope="session")
-def story_page(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def story_page(tmp_path_factory: pytest.TempPathFactory, demonstration: Any) -> Path:
     """Return the report on a drive with two hidden effects."""
-    rig = hidden()
-    recording = rig.model_copy(update={"samples": 7_500}).simulate()
-    ladder = improve(recording, Model.parse("coulomb-viscous"), rig.inertia)
-    return write(story.of_ladder(ladder), tmp_path_factory.mktemp("story") / "report.html")
+    return write(story.of_ladder(demonstration.ladder), tmp_path_factory.mktemp("story") / "report.html")
 
 
 def _tournament(folder: Path, name: str) -> Path:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import shutil
 import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -9,8 +11,31 @@ from pathlib import Path
 import pytest
 
 from fricmodels import plugins
+from fricmodels.kernels.scan import cache_directory
 
 Install = Callable[[str, str], Path]
+
+
+@pytest.fixture
+def another_cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Take another cache for as long as a test lasts, with what is known already: compiled laws, tried plugins.
+
+    Files are the same ones where the file system can; whoever writes one there puts another in its place.
+    """
+    known, cache = cache_directory(), tmp_path / "cache"
+
+    def same(source: str, target: str) -> None:
+        try:
+            os.link(source, target)
+        except FileNotFoundError:
+            pass  # another process has just put another in its place
+        except OSError:
+            shutil.copy2(source, target)
+
+    if known.is_dir():
+        shutil.copytree(known, cache, copy_function=same)
+    monkeypatch.setenv("FRICMODELS_CACHE", str(cache))
+    return cache
 
 
 @pytest.fixture

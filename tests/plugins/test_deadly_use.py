@@ -69,8 +69,7 @@ DANGERS = {
 
 
 @pytest.fixture(autouse=True)
-def own_cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
-    monkeypatch.setenv("FRICMODELS_CACHE", str(tmp_path / "cache"))
+def own_cache(another_cache: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     monkeypatch.setattr(probe, "_USE", 3.0)
     yield
     plugins.load.cache_clear()
