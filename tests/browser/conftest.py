@@ -36,9 +36,13 @@ class Seen:
     console: list[str] = field(default_factory=list)
     requests: list[str] = field(default_factory=list)
 
+    def unfold(self) -> None:
+        """Open all that is folded."""
+        self.page.evaluate("document.querySelectorAll('details').forEach(each => { each.open = true; })")
+
     def draw_everything(self) -> int:
         """Unfold everything, scroll to each figure, wait until it is drawn; return how many there are."""
-        self.page.evaluate("document.querySelectorAll('details').forEach(each => { each.open = true; })")
+        self.unfold()
         places = self.page.locator(".plot")
         for i in range(places.count()):
             places.nth(i).scroll_into_view_if_needed()
