@@ -226,6 +226,17 @@ class Effect(Term):
         """Return what the effect may be in a recording: itself, or one for each channel that it may be of."""
         return [cls()]
 
+    def another(self) -> Effect | None:
+        """Return the effect once more, under another name, if a drive may have several of its kind; by default none.
+
+        Where a model has the effect, a diagnosis considers this one. See also :meth:`first_of_kind`.
+        """
+        return None
+
+    def first_of_kind(self) -> Effect:
+        """Return that of which it is another; by default itself."""
+        return self
+
     def on(self, recording: Recording, beside: Sequence[Term] = ()) -> Effect:
         """Return the effect as it is for a recording, whose channels have units and whose runs have numbers.
 

@@ -125,7 +125,7 @@ def test_the_unit_of_a_coefficient(motion: Motion, unit: str, expected: str) -> 
     ("name", "message"),
     [
         ("other", r"'other' is of a further channel; name it: other\(CHANNEL\)"),
-        ("cogging(x)", "'cogging' takes nothing in brackets, found 'x'"),
+        ("stribeck(x)", "'stribeck' takes nothing in brackets, found 'x'"),
         ("other(x", r"'other\(x' lacks its closing bracket"),
     ],
 )

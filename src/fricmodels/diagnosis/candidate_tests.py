@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -103,6 +103,7 @@ def candidate_tests(
     leave_out: Iterable[str] = (),
     only: Iterable[str] | None = None,
     also: Array | None = None,
+    found: Iterable[str] = (),
     policy: Policy = POLICY,
 ) -> CandidateTests:
     """Test every registered effect that the model does not have.
@@ -113,25 +114,26 @@ def candidate_tests(
         leave_out: names of effects that are not considered.
         only: names of the effects to consider; all by default.
         also: columns that are taken to be in the model already, shape (k, rows).
+        found: names of the effects that these columns are of.
         policy: decides how much noise a column may hold, and what passes.
     """
     from scipy.stats import false_discovery_control
 
     model = problem.drive.model
-    present = {effect.name for effect in model.effects}
+    there = {*(effect.name for effect in model.effects), *found}
     regression = regression_of(problem, parameters, also)
-    skipped = set(leave_out) | present
+    skipped = set(leave_out)
     tested: list[CandidateTest] = []
     untested: dict[str, str] = {}
     registered = plugins.load().effects
     rival, total = 0.0, float(regression.residual @ regression.residual)
     # The search for an effect with memory is long, and goes on only as far as it may yet compare with the others.
-    names = [name for name in registered if name not in skipped and (only is None or name in only)]
+    names = [name for name in registered if only is None or name in only]
     for name in each(f"testing effects on {model.name}", sorted(names, key=lambda name: bool(registered[name].states))):
         candidates = registered[name].candidates(problem.recording)
-        if not candidates:
+        if not candidates and name not in skipped:
             untested[name] = registered[name].absent
-        for effect in candidates:
+        for effect in not_yet(candidates, there):
             if effect.name in skipped:
                 continue
             try:
@@ -147,6 +149,16 @@ def candidate_tests(
     ranked = [replace(t, adjusted=max(float(p), LEAST_P)) for t, p in zip(tested, adjusted, strict=True)]
     ranked.sort(key=lambda t: t.evidence.left)
     return CandidateTests(problem, regression, parameters, tuple(ranked), untested, policy)
+
+
+def not_yet(candidates: Iterable[Effect], there: Collection[str]) -> Iterator[Effect]:
+    """Yield candidates that are not there; of one that is, the next of its kind, if there may be several."""
+    for candidate in candidates:
+        effect: Effect | None = candidate
+        while effect is not None and effect.name in there:
+            effect = effect.another()
+        if effect is not None:
+            yield effect
 
 
 def _candidate(

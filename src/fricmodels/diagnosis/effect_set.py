@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fricmodels.diagnosis.basis_functions import hats_within
-from fricmodels.diagnosis.candidate_tests import CandidateTest, CandidateTests, candidate_tests, tested_at
+from fricmodels.diagnosis.candidate_tests import CandidateTest, CandidateTests, candidate_tests, not_yet, tested_at
 from fricmodels.diagnosis.floor import floor
 from fricmodels.diagnosis.journal import searched
 from fricmodels.diagnosis.places import largest_place
@@ -54,7 +54,11 @@ def passing_predictors(result: CandidateTests) -> list[ChannelPredictor]:
 
 
 def found_in_turn(
-    result: CandidateTests, leave_out: set[str], members: list[Member], description: Array
+    result: CandidateTests,
+    leave_out: set[str],
+    members: list[Member],
+    description: Array,
+    several: Collection[str] = (),
 ) -> list[Member]:
     """Return effects found one after the other, each beside those before it, until nothing is left to be explained.
 
@@ -63,6 +67,7 @@ def found_in_turn(
         leave_out: effects that are not considered.
         members: what was found before.
         description: columns that describe the rest, shape (k, rows).
+        several: names of members of whose kind another one is considered.
     """
     members = [*members]
     while len(members) < result.policy.most_together:
@@ -71,8 +76,15 @@ def found_in_turn(
             break
         if not len(columns):
             break  # all candidates were tested as they are, and none passes
-        out = leave_out | {m.effect.name for m in members}
-        found = candidate_tests(result.problem, result.parameters, leave_out=out, also=columns, policy=result.policy)
+        names = {m.effect.name for m in members}
+        found = candidate_tests(
+            result.problem,
+            result.parameters,
+            leave_out=leave_out | names.difference(several),
+            also=columns,
+            found=names.intersection(several),
+            policy=result.policy,
+        )
         best = select_effect(found)
         if best is None:
             break
@@ -122,6 +134,24 @@ def pruned(result: CandidateTests, members: list[Member]) -> list[Member]:
             break
         removed.append(kept.pop(weakest))
     return [_with_look_alikes(result, m, without(kept, m), removed) for m in kept] if removed else kept
+
+
+def renumbered(result: CandidateTests, members: list[Member]) -> list[Member]:
+    """Return members of a set, each kind numbered from the first on: what another one stood for may be gone."""
+    there = {effect.name for effect in result.problem.drive.model.effects}
+    changed = []
+    for member in members:
+        first, *alike = (_numbered(test, there) for test in (member.found.first, *member.found.members[1:]))
+        same = first is member.found.first and all(a is b for a, b in zip(alike, member.found.members[1:], strict=True))
+        changed.append(member if same else replace(member, found=LookAlikes(first, (first, *alike))))
+        there.add(first.name)
+    return changed
+
+
+def _numbered(test: CandidateTest, there: set[str]) -> CandidateTest:
+    """Return the test of an effect under the name that it has beside those that are there."""
+    effect = next(not_yet([test.effect.first_of_kind()], there), test.effect)
+    return test if effect.name == test.name else replace(test, effect=effect)
 
 
 def without(members: list[Member], member: Member) -> list[Member]:

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from fricmodels import plugins
-from fricmodels.diagnosis.candidate_tests import CandidateTest, tested_at
+from fricmodels.diagnosis.candidate_tests import CandidateTest, not_yet, tested_at
 from fricmodels.diagnosis.policy import Policy
 from fricmodels.diagnosis.verdict import LookAlikes
 from fricmodels.weakform.problem import WeakFormProblem
@@ -49,7 +49,6 @@ def fast_ripple(
         leave_out: effects that are not considered.
         policy: decides what is significant, and large enough.
     """
-    out = {*leave_out, *(effect.name for effect in problem.drive.model.effects)}
     least = policy.least_torque * float(np.sqrt(np.mean(problem.recording.torque**2)))
     waves = fast_waves(problem, parameters, policy.significance, least)
     if waves is None:
@@ -58,7 +57,7 @@ def fast_ripple(
     if not rows.rows:
         return FastRipple(waves, None)
     regression = regression_of(rows, parameters)
-    tested = _tested(rows, regression, waves, out)
+    tested = _tested(rows, regression, waves, set(leave_out))
     if not tested:
         return FastRipple(waves, None)
     first = tested[0]
@@ -94,9 +93,9 @@ def _is_outpredicted(rows: WeakFormProblem, regression: Regression, first: Candi
 def _tested(rows: WeakFormProblem, regression: Regression, waves: Waves, leave_out: set[str]) -> list[CandidateTest]:
     """Return the tests of all effects whose one nonlinear parameter is a wave number, the least residual first."""
     tested = []
-    registered = plugins.load().effects
+    registered, there = plugins.load().effects, {effect.name for effect in rows.drive.model.effects}
     for name in registered:
-        for effect in registered[name].candidates(rows.recording) if name not in leave_out else ():
+        for effect in not_yet(registered[name].candidates(rows.recording), there):
             alone = rows.alone(effect)
             nonlinear = [p for p, linear in zip(effect.parameters, alone.model.linear, strict=True) if not linear]
             if effect.name in leave_out or [p.periodic for p in nonlinear] != [True] or alone.model.states:

@@ -44,6 +44,7 @@ from fricmodels.diagnosis.effect_set import (
     passing_beside,
     passing_predictors,
     pruned,
+    renumbered,
     stacked,
     visible_of,
     without,
@@ -102,13 +103,36 @@ def judge(result: CandidateTests, leave_out: Iterable[str], first: LookAlikes | 
         leave_out: effects that are not considered.
         first: the effect that explains the residual best, with its look-alikes; ``None`` where none passes by itself.
     """
-    out, policy = set(leave_out), result.policy
-    members = found_in_turn(result, out, [] if first is None else [member_of(result, first)], nothing(result))
+    out, several = set(leave_out), set[str]()
+    members, rest = _set_of(result, out, first, several)
+    while True:
+        judgement = _judged(result, members, rest)
+        # Several of a kind imitate anything together, as waves do a bump: another is sought once those before it stand.
+        stand = {found.first.effect for found in judgement.supported(result.policy)}
+        several |= {effect.name for effect in stand if effect.another() is not None}
+        names = [m.effect.name for m in members]
+        if several.isdisjoint(names):
+            return judgement
+        members, rest = _set_of(result, out, first, several)
+        if [m.effect.name for m in members] == names:
+            return judgement
+
+
+def _set_of(
+    result: CandidateTests, out: set[str], first: LookAlikes | None, several: set[str]
+) -> tuple[list[Member], Rest]:
+    """Return a set of effects and a description of the rest; of the kinds in ``several`` another one is considered."""
+    begun = [] if first is None else [member_of(result, first)]
+    members = found_in_turn(result, out, begun, nothing(result), several)
     rest = Rest.of(result, members)
     if rest.parts:  # what the rest hides shows beside a description of it
-        hidden = found_in_turn(result, out, members, rest.parts[0])
-        members, rest = hidden, Rest.of(result, hidden)
-    members = pruned(result, members)
+        members = found_in_turn(result, out, members, rest.parts[0], several)
+        rest = Rest.of(result, members)
+    return renumbered(result, pruned(result, members)), rest
+
+
+def _judged(result: CandidateTests, members: list[Member], rest: Rest) -> Judgement:
+    policy = result.policy
     # An effect at its search bound only resembles what is missing: it describes, and is not named.
     members, at_bound = [m for m in members if not m.at_bound], [m for m in members if m.at_bound]
     rest = replace(rest, parts=(*rest.parts, *(m.columns for m in at_bound)))
@@ -262,7 +286,9 @@ def _one_cause(result: CandidateTests, member: Member, others: list[Member]) -> 
         every = [*others, member]
         if not _takes_place(result, predictor, member, every):
             continue  # whatever else the channel does, it does not do what this effect does
-        taken = [other for other in others if _takes_place(result, predictor, other, every)]
+        taken = [
+            other for other in others if not _alike(other, member) and _takes_place(result, predictor, other, every)
+        ]
         if not taken:
             continue
         beside = stacked(result, [other for other in others if other not in taken])
@@ -288,6 +314,11 @@ def _one_cause(result: CandidateTests, member: Member, others: list[Member]) -> 
         if own < policy.of_channel * theirs and p_more * predictor.tried <= policy.outpredicted_significance:
             return True
     return False
+
+
+def _alike(one: Member, other: Member) -> bool:
+    """Whether two effects are of one kind: each was judged when the other was not yet considered."""
+    return one.effect.first_of_kind().name == other.effect.first_of_kind().name
 
 
 def _predicts_beside(

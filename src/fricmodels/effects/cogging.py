@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from fricmodels.effects.experiments import WIDER_RANGE
+from fricmodels.effects.wave import Wave
 from fricmodels.expressions import Expression, cos, sin
 from fricmodels.parameter import Parameter
-from fricmodels.term import Effect, Parameters, Signals
+from fricmodels.term import Parameters, Signals
 
 
-class Cogging(Effect):
+class Cogging(Wave):
     r"""Torque of poles, slots or teeth: periodic in position, independent of the motion.
 
     .. math:: \tau = a\cos kq + b\sin kq + a_2\cos 2kq + b_2\sin 2kq

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from fricmodels.effects.experiments import BOTH_DIRECTIONS
+from fricmodels.effects.wave import Wave
 from fricmodels.expressions import Expression, cos, sign, sin
 from fricmodels.parameter import Parameter
-from fricmodels.term import Effect, Parameters, Signals
+from fricmodels.term import Parameters, Signals
 
 
-class PositionFriction(Effect):
+class PositionFriction(Wave):
     r"""Friction that varies with position: eccentricity, a bent screw, uneven preload; it flips with the direction.
 
     .. math:: \tau = (a\cos kq + b\sin kq + a_2\cos 2kq + b_2\sin 2kq)\operatorname{sgn}\omega

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from fricmodels.effects.experiments import BOTH_DIRECTIONS
+from fricmodels.effects.wave import Wave
 from fricmodels.expressions import Expression, cos, sin
 from fricmodels.parameter import Parameter
-from fricmodels.term import Effect, Parameters, Signals
+from fricmodels.term import Parameters, Signals
 
 
-class TorqueRipple(Effect):
+class TorqueRipple(Wave):
     r"""Ripple of commutation and of current gains: periodic in position, in proportion to the motor torque.
 
     .. math:: \tau = \tau_m\,(a\cos kq + b\sin kq + a_2\cos 2kq + b_2\sin 2kq)
