@@ -72,14 +72,15 @@ def test_nothing_predicts_a_clean_drive(made: Made) -> None:
 
 
 def test_cogging_of_several_orders_is_cogging(made: Made) -> None:
-    """Poles and slots have each their own order; the strongest is found first, and the others do not take its name."""
+    """Poles and slots have each their own order; the strongest is found first, and each has its own number."""
     name = "coulomb-viscous+cogging"
     first = {"cogging.a": 0.5, "cogging.b": 0.2, "cogging.k": 7.3}
     recording = made(name, first)
     wave = 0.35 * np.cos(12.5 * recording["position"] + 1.0) + 0.3 * np.sin(4.4 * recording["position"])
     diagnosis = diagnose(recording.with_channels(derived=False, torque=recording.torque + wave), LAW, 2.0)
-    assert diagnosis.findings[0].names == ("cogging",)
-    assert diagnosis.findings[0].tested.parameters["k"] == pytest.approx(7.3, rel=0.01)
+    assert [finding.names for finding in diagnosis.findings] == [("cogging",), ("cogging(2)",), ("cogging(3)",)]
+    numbers = [finding.tested.parameters["k"] for finding in diagnosis.findings]
+    assert numbers == pytest.approx([7.3, 12.5, 4.4], rel=0.01)
 
 
 @pytest.mark.parametrize("beside", [0.0, 0.5, 1.0])

@@ -40,6 +40,11 @@ class Wave(Effect):
             )
         return cls(int(argument))
 
+    @property
+    def physics(self) -> str:
+        """The physics in a few words."""
+        return super().physics if self.number == 1 else f"the same as {type(self).name}, with another wave number"
+
     def another(self) -> Self | None:
         """Return the next of its kind."""
         return type(self)(self.number + 1) if self.number < _MOST else None
