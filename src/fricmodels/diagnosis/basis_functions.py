@@ -25,6 +25,9 @@ TORQUE_PAST = "motor torque shortly before"
 TORQUE_RATE = "rate of the motor torque"
 FINELY, FINELY_ALONG = "position, finely", "position, finely, along the motion"
 FINELY_TORQUE = "position, finely, and motor torque"
+_SLOWLY = "position", "position, along the motion", "position and motor torque"
+OF_POSITION = frozenset({*_SLOWLY, FINELY, FINELY_ALONG, FINELY_TORQUE})
+"""Sets of what any torque over position may be."""
 _HATS = 8
 _PLACES = 32
 _INSTANTS = 31
@@ -127,9 +130,9 @@ def _of_position(problem: WeakFormProblem) -> Sets:
         return _waves(points["position"])
 
     return {
-        "position": waves,
-        "position, along the motion": lambda: np.sign(points.velocity) * waves(),
-        "position and motor torque": lambda: problem.motor_torque * waves(),
+        _SLOWLY[0]: waves,
+        _SLOWLY[1]: lambda: np.sign(points.velocity) * waves(),
+        _SLOWLY[2]: lambda: problem.motor_torque * waves(),
     }
 
 

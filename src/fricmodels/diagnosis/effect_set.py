@@ -67,7 +67,7 @@ def found_in_turn(
         leave_out: effects that are not considered.
         members: what was found before.
         description: columns that describe the rest, shape (k, rows).
-        several: names of members of whose kind another one is considered.
+        several: names of the kinds of which another one is considered beside one that was found.
     """
     members = [*members]
     while len(members) < result.policy.most_together:
@@ -76,13 +76,13 @@ def found_in_turn(
             break
         if not len(columns):
             break  # all candidates were tested as they are, and none passes
-        names = {m.effect.name for m in members}
+        alone = {m.effect.name for m in members if m.effect.first_of_kind().name not in several}
         found = candidate_tests(
             result.problem,
             result.parameters,
-            leave_out=leave_out | names.difference(several),
+            leave_out=leave_out | alone,
             also=columns,
-            found=names.intersection(several),
+            found=[m.effect.name for m in members],
             policy=result.policy,
         )
         best = select_effect(found)

@@ -30,7 +30,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from fricmodels.diagnosis.basis_functions import FINELY, FINELY_ALONG, FINELY_TORQUE
+from fricmodels.diagnosis.basis_functions import FINELY, FINELY_ALONG, FINELY_TORQUE, OF_POSITION
 from fricmodels.diagnosis.candidate_tests import CandidateTest, CandidateTests
 from fricmodels.diagnosis.constancy import gain_of_own_sizes
 from fricmodels.diagnosis.effect_set import (
@@ -55,6 +55,7 @@ from fricmodels.diagnosis.policy import Policy
 from fricmodels.diagnosis.predictability import AUTOREGRESSIVE, ChannelPredictor
 from fricmodels.diagnosis.verdict import LookAlikes, predicts
 from fricmodels.progress import each
+from fricmodels.term import Effect
 from fricmodels.weakform.regression import Regression, compare
 from fricmodels.weakform.shifted import regression_of
 
@@ -103,25 +104,29 @@ def judge(result: CandidateTests, leave_out: Iterable[str], first: LookAlikes | 
         leave_out: effects that are not considered.
         first: the effect that explains the residual best, with its look-alikes; ``None`` where none passes by itself.
     """
-    out, several = set(leave_out), set[str]()
-    members, rest = _set_of(result, out, first, several)
-    while True:
-        judgement = _judged(result, members, rest)
-        # Several of a kind imitate anything together, as waves do a bump: another is sought once those before it stand.
-        stand = {found.first.effect for found in judgement.supported(result.policy)}
-        several |= {effect.name for effect in stand if effect.another() is not None}
-        names = [m.effect.name for m in members]
-        if several.isdisjoint(names):
-            return judgement
-        members, rest = _set_of(result, out, first, several)
-        if [m.effect.name for m in members] == names:
-            return judgement
+    out, several = set(leave_out), _kinds(result.problem.drive.model.effects)
+    judgement = _judged(result, *_set_of(result, out, first, several))
+    # Several of a kind imitate anything together, as waves do a bump: others are sought once the first one stands.
+    more = _kinds(found.first.effect for found in judgement.supported(result.policy)) - several
+    if not more:
+        return judgement
+    further = _judged(result, *_set_of(result, out, first, several | more))
+    return further if any(map(_is_further, further.supported(result.policy))) else judgement
+
+
+def _kinds(effects: Iterable[Effect]) -> set[str]:
+    """Return the kinds of effects of which a drive may have several."""
+    return {effect.first_of_kind().name for effect in effects if effect.another() is not None}
+
+
+def _is_further(found: LookAlikes) -> bool:
+    return found.first.effect.first_of_kind().name != found.first.name
 
 
 def _set_of(
     result: CandidateTests, out: set[str], first: LookAlikes | None, several: set[str]
 ) -> tuple[list[Member], Rest]:
-    """Return a set of effects and a description of the rest; of the kinds in ``several`` another one is considered."""
+    """Return a set of effects and a description of the rest; of the kinds in ``several`` others are considered."""
     begun = [] if first is None else [member_of(result, first)]
     members = found_in_turn(result, out, begun, nothing(result), several)
     rest = Rest.of(result, members)
@@ -139,6 +144,8 @@ def _judged(result: CandidateTests, members: list[Member], rest: Rest) -> Judgem
     kept = each("judging each effect beside the others", members)
     judged = [(m, _support(result, m, without(members, m), rest)) for m in kept]
     one_cause = [m for m, s in judged if s.suffices(policy) and _one_cause(result, m, without(members, m))]
+    if not OF_POSITION.isdisjoint(rest.channels):  # a series of waves that does not end draws one torque over position
+        one_cause += [m for m in members if _is_further(m.found)]
     power = float(np.sum(result.problem.driving**2))
     return Judgement(
         tuple((m.found, support) for m, support in judged),
