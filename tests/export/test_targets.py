@@ -38,7 +38,13 @@ def friction_in(data: Any) -> float:
 
 
 @pytest.mark.parametrize(
-    "name", ["coulomb-viscous", "coulomb-viscous+cogging", "coulomb-viscous+cogging+torque-offset"]
+    "name",
+    [
+        "coulomb-viscous",
+        "coulomb-viscous+cogging",
+        "coulomb-viscous+cogging+torque-offset",
+        "coulomb-viscous+cogging+cogging(2)",
+    ],
 )
 def test_mujoco_has_the_torque_that_it_can_express(kept: Callable[..., Any], name: str) -> None:
     """Along a simulation in MuJoCo under a sine, MuJoCo's own friction is the model's, while the joint slides."""
@@ -95,10 +101,10 @@ def test_mujoco_has_the_lugre_law_as_it_is(kept: Callable[..., Any]) -> None:
 
 
 def test_writing_twice_is_writing_once(kept: Callable[..., Any]) -> None:
-    model = kept("coulomb-viscous+cogging")
+    model = kept("coulomb-viscous+cogging+cogging(2)")
     once = export_model(model, "mjcf", name="elbow", into=ROBOT).text
     twice = export_model(model, "mjcf", name="elbow", into=once).text
-    assert once.count("<dcmotor") == twice.count("<dcmotor") == 2
+    assert once.count("<dcmotor") == twice.count("<dcmotor") == 4
 
 
 @pytest.fixture(scope="module")

@@ -8,6 +8,7 @@ passive and takes no control.
 from __future__ import annotations
 
 import math
+import re
 import xml.etree.ElementTree as ET
 from collections.abc import Mapping
 from xml.sax.saxutils import quoteattr
@@ -17,6 +18,7 @@ from fricmodels.export.targets.nearest import Nearest
 from fricmodels.export.targets.simple import number, xml_comment
 
 Attributes = Mapping[str, str]
+_COGGING = re.compile(r"cogging(?:\(\d\))?\.k")
 _PASSIVE = {"input": "none", "motorconst": "0 0", "resistance": "1"}
 
 
@@ -42,10 +44,11 @@ def actuators(found: Nearest, joint: str) -> list[dict[str, str]]:
         if math.hypot(a, b) > 0:
             add(name, cogging=f"{number(math.hypot(a, b))} {number(poles)} {number(math.atan2(-a, -b))}")
 
-    if "cogging.k" in p:
-        k = p["cogging.k"]
-        wave("cogging", p["cogging.a"], p["cogging.b"], k)
-        wave("cogging_2", p["cogging.a_2"], p["cogging.b_2"], 2 * k)
+    for key in [key for key in p if _COGGING.fullmatch(key)]:
+        effect = key.removesuffix(".k")
+        name = effect.replace("(", "_wave_").removesuffix(")")
+        wave(name, p[f"{effect}.a"], p[f"{effect}.b"], p[key])
+        wave(f"{name}_2", p[f"{effect}.a_2"], p[f"{effect}.b_2"], 2 * p[key])
     wave("offset", p.get("tau_0", 0.0) + p.get("torque-offset.tau_0", 0.0), 0.0, 0.0)
     if found.drive.model.law.name == "lugre":
         five = (p["F_c"] / p["z_c"], p["sigma_1"], p["F_c"], p["r"] * p["F_c"], p["v_s"])
@@ -82,8 +85,8 @@ def into_xml(text: str, found: Nearest, notes: list[str], joint: str, armature: 
     motors = actuators(found, joint)
     section = root.find("actuator")
     if section is not None:
-        names = {f"{joint}_{end}" for end in ("cogging", "cogging_2", "offset", "lugre")}
-        for old in [e for e in section if e.tag == "dcmotor" and e.get("name") in names]:
+        ours = re.compile(rf"{re.escape(joint)}_(?:cogging(?:_wave_\d)?(?:_2)?|offset|lugre)")
+        for old in [e for e in section if e.tag == "dcmotor" and ours.fullmatch(e.get("name") or "")]:
             section.remove(old)
     if motors:
         section = ET.SubElement(root, "actuator") if section is None else section
