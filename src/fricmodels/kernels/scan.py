@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import ctypes
 import os
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -28,8 +28,9 @@ class _Numbers(ctypes.Structure):
     """What an array's address points to; it has no size, so that an array may be empty."""
 
 
-_AT = ctypes.POINTER(_Numbers)
-_SIGNATURE = ctypes.CFUNCTYPE(ctypes.c_int64, _AT, _AT, ctypes.c_int64, _AT, ctypes.c_int64, _AT)
+_at: Callable[[Any], _Numbers] = _Numbers.from_buffer
+_POINTER = ctypes.POINTER(_Numbers)
+_SIGNATURE = ctypes.CFUNCTYPE(ctypes.c_int64, _POINTER, _POINTER, ctypes.c_int64, _POINTER, ctypes.c_int64, _POINTER)
 """It returns the steps done, and takes state, inputs, rows of these, constants, stride and outputs."""
 
 
@@ -84,13 +85,15 @@ class Scan:
         if self._run is None:
             self._code = loaded(_source(self.function), cache_directory())
             self._run = _SIGNATURE(self._code.address)
-        done: int = self._run(_at(first), _at(rows), count, _at(fixed), stride, _at(outputs))
-        outputs[done // stride :] = np.nan
+        at = _at if rows.flags.writeable else _read_only
+        done: int = self._run(_at(first), at(rows), count, _at(fixed), stride, _at(outputs))
+        if done < count:
+            outputs[done // stride :] = np.nan
         return first, outputs, done
 
 
-def _at(array: Array) -> _Numbers:
-    return _Numbers.from_buffer(array.data) if array.flags.writeable else _Numbers.from_address(array.ctypes.data)
+def _read_only(array: Array) -> _Numbers:
+    return _Numbers.from_address(array.ctypes.data)
 
 
 def _source(step: Any) -> str:
