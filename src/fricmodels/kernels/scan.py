@@ -72,16 +72,21 @@ class Scan:
             The last state (n,), the outputs (N // stride, o), and the number of steps done: fewer than N when the
             state stopped being finite, at that step.
         """
-        first = np.array(state, dtype=float).reshape(self.n_states)
-        rows = np.ascontiguousarray(inputs, dtype=float).reshape(-1, self.n_inputs)
-        fixed = np.array(constants, dtype=float).reshape(self.n_constants)
+        first = np.array(state, dtype=float)
+        if first.shape != (self.n_states,):
+            first = first.reshape(self.n_states)
+        rows = np.ascontiguousarray(inputs, dtype=float)
+        if rows.ndim != 2 or rows.shape[1] != self.n_inputs:
+            rows = rows.reshape(-1, self.n_inputs)
+        fixed = np.array(constants, dtype=float)
+        if fixed.shape != (self.n_constants,):
+            fixed = fixed.reshape(self.n_constants)
         count = len(rows)
+        shape = (count // stride, self.n_outputs)
         if outputs is None:
-            outputs = np.empty((count // stride, self.n_outputs))
-        elif not (
-            outputs.flags.carray and outputs.dtype == float and outputs.shape == (count // stride, self.n_outputs)
-        ):
-            raise ValueError(f"outputs are contiguous numbers of shape ({count // stride}, {self.n_outputs})")
+            outputs = np.empty(shape)
+        elif not (outputs.flags.carray and outputs.dtype.char == "d" and outputs.shape == shape):
+            raise ValueError(f"outputs are contiguous numbers of shape {shape}")
         if self._run is None:
             self._code = loaded(_source(self.function), cache_directory())
             self._run = _SIGNATURE(self._code.address)
