@@ -92,8 +92,9 @@ def _compiler() -> _Compiler:
 
     llvm.initialize_native_target()
     llvm.initialize_native_asmprinter()
-    triple, processor = llvm.get_process_triple(), llvm.get_host_cpu_name()
-    features = llvm.get_host_cpu_features().flatten()
+    triple, processor, features = llvm.get_process_triple(), llvm.get_host_cpu_name(), ""
+    with suppress(RuntimeError):  # where LLVM cannot tell, it takes what all processors of that name can
+        features = llvm.get_host_cpu_features().flatten()
     target = llvm.Target.from_triple(triple)
     machine = target.create_target_machine(processor, features, opt=3, reloc="pic", codemodel="default", jit=True)
     linker = llvm.create_lljit_compiler(machine, use_jit_link=sys.platform != "win32")
