@@ -179,7 +179,7 @@ def _constants(drive: Drive) -> frozenset[str]:
 
 @cache
 def _versions() -> Mapping[str, str]:
-    return {name: version(name) for name in ("casadi", "numba", "filterpy")}
+    return {name: version(name) for name in ("casadi", "llvmlite", "numba", "filterpy")}
 
 
 def usable(drive: Drive, recording: Recording) -> Recording:

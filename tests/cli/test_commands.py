@@ -19,7 +19,7 @@ from fricmodels.cli import COMMANDS, main
 from fricmodels.recording import Recording
 from fricmodels.tournament.leaderboard import Leaderboard
 
-HEAVY = ("casadi", "pandas", "scipy", "numba", "numpy", "pint", "pyarrow", "filterpy")
+HEAVY = ("casadi", "pandas", "scipy", "llvmlite", "numba", "numpy", "pint", "pyarrow", "filterpy")
 
 
 def call(capsys: pytest.CaptureFixture[str], *arguments: str) -> tuple[int, str, str]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import casadi
@@ -11,7 +12,17 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from fricmodels.kernels import Scan
-from fricmodels.kernels.branches import Operation, written
+from fricmodels.kernels.branches import Branch, Operation, arranged
+
+IN_PYTHON = {
+    "OP_ADD": "{0} + {1}",
+    "OP_MUL": "{0} * {1}",
+    "OP_DIV": "{0} / {1}",
+    "OP_SQRT": "sqrt({0})",
+    "OP_LT": "{0} < {1}",
+    "OP_NOT": "({0} == 0)",
+    "OP_IF_ELSE_ZERO": "({1} if {0} else 0.0)",
+}
 
 
 @pytest.fixture(autouse=True)
@@ -19,12 +30,30 @@ def fresh_cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("FRICMODELS_CACHE", str(tmp_path))
 
 
+def line(operation: Operation) -> str:
+    return f"{operation.name} = {IN_PYTHON[operation.operation].format(*operation.operands)}"
+
+
+def lines(steps: Sequence[Operation | Branch]) -> list[str]:
+    """Write as Python."""
+    found = []
+    for step in steps:
+        if isinstance(step, Operation):
+            found.append(line(step))
+        else:
+            chosen = [f"    {operation.name} = {operation.operands[1]}" for operation in step.chosen]
+            zeros = [f"    {operation.name} = 0.0" for operation in step.chosen]
+            within = [f"    {inner}" for inner in lines(step.within)]
+            found += [f"if {step.condition}:", *within, *chosen, "else:", *zeros]
+    return found
+
+
 def run(operations: list[Operation], wanted: list[str], **given: float) -> dict[str, float]:
     """Carry out the lines."""
     from math import sqrt
 
     known: dict[str, float] = {"sqrt": sqrt, **given}  # type: ignore[dict-item]
-    exec("\n".join(written(operations, wanted)), known)
+    exec("\n".join(lines(arranged(operations, wanted))), known)
     return {name: known[name] for name in wanted}
 
 
@@ -49,7 +78,7 @@ def test_what_serves_elsewhere_too_is_computed_always() -> None:
 def test_one_condition_is_asked_once() -> None:
     twice = [*CHOICE, Operation("half", "OP_DIV", ("root", "2.0"))]
     twice += [Operation("other", "OP_IF_ELSE_ZERO", ("not_negative", "half"))]
-    assert sum(line.startswith("if") for line in written(twice, ["chosen", "other"])) == 1
+    assert sum(isinstance(step, Branch) for step in arranged(twice, ["chosen", "other"])) == 1
     assert run(twice, ["chosen", "other"], x=16.0) == {"chosen": 4.0, "other": 2.0}
 
 
@@ -71,7 +100,7 @@ def test_branches_change_no_result(drawn: list[Operation], x: float, y: float, d
     wanted = data.draw(st.lists(st.sampled_from(names), min_size=1, unique=True))
     known: dict[str, float] = {"x": x, "y": y}
     for operation in drawn:
-        exec(operation.line, known)
+        exec(line(operation), known)
     assert run(drawn, wanted, x=x, y=y) == {name: known[name] for name in wanted}
 
 

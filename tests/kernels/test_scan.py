@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import pickle
+import threading
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import casadi
@@ -78,7 +81,7 @@ def test_the_cache_is_where_it_was_asked_for(tmp_path: Path, monkeypatch: pytest
     x, u, c = (casadi.SX.sym(name) for name in "xuc")
     last, _, _ = Scan(casadi.Function("cached", [x, u, c], [x + 0.12345 * u + c, x]))([0.0], np.ones(2), [1.0])
     assert last[0] == pytest.approx(2.2469)
-    assert len(list(tmp_path.glob("fricmodels_scan_*.py"))) == 1
+    assert len(list(tmp_path.glob("fricmodels_*.code"))) == 1
 
 
 def test_a_cache_that_cannot_be_written_does_no_harm(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -88,3 +91,43 @@ def test_a_cache_that_cannot_be_written_does_no_harm(tmp_path: Path, monkeypatch
     x, u, c = (casadi.SX.sym(name) for name in "xuc")
     last, _, _ = Scan(casadi.Function("blocked", [x, u, c], [x + 0.54321 * u * c, x]))([0.0], np.ones(2), [1.0])
     assert last[0] == pytest.approx(1.08642)
+
+
+def test_outputs_that_do_not_fit_are_not_written_to(decay: Scan) -> None:
+    for wrong in (np.zeros((9, 1)), np.zeros((20, 1))[::2], np.zeros((10, 1), dtype=np.float32), np.zeros(10)):
+        with pytest.raises(ValueError, match=r"contiguous numbers of shape \(10, 1\)"):
+            decay([1.0], np.zeros(10), [0.5], outputs=wrong)
+        assert not np.any(wrong)
+
+
+def test_inputs_may_be_read_only(decay: Scan) -> None:
+    rows = np.ones(5)
+    rows.flags.writeable = False
+    assert decay([0.0], rows, [1.0])[0] == 5.0
+
+
+def test_a_pickled_recursion_is_the_same(decay: Scan) -> None:
+    decay([1.0], np.zeros(1), [0.5])
+    again = pickle.loads(pickle.dumps(decay))
+    assert again([1.0], np.zeros(3), [0.5])[0] == 0.125
+
+
+def test_threads_run_one_recursion_at_the_same_time() -> None:
+    """While compiled code runs, other threads of Python go on."""
+    x, u, c = (casadi.SX.sym(name) for name in "xuc")
+    scan = Scan(casadi.Function("long", [x, u, c], [casadi.sin(x) + c * u, x]))
+    scan([0.0], np.ones(1), [0.5])
+    rows, running, counted = np.ones(2_000_000), threading.Event(), 0
+
+    def run(constant: float) -> float:
+        running.set()
+        last, _, _ = scan([0.0], rows, [constant])
+        return float(last[0])
+
+    with ThreadPoolExecutor(2) as pool:
+        found = [pool.submit(run, constant) for constant in (0.25, 0.5)]
+        running.wait()
+        while not all(future.done() for future in found):
+            counted += 1
+    assert counted > 100
+    assert [future.result() for future in found] == [run(0.25), run(0.5)]

@@ -45,7 +45,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def test_importing_the_package_imports_nothing_heavy(tmp_path: Path) -> None:
-    heavy = "casadi numpy scipy numba pandas rich pydantic plotly IPython"
+    heavy = "casadi numpy scipy llvmlite numba pandas rich pydantic plotly IPython"
     done = python(f"import sys, fricmodels\nprint(sorted(set({heavy.split()}) & set(sys.modules)))", tmp_path)
     assert done.stdout.strip() == "[]", done.stderr
 

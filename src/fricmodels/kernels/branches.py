@@ -1,6 +1,6 @@
-"""Writes operations as lines of Python such that what a condition excludes is not computed.
+"""Orders operations such that what a condition excludes is not computed.
 
-``where(c, x)`` is x where c holds, else 0. What serves nothing but such values of one condition goes under an ``if``:
+``where(c, x)`` is x where c holds, else 0. What serves nothing but such values of one condition goes under a branch:
 while two bodies touch, it need not be known how they would move apart.
 """
 
@@ -10,8 +10,6 @@ import itertools
 from collections import defaultdict
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass
-
-from fricmodels.kernels.instructions import OPERATIONS
 
 Guard = tuple[str, ...]
 """Names of the conditions that hold, each within those before it."""
@@ -30,14 +28,24 @@ class Operation:
         """Whether it is a ``where(c, x)``."""
         return self.operation == "OP_IF_ELSE_ZERO"
 
-    @property
-    def line(self) -> str:
-        """The operation as a line of Python."""
-        return f"{self.name} = {OPERATIONS[self.operation].format(*self.operands)}"
+
+@dataclass(frozen=True)
+class Branch:
+    """What is computed where a condition holds, and what is chosen by it: zeros where it does not hold.
+
+    Attributes:
+        condition: its name.
+        within: in order. Another branch of the same condition may use what is computed here.
+        chosen: each is a ``where(condition, x)``.
+    """
+
+    condition: str
+    within: tuple[Operation | Branch, ...]
+    chosen: tuple[Operation, ...]
 
 
-def written(operations: Sequence[Operation], wanted: Collection[str]) -> list[str]:
-    """Return lines of Python that compute what is wanted.
+def arranged(operations: Sequence[Operation], wanted: Collection[str]) -> list[Operation | Branch]:
+    """Return what computes all that is wanted, in order.
 
     Args:
         operations: in an order in which each comes after its operands.
@@ -45,7 +53,7 @@ def written(operations: Sequence[Operation], wanted: Collection[str]) -> list[st
     """
     guards = _guards(operations, wanted)
     operations = [operation for operation in operations if operation.name in guards]
-    lines: dict[Guard, list[str]] = defaultdict(list)
+    steps: dict[Guard, list[Operation | Branch]] = defaultdict(list)
     waiting: dict[Guard, list[Operation]] = defaultdict(list)
     while operations or waiting:
         later = []
@@ -56,23 +64,17 @@ def written(operations: Sequence[Operation], wanted: Collection[str]) -> list[st
             if not unknown.isdisjoint(operation.operands):
                 later.append(operation)
                 unknown.add(operation.name)
-            elif operation.chooses and lines[within]:
+            elif operation.chooses and steps[within]:
                 waiting[within].append(operation)
                 unknown.add(operation.name)
             else:
-                lines[guard].append(operation.line)
+                steps[guard].append(operation)
         operations = later
-        if waiting:  # the innermost first, and all that can be under one ``if`` together
+        if waiting:  # the innermost first, and all that can be under one branch together
             within = max(waiting, key=len)
-            lines[within[:-1]] += _branch(within[-1], lines.pop(within), waiting.pop(within))
-    return lines[()]
-
-
-def _branch(condition: str, lines: list[str], chosen: list[Operation]) -> list[str]:
-    """Return lines under an ``if``, and after them what is chosen by its condition."""
-    values = [f"    {operation.name} = {operation.operands[1]}" for operation in chosen]
-    zeros = [f"    {operation.name} = 0.0" for operation in chosen]
-    return [f"if {condition}:", *(f"    {line}" for line in lines), *values, "else:", *zeros]
+            branch = Branch(within[-1], tuple(steps.pop(within)), tuple(waiting.pop(within)))
+            steps[within[:-1]].append(branch)
+    return steps[()]
 
 
 def _guards(operations: Sequence[Operation], wanted: Collection[str]) -> dict[str, Guard]:

@@ -11,10 +11,13 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 from fricmodels.errors import FricmodelsError
-from fricmodels.kernels.instructions import OPERATIONS, instructions
+from fricmodels.kernels.instructions import instructions
 
 _C: dict[str, str] = {
-    **OPERATIONS,  # calls and arithmetic are written alike in Python and in C
+    "OP_ADD": "{0} + {1}",
+    "OP_SUB": "{0} - {1}",
+    "OP_MUL": "{0} * {1}",
+    "OP_DIV": "{0} / {1}",
     "OP_POW": "pow({0}, {1})",
     "OP_CONSTPOW": "pow({0}, {1})",
     "OP_LT": "(double)({0} < {1})",
@@ -25,10 +28,25 @@ _C: dict[str, str] = {
     "OP_OR": "(double)(({0} != 0.0) || ({1} != 0.0))",
     "OP_FMIN": "fmin({0}, {1})",
     "OP_FMAX": "fmax({0}, {1})",
+    "OP_ATAN2": "atan2({0}, {1})",
+    "OP_COPYSIGN": "copysign({0}, {1})",
+    "OP_FMOD": "fmod({0}, {1})",
     "OP_IF_ELSE_ZERO": "({0} != 0.0) ? {1} : 0.0",
+    "OP_ASSIGN": "{0}",
+    "OP_NEG": "-{0}",
+    "OP_SQ": "{0} * {0}",
+    "OP_TWICE": "2.0 * {0}",
+    "OP_INV": "1.0 / {0}",
     "OP_FABS": "fabs({0})",
     "OP_SIGN": "(double)(({0} > 0.0) - ({0} < 0.0))",
     "OP_NOT": "(double)({0} == 0.0)",
+    **{
+        f"OP_{name.upper()}": name + "({0})"
+        for name in (
+            *("exp", "log", "sqrt", "sin", "cos", "tan", "asin", "acos", "atan", "sinh", "cosh", "tanh"),
+            *("floor", "ceil", "erf", "expm1", "log1p"),
+        )
+    },
 }
 """Name of a CasADi operation → the same in C99."""
 

@@ -2,22 +2,15 @@
 
 from __future__ import annotations
 
+import ctypes
 from typing import Any
 
-from fricmodels.kernels.scan import load_module, straight_line
+from fricmodels.kernels.ir import DECLARED, Step, read, write
+from fricmodels.kernels.machine_code import ENTRY, loaded
+from fricmodels.kernels.scan import cache_directory
 
-_HEADER = '''"""Generated; safe to delete."""
-from math import (acos, asin, atan, atan2, ceil, copysign, cos, cosh, erf, exp, expm1, floor, fmod, log, log1p,
-                  sin, sinh, sqrt, tan, tanh)
-
-from numba import cfunc, types
-
-number = types.CPointer(types.float64)
-
-
-@cfunc(types.void(number, number, number, number), cache=True, error_model="numpy", nogil=True)
-def step(state, inputs, constants, outputs):
-'''
+_NUMBERS = ctypes.POINTER(ctypes.c_double)
+_SIGNATURE = ctypes.CFUNCTYPE(None, _NUMBERS, _NUMBERS, _NUMBERS, _NUMBERS)
 
 
 class Callback:
@@ -32,24 +25,26 @@ class Callback:
     """
 
     def __init__(self, step: Any) -> None:
-        self.source = _source(step)
-        self._compiled = None
+        self.function = step
+        self._pointer: Any = None
 
     @property
     def pointer(self) -> Any:
-        """The function's address, as compiled code takes it."""
-        if self._compiled is None:
-            self._compiled = load_module(self.source).step
-        return self._compiled.ctypes  # type: ignore[attr-defined]
+        """The function's address, as compiled code takes it; the function is there as long as this is held."""
+        if self._pointer is None:
+            code = loaded(_source(self.function), cache_directory())
+            pointer = _SIGNATURE(code.address)
+            pointer.code = code  # type: ignore[attr-defined]
+            self._pointer = pointer
+        return self._pointer
 
 
 def _source(step: Any) -> str:
-    body, following, outputs = straight_line(step)
-    lines = [f"{letter}{i} = {name}[{i}]" for k, (letter, name) in enumerate(_GIVEN) for i in range(step.numel_in(k))]
-    lines += [*body, *(f"outputs[{i}] = {value}" for i, value in enumerate(outputs))]
-    lines += [f"n{i} = {value}" for i, value in enumerate(following)]
-    lines += [f"state[{i}] = n{i}" for i in range(len(following))]
-    return _HEADER + "\n".join(f"    {line}" for line in lines) + "\n"
+    body, _, states, outputs = Step(step).written("start")
+    lines = [line for i, (array, names) in enumerate(_GIVEN) for line in read(array, step.numel_in(i), names)]
+    lines += [*body, *write("outputs", outputs, "last"), *write("state", states, "last"), "ret void"]
+    head = f"define void @{ENTRY}(ptr %state, ptr %inputs, ptr %constants, ptr %outputs) nounwind {{\nstart:"
+    return "\n".join([DECLARED, head, *lines, "}\n"])
 
 
-_GIVEN = (("s", "state"), ("u", "inputs"), ("c", "constants"))
+_GIVEN = (("state", "s"), ("inputs", "u"), ("constants", "c"))

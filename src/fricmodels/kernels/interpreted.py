@@ -16,8 +16,8 @@ _ROWS = 512
 class Interpreted:
     """A recursion that CasADi's own machine runs; it gives what :class:`~fricmodels.kernels.scan.Scan` gives.
 
-    A step takes some microseconds, thirty times as long as a compiled one; nothing is compiled, which takes a second or
-    more for a recursion that this machine has not met.
+    A step takes some microseconds, thirty times as long as a compiled one; nothing is compiled, which takes some
+    hundredths of a second for a recursion of some hundred operations that this machine has not met.
 
     Args:
         step: as of :class:`~fricmodels.kernels.scan.Scan`.

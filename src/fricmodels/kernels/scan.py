@@ -1,43 +1,37 @@
 """Runs a recursion over a recording: one expression ``(state, input, constant) → (next state, output)``, compiled.
 
-The expression's instruction list is written out as a straight line of Python and compiled by Numba, the state
-held in local variables; what the symbolic engine knows to be zero costs nothing. A product and a sum may be
-contracted to one rounding (fused multiply-add) where the processor has it, and a division may become a product with a
-reciprocal. The source and the machine code are kept in the user's cache directory under a name made from the source, so
-a recursion is compiled once per machine.
+The expression's instruction list is written out as a straight line in LLVM's intermediate representation, the state
+held in registers; what the symbolic engine knows to be zero costs nothing. A product and a sum may be contracted to one
+rounding (fused multiply-add) where the processor has it, and a division may become a product with a reciprocal. The
+machine code is kept in the user's cache directory, so a recursion is compiled once per machine.
 """
 
 from __future__ import annotations
 
-import hashlib
-import importlib.util
+import ctypes
 import os
-import sys
-import tempfile
-from functools import lru_cache
+from collections.abc import Callable, Sequence
 from pathlib import Path
-from types import ModuleType
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from fricmodels.arrays import Array
-from fricmodels.errors import InputError
-from fricmodels.files import write_text
-from fricmodels.kernels.branches import Operation, written
-from fricmodels.kernels.instructions import instructions
+from fricmodels.kernels.ir import DECLARED, Step, literal, read, write
+from fricmodels.kernels.machine_code import ENTRY, MachineCode, loaded
 
-_HEADER = '''"""Generated; safe to delete."""
-from math import (acos, asin, atan, atan2, ceil, copysign, cos, cosh, erf, exp, expm1, floor, fmod, log, log1p,
-                  sin, sinh, sqrt, tan, tanh)
-
-from numba import njit
+_FLAGS = "contract arcp"
 
 
-@njit(cache=True, error_model="numpy", nogil=True, fastmath={"contract", "arcp"})
-def scan(state, inputs, constants, stride, outputs):
-'''
+class _Numbers(ctypes.Structure):
+    """What an array's address points to; it has no size, so that an array may be empty."""
+
+
+_at: Callable[[Any], _Numbers] = _Numbers.from_buffer
+_POINTER = ctypes.POINTER(_Numbers)
+_SIGNATURE = ctypes.CFUNCTYPE(ctypes.c_int64, _POINTER, _POINTER, ctypes.c_int64, _POINTER, ctypes.c_int64, _POINTER)
+"""It returns the steps done, and takes state, inputs, rows of these, constants, stride and outputs."""
 
 
 class Scan:
@@ -54,8 +48,11 @@ class Scan:
         self.function = step
         self.n_states, self.n_inputs, self.n_constants = (step.numel_in(i) for i in range(3))
         self.n_outputs = step.numel_out(1)
-        self.source = _source(step)
-        self._compiled = None
+        self._code: MachineCode | None = None
+        self._run: Any = None
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {**self.__dict__, "_code": None, "_run": None}
 
     def __call__(
         self,
@@ -75,81 +72,89 @@ class Scan:
             The last state (n,), the outputs (N // stride, o), and the number of steps done: fewer than N when the
             state stopped being finite, at that step.
         """
-        first = np.array(state, dtype=float).reshape(self.n_states)
-        rows = np.ascontiguousarray(inputs, dtype=float).reshape(-1, self.n_inputs)
-        fixed = np.array(constants, dtype=float).reshape(self.n_constants)
+        first = np.array(state, dtype=float)
+        if first.shape != (self.n_states,):
+            first = first.reshape(self.n_states)
+        rows = np.ascontiguousarray(inputs, dtype=float)
+        if rows.ndim != 2 or rows.shape[1] != self.n_inputs:
+            rows = rows.reshape(-1, self.n_inputs)
+        fixed = np.array(constants, dtype=float)
+        if fixed.shape != (self.n_constants,):
+            fixed = fixed.reshape(self.n_constants)
+        count = len(rows)
+        shape = (count // stride, self.n_outputs)
         if outputs is None:
-            outputs = np.empty((len(rows) // stride, self.n_outputs))
-        if self._compiled is None:
-            self._compiled = load_module(self.source).scan
-        done = self._compiled(first, rows, fixed, stride, outputs)  # type: ignore[misc]
-        outputs[done // stride :] = np.nan
-        return first, outputs, int(done)
+            outputs = np.empty(shape)
+        elif not (outputs.flags.carray and outputs.dtype.char == "d" and outputs.shape == shape):
+            raise ValueError(f"outputs are contiguous numbers of shape {shape}")
+        if self._run is None:
+            self._code = loaded(_source(self.function), cache_directory())
+            self._run = _SIGNATURE(self._code.address)
+        at = _at if rows.flags.writeable else _read_only
+        done: int = self._run(_at(first), at(rows), count, _at(fixed), stride, _at(outputs))
+        if done < count:
+            outputs[done // stride :] = np.nan
+        return first, outputs, done
 
 
-def straight_line(step: Any) -> tuple[list[str], list[str], list[str]]:
-    """Return lines of Python that compute a step, and what its next states and its outputs are called.
-
-    States are called ``s0``, ``s1``, …, inputs ``u…``, constants ``c…``; see :class:`Scan` for what a step is.
-    """
-    n = step.numel_in(0)
-    next_state = ["0.0"] * n
-    outputs = ["0.0"] * step.numel_out(1)
-    places = []
-    for i in range(2):
-        rows, _ = step.sparsity_out(i).get_triplet()
-        places.append(rows)
-    names: dict[int, str] = {}
-    operations: list[Operation] = []
-    for instruction in instructions(step):
-        if instruction.operation == "OP_OUTPUT":
-            index, element = instruction.outputs
-            target = next_state if index == 0 else outputs
-            target[places[index][element]] = names[instruction.inputs[0]]
-            continue
-        if instruction.operation == "OP_INPUT":
-            kind, element = instruction.inputs
-            names[instruction.outputs[0]] = (f"s{element}", f"u{element}", f"c{element}")[kind]
-            continue
-        if instruction.operation == "OP_CONST":
-            names[instruction.outputs[0]] = _literal(instruction.constant)
-            continue
-        operands = tuple(names[i] for i in instruction.inputs if i in names)
-        name = f"w{len(operations)}"
-        operations.append(Operation(name, instruction.operation, operands))
-        names[instruction.outputs[0]] = name
-    return written(operations, {*next_state, *outputs}), next_state, outputs
+def _read_only(array: Array) -> _Numbers:
+    return _Numbers.from_address(array.ctypes.data)
 
 
 def _source(step: Any) -> str:
-    n = step.numel_in(0)
-    body, next_state, outputs = straight_line(step)
-    lines = [f"    c{i} = constants[{i}]" for i in range(step.numel_in(2))]
-    lines += [f"    s{i} = state[{i}]" for i in range(n)]
-    lines += ["    kept = 0", "    left = stride", "    for k in range(inputs.shape[0]):"]
-    lines += [f"        u{i} = inputs[k, {i}]" for i in range(step.numel_in(1))]
-    lines += [f"        {line}" for line in body]
-    lines += ["        left -= 1", "        if left == 0:", "            left = stride"]
-    lines += [f"            outputs[kept, {i}] = {value}" for i, value in enumerate(outputs)]
-    lines += ["            kept += 1"]
-    if n:
-        lines += [f"        n{i} = {value}" for i, value in enumerate(next_state)]
-        lines += [f"        s{i} = n{i}" for i in range(n)]
-        total = " + ".join(f"s{i}" for i in range(n))
-        lines += [
-            f"        if not abs({total}) < 1e300:",
-            *(f"            state[{i}] = s{i}" for i in range(n)),
-        ]
-        lines += ["            return k"]
-        lines += [f"    state[{i}] = s{i}" for i in range(n)]
-    lines += ["    return inputs.shape[0]"]
-    return _HEADER + "\n".join(lines) + "\n"
+    body, last, states, outputs = Step(step).written("body", flags=_FLAGS)
+    n = range(len(states))
+    lines = [
+        f"define i64 @{ENTRY}(ptr %state, ptr %inputs, i64 %rows, ptr %constants, i64 %stride, ptr %outputs)",
+        "nounwind {",
+        "start:",
+        *read("constants", step.numel_in(2), "c"),
+        *read("state", len(states), "first"),
+        "br label %head",
+        "head:",
+        "%k = phi i64 [0, %start], [%k.next, %next]",
+        "%left = phi i64 [%stride, %start], [%left.next, %next]",
+        "%row = phi ptr [%inputs, %start], [%row.next, %next]",
+        "%kept = phi ptr [%outputs, %start], [%kept.next, %next]",
+        *(f"%s{i} = phi double [%first{i}, %start], [{states[i]}, %next]" for i in n),
+        "%more = icmp slt i64 %k, %rows",
+        "br i1 %more, label %body, label %end",
+        "body:",
+        *read("row", step.numel_in(1), "u"),
+        *body,
+        "%left.less = sub i64 %left, 1",
+        "%due = icmp eq i64 %left.less, 0",
+        "br i1 %due, label %keep, label %check",
+        "keep:",
+        *write("kept", outputs, "keep"),
+        f"%kept.more = getelementptr double, ptr %kept, i64 {len(outputs)}",
+        "br label %check",
+        "check:",
+        f"%left.next = phi i64 [%stride, %keep], [%left.less, %{last}]",
+        f"%kept.next = phi ptr [%kept.more, %keep], [%kept, %{last}]",
+        *_total(states),
+        "%size = call double @llvm.fabs.f64(double %total)",
+        f"%finite = fcmp olt double %size, {literal(1e300)}",
+        "br i1 %finite, label %next, label %stopped",
+        "next:",
+        "%k.next = add i64 %k, 1",
+        f"%row.next = getelementptr double, ptr %row, i64 {step.numel_in(1)}",
+        "br label %head",
+        "stopped:",
+        *write("state", states, "stopped"),
+        "ret i64 %k",
+        "end:",
+        *write("state", [f"%s{i}" for i in n], "end"),
+        "ret i64 %rows",
+        "}",
+    ]
+    return "\n".join([DECLARED, *lines, ""])
 
 
-def _literal(value: float) -> str:
-    if np.isfinite(value):
-        return repr(float(value)) if value >= 0 else f"({float(value)!r})"
-    return "(0.0 / 0.0)" if np.isnan(value) else f"({'-' if value < 0 else ''}1e308 * 10.0)"
+def _total(states: Sequence[str]) -> list[str]:
+    """Return lines that add up the states, by which it is seen whether all are finite."""
+    sums = ["-0.0", *(f"%total{i}" for i in range(1, len(states))), "%total"]
+    return [f"{sums[i + 1]} = fadd {_FLAGS} double {sums[i]}, {state}" for i, state in enumerate(states or ["0.0"])]
 
 
 def cache_directory() -> Path:
@@ -158,22 +163,3 @@ def cache_directory() -> Path:
 
     given = os.environ.get("FRICMODELS_CACHE")
     return Path(given) if given else Path(platformdirs.user_cache_dir("fricmodels")) / "kernels"
-
-
-@lru_cache(maxsize=256)
-def load_module(source: str) -> ModuleType:
-    """Return the module of a generated source, kept in :func:`cache_directory`."""
-    name = "fricmodels_scan_" + hashlib.sha256(source.encode()).hexdigest()[:24]
-    path = cache_directory() / f"{name}.py"
-    try:
-        if not path.exists() or path.read_text(encoding="utf-8") != source:
-            write_text(path, source)
-    except (OSError, InputError):
-        path = write_text(Path(tempfile.mkdtemp(prefix="fricmodels-")) / f"{name}.py", source)
-    spec = importlib.util.spec_from_file_location(name, path)
-    if spec is None or spec.loader is None:
-        raise ImportError(f"cannot load the generated module {path}")
-    module = importlib.util.module_from_spec(spec)
-    sys.modules[name] = module
-    spec.loader.exec_module(module)
-    return module

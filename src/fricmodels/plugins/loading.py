@@ -20,7 +20,7 @@ from fricmodels.plugins.exercise import exercise
 from fricmodels.plugins.registry import GROUP, Failure, Plugins, Registered, Registry
 
 _OWN = "fricmodels"
-_DECISIVE = ("casadi", "numpy", "scipy", "numba", "pandas", "filterpy")
+_DECISIVE = ("casadi", "numpy", "scipy", "llvmlite", "numba", "pandas", "filterpy")
 _HOOKS = {
     "law": "fricmodels_laws",
     "effect": "fricmodels_effects",

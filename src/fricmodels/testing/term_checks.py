@@ -333,7 +333,7 @@ def check_compiled(s: Subject) -> None:
     try:
         _, compiled, _ = Scan(step)([0.0], rows, [])
         _, arrays = ArrayFunction(step)(0.0, *rows.T)
-    except (KeyError, ValueError, TypeError) as error:
+    except (FricmodelsError, KeyError, ValueError, TypeError) as error:
         raise Fault(f"the expression cannot be compiled: {type(error).__name__}: {error}") from None
     difference = np.abs(compiled - arrays.T) / (1 + np.abs(arrays.T))
     if not np.max(difference) < 1e-10:
