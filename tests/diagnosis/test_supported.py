@@ -15,7 +15,7 @@ from fricmodels.diagnosis.candidate_tests import CandidateTests, candidate_tests
 from fricmodels.diagnosis.comparison import SlidingErrors
 from fricmodels.diagnosis.effect_set import as_predictor
 from fricmodels.diagnosis.predictability import channel_predictors
-from fricmodels.diagnosis.supported import supported
+from fricmodels.diagnosis.supported import judge
 from fricmodels.diagnosis.verdict import select_effect
 from fricmodels.drive import Drive
 from fricmodels.model import Model
@@ -39,7 +39,7 @@ def named(result: CandidateTests, candidates: list[str]) -> list[str]:
     """Return the effects that are supported, where no others are candidates."""
     first = select_effect(result)
     others = set(load().effects).difference(candidates)
-    return [found.first.name for found in supported(result, others, first)]
+    return [found.first.name for found in judge(result, others, first).supported(result.policy)]
 
 
 @pytest.mark.parametrize("effect", HIDDEN)

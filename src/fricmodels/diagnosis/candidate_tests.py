@@ -104,6 +104,7 @@ def candidate_tests(
     only: Iterable[str] | None = None,
     also: Array | None = None,
     found: Iterable[str] = (),
+    several: Collection[str] | None = None,
     policy: Policy = POLICY,
 ) -> CandidateTests:
     """Test every registered effect that the model does not have.
@@ -115,6 +116,7 @@ def candidate_tests(
         only: names of the effects to consider; all by default.
         also: columns that are taken to be in the model already, shape (k, rows).
         found: names of the effects that these columns are of.
+        several: kinds of effects of which another one is considered where one is there; all by default.
         policy: decides how much noise a column may hold, and what passes.
     """
     from scipy.stats import false_discovery_control
@@ -133,7 +135,7 @@ def candidate_tests(
         candidates = registered[name].candidates(problem.recording)
         if not candidates and name not in skipped:
             untested[name] = registered[name].absent
-        for effect in not_yet(candidates, there):
+        for effect in not_yet(candidates, there, several):
             if effect.name in skipped:
                 continue
             try:
@@ -151,12 +153,14 @@ def candidate_tests(
     return CandidateTests(problem, regression, parameters, tuple(ranked), untested, policy)
 
 
-def not_yet(candidates: Iterable[Effect], there: Collection[str]) -> Iterator[Effect]:
+def not_yet(
+    candidates: Iterable[Effect], there: Collection[str], several: Collection[str] | None = None
+) -> Iterator[Effect]:
     """Yield candidates that are not there; of one that is, the next of its kind, if there may be several."""
     for candidate in candidates:
         effect: Effect | None = candidate
         while effect is not None and effect.name in there:
-            effect = effect.another()
+            effect = effect.another() if several is None or candidate.name in several else None
         if effect is not None:
             yield effect
 

@@ -67,7 +67,7 @@ def found_in_turn(
         leave_out: effects that are not considered.
         members: what was found before.
         description: columns that describe the rest, shape (k, rows).
-        several: names of the kinds of which another one is considered beside one that was found.
+        several: kinds of effects of which another one is considered where one is there.
     """
     members = [*members]
     while len(members) < result.policy.most_together:
@@ -76,13 +76,13 @@ def found_in_turn(
             break
         if not len(columns):
             break  # all candidates were tested as they are, and none passes
-        alone = {m.effect.name for m in members if m.effect.first_of_kind().name not in several}
         found = candidate_tests(
             result.problem,
             result.parameters,
-            leave_out=leave_out | alone,
+            leave_out=leave_out,
             also=columns,
             found=[m.effect.name for m in members],
+            several=several,
             policy=result.policy,
         )
         best = select_effect(found)

@@ -53,7 +53,7 @@ from fricmodels.diagnosis.effect_set import (
 from fricmodels.diagnosis.floor import creditable, floor, share_explained
 from fricmodels.diagnosis.policy import Policy
 from fricmodels.diagnosis.predictability import AUTOREGRESSIVE, ChannelPredictor
-from fricmodels.diagnosis.verdict import LookAlikes, predicts
+from fricmodels.diagnosis.verdict import LookAlikes, predicts, select_effect
 from fricmodels.progress import each
 from fricmodels.term import Effect
 from fricmodels.weakform.regression import Regression, compare
@@ -104,14 +104,16 @@ def judge(result: CandidateTests, leave_out: Iterable[str], first: LookAlikes | 
         leave_out: effects that are not considered.
         first: the effect that explains the residual best, with its look-alikes; ``None`` where none passes by itself.
     """
-    out, several = set(leave_out), _kinds(result.problem.drive.model.effects)
-    judgement = _judged(result, *_set_of(result, out, first, several))
+    out, drive = set(leave_out), result.problem.drive
     # Several of a kind imitate anything together, as waves do a bump: others are sought once the first one stands.
-    more = _kinds(found.first.effect for found in judgement.supported(result.policy)) - several
-    if not more:
+    firsts = replace(result, tested=tuple(t for t in result.tested if not _is_further(t)))
+    best = first if len(firsts.tested) == len(result.tested) else select_effect(firsts)
+    judgement = _judged(firsts, *_set_of(firsts, out, best, set()))
+    several = _kinds([*drive.model.effects, *(found.first.effect for found in judgement.supported(result.policy))])
+    if not several:
         return judgement
-    further = _judged(result, *_set_of(result, out, first, several | more))
-    return further if any(map(_is_further, further.supported(result.policy))) else judgement
+    further = _judged(result, *_set_of(result, out, first, several))
+    return further if any(_is_further(found.first) for found in further.supported(result.policy)) else judgement
 
 
 def _kinds(effects: Iterable[Effect]) -> set[str]:
@@ -119,8 +121,9 @@ def _kinds(effects: Iterable[Effect]) -> set[str]:
     return {effect.first_of_kind().name for effect in effects if effect.another() is not None}
 
 
-def _is_further(found: LookAlikes) -> bool:
-    return found.first.effect.first_of_kind().name != found.first.name
+def _is_further(test: CandidateTest) -> bool:
+    """Whether an effect is another one of a kind of which a drive may have several."""
+    return test.effect.first_of_kind().name != test.name
 
 
 def _set_of(
@@ -145,7 +148,7 @@ def _judged(result: CandidateTests, members: list[Member], rest: Rest) -> Judgem
     judged = [(m, _support(result, m, without(members, m), rest)) for m in kept]
     one_cause = [m for m, s in judged if s.suffices(policy) and _one_cause(result, m, without(members, m))]
     if not OF_POSITION.isdisjoint(rest.channels):  # a series of waves that does not end draws one torque over position
-        one_cause += [m for m in members if _is_further(m.found)]
+        one_cause += [m for m in members if _is_further(m.found.first)]
     power = float(np.sum(result.problem.driving**2))
     return Judgement(
         tuple((m.found, support) for m, support in judged),
@@ -154,11 +157,6 @@ def _judged(result: CandidateTests, members: list[Member], rest: Rest) -> Judgem
         float(np.sqrt(floor(result.problem, policy) / power)),
         float(np.sqrt(rest.unpredicted / power)),
     )
-
-
-def supported(result: CandidateTests, leave_out: Iterable[str], first: LookAlikes | None) -> list[LookAlikes]:
-    """Return the effects that are there, the one that was found first before the others; see :func:`judge`."""
-    return judge(result, leave_out, first).supported(result.policy)
 
 
 @dataclass(frozen=True)
