@@ -7,6 +7,9 @@ from types import ModuleType
 
 import pytest
 
+from fricmodels.diagnosis import compare
+from fricmodels.diagnosis.comparison import numbered
+
 
 @pytest.fixture(scope="module")
 def benchmark(from_benchmarks: Callable[[str], ModuleType]) -> ModuleType:
@@ -20,3 +23,13 @@ def test_both_are_named_with_their_wave_numbers(benchmark: ModuleType, names: tu
     outcome = benchmark.judged(benchmark.trial(names, 500))
     assert outcome.found == 2
     assert outcome.others == ()
+
+
+def test_what_is_left_of_a_kind_is_numbered_from_the_first_on(benchmark: ModuleType) -> None:
+    """A ladder may take away the first of two; that the other one was the second says nothing then."""
+    recording = benchmark.trial(("cogging", "position-friction"), 500, samples=3000).recording
+    second = compare(recording, "coulomb-viscous+position-friction+cogging(2)", 2.0)
+    first = numbered(second)
+    assert first.drive.model.name == "coulomb-viscous+position-friction+cogging"
+    assert first.estimate.parameters["cogging.k"] == pytest.approx(second.estimate.parameters["cogging(2).k"], rel=1e-4)
+    assert numbered(first) is first

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from fricmodels.diagnosis.candidate_tests import not_yet
 from fricmodels.diagnosis.journal import estimated
 from fricmodels.diagnosis.where import Regime, where
 from fricmodels.display import Displayed
@@ -126,6 +127,22 @@ def with_effect(comparison: Comparison, effect: Effect, parameters: Mapping[str,
     start = {f"{effect.name}.{symbol}": value for symbol, value in parameters.items()}
     model = comparison.drive.model.plus(effect)
     return refitted(comparison, model, {**comparison.estimate.parameters, **start})
+
+
+def numbered(comparison: Comparison) -> Comparison:
+    """Return the same model with the effects of each kind numbered from the first on, where one was taken away."""
+    effects, called = comparison.drive.model.effects, dict[str, Effect]()
+    for effect in sorted(effects, key=lambda effect: effect.name):
+        there = {other.name for other in called.values()}
+        called[effect.name] = next(not_yet([effect.first_of_kind()], there), effect)
+    if all(name == effect.name for name, effect in called.items()):
+        return comparison
+    start = {}
+    for key, value in comparison.estimate.parameters.items():
+        name, dot, symbol = key.rpartition(".")
+        start[f"{called[name].name if dot else ''}{dot}{symbol}"] = value
+    model = Model(comparison.drive.model.law, [called[effect.name] for effect in effects])
+    return refitted(comparison, model, start)
 
 
 def from_scratch(comparison: Comparison) -> Comparison:

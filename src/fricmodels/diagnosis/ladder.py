@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
 from fricmodels.diagnosis.candidate_tests import CandidateTest
-from fricmodels.diagnosis.comparison import Comparison, compare, from_scratch, refitted
+from fricmodels.diagnosis.comparison import Comparison, compare, from_scratch, numbered, refitted
 from fricmodels.diagnosis.diagnose import Diagnosis, Finding, examine, is_predictable, seems_missing
 from fricmodels.diagnosis.look_alikes import separated_by
 from fricmodels.diagnosis.necessity import necessity
@@ -238,6 +238,8 @@ class _Search:
             comparison = simpler
             removed.append(weakest)
         if removed:
+            comparison, before = numbered(comparison), self._added
+            removed = [name for name in before if name not in {e.name for e in comparison.drive.model.effects}]
             self._superfluous.update(removed)
             self.rungs.append(Rung(from_scratch(comparison), removed="+".join(removed)))
         return bool(removed)
