@@ -99,7 +99,8 @@ def test_what_could_not_be_seen_stands_with_its_reason(page: Page) -> None:
     assert rows["thermal"] == ("the recording has no temperature", "a temperature that changes")
     seen = " ".join(row[-1] for row in cells(page)["Smallest size that we would have detected"])
     assert "gravity" in seen
-    assert "cogging" not in seen
+    assert "cogging(2)" in seen
+    assert re.search(r"cogging(?!\(2\))", seen) is None, "the model has it"
 
 
 def test_each_figure_has_its_message_and_a_table(page: Page) -> None:
