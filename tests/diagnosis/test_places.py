@@ -30,6 +30,13 @@ def bumpy(recording: Recording, height: float, *, forward_only: bool = False) ->
     return recording.with_channels(derived=False, torque=recording.torque + bump), middle, width
 
 
+def zone(recording: Recording, height: float) -> tuple[Recording, float, float]:
+    position = recording["position"]
+    low, high = (float(q) for q in np.quantile(position, [0.35, 0.6]))
+    more = height * np.sign(recording.velocity) * ((position > low) & (position < high))
+    return recording.with_channels(derived=False, torque=recording.torque + more), low, high
+
+
 @pytest.mark.parametrize("seed", range(4))
 def test_a_clean_drive_has_no_place_of_any_size(made: Made, seed: int) -> None:
     assert largest_place(examined(made(seed=seed, noise=1.0))) is None
@@ -112,3 +119,22 @@ def test_false_places_are_as_rare_as_said_where_noise_goes_with_the_channel() ->
     p_values = 2 * student.sf(np.abs(mean) / np.sqrt(variance / 4), freedom)
     for level in (0.05, 0.005):
         assert 0.6 * level < np.mean(p_values < level) < 1.5 * level
+
+
+def test_a_zone_of_friction_is_found_along_the_motion(made: Made) -> None:
+    """Its torque has the sign of the motion: in the mean over both directions it is nothing."""
+    recording, low, high = zone(made(noise=0.5), 2.0)
+    place = largest_place(examined(recording))
+    assert place is not None
+    assert (place.channel, place.direction) == ("position", "along the motion")
+    width = high - low
+    assert place.low == pytest.approx(low, abs=0.3 * width)
+    assert place.high == pytest.approx(high, abs=0.3 * width)
+    assert 1.0 < place.torque < 2.1
+
+
+def test_a_bin_that_is_not_significant_by_itself_does_not_end_a_place(made: Made) -> None:
+    recording, low, high = zone(made(noise=3.0, samples=12_000), 1.2)
+    place = largest_place(examined(recording))
+    assert place is not None
+    assert place.high - place.low > 0.6 * (high - low)

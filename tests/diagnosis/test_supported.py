@@ -111,6 +111,27 @@ def test_an_effect_beside_a_bump_at_one_position(made: Made) -> None:
     assert rest.place.torque > 0.1
 
 
+def test_a_zone_of_friction_is_no_wave(made: Made) -> None:
+    """One or several waves and a description of what they leave draw the zone, with more terms than one stretch."""
+    recording = made()
+    position = recording["position"]
+    low, high = (float(q) for q in np.quantile(position, [0.35, 0.6]))
+    more = 2.0 * np.sign(recording.velocity) * ((position > low) & (position < high))
+    diagnosis = diagnose(recording.with_channels(derived=False, torque=recording.torque + more), "coulomb-viscous", 2.0)
+    assert diagnosis.verdict == "unknown-effect"
+    assert not diagnosis.findings
+    assert diagnosis.place is not None
+    assert diagnosis.place.direction == "along the motion"
+    assert (diagnosis.place.low, diagnosis.place.high) == pytest.approx((low, high), abs=0.1 * (high - low))
+    assert diagnosis.place.torque == pytest.approx(1.4, rel=0.1)  # the model's Coulomb friction has taken the rest
+
+
+def test_a_wave_of_friction_is_no_zone(made: Made) -> None:
+    values = {"position-friction.a": 0.6, "position-friction.b": 0.4, "position-friction.k": 0.5}
+    diagnosis = diagnose(made("coulomb-viscous+position-friction", values, noise=0.5), "coulomb-viscous", 2.0)
+    assert diagnosis.findings[0].names[0] == "position-friction"
+
+
 @pytest.mark.parametrize(
     ("effect", "channels"),
     [

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fricmodels.diagnosis.history import MotionHistory
-from fricmodels.diagnosis.places import Place
+from fricmodels.diagnosis.places import ALONG, Place
 from fricmodels.diagnosis.policy import Policy
 from fricmodels.recording import OTHER, RATE
 from fricmodels.signals import noise
@@ -25,8 +25,10 @@ TORQUE_PAST = "motor torque shortly before"
 TORQUE_RATE = "rate of the motor torque"
 FINELY, FINELY_ALONG = "position, finely", "position, finely, along the motion"
 FINELY_TORQUE = "position, finely, and motor torque"
+OF_WAVES = frozenset({FINELY, FINELY_ALONG, FINELY_TORQUE})
+"""Sets of several waves at numbers that were sought: of these one may be an effect's, and the next another cause's."""
 _SLOWLY = "position", "position, along the motion", "position and motor torque"
-OF_POSITION = frozenset({*_SLOWLY, FINELY, FINELY_ALONG, FINELY_TORQUE})
+OF_POSITION = OF_WAVES.union(_SLOWLY)
 """Sets of what any torque over position may be."""
 _HATS = 8
 _PLACES = 32
@@ -71,9 +73,9 @@ def hats_within(problem: WeakFormProblem, place: Place) -> Array:
     knots = np.unique(np.quantile(values, np.linspace(0, 1, _PLACES)))
     reach = np.r_[knots[1:], knots[-1]] >= place.low
     hats = _tents(values, knots)[reach & (np.r_[knots[0], knots[:-1]] <= place.high)]
-    if place.direction != "both":
+    if place.direction in ("forward", "backward"):
         return problem.integrals(hats * (side == (1.0 if place.direction == "forward" else -1.0)))
-    return problem.integrals(side * hats if place.channel == "speed" else hats)
+    return problem.integrals(side * hats if place.channel == "speed" or place.direction == ALONG else hats)
 
 
 def _integrals(problem: WeakFormProblem, build: Callable[[], Array]) -> Array:

@@ -151,7 +151,7 @@ def examine(comparison: Comparison, *, leave_out: Iterable[str] = (), policy: Po
     judgement = judge(result, out, best) if best is not None or predictors else None
     together = [] if judgement is None else judgement.supported(policy)
     found = refit_check(refits, result, out, together[0] if together else None)
-    named = _confirmed(refits, found, passing_all_gates(result), policy)
+    named = _confirmed(refits, found, result, out)
     place = _noticed_place(result, comparison) if named is None else None
     noise = None if place is not None else _noise(comparison, result, named, predictors)
     view = next((p for p in predictors if p.channels not in AUTOREGRESSIVE), predictors[0] if predictors else None)
@@ -222,21 +222,23 @@ def seems_missing(comparison: Comparison, leave_out: Iterable[str], policy: Poli
 
 
 def _confirmed(
-    refits: Refits, found: LookAlikes | None, passing: list[CandidateTest], policy: Policy
+    refits: Refits, found: LookAlikes | None, result: CandidateTests, leave_out: set[str]
 ) -> LookAlikes | None:
     """Return what was found if the test error falls with it, or else the passing effect with which it falls furthest.
 
-    Nothing is said to be missing that does not lower the error on data that took no part in finding it.
+    Nothing is said to be missing that does not lower the error on data that took no part in finding it, nor what does
+    not stand beside a description of the rest.
     """
     if found is None or refits.lowers_test_error(found.first):
         return found
-    others = [t for t in passing if t.name != found.first.name][: policy.step_trials - 1]
+    others = [t for t in passing_all_gates(result) if t.name != found.first.name][: result.policy.step_trials - 1]
     helpful = [(refits.with_effect(t), t) for t in others if refits.lowers_test_error(t)]
     errors = [(other.sliding.held_out_percent, i) for i, (other, _) in enumerate(helpful) if other is not None]
-    if not errors:
-        return None
-    best = helpful[min(errors)[1]][1]
-    return LookAlikes(best, (best,))
+    for _, i in sorted(errors):
+        best = LookAlikes(helpful[i][1], (helpful[i][1],))
+        if judge(result, leave_out, best).stands(best.first, result.policy):
+            return best
+    return None
 
 
 def _within_sampling(result: CandidateTests, tested: CandidateTest) -> bool:

@@ -250,10 +250,18 @@ def gain_of(result: CandidateTests, beside: Array, member: Member) -> Gain:
     return Gain(without, after, member.columns[visible], before, before - float(np.sum(after.loss)), evidence.p_value)
 
 
-def passing_beside(result: CandidateTests, regression: Regression) -> list[ChannelPredictor]:
-    """Return the channel predictors of what a regression leaves that pass all gates; with a place, hats about it."""
+def passing_beside(
+    result: CandidateTests, regression: Regression, *, as_rivals: bool = False
+) -> list[ChannelPredictor]:
+    """Return the channel predictors of what a regression leaves that pass all gates; with a place, hats about it.
+
+    Args:
+        result: the residual.
+        regression: the base model and what is beside it.
+        as_rivals: whether they stand against an effect, see :func:`~.verdict.predicts`.
+    """
     here = replace(result, regression=regression, tested=(), untested={})
-    found = [p for p in each_predictor(here) if predicts(here, p.evidence, p.p_value)]
+    found = [p for p in each_predictor(here) if predicts(here, p.evidence, p.p_value, as_rival=as_rivals)]
     place = largest_place(here)
     if place is not None:
         hats = hats_within(result.problem, place)

@@ -126,6 +126,9 @@ class _Search:
         if self.steps and not first.findings:  # two effects together
             first = replace(self.steps[0], verdict="missing-effect")
         last = self.diagnosis
+        if first.findings and len(self.rungs) == 1 and not partial:  # what was found was given up: it is not missing
+            refused = first.findings[0].tested
+            first = replace(first, verdict=last.verdict, findings=(), view=last.view, place=last.place, refused=refused)
         if partial and last.comparison is not self._here:  # what remains here was not looked at
             last = Diagnosis(self._here, "missing-effect", (), None, {}, policy=self._policy)
         return Ladder(first, tuple(self.rungs), last, tuple(self.steps), self.note, partial)

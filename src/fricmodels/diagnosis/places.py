@@ -34,10 +34,11 @@ from fricmodels.weakform.regression import LEAST_P, Regression
 
 Array = NDArray[np.float64]
 
+ALONG = "along the motion"
 _BINS = 32
 """Bins of equally many rows over a channel."""
-_LEAST_PASSES = 4
-"""A bin that was passed less often has no spread to speak of."""
+_LEAST_PASSES = 2
+"""A bin that was passed less often has no spread of its own."""
 
 
 @dataclass(frozen=True)
@@ -46,9 +47,9 @@ class Place:
 
     Attributes:
         channel: position, speed or load torque.
-        direction: forward, backward, or both.
+        direction: forward, backward, both, or along the motion: both, with the sign of the motion.
         low, high: ends of the stretch, in the unit of the channel.
-        torque: mean residual there [N m or N]; along the motion for speed.
+        torque: mean residual there [N m or N]; along the motion for speed, and where the direction says so.
         passes: the least number of passes through one of its bins.
         p_value: least of its bins, corrected for all bins of all channels.
         share: share of the squared residual that the means of its bins explain.
@@ -114,7 +115,7 @@ def profile(result: CandidateTests, channel: str, direction: str = "both") -> Pr
     Args:
         result: the tests of a model's residual.
         channel: position, speed or load_torque.
-        direction: both, forward or backward.
+        direction: as of a :class:`Place`.
     """
     for view in _views(result.problem, result.regression.residual):
         if (view.channel, view.direction) == (channel, direction) and view.bins > 1:
@@ -133,14 +134,15 @@ def _views(problem: WeakFormProblem, residual: Array) -> Iterator[_View]:
     velocity = at_rows(problem.smooth)
     moving_on = np.abs(velocity) >= 0.999 * at_rows(np.abs(problem.smooth))  # rows without a reversal
     forward, backward = moving_on & (velocity > 0), moving_on & (velocity < 0)
-    channels = {"position": torque, "load_torque": torque}
-    for name, values in channels.items():
+    moving, along = forward | backward, torque * np.sign(velocity)
+    for name, values in {"position": torque, "load_torque": torque}.items():
         if name in recording and np.ptp(recording[name]) > 0:
             at = at_rows(recording[name])
-            for direction, mask in (("both", forward | backward), ("forward", forward), ("backward", backward)):
+            for direction, mask in (("both", moving), ("forward", forward), ("backward", backward)):
                 yield _View(name, direction, at, values, mask, problem)
+            yield _View(name, ALONG, at, along, moving, problem)
     speed = np.abs(velocity)
-    yield _View("speed", "both", speed, torque * np.sign(velocity), forward | backward, problem)
+    yield _View("speed", "both", speed, along, moving, problem)
     yield _View("speed", "forward", speed, torque, forward, problem)
     yield _View("speed", "backward", speed, torque, backward, problem)
 
@@ -192,7 +194,7 @@ class _View:
         return Profile(self.channel, self.direction, middle, self._mean, self._error)
 
     def significant(self, level: float, trials: int) -> Iterator[Place]:
-        """Yield the stretches of neighbouring bins whose means are significant and of one sign."""
+        """Yield the stretches in which the mean has one sign, each from its first significant bin to its last."""
         from scipy.stats import t as student
 
         if not self.bins:
@@ -200,12 +202,13 @@ class _View:
         enough = (self._count >= _LEAST_PASSES) & (self._error > 0)
         ratio = np.divide(self._mean, self._error, out=np.zeros(self.bins), where=enough)
         p_values = np.where(enough, 2.0 * student.sf(np.abs(ratio), self._freedom), 1.0)
-        sign = np.where(p_values < level, np.sign(self._mean), 0.0)
-        starts = np.flatnonzero((sign != 0) & (sign != np.concatenate([[0.0], sign[:-1]])))
-        for start in starts:
-            stop = start
-            while stop < self.bins and sign[stop] == sign[start]:
-                stop += 1
+        sign = np.sign(self._mean)
+        ends = np.flatnonzero(np.diff(sign)) + 1
+        for stretch in np.split(np.arange(self.bins), ends):
+            sure = stretch[p_values[stretch] < level]
+            if not len(sure):
+                continue
+            start, stop = int(sure[0]), int(sure[-1]) + 1
             part = slice(start, stop)
             members = self._members[part]
             yield Place(

@@ -30,7 +30,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from fricmodels.diagnosis.basis_functions import FINELY, FINELY_ALONG, FINELY_TORQUE, OF_POSITION
+from fricmodels.diagnosis.basis_functions import OF_POSITION, OF_WAVES
 from fricmodels.diagnosis.candidate_tests import CandidateTest, CandidateTests
 from fricmodels.diagnosis.constancy import gain_of_own_sizes
 from fricmodels.diagnosis.effect_set import (
@@ -42,7 +42,6 @@ from fricmodels.diagnosis.effect_set import (
     member_of,
     nothing,
     passing_beside,
-    passing_predictors,
     pruned,
     renumbered,
     stacked,
@@ -50,21 +49,17 @@ from fricmodels.diagnosis.effect_set import (
     without,
     without_tangents,
 )
-from fricmodels.diagnosis.floor import creditable, floor, share_explained
+from fricmodels.diagnosis.floor import floor, share_explained
+from fricmodels.diagnosis.one_cause import credited, is_drawn, is_one_cause, is_simpler, predicts_beside
 from fricmodels.diagnosis.policy import Policy
-from fricmodels.diagnosis.predictability import AUTOREGRESSIVE, ChannelPredictor
-from fricmodels.diagnosis.verdict import LookAlikes, predicts, select_effect
+from fricmodels.diagnosis.predictability import AUTOREGRESSIVE
+from fricmodels.diagnosis.verdict import LookAlikes, select_effect
 from fricmodels.progress import each
 from fricmodels.term import Effect
 from fricmodels.weakform.regression import Regression, compare
 from fricmodels.weakform.shifted import regression_of
 
 Array = NDArray[np.float64]
-
-_WAVES = frozenset({FINELY, FINELY_ALONG, FINELY_TORQUE})
-"""Predictors that are several waves at numbers that were sought."""
-_RIVALS = 3
-"""The best predictors of the whole residual that are asked whether they take the place of several effects."""
 
 
 @dataclass(frozen=True)
@@ -146,9 +141,11 @@ def _judged(result: CandidateTests, members: list[Member], rest: Rest) -> Judgem
     rest = replace(rest, parts=(*rest.parts, *(m.columns for m in at_bound)))
     kept = each("judging each effect beside the others", members)
     judged = [(m, _support(result, m, without(members, m), rest)) for m in kept]
-    one_cause = [m for m, s in judged if s.suffices(policy) and _one_cause(result, m, without(members, m))]
-    if not OF_POSITION.isdisjoint(rest.channels):  # a series of waves that does not end draws one torque over position
-        one_cause += [m for m in members if _is_further(m.found.first)]
+    one_cause = [m for m, s in judged if s.suffices(policy) and is_one_cause(result, m, without(members, m))]
+    further = [m for m in members if _is_further(m.found.first)]
+    # A series of waves draws one torque over position: it does not end, or takes more terms than that.
+    if further and (not OF_POSITION.isdisjoint(rest.channels) or any(is_drawn(result, members, m) for m in further)):
+        one_cause += further
     power = float(np.sum(result.problem.driving**2))
     return Judgement(
         tuple((m.found, support) for m, support in judged),
@@ -254,7 +251,7 @@ def _support_of(result: CandidateTests, member: Member, place: _Place) -> Suppor
     if len(instead.columns):
         other = regression_of(result.problem, result.parameters, np.vstack([place.base, instead.columns]))
         of_instead = described.before - float(np.sum(other.loss))
-        ours, theirs = _credited(result, described.before, described.fall, of_instead)
+        ours, theirs = credited(result, described.before, described.fall, of_instead)
         if theirs > ours and _is_better(result, described, ours / theirs, other, other.loss, instead):
             of_rest = ours / theirs
     lasting = place.lasting
@@ -269,80 +266,13 @@ def _support_of(result: CandidateTests, member: Member, place: _Place) -> Suppor
     if not found.suffices(result.policy):
         return found  # no channel need be asked
     found = replace(found, of_own_sizes=gain_of_own_sizes(result, member.found.first, place.named))
-    of_channel, rival = _against_channels(result, described, member.found.first, place.base)
+    rivals = [_against_channels(result, described, member.found.first, place.base)]
+    if len(place.base) > len(place.named):
+        together = np.vstack([place.base, member.columns])[len(place.named) :]
+        alone = gain_of(result, place.named, member)
+        rivals.append(_against_channels(result, alone, member.found.first, place.named, together))
+    of_channel, rival = min(rivals)
     return replace(found, of_channel=of_channel, rival=rival) if of_channel < of_rest else found
-
-
-def _credited(result: CandidateTests, before: float, *falls: float) -> tuple[float, ...]:
-    return tuple(creditable(result.problem, before, fall, result.policy) for fall in falls)
-
-
-def _one_cause(result: CandidateTests, member: Member, others: list[Member]) -> bool:
-    """Whether one channel does by itself what several effects do together: then these imitate one unknown cause.
-
-    Against the channel stand the effect and those others whose place the channel takes. They are several causes all the
-    same if they explain as much with far fewer terms, or encompass it (Chong and Hendry 1986): beside them
-    it predicts nothing that counts, and beside it they do. Load torque and direction hold friction of the load and an
-    asymmetry both, but know neither's form; a channel of the position is all that two waves over it can be.
-    """
-    policy = result.policy
-    lasting = AUTOREGRESSIVE if not member.effect.states else frozenset()
-    for predictor in [p for p in passing_predictors(result) if p.channels not in lasting][:_RIVALS]:
-        every = [*others, member]
-        if not _takes_place(result, predictor, member, every):
-            continue  # whatever else the channel does, it does not do what this effect does
-        taken = [
-            other for other in others if not _alike(other, member) and _takes_place(result, predictor, other, every)
-        ]
-        if not taken:
-            continue
-        beside = stacked(result, [other for other in others if other not in taken])
-        without, channel, alone, together = (
-            regression_of(result.problem, result.parameters, np.vstack([beside, *columns]))
-            for columns in (
-                (),
-                (predictor.columns,),
-                (member.columns,),
-                (member.columns, *(other.columns for other in taken)),
-            )
-        )
-        before = float(np.sum(without.loss))
-        falls = (before - float(np.sum(r.loss)) for r in (channel, alone, together))
-        theirs, own, all_own = _credited(result, before, *falls)
-        if all_own >= policy.of_channel * theirs:
-            effects = np.vstack([member.columns, *(other.columns for other in taken)])
-            few = len(effects) < policy.fewer_terms * len(predictor.columns)
-            adds = _predicts_beside(result, together, predictor.columns, predictor.tried)
-            if few or (not adds and _predicts_beside(result, channel, effects)):
-                continue
-        _, p_more = compare(alone.loss, channel.loss, without.terms)
-        if own < policy.of_channel * theirs and p_more * predictor.tried <= policy.outpredicted_significance:
-            return True
-    return False
-
-
-def _alike(one: Member, other: Member) -> bool:
-    """Whether two effects are of one kind: each was judged when the other was not yet considered."""
-    return one.effect.first_of_kind().name == other.effect.first_of_kind().name
-
-
-def _predicts_beside(
-    result: CandidateTests, regression: Regression, columns: Array, tried: int = 1, level: float = 1.0
-) -> bool:
-    """Whether columns predict what a regression leaves, as any channel has to that is to count, and at a level."""
-    seen = visible_of(regression, columns)
-    if not len(seen):
-        return False
-    evidence = regression.test(seen)
-    p_value = min(1.0, evidence.p_value * tried)
-    return p_value < level and predicts(replace(result, regression=regression), evidence, p_value)
-
-
-def _takes_place(result: CandidateTests, predictor: ChannelPredictor, member: Member, every: list[Member]) -> bool:
-    """Whether a channel does most of what an effect does beside all the others."""
-    beside = stacked(result, [other for other in every if other is not member])
-    own = gain_of(result, beside, member).fall
-    return gain_of(result, np.vstack([beside, predictor.columns]), member).fall < result.policy.kept * own
 
 
 def _is_better(
@@ -367,24 +297,36 @@ def _is_better(
     _, p_more = compare(gain.regression.loss, loss, gain.without.terms)
     if p_more * instead.tried <= policy.outpredicted_significance:
         return True
-    if ratio >= policy.of_channel or instead.channels & _WAVES:
+    if ratio >= policy.of_channel or instead.channels & OF_WAVES:
         return False
-    adds = _predicts_beside(result, gain.regression, instead.columns, instead.tried, policy.form_significance)
-    return adds and not _predicts_beside(result, other, gain.columns)
+    adds = predicts_beside(result, gain.regression, instead.columns, instead.tried, policy.form_significance)
+    return adds and not predicts_beside(result, other, gain.columns)
 
 
-def _against_channels(result: CandidateTests, gain: Gain, first: CandidateTest, beside: Array) -> tuple[float, str]:
+def _against_channels(
+    result: CandidateTests, gain: Gain, first: CandidateTest, beside: Array, together: Array | None = None
+) -> tuple[float, str]:
     """Return the least ratio of what an effect explains to what a channel explains that predicts clearly more, and it.
 
     The past of the residual or of the torque counts only against an effect with memory: it shows all that lasts. A
     channel beside which the effect still does most of what it does is another cause.
+
+    Args:
+        result: the residual.
+        gain: what the effect does beside the given columns.
+        first: the effect.
+        beside: these columns, shape (k, rows).
+        together: columns of the effect and of a description of the rest. Then only a channel counts that explains as
+            much as both do, with fewer terms.
     """
     policy, least, rival = result.policy, np.inf, ""
-    for predictor in passing_beside(result, gain.without):
+    for predictor in passing_beside(result, gain.without, as_rivals=True):
         if predictor.channels in AUTOREGRESSIVE and not first.effect.states:
             continue
-        own, theirs = _credited(result, gain.before, gain.fall, gain.before - float(np.sum(predictor.evidence.loss)))
+        own, theirs = credited(result, gain.before, gain.fall, gain.before - float(np.sum(predictor.evidence.loss)))
         if own >= theirs:
+            continue
+        if together is not None and not is_simpler(result, gain.without, beside, together, predictor):
             continue
         both = gain.without.test(visible_of(gain.without, np.vstack([predictor.columns, gain.columns])))
         kept = float(np.sum(predictor.evidence.loss)) - float(np.sum(both.loss))

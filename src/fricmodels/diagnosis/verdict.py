@@ -50,16 +50,19 @@ def passing_significance(result: CandidateTests) -> list[CandidateTest]:
     return [t for t in result.tested if _is_sure(result, t.evidence, t.adjusted, level)]
 
 
-def predicts(result: CandidateTests, evidence: Evidence, p_value: float) -> bool:
+def predicts(result: CandidateTests, evidence: Evidence, p_value: float, *, as_rival: bool = False) -> bool:
     """Whether a channel predicts a residual: it is significant, gains on held-out blocks, and is large enough.
 
     Args:
         result: the residual.
         evidence: of the channel's basis functions.
         p_value: corrected for the number of channels.
+        as_rival: whether it stands against an effect. Then its gain counts at the level at which the effect's does:
+            where few events hold the gain of both, neither may win by a stricter test of the other.
     """
     policy = result.policy
-    sure = _is_sure(result, evidence, p_value, policy.predictor_gain_significance)
+    level = policy.effect_gain_significance if as_rival else policy.predictor_gain_significance
+    sure = _is_sure(result, evidence, p_value, level)
     return sure and torque_share(result, evidence) > policy.least_torque
 
 

@@ -1,0 +1,125 @@
+"""Whether several effects, or an effect and a description of the rest, only imitate one unknown cause together."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fricmodels.diagnosis.basis_functions import OF_WAVES
+from fricmodels.diagnosis.candidate_tests import CandidateTests
+from fricmodels.diagnosis.effect_set import Member, gain_of, passing_beside, stacked, visible_of
+from fricmodels.diagnosis.floor import creditable
+from fricmodels.diagnosis.predictability import AUTOREGRESSIVE, ChannelPredictor
+from fricmodels.diagnosis.verdict import predicts
+from fricmodels.weakform.regression import Regression, compare
+from fricmodels.weakform.shifted import regression_of
+
+Array = NDArray[np.float64]
+
+_RIVALS = 3
+"""The best predictors of the whole residual that are asked whether they take the place of several effects."""
+
+
+def is_one_cause(result: CandidateTests, member: Member, others: list[Member]) -> bool:
+    """Whether one channel does by itself what several effects do together: then these imitate one unknown cause.
+
+    Against the channel stand the effect and those others whose place the channel takes. They are several causes all the
+    same if they explain as much with far fewer terms, or encompass it (Chong and Hendry 1986): beside them
+    it predicts nothing that counts, and beside it they do. Load torque and direction hold friction of the load and an
+    asymmetry both, but know neither's form; a channel of the position is all that two waves over it can be.
+    """
+    policy = result.policy
+    lasting = AUTOREGRESSIVE if not member.effect.states else frozenset()
+    found = sorted(passing_beside(result, result.regression, as_rivals=True), key=lambda p: p.evidence.left)
+    for predictor in [p for p in found if p.channels not in lasting][:_RIVALS]:
+        every = [*others, member]
+        if not _takes_place(result, predictor, member, every):
+            continue  # whatever else the channel does, it does not do what this effect does
+        taken = [
+            other
+            for other in others
+            if not _are_of_a_kind(other, member) and _takes_place(result, predictor, other, every)
+        ]
+        if not taken:
+            continue
+        beside = stacked(result, [other for other in others if other not in taken])
+        without, channel, alone, together = (
+            regression_of(result.problem, result.parameters, np.vstack([beside, *columns]))
+            for columns in (
+                (),
+                (predictor.columns,),
+                (member.columns,),
+                (member.columns, *(other.columns for other in taken)),
+            )
+        )
+        before = float(np.sum(without.loss))
+        falls = (before - float(np.sum(r.loss)) for r in (channel, alone, together))
+        theirs, own, all_own = credited(result, before, *falls)
+        if all_own >= policy.of_channel * theirs:
+            effects = np.vstack([member.columns, *(other.columns for other in taken)])
+            few = len(effects) < policy.fewer_terms * len(predictor.columns)
+            adds = predicts_beside(result, together, predictor.columns, predictor.tried)
+            if few or (not adds and predicts_beside(result, channel, effects)):
+                continue
+        _, p_more = compare(alone.loss, channel.loss, without.terms)
+        if own < policy.of_channel * theirs and p_more * predictor.tried <= policy.outpredicted_significance:
+            return True
+    return False
+
+
+def is_drawn(result: CandidateTests, members: list[Member], member: Member) -> bool:
+    """Whether one channel explains as much as all effects of a member's kind together, with fewer terms."""
+    kind = [m for m in members if _are_of_a_kind(m, member)]
+    beside, together = stacked(result, [m for m in members if m not in kind]), stacked(result, kind)
+    alone = regression_of(result.problem, result.parameters, beside)
+    return any(
+        p.channels not in AUTOREGRESSIVE and is_simpler(result, alone, beside, together, p)
+        for p in passing_beside(result, alone, as_rivals=True)
+    )
+
+
+def is_simpler(
+    result: CandidateTests, alone: Regression, beside: Array, together: Array, predictor: ChannelPredictor
+) -> bool:
+    """Whether a channel explains as much as columns, shape (k, rows), do together beside others, with fewer terms.
+
+    Not if it is several waves itself: these are what several effects are.
+    """
+    if len(predictor.columns) >= len(together) or predictor.channels in OF_WAVES:
+        return False
+    all_of_them = regression_of(result.problem, result.parameters, np.vstack([beside, together]))
+    before = float(np.sum(alone.loss))
+    falls = (before - float(np.sum(loss)) for loss in (predictor.evidence.loss, all_of_them.loss))
+    theirs, ours = credited(result, before, *falls)
+    return theirs >= result.policy.of_channel * ours
+
+
+def _are_of_a_kind(one: Member, other: Member) -> bool:
+    """Whether two effects are of one kind: each was judged when the other was not yet considered."""
+    return one.effect.first_of_kind().name == other.effect.first_of_kind().name
+
+
+def predicts_beside(
+    result: CandidateTests, regression: Regression, columns: Array, tried: int = 1, level: float = 1.0
+) -> bool:
+    """Whether columns predict what a regression leaves, as any channel has to that is to count, and at a level."""
+    seen = visible_of(regression, columns)
+    if not len(seen):
+        return False
+    evidence = regression.test(seen)
+    p_value = min(1.0, evidence.p_value * tried)
+    return p_value < level and predicts(replace(result, regression=regression), evidence, p_value, as_rival=True)
+
+
+def _takes_place(result: CandidateTests, predictor: ChannelPredictor, member: Member, every: list[Member]) -> bool:
+    """Whether a channel does most of what an effect does beside all the others."""
+    beside = stacked(result, [other for other in every if other is not member])
+    own = gain_of(result, beside, member).fall
+    return gain_of(result, np.vstack([beside, predictor.columns]), member).fall < result.policy.kept * own
+
+
+def credited(result: CandidateTests, before: float, *falls: float) -> tuple[float, ...]:
+    """Return falls of the squared residual as far as they may be credited to an effect or a channel."""
+    return tuple(creditable(result.problem, before, fall, result.policy) for fall in falls)
