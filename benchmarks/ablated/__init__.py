@@ -1,0 +1,1 @@
+"""What each rule of the diagnosis is worth, on both challenges and on real recordings."""
