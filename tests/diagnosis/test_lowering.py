@@ -2,13 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from types import SimpleNamespace
 from typing import Any
 
 import pytest
 
-from fricmodels.diagnosis import ladder
+from fricmodels.diagnosis import diagnose, improve, ladder
+from fricmodels.diagnosis.document import document
 from fricmodels.diagnosis.ladder import Rung
+from fricmodels.diagnosis.refits import Refits
+from fricmodels.recording import Recording
+
+Made = Callable[..., Recording]
 
 
 def fitted(error: float) -> Any:
@@ -36,3 +42,27 @@ def test_up_to_the_lowest_error(errors: list[float], kept: str, left_out: str, m
     assert "".join(rung.added for _, rung in search._lowering(step)) == kept
     assert "".join(search._superfluous) == left_out
     assert (left_out != "") == ("does not fall" in search.note)
+
+
+def test_what_the_ladder_gives_up_is_not_missing(made: Made, monkeypatch: pytest.MonkeyPatch) -> None:
+    recording = made("coulomb-viscous+gravity", {"gravity.a": 1.0, "gravity.b": 0.5})
+    monkeypatch.setattr(ladder._Search, "_lowering", lambda self, step: self._superfluous.add("gravity") or [])
+    found = improve(recording, "coulomb-viscous", 2.0)
+    assert len(found.rungs) == 1
+    answer = document(found.first, found)
+    assert answer.effects == ()
+    assert answer.verdict == "unknown-effect"
+    assert "'gravity' explains part of it, but the test error does not fall with it" in answer.explanation
+
+
+def test_what_was_refused_does_not_come_back(made: Made, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A step passes by itself where a spring is hidden; the spring takes its place, however little the error falls."""
+    recording = made("coulomb-viscous+stiffness", {"stiffness.k": 0.6, "stiffness.tau_0": 0.3})
+    first = diagnose(recording, "coulomb-viscous", 2.0)
+    assert first.findings[0].names[0] == "stiffness"
+    assert len(first.passing) > 1
+    monkeypatch.setattr(Refits, "lowers_test_error", lambda self, tested: tested.name != "stiffness")
+    second = diagnose(recording, "coulomb-viscous", 2.0)
+    assert second.findings == ()
+    assert second.refused is not None
+    assert second.refused.name == "stiffness"

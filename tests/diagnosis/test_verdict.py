@@ -16,7 +16,7 @@ from fricmodels.diagnosis import Diagnosis, diagnose, look_alikes
 from fricmodels.diagnosis.candidate_tests import candidate_tests
 from fricmodels.diagnosis.look_alikes import experiment, separated_by
 from fricmodels.diagnosis.policy import POLICY
-from fricmodels.diagnosis.verdict import passing_all_gates, select_effect
+from fricmodels.diagnosis.verdict import passing_all_gates, predicts, select_effect
 from fricmodels.drive import Drive
 from fricmodels.effects.gravity import Gravity
 from fricmodels.model import Model
@@ -180,3 +180,15 @@ def test_an_effect_within_another_is_a_look_alike_only_where_it_is_another_cause
     every = select_effect(replace(result, policy=POLICY.without("contained")))
     assert every is not None
     assert "stiffness" in every.names
+
+
+def test_a_rival_is_tested_at_the_level_of_the_effect(diagnosed: Callable[..., Diagnosis]) -> None:
+    """Where few events hold the gain of an effect and of a channel, both pass, or neither."""
+    result = diagnosed("cogging", tuple((key.partition(".")[2], value) for key, value in COGGING.items())).result
+    assert result is not None
+    between = 0.5 * (POLICY.predictor_gain_significance + POLICY.effect_gain_significance)
+    tested = next(t for t in result.tested if t.name == "cogging")
+    doubtful = replace(tested, evidence=replace(tested.evidence, gain_p_value=between))
+    assert doubtful.name in {t.name for t in passing_all_gates(replace(result, tested=(doubtful,)))}
+    assert not predicts(result, doubtful.evidence, doubtful.adjusted)
+    assert predicts(result, doubtful.evidence, doubtful.adjusted, as_rival=True)

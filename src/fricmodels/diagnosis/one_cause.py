@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from fricmodels.diagnosis.basis_functions import OF_WAVES
 from fricmodels.diagnosis.candidate_tests import CandidateTests
-from fricmodels.diagnosis.effect_set import Member, gain_of, passing_beside, stacked, visible_of
+from fricmodels.diagnosis.effect_set import Member, gain_of, passing_beside, stacked, visible_of, without
 from fricmodels.diagnosis.floor import creditable
 from fricmodels.diagnosis.predictability import AUTOREGRESSIVE, ChannelPredictor
 from fricmodels.diagnosis.verdict import predicts
@@ -22,7 +22,17 @@ _RIVALS = 3
 """The best predictors of the whole residual that are asked whether they take the place of several effects."""
 
 
-def is_one_cause(result: CandidateTests, member: Member, others: list[Member]) -> bool:
+def that_are_one_cause(result: CandidateTests, members: list[Member], standing: list[Member]) -> list[Member]:
+    """Return those of the standing effects of a set that only imitate one unknown cause with others of the set."""
+    if len(members) < 2 or not standing:
+        return []
+    channels = sorted(passing_beside(result, result.regression, as_rivals=True), key=lambda p: p.evidence.left)
+    return [m for m in standing if _is_one_cause(result, m, without(members, m), channels)]
+
+
+def _is_one_cause(
+    result: CandidateTests, member: Member, others: list[Member], channels: list[ChannelPredictor]
+) -> bool:
     """Whether one channel does by itself what several effects do together: then these imitate one unknown cause.
 
     Against the channel stand the effect and those others whose place the channel takes. They are several causes all the
@@ -32,8 +42,7 @@ def is_one_cause(result: CandidateTests, member: Member, others: list[Member]) -
     """
     policy = result.policy
     lasting = AUTOREGRESSIVE if not member.effect.states else frozenset()
-    found = sorted(passing_beside(result, result.regression, as_rivals=True), key=lambda p: p.evidence.left)
-    for predictor in [p for p in found if p.channels not in lasting][:_RIVALS]:
+    for predictor in [p for p in channels if p.channels not in lasting][:_RIVALS]:
         every = [*others, member]
         if not _takes_place(result, predictor, member, every):
             continue  # whatever else the channel does, it does not do what this effect does
@@ -45,7 +54,7 @@ def is_one_cause(result: CandidateTests, member: Member, others: list[Member]) -
         if not taken:
             continue
         beside = stacked(result, [other for other in others if other not in taken])
-        without, channel, alone, together = (
+        base, channel, alone, together = (
             regression_of(result.problem, result.parameters, np.vstack([beside, *columns]))
             for columns in (
                 (),
@@ -54,7 +63,7 @@ def is_one_cause(result: CandidateTests, member: Member, others: list[Member]) -
                 (member.columns, *(other.columns for other in taken)),
             )
         )
-        before = float(np.sum(without.loss))
+        before = float(np.sum(base.loss))
         falls = (before - float(np.sum(r.loss)) for r in (channel, alone, together))
         theirs, own, all_own = credited(result, before, *falls)
         if all_own >= policy.of_channel * theirs:
@@ -63,7 +72,7 @@ def is_one_cause(result: CandidateTests, member: Member, others: list[Member]) -
             adds = predicts_beside(result, together, predictor.columns, predictor.tried)
             if few or (not adds and predicts_beside(result, channel, effects)):
                 continue
-        _, p_more = compare(alone.loss, channel.loss, without.terms)
+        _, p_more = compare(alone.loss, channel.loss, base.terms)
         if own < policy.of_channel * theirs and p_more * predictor.tried <= policy.outpredicted_significance:
             return True
     return False

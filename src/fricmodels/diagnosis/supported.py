@@ -50,7 +50,7 @@ from fricmodels.diagnosis.effect_set import (
     without_tangents,
 )
 from fricmodels.diagnosis.floor import floor, share_explained
-from fricmodels.diagnosis.one_cause import credited, is_drawn, is_one_cause, is_simpler, predicts_beside
+from fricmodels.diagnosis.one_cause import credited, is_drawn, is_simpler, predicts_beside, that_are_one_cause
 from fricmodels.diagnosis.policy import Policy
 from fricmodels.diagnosis.predictability import AUTOREGRESSIVE
 from fricmodels.diagnosis.verdict import LookAlikes, select_effect
@@ -141,7 +141,7 @@ def _judged(result: CandidateTests, members: list[Member], rest: Rest) -> Judgem
     rest = replace(rest, parts=(*rest.parts, *(m.columns for m in at_bound)))
     kept = each("judging each effect beside the others", members)
     judged = [(m, _support(result, m, without(members, m), rest)) for m in kept]
-    one_cause = [m for m, s in judged if s.suffices(policy) and is_one_cause(result, m, without(members, m))]
+    one_cause = that_are_one_cause(result, members, [m for m, s in judged if s.suffices(policy)])
     further = [m for m in members if _is_further(m.found.first)]
     # A series of waves draws one torque over position: it does not end, or takes more terms than that.
     if further and (not OF_POSITION.isdisjoint(rest.channels) or any(is_drawn(result, members, m) for m in further)):
