@@ -226,8 +226,8 @@ def _confirmed(
 ) -> LookAlikes | None:
     """Return what was found if the test error falls with it, or else the passing effect with which it falls furthest.
 
-    Nothing is said to be missing that does not lower the error on data that took no part in finding it, nor what does
-    not stand beside a description of the rest.
+    Nothing is said to be missing that does not lower the error on data that took no part in finding it, nor what has
+    another form than that.
     """
     if found is None or refits.lowers_test_error(found.first):
         return found
@@ -236,7 +236,7 @@ def _confirmed(
     errors = [(other.sliding.held_out_percent, i) for i, (other, _) in enumerate(helpful) if other is not None]
     for _, i in sorted(errors):
         best = LookAlikes(helpful[i][1], (helpful[i][1],))
-        if judge(result, leave_out, best).stands(best.first, result.policy):
+        if not judge(result, leave_out, best).contradicts(best.first, result.policy):
             return best
     return None
 

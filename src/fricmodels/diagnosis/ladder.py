@@ -203,12 +203,13 @@ class _Search:
     def _pair(self) -> list[tuple[Diagnosis, Rung]]:
         """Add two effects of which neither helps alone: what one brings may be lost in what is still missing.
 
-        They are the first two of the set that the residual suggests, each found beside the other, that stand.
+        They are the first two of the set that the residual suggests, each found beside the other; not one that has
+        another form than what is missing.
         """
         judgement = self.diagnosis.judgement
         members = [] if judgement is None else [found.first for found, _ in judgement.members]
-        standing = [t for t in members if judgement is not None and judgement.stands(t, self._policy)]
-        pair = self._chain([Finding(tested, (tested.name,), "") for tested in standing[:2]])
+        possible = [t for t in members if judgement is not None and not judgement.contradicts(t, self._policy)]
+        pair = self._chain([Finding(tested, (tested.name,), "") for tested in possible[:2]])
         return pair if len(pair) == 2 and _test_error(pair[1][1].comparison) < _test_error(self._here) else []
 
     def _with(self, diagnosis: Diagnosis, tested: CandidateTest) -> Rung | None:

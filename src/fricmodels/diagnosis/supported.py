@@ -90,6 +90,14 @@ class Judgement:
         imitates = any(found.first is tested for found in self.one_cause)
         return bool(own) and own[0].suffices(policy) and not imitates
 
+    def contradicts(self, tested: CandidateTest, policy: Policy) -> bool:
+        """Whether an effect of the set has another form than what is missing: a channel, or sizes of its own, say so.
+
+        A small share of what is left is no such thing: more may be missing.
+        """
+        own = [support for found, support in self.members if found.first is tested]
+        return any(s.of_channel < policy.of_channel or s.of_own_sizes > policy.own_sizes for s in own)
+
 
 def judge(result: CandidateTests, leave_out: Iterable[str], first: LookAlikes | None) -> Judgement:
     """Find the set of effects, and judge each beside the others and a description of the rest.
