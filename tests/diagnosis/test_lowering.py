@@ -62,7 +62,7 @@ def test_what_the_ladder_gives_up_is_not_missing(made: Made, monkeypatch: pytest
 def test_what_has_another_form_is_not_taken_for_its_test_error(
     made: Made, monkeypatch: pytest.MonkeyPatch, droop: float, expected: str
 ) -> None:
-    """The test error does not fall with what was found; it does with a wrong inertia, which a torque that droops is not."""
+    """The test error does not fall with what was found, but with a wrong inertia; a torque that droops is none."""
     recording = made()
     torque = recording.torque + (droop * np.abs(recording.torque) if droop else 0.25) * recording.torque
     first = diagnose(recording.with_channels(derived=False, torque=torque), "coulomb-viscous", 2.0)
