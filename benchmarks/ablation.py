@@ -26,15 +26,15 @@ Row = dict[str, Any]
 LADDER = ("superfluous_gain", "removal_loss", "exchange_margin", "exchange_for_adequate")
 """Rules that are used between the rungs of a ladder only."""
 COUNTS = {
-    "rig:null": 20,
+    "rig:null": 10,
     "rig:listed": 1,
     "rig:unlisted": 1,
-    "rig:pair": 10,
-    "rough:null": 40,
+    "rig:pair": 4,
+    "rough:null": 20,
     "rough:single": 1,
-    "rough:several": 30,
+    "rough:several": 12,
     "rough:beside": 1,
-    "rough:unlisted": 2,
+    "rough:unlisted": 1,
 }
 SEVERAL = ("pair", "several", "beside")
 """Kinds of recordings in which rules of the ladder are switched off as well."""

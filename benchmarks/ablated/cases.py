@@ -68,8 +68,8 @@ def keys(counts: dict[str, int]) -> Iterator[str]:
         for kind, names in each.items():
             if index < counts[kind]:
                 yield from (f"{kind}:{name}:{index}" for name in names)
-    if DATA.is_dir():
-        yield from (f"real::{name}:0" for name in REAL)
+        if index == 0 and DATA.is_dir():
+            yield from (f"real::{name}:0" for name in REAL)
 
 
 def case(key: str, seed: int) -> Case:
