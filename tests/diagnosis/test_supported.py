@@ -126,6 +126,16 @@ def test_a_zone_of_friction_is_no_wave(made: Made) -> None:
     assert diagnosis.place.torque == pytest.approx(1.4, rel=0.1)  # the model's Coulomb friction has taken the rest
 
 
+def test_a_torque_of_the_size_of_the_acceleration_is_seen_in_the_acceleration(made: Made) -> None:
+    """It is the same in both directions, whichever way the drive speeds up; an offset is what comes nearest."""
+    recording = made()
+    torque = recording.torque + 0.1 * np.abs(np.gradient(recording.velocity, recording.time))
+    diagnosis = diagnose(recording.with_channels(derived=False, torque=torque), LAW, 2.0)
+    assert diagnosis.verdict == "unknown-effect"
+    assert diagnosis.view is not None
+    assert diagnosis.view.channels == "acceleration"
+
+
 def test_a_wave_of_friction_is_no_zone(made: Made) -> None:
     values = {"position-friction.a": 0.6, "position-friction.b": 0.4, "position-friction.k": 0.5}
     diagnosis = diagnose(made("coulomb-viscous+position-friction", values, noise=0.5), "coulomb-viscous", 2.0)

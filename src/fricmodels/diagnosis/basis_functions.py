@@ -95,7 +95,7 @@ def _of_motion(problem: WeakFormProblem) -> Sets:
         "motor torque": lambda: _powers(problem.motor_torque),
         "motor torque, along the motion": lambda: side * np.abs(_powers(problem.motor_torque)),
         TORQUE_RATE: lambda: np.vstack([points["torque_rate"], side * np.abs(points["torque_rate"])]),
-        "acceleration": lambda: np.vstack([points["acceleration"], side * np.abs(points["acceleration"])]),
+        "acceleration": lambda: _either_way(points["acceleration"], side),
         # To first order friction that lags: the rate of what depends on speed.
         "acceleration and speed": lambda: _turned(points["acceleration"], _hats(speed, _HATS)),
     }
@@ -230,6 +230,12 @@ def _periodic(problem: WeakFormProblem, regression: Regression) -> Sets:
         if strongest:
             found[name] = partial(waves, factor, strongest)
     return found
+
+
+def _either_way(values: Array, side: Array) -> Array:
+    """Return values and their sizes, each the same in both directions and along the motion."""
+    both = np.vstack([values, np.abs(values)])
+    return np.vstack([both, side * both])
 
 
 def _hats(values: Array, count: int) -> Array:
