@@ -103,7 +103,8 @@ def run(arguments: argparse.Namespace) -> list[Row]:
     known = {row["key"]: row for row in stored if row["seed"] == arguments.seed}
     wanted = list(dict.fromkeys(keys(COUNTS)))
     waiting = [] if arguments.no_run else [key for key in wanted if known.get(key, {}).get("status") != "ok"]
-    print(f"{len(wanted)} recordings, {len(wanted) - len(waiting)} of them stored in {path.name}", flush=True)
+    stored_of = sum(known.get(key, {}).get("status") == "ok" for key in wanted)
+    print(f"{len(wanted)} recordings, {stored_of} of them stored in {path.name}", flush=True)
     began, context = time.perf_counter(), multiprocessing.get_context("spawn")
     with ProcessPool(arguments.jobs, context=context) as pool, path.open("a", encoding="utf-8") as file:
         futures = {pool.schedule(ablated, args=[key, arguments.seed], timeout=LONGEST): key for key in waiting}
