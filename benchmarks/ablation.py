@@ -101,7 +101,7 @@ def run(arguments: argparse.Namespace) -> list[Row]:
     path.parent.mkdir(parents=True, exist_ok=True)
     stored = [json.loads(line) for line in path.read_text(encoding="utf-8").splitlines()] if path.exists() else []
     known = {row["key"]: row for row in stored if row["seed"] == arguments.seed}
-    wanted = list(dict.fromkeys(keys(COUNTS)))
+    wanted = list(dict.fromkeys(keys(COUNTS, with_real=not arguments.no_real)))
     waiting = [] if arguments.no_run else [key for key in wanted if known.get(key, {}).get("status") != "ok"]
     stored_of = sum(known.get(key, {}).get("status") == "ok" for key in wanted)
     print(f"{len(wanted)} recordings, {stored_of} of them stored in {path.name}", flush=True)
@@ -199,6 +199,7 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--jobs", type=int, default=2)
     parser.add_argument("--out", default=str(ROOT / "runs" / "ablation.jsonl"))
+    parser.add_argument("--no-real", action="store_true", help="leave out real recordings, which take minutes each")
     parser.add_argument("--no-run", action="store_true", help="only print what is stored")
     parser.add_argument("--report", action="store_true", help="write docs/ablation.md")
     arguments = parser.parse_args()
