@@ -150,10 +150,12 @@ def table(rows: Sequence[Row]) -> list[str]:
     """Return what changes without each rule as lines of Markdown."""
     sets = {name: [r for r in rows if r["status"] == "ok" and r["key"].startswith(name)] for name in ("rig", "rough")}
     real = [r for r in rows if r["status"] == "ok" and r["key"].startswith("real")]
-    head = [f"{name}: {figure}" for name in sets for figure in FIGURES if sets[name]]
+    head = [f"{name}: {figure}" for name in sets for figure in (*FIGURES, "answers that change")]
     lines = [f"| without the rule | {' | '.join(head)} | real |", "|" + "---|" * (len(head) + 2)]
     for part, title in (("first", "all rules, first diagnosis"), ("last", "all rules, ladder")):
-        cells = [str(count) for chosen in sets.values() for count in figures(chosen, "", part).values()]
+        cells = []
+        for chosen in sets.values():
+            cells += [*map(str, figures(chosen, "", part).values()), f"of {sum(part in r for r in chosen)}"]
         lines.append(f"| *{title}* | {' | '.join(cells)} | {sum(part in r for r in real)} |")
     for rule in rules_off():
         part = "last" if rule in LADDER else "first"
@@ -161,6 +163,8 @@ def table(rows: Sequence[Row]) -> list[str]:
         for chosen in sets.values():
             with_it, without = figures(chosen, "", part), figures(chosen, rule, part)
             cells += [f"{without[f] - with_it[f]:+d}" if without[f] != with_it[f] else "" for f in FIGURES]
+            changed = sum(part in r and rule in r[part]["without"] for r in chosen)
+            cells.append(str(changed) if changed else "")
         other = [r["key"].split(":")[2] for r in real if part in r and rule in r[part]["without"]]
         lines.append(f"| `{rule}` | {' | '.join(cells)} | {', '.join(other)} |")
     return lines
@@ -174,8 +178,9 @@ Measured on {date:%Y-%m-%d} by `{command}`.
 Every rule of the [policy](decisions/policy.md) is switched off in turn, and the same recordings are diagnosed again.
 The first line of the table counts the answers with all rules: with nothing hidden the recordings that get a name, and
 those that are called unknown; of all others the names that are there, the names that are not, and how many of the
-effects that matter are named. Below it stands what changes without a rule; an empty cell is no change. Real recordings
-have no known truth: those are listed whose answer changes.
+effects that matter are named. Below it stands what changes without a rule; an empty cell is no change. An answer also
+changes with its look-alikes, or with their order. Real recordings have no known truth: those are listed whose answer
+changes.
 
 {counts}
 
