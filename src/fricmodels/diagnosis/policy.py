@@ -51,7 +51,7 @@ class Policy:
     predictor_gain_significance: float = _rule(
         0.05,
         "probability",
-        "p-value below which the gain of a channel predictor on those blocks counts.",
+        "p-value below which the gain of a channel predictor counts; as a rival of an effect, that of effects does.",
         "Statistic: as for effects; a predictor has more coefficients to fit by chance.",
         off=1.1,
     )
