@@ -196,7 +196,7 @@ def estimated(
         rows, fit = found
         covariance = None if fit.covariance is None else fit.covariance.tolist()
         return {
-            "rows": _floats(rows.made_for or {}),
+            "rows": _floats(rows.made_for),
             "parameters": _floats(fit.parameters),
             "standard_errors": _floats(fit.standard_errors),
             "covariance": covariance,

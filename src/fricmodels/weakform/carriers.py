@@ -11,6 +11,10 @@ which is the wave at the middle times :math:`\sin(\theta/2)/(\theta/2)`; the tra
 :math:`\cos(\theta/2)`. So changes of velocity are weighted by :math:`r=(\theta/2)/\tan(\theta/2)`, those of mean
 velocities (see :func:`.test_functions.mean_velocity`) by :math:`r^2`, and both sides agree for every speed. What passes
 half a wave or more between samples is left out.
+
+Noise of the velocity alternates as fast as a carrier, and a bump averages it away: rows with a carrier may be fifty times
+as noisy as those without. So they are divided by how much noisier they are (weighted least squares), or an inertia that
+is estimated would be that of noise.
 """
 
 from __future__ import annotations
@@ -24,6 +28,7 @@ from numpy.typing import NDArray
 from fricmodels.arrays import Array
 from fricmodels.recording import Recording
 from fricmodels.weakform.quadrature import Quadrature
+from fricmodels.weakform.row_noise import momentum_noise, torque_noise
 from fricmodels.weakform.test_functions import TestFunctions
 
 
@@ -78,6 +83,21 @@ class CarrierFunctions(TestFunctions):
         self._inertial = np.repeat(step_response(half) ** (2 if plain.over_cells else 1), 2, axis=0) * self._waves
         self.each = len(self._waves) + (not alone)
         self.count = plain.count * self.each
+
+    def weighted(self, quadrature: Quadrature, recording: Recording, inertia: float) -> CarrierFunctions:
+        """Return them with the rows of each carrier no noisier than those of the bumps.
+
+        Args:
+            quadrature, recording: of the bumps.
+            inertia: J [kg m²] or M [kg], with which noise of the velocity counts beside that of the torque.
+        """
+        noise = inertia * momentum_noise(self, recording), torque_noise(self, quadrature, recording)
+        power = np.mean(np.sum(np.square(noise), axis=0).reshape(-1, self.each), axis=0)
+        carried = power[1:].reshape(-1, 2).mean(axis=1)
+        weights = np.sqrt(power[0] / np.maximum(carried, power[0])) if power[0] > 0.0 else np.ones(len(carried))
+        other = copy(self)
+        other._waves, other._inertial = (np.repeat(weights, 2)[:, None] * w for w in (self._waves, self._inertial))
+        return other
 
     def clear_of(self, samples: NDArray[np.bool_]) -> CarrierFunctions:
         """Return the test functions that none of some samples lies within."""

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from fricmodels.drive import Drive
+from fricmodels.drive import Drive, DriveParameter
 from fricmodels.recording import Recording
 from fricmodels.weakform.hidden import drowned, lost_in_noise, sign_is_hidden
 from fricmodels.weakform.nonlinear import nonlinear_search
@@ -18,13 +18,18 @@ from fricmodels.weakform.solve import Solved, with_or_without_shift
 Array = NDArray[np.float64]
 
 NORMAL_95 = 1.959963984540054
+_MEMBER = 0.05
+"""Share of a direction of length 1 from which a parameter belongs to it."""
+_ANYTHING = 1e6
+"""Variance along a direction that is not determined, in units of the largest that is."""
 
 
 def identified(found: Solved) -> Solved:
     """Return the fit with what the recording does not determine named, and held at nothing where that costs nothing.
 
     One parameter after the other is held, the least determined first, as long as all that are held may together be what
-    they are held at (Wald test at 5 %). So two that stand for one another are not both dropped.
+    they are held at (Wald test at 5 %). So two that stand for one another are not both dropped. Where only a combination
+    is determined the last of its members is held: what the model has without it stays what it is.
 
     Args:
         found: the fit with nothing held.
@@ -34,6 +39,7 @@ def identified(found: Solved) -> Solved:
     searched = searched_range(drive, recording)
     noisy = {} if drive.model.states or not sign_is_hidden(recording) else drowned(drive, recording, found.parameters)
     free = now = with_or_without_shift(found, found.again)
+    combined = _combined(drive.keys, free.undetermined)
     held: dict[str, str] = {}
     refused: set[str] = set()
     while True:
@@ -41,13 +47,16 @@ def identified(found: Solved) -> Solved:
         if held:  # what is said of an interval is said of the one that is given, with nothing held
             given = not_identified(drive, now.values, free.covariance, now.undetermined, searched)
             reasons = {key: given.get(key, reason) for key, reason in reasons.items()}
-        reasons = {**lost_in_noise(noisy), **reasons, **held}
-        choice = to_hold(drive, now.values, now.covariance, searched, set(reasons) - set(held) - refused, noisy)
+        reasons = {**lost_in_noise(noisy), **reasons}
+        doubtful = set(reasons) - set(held) - refused
+        loose = _last_of_a_combination(drive, now.undetermined, doubtful)
+        choice = (loose, 0.0) if loose else to_hold(drive, now.values, now.covariance, searched, doubtful, noisy)
+        reasons = {**reasons, **combined, **held}
         if choice is None:
             return now.changed(not_identified=reasons, free=free if held else None)
         key, value = choice
         plan = replace(now.plan, held={**now.plan.held, key: value})
-        if key not in lost_in_noise(noisy) and not _may_be(free, plan.held):
+        if key != loose and key not in lost_in_noise(noisy) and not _may_be(free, plan.held):
             refused.add(key)
             continue
         held[key] = f"{reasons[key]}; held at {value:.3g}"
@@ -59,8 +68,11 @@ def _may_be(free: Solved, values: Mapping[str, float]) -> bool:
     from scipy.special import chdtrc
 
     places = [free.problem.drive.keys.index(key) for key in values]
-    apart = free.values[places] - np.array(list(values.values()))
-    spread = free.covariance[np.ix_(places, places)]
+    size = np.linalg.norm(free.solution.jacobian[free.places[places]], axis=1)
+    apart = size * (free.values[places] - np.array(list(values.values())))
+    spread = np.outer(size, size) * free.covariance[np.ix_(places, places)]
+    loose = free.undetermined[places]  # along these anything may be
+    spread = spread + _ANYTHING * max(float(np.max(np.diag(spread))), float(apart @ apart)) * (loose @ loose.T)
     statistic = float(apart @ np.linalg.pinv(spread, rcond=1e-12, hermitian=True) @ apart)
     return bool(chdtrc(len(places), statistic) > 0.05)
 
@@ -82,16 +94,7 @@ def not_identified(
     contains_zero = np.abs(values) <= NORMAL_95 * spread
     for pair in _pairs(drive):
         contains_zero[pair] = np.all(contains_zero[pair])
-    found: dict[str, str] = {}
-    for direction in undetermined.T:
-        members = [keys[i] for i in np.flatnonzero(np.abs(direction) > 0.05)]
-        for key in members:
-            others = [other for other in members if other != key]
-            found[key] = (
-                f"the recording determines only a combination of it with {', '.join(others)}"
-                if others
-                else "it changes nothing in this recording"
-            )
+    found = _combined(keys, undetermined)
     for i, parameter in enumerate(drive.parameters):
         key = parameter.key
         if key in found:
@@ -106,6 +109,35 @@ def not_identified(
             if correlation > 0.9:
                 found[key] += f"; it trades with {keys[partner]} (correlation {correlation:.3f})"
     return {key: found[key] for key in keys if key in found}
+
+
+def _combined(keys: Sequence[str], undetermined: Array) -> dict[str, str]:
+    """Return key → reason for each parameter of which only a combination with others is determined, or nothing."""
+    found: dict[str, str] = {}
+    for direction in undetermined.T:
+        members = [keys[i] for i in np.flatnonzero(np.abs(direction) > _MEMBER)]
+        for key in members:
+            others = [other for other in members if other != key]
+            found[key] = (
+                f"the recording determines only a combination of it with {', '.join(others)}"
+                if others
+                else "it changes nothing in this recording"
+            )
+    return found
+
+
+def _last_of_a_combination(drive: Drive, undetermined: Array, doubtful: Collection[str]) -> str:
+    """Return the last parameter that may be nothing without a change of the fit; empty where there is none."""
+    for i in range(len(drive.parameters) - 1, -1, -1):
+        p = drive.parameters[i]
+        if p.key in doubtful and _may_be_nothing(drive, p) and np.any(np.abs(undetermined[i]) > _MEMBER):
+            return p.key
+    return ""
+
+
+def _may_be_nothing(drive: Drive, p: DriveParameter) -> bool:
+    """Whether a parameter is one of those that are held at zero: linear, not the inertia, not a stick torque."""
+    return p.linear and p.key != drive.inertia_key and p.at_least is None and p.declared.lower <= 0.0 <= p.declared.upper
 
 
 def to_hold(
@@ -134,7 +166,7 @@ def to_hold(
         nearest = float(np.clip(values[i], searched[0][i], searched[1][i]))
         if nearest != values[i]:
             choices.append((-np.inf, 0.0, p.key, nearest))
-        elif p.linear and p.at_least is None and p.declared.lower <= 0.0 <= p.declared.upper:
+        elif _may_be_nothing(drive, p):
             choices.append((-noisy.get(p.key, 0.0), abs(values[i]) / spread[i], p.key, 0.0))
     return min(choices)[2:] if choices else None
 

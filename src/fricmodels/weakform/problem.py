@@ -8,7 +8,7 @@ testing an effect is a question of linear regression, whatever the effect is.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
 from typing import Any
 
@@ -73,7 +73,7 @@ class WeakFormProblem:
     delay: float = 0.0
     carriers: tuple[float, ...] = ()
     shift: float = 0.0
-    made_for: Mapping[str, float] | None = None
+    made_for: Mapping[str, float] = field(default_factory=dict)
     held: bool = False
 
     @classmethod
@@ -174,7 +174,9 @@ class WeakFormProblem:
         """Return the same problem with rows beside its own that carry waves over position."""
         if not carriers:
             return self
-        return replace(self, bumps=CarrierFunctions(self.bumps, self.recording, carriers), carriers=carriers)
+        inertia, _ = self.drive.split(self.made_for)
+        bumps = CarrierFunctions(self.bumps, self.recording, carriers)
+        return replace(self, bumps=bumps.weighted(self.quadrature, self.recording, inertia), carriers=carriers)
 
     def along(self, velocity: Array, resting: Mask, width: int | None = None) -> WeakFormProblem:
         """Return the same problem with friction evaluated at another velocity, on all samples that do not rest by it.

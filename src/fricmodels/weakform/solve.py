@@ -155,12 +155,10 @@ class Solved:
 
     @property
     def undetermined(self) -> Array:
-        """Directions that change nothing, in the order of the drive's parameters, (n, any number); of no constant."""
-        solution = self.solution
-        free = np.array([i for i in range(len(solution.jacobian)) if i not in self._constant], dtype=np.int64)
-        null = (solution.normal if len(free) == len(solution.jacobian) else solution.part(free)).null
-        found = np.zeros((len(solution.jacobian), null.shape[1]))
-        found[free] = null
+        """Directions that change nothing, in the order of the drive's parameters, (n, any number); of nothing held."""
+        free, normal = self._free
+        found = np.zeros((len(self.solution.jacobian), normal.null.shape[1]))
+        found[free] = normal.null
         return found[self.places]
 
     @cached_property
