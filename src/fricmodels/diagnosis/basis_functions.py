@@ -11,8 +11,10 @@ from numpy.typing import NDArray
 from fricmodels.diagnosis.history import MotionHistory
 from fricmodels.diagnosis.places import ALONG, Place
 from fricmodels.diagnosis.policy import Policy
+from fricmodels.model import Model
 from fricmodels.recording import OTHER, RATE
 from fricmodels.signals import noise
+from fricmodels.term import Effect
 from fricmodels.weakform.problem import WeakFormProblem
 from fricmodels.weakform.regression import Regression
 from fricmodels.weakform.search import periods
@@ -33,7 +35,7 @@ OF_POSITION = OF_WAVES.union(_SLOWLY)
 _HATS = 8
 _PLACES = 32
 _INSTANTS = 31
-_WAVES = 6
+_WAVES, _FINER = 6, 12
 _FINE_WAVES = 3
 _EARLIER = 16
 _CLOSEST = 1e-5
@@ -56,6 +58,18 @@ def basis_functions(problem: WeakFormProblem, regression: Regression, policy: Po
     for name, build in _periodic(problem, regression).items():
         found[name] = partial(_integrals, problem, build)
     return found
+
+
+def arguments(effect: Effect) -> frozenset[str]:
+    """Return the channels on which an effect without a memory depends, as the sets of basis functions name them."""
+    needs = Model.only(effect).needs
+    others = {signal.replace("_", " ") for signal in needs - {"velocity"}}
+    return frozenset() if effect.states else frozenset(others or {"speed"})
+
+
+def first_channel(name: str) -> str:
+    """Return the channel that a set of basis functions is of, the first where there are two."""
+    return name.split(",")[0].split(" and ")[0]
 
 
 def hats_within(problem: WeakFormProblem, place: Place) -> Array:
@@ -91,6 +105,7 @@ def _of_motion(problem: WeakFormProblem) -> Sets:
         "speed, the same in both directions": lambda: _hats(speed, _HATS),
         "time, along the motion": lambda: side * _slow(time),
         "time, along the motion, and speed": lambda: np.vstack([side * _slow(time), velocity * _slow(time)]),
+        "time, finely, along the motion": lambda: side * _slow(time, _FINER),
         "time, the same in both directions": lambda: _slow(time),
         "motor torque": lambda: _powers(problem.motor_torque),
         "motor torque, along the motion": lambda: side * np.abs(_powers(problem.motor_torque)),
@@ -271,10 +286,10 @@ def _powers(values: Array) -> Array:
     return np.vstack([values / scale, (values / scale) ** 2, (values / scale) ** 3])
 
 
-def _slow(time: Array) -> Array:
-    """Return waves of no more than three periods in all: each reaches over every block, so that none is guessed."""
+def _slow(time: Array, count: int = _WAVES) -> Array:
+    """Return waves of half a period in all, a whole one, and so on: six reach over every block, and none is guessed."""
     phase = np.pi * (time - np.min(time)) / (float(np.ptp(time)) or 1.0)
-    return np.cos(np.arange(1, _WAVES + 1)[:, None] * phase)
+    return np.cos(np.arange(1, count + 1)[:, None] * phase)
 
 
 def _waves(position: Array) -> Array:

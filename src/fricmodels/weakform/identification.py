@@ -137,7 +137,9 @@ def _last_of_a_combination(drive: Drive, undetermined: Array, doubtful: Collecti
 
 def _may_be_nothing(drive: Drive, p: DriveParameter) -> bool:
     """Whether a parameter is one of those that are held at zero: linear, not the inertia, not a stick torque."""
-    return p.linear and p.key != drive.inertia_key and p.at_least is None and p.declared.lower <= 0.0 <= p.declared.upper
+    return (
+        p.linear and p.key != drive.inertia_key and p.at_least is None and p.declared.lower <= 0.0 <= p.declared.upper
+    )
 
 
 def to_hold(
