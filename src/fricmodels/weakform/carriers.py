@@ -12,9 +12,9 @@ which is the wave at the middle times :math:`\sin(\theta/2)/(\theta/2)`; the tra
 velocities (see :func:`.test_functions.mean_velocity`) by :math:`r^2`, and both sides agree for every speed. What passes
 half a wave or more between samples is left out.
 
-Noise of the velocity alternates as fast as a carrier, and a bump averages it away: rows with a carrier may be fifty times
-as noisy as those without. So they are divided by how much noisier they are (weighted least squares), or an inertia that
-is estimated would be that of noise.
+Noise of the velocity alternates as fast as a carrier, and a bump averages it away: rows with a carrier may be fifty
+times as noisy as those without. So they are divided by how much noisier they are (weighted least squares), or an
+inertia that is estimated would be that of noise.
 """
 
 from __future__ import annotations

@@ -28,8 +28,8 @@ def identified(found: Solved) -> Solved:
     """Return the fit with what the recording does not determine named, and held at nothing where that costs nothing.
 
     One parameter after the other is held, the least determined first, as long as all that are held may together be what
-    they are held at (Wald test at 5 %). So two that stand for one another are not both dropped. Where only a combination
-    is determined the last of its members is held: what the model has without it stays what it is.
+    they are held at (Wald test at 5 %). So two that stand for one another are not both dropped. Where only a
+    combination is determined the last of its members is held: what the model has without it stays what it is.
 
     Args:
         found: the fit with nothing held.
@@ -115,7 +115,7 @@ def _combined(keys: Sequence[str], undetermined: Array) -> dict[str, str]:
     """Return key → reason for each parameter of which only a combination with others is determined, or nothing."""
     found: dict[str, str] = {}
     for direction in undetermined.T:
-        members = [keys[i] for i in np.flatnonzero(np.abs(direction) > _MEMBER)]
+        members = [keys[i] for i in np.flatnonzero(np.abs(direction) > _MEMBER).tolist()]
         for key in members:
             others = [other for other in members if other != key]
             found[key] = (
