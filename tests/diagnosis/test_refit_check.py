@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -13,8 +14,9 @@ from fricmodels.diagnosis.comparison import Comparison, compare, with_effect
 from fricmodels.diagnosis.policy import POLICY
 from fricmodels.diagnosis.refit_check import _falls_far, _share_in_rows, refit_check
 from fricmodels.diagnosis.refits import Refits
-from fricmodels.diagnosis.verdict import LookAlikes, select_effect, torque_share
+from fricmodels.diagnosis.verdict import LookAlikes, passing_all_gates, select_effect, significant, torque_share
 from fricmodels.effects.presliding import Presliding
+from fricmodels.recording import Recording
 from fricmodels.rig import Rig
 
 MASS, COULOMB = 90.0, 20.0
@@ -198,3 +200,24 @@ def test_an_effect_that_comes_out_as_nothing_is_not_what_lowers_the_error(
         given = replace(fitted, estimate=replace(fitted.estimate, parameters=values))
         monkeypatch.setattr(refits, "with_effect", lambda *_, given=given: given)
         assert (Refits(stiff).with_effect(tested) is not None) is stays
+
+
+@pytest.mark.parametrize(("samples", "names"), [(1.0, []), (1.03, ["sensor-delay"]), (1.2, ["sensor-delay"])])
+def test_what_is_small_in_the_rows_is_named_where_the_error_falls_far(
+    made: Callable[..., Recording], samples: float, names: list[str]
+) -> None:
+    """Rows allow a shift by a sample: of one by more they see what is beyond that, single samples see all of it."""
+    recording = made(noise=1.0, rate=100.0, samples=4000)
+    time = recording.time
+    late = recording.with_channels(torque=np.interp(time + samples / 100.0, time, recording.torque))
+    comparison = compare(late, "coulomb-viscous", 2.0)
+    diagnosis = examine(comparison)
+    assert diagnosis.result is not None
+    assert [name for finding in diagnosis.findings for name in finding.names] == names
+    small = [t for t in significant(diagnosis.result) if t not in passing_all_gates(diagnosis.result)]
+    assert ("sensor-delay" in [t.name for t in small]) == (samples == 1.03)
+    if names:
+        found = diagnosis.findings[0].tested
+        assert found.parameters["T"] == pytest.approx(samples / 100.0, rel=0.02)
+        after = with_effect(comparison, found.effect, found.parameters)
+        assert after.errors.held_out_percent < 0.5 * comparison.errors.held_out_percent

@@ -27,7 +27,7 @@ def one_stroke_either_way(jump: float) -> Recording:
 
 @pytest.mark.parametrize("jump", [JUMP, -JUMP])
 def test_of_a_combination_the_last_member_is_held(jump: float) -> None:
-    r"""Before the jump there is one direction: :math:`(K_c, \tau_0, c, d)` and that plus λ (1, −1, −1, 1) are one model.
+    r"""With one direction before it :math:`(K_c, \tau_0, c, d)` and that plus λ (1, −1, −1, 1) are one model.
 
     With the least values of all four, as least squares give them, the Coulomb torque took part of the jump.
     """

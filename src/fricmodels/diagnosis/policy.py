@@ -283,7 +283,8 @@ class Policy:
     refit_fall: float = _rule(
         1.5,
         "% of the RMS torque",
-        "An effect found over all motion must lower the error by this (root of a difference of squares).",
+        "An effect found over all motion, or too small in the rows, must lower the error by this (root of a difference "
+        "of squares).",
         "Found on our rig: on 400 drives with nothing hidden none that passes lowers it by more than 0.8.",
         off=0.0,
     )

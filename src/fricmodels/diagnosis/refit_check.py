@@ -1,10 +1,14 @@
-"""Checks by fitting a model again whether an effect with memory is what is missing about standstill.
+"""Checks by fitting a model again whether an effect is what is missing that is too small in the weak form.
 
-The weak form leaves out where a drive may have stuck, or turned twice, between two samples. An effect with memory may
-do nearly all that it does there: a contact bends and a gap is crossed within a few samples of standstill. So where the
-weak form names nothing, or an effect with which the error hardly falls, effects with memory are tested on all motion.
-There sampling alone may look like one of them. One counts only if the model that is fitted with it leaves far less of
-the whole recording.
+The weak form says whether an effect is there; how much it matters is what the error of the model with it says. Rows
+allow a shift by a sample, so that a longer delay is nearly nothing in them, and all of the error of single samples. So
+where nothing is large enough in the rows, what is significant there is fitted, and counts if the error falls far.
+
+The weak form also leaves out where a drive may have stuck, or turned twice, between two samples. An effect with memory
+may do nearly all that it does there: a contact bends and a gap is crossed within a few samples of standstill. So where
+the weak form names nothing, or an effect with which the error hardly falls, effects with memory are tested on all
+motion. There sampling alone may look like one of them. One counts only if the model that is fitted with it leaves far
+less of the whole recording.
 """
 
 from __future__ import annotations
@@ -21,14 +25,14 @@ from fricmodels.diagnosis.floor import is_above_noise
 from fricmodels.diagnosis.policy import Policy
 from fricmodels.diagnosis.refits import Refits
 from fricmodels.diagnosis.supported import judge
-from fricmodels.diagnosis.verdict import LookAlikes, passing_all_gates, passing_significance, torque_share
+from fricmodels.diagnosis.verdict import LookAlikes, passing_all_gates, passing_significance, significant, torque_share
 from fricmodels.weakform.problem import WeakFormProblem
 
 
 def refit_check(
     refits: Refits, result: CandidateTests, leave_out: Iterable[str], named: LookAlikes | None
 ) -> LookAlikes | None:
-    """Return what the weak form names, or the effect with memory that explains all motion far better, or ``None``.
+    """Return what the weak form names, or the effect with which the error falls far, or ``None``.
 
     An effect with memory that explains only a small part of the error in the weak form is named only if the error of
     the fitted model falls with it, the test error too.
@@ -42,7 +46,7 @@ def refit_check(
     comparison, policy, out = refits.comparison, result.policy, set(leave_out)
     before = _error(comparison)
     if named is None:
-        small = [] if passing_all_gates(result) else passing_significance(result)
+        small = [] if passing_all_gates(result) else significant(result)
         return _best(refits, result, small, out, before) or _on_all_motion(refits, out, before, policy)
     in_rows = 100 * torque_share(result, named.first.evidence)
     if not named.first.effect.states or in_rows > policy.residual_shows_error * before:
@@ -90,7 +94,7 @@ def _best(
         bound: the error must be at most this [% of the RMS torque].
     """
     policy, before = result.policy, _error(refits.comparison)
-    chosen = [t for t in passing if t.effect.states and not t.found.at_search_bound][: policy.refit_trials]
+    chosen = [t for t in passing if not t.found.at_search_bound][: policy.refit_trials]
     trials = sorted((_error(refits.with_effect(t)), i, t) for i, t in enumerate(chosen))
     if not trials:
         return None

@@ -50,6 +50,18 @@ def passing_significance(result: CandidateTests) -> list[CandidateTest]:
     return [t for t in result.tested if _is_sure(result, t.evidence, t.adjusted, level)]
 
 
+def significant(result: CandidateTests) -> list[CandidateTest]:
+    """Return the candidates that are significant, and gain on held-out blocks by whatever share of the residual."""
+    policy = result.policy
+    return [
+        t
+        for t in result.tested
+        if t.adjusted < policy.significance
+        and t.evidence.gain > 0.0
+        and t.evidence.gain_p_value < policy.effect_gain_significance
+    ]
+
+
 def predicts(result: CandidateTests, evidence: Evidence, p_value: float, *, as_rival: bool = False) -> bool:
     """Whether a channel predicts a residual: it is significant, gains on held-out blocks, and is large enough.
 
