@@ -11,10 +11,8 @@ from numpy.typing import NDArray
 from fricmodels.diagnosis.history import MotionHistory
 from fricmodels.diagnosis.places import ALONG, Place
 from fricmodels.diagnosis.policy import Policy
-from fricmodels.model import Model
 from fricmodels.recording import OTHER, RATE
 from fricmodels.signals import noise
-from fricmodels.term import Effect
 from fricmodels.weakform.problem import WeakFormProblem
 from fricmodels.weakform.regression import Regression
 from fricmodels.weakform.search import periods
@@ -32,6 +30,8 @@ OF_WAVES = frozenset({FINELY, FINELY_ALONG, FINELY_TORQUE})
 _SLOWLY = "position", "position, along the motion", "position and motor torque"
 OF_POSITION = OF_WAVES.union(_SLOWLY)
 """Sets of what any torque over position may be."""
+OF_TIME = frozenset({"time, along the motion", "time, finely, along the motion", "time, along the motion, and speed"})
+"""Sets of what friction that goes with the time itself may be."""
 _HATS = 8
 _PLACES = 32
 _INSTANTS = 31
@@ -58,18 +58,6 @@ def basis_functions(problem: WeakFormProblem, regression: Regression, policy: Po
     for name, build in _periodic(problem, regression).items():
         found[name] = partial(_integrals, problem, build)
     return found
-
-
-def arguments(effect: Effect) -> frozenset[str]:
-    """Return the channels on which an effect without a memory depends, as the sets of basis functions name them."""
-    needs = Model.only(effect).needs
-    others = {signal.replace("_", " ") for signal in needs - {"velocity"}}
-    return frozenset() if effect.states else frozenset(others or {"speed"})
-
-
-def first_channel(name: str) -> str:
-    """Return the channel that a set of basis functions is of, the first where there are two."""
-    return name.split(",")[0].split(" and ")[0]
 
 
 def hats_within(problem: WeakFormProblem, place: Place) -> Array:

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from fricmodels.diagnosis.basis_functions import first_channel, hats_within
+from fricmodels.diagnosis.basis_functions import hats_within
 from fricmodels.diagnosis.candidate_tests import CandidateTest, CandidateTests, candidate_tests, not_yet, tested_at
 from fricmodels.diagnosis.floor import floor
 from fricmodels.diagnosis.journal import searched
@@ -259,12 +259,11 @@ def passing_beside(
         result: the residual.
         regression: the base model and what is beside it.
         as_rivals: whether they stand against an effect, see :func:`~.verdict.predicts`.
-        planned: channels that were chosen before any was tried, so that they are not corrected for how many there are.
+        planned: those that were chosen before any was tried, so that they are not corrected for how many there are.
     """
     here = replace(result, regression=regression, tested=(), untested={})
     every = (
-        replace(p, p_value=p.evidence.p_value, tried=1) if first_channel(p.channels) in planned else p
-        for p in each_predictor(here)
+        replace(p, p_value=p.evidence.p_value, tried=1) if p.channels in planned else p for p in each_predictor(here)
     )
     found = [p for p in every if predicts(here, p.evidence, p.p_value, as_rival=as_rivals)]
     place = largest_place(here)

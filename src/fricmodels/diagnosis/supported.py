@@ -30,7 +30,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from fricmodels.diagnosis.basis_functions import OF_POSITION, OF_WAVES, arguments
+from fricmodels.diagnosis.basis_functions import OF_POSITION, OF_TIME, OF_WAVES
 from fricmodels.diagnosis.candidate_tests import CandidateTest, CandidateTests
 from fricmodels.diagnosis.constancy import gain_of_own_sizes
 from fricmodels.diagnosis.effect_set import (
@@ -317,8 +317,8 @@ def _against_channels(
     """Return the least ratio of what an effect explains to what a channel explains that predicts clearly more, and it.
 
     The past of the residual or of the torque counts only against an effect with memory: it shows all that lasts. A
-    channel beside which the effect still does most of what it does is another cause. A channel on which the effect
-    itself depends tests its form: that comparison was planned, and is not corrected for how many channels there are.
+    channel beside which the effect still does most of what it does is another cause. Against an effect of the time
+    itself, which happens once, other courses of time test the form: a comparison that was planned, not one of many.
 
     Args:
         result: the residual.
@@ -329,7 +329,8 @@ def _against_channels(
             much as both do, with fewer terms.
     """
     policy, least, rival = result.policy, np.inf, ""
-    for predictor in passing_beside(result, gain.without, as_rivals=True, planned=arguments(first.effect)):
+    planned = OF_TIME if first.effect.depends_on_time else ()
+    for predictor in passing_beside(result, gain.without, as_rivals=True, planned=planned):
         if predictor.channels in AUTOREGRESSIVE and not first.effect.states:
             continue
         own, theirs = credited(result, gain.before, gain.fall, gain.before - float(np.sum(predictor.evidence.loss)))
