@@ -10,6 +10,7 @@ from fricmodels.drive import Drive
 from fricmodels.model import Model
 from fricmodels.recording import Recording
 from fricmodels.weakform.estimate import estimate
+from fricmodels.weakform.identification import _last_of_a_combination
 
 INERTIA, VISCOUS, COULOMB, OFFSET, JUMP = 2.0, 0.5, 3.0, 0.4, 0.3
 
@@ -42,3 +43,26 @@ def test_of_a_combination_the_last_member_is_held(jump: float) -> None:
     for key in ("K_c", "torque-offset.tau_0", "step-change.c", "step-change.d"):
         assert "only a combination" in found.not_identified[key], key
     assert "held at 0" in found.not_identified["step-change.d"]
+
+
+@pytest.mark.parametrize(
+    ("members", "held"),
+    [
+        ({"K_c": 0.6, "torque-offset.tau_0": 0.8}, "torque-offset.tau_0"),
+        ({"K_c": 0.6, "rising-stiction.F": 0.8}, "rising-stiction.F"),
+        ({"rising-stiction.F": 0.6, "rising-stiction.T": 0.8}, ""),
+        ({"rising-stiction.T": 1.0}, ""),
+        ({"J": 0.6, "K_v": 0.8}, "K_v"),
+    ],
+)
+def test_what_may_be_nothing_is_linear_and_trades_with_what_is(members: dict[str, float], held: str) -> None:
+    """After short rests F / T is determined: with another T there is another F, but with F = 0 there is nothing."""
+    drive = Drive(Model.parse("coulomb-viscous+torque-offset+rising-stiction"))
+    directions = np.zeros((len(drive.keys), 1))
+    for key, share in members.items():
+        directions[drive.keys.index(key)] = share
+    assert _last_of_a_combination(drive, directions, set(drive.keys)) == held
+    turned = np.array([[0.6, 0.8], [-0.8, 0.6]])  # any two axes span the same plane
+    other = np.zeros((len(drive.keys), 1))
+    other[drive.keys.index("rising-stiction.x_s")] = 1.0
+    assert _last_of_a_combination(drive, np.hstack([directions, other]) @ turned, set(drive.keys)) == held

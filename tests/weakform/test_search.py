@@ -354,11 +354,11 @@ def test_the_end_of_a_parameter(parameter: Parameter, value: float, spacing: flo
 def test_a_jump_is_sought_between_the_first_and_the_last_reversal(made: Made) -> None:
     """Before and after both directions must be seen; where that leaves nothing, within the record."""
     recording = made("coulomb-viscous", {})
-    first, last = both_ways(recording, 1)
+    first, last = both_ways(recording)
     signs = np.sign(recording.velocity)
     assert recording.time[0] < first < last < recording.time[-1]
     for part in (recording.time <= first, recording.time >= last):
         assert {-1.0, 1.0} <= set(signs[part])
     channels = {"time": recording.time, "torque": recording.torque, "velocity": np.abs(recording.velocity) + 1.0}
     forward = Recording("forward", recording.motion, channels, recording.run)
-    assert both_ways(forward, 1) == (recording.time[0], recording.time[-1])
+    assert both_ways(forward) == (recording.time[0], recording.time[-1])

@@ -20,6 +20,8 @@ Array = NDArray[np.float64]
 NORMAL_95 = 1.959963984540054
 _MEMBER = 0.05
 """Share of a direction of length 1 from which a parameter belongs to it."""
+_NO_PART = 1e-6
+"""Share below which it does not."""
 _ANYTHING = 1e6
 """Variance along a direction that is not determined, in units of the largest that is."""
 
@@ -127,7 +129,14 @@ def _combined(keys: Sequence[str], undetermined: Array) -> dict[str, str]:
 
 
 def _last_of_a_combination(drive: Drive, undetermined: Array, doubtful: Collection[str]) -> str:
-    """Return the last parameter that may be nothing without a change of the fit; empty where there is none."""
+    """Return the last parameter that may be nothing without a change of the fit; empty where there is none.
+
+    Along a direction in which a nonlinear parameter takes part nothing changes for small steps only.
+    """
+    nonlinear = [i for i, p in enumerate(drive.parameters) if not p.linear]
+    if nonlinear and undetermined.size:
+        _, sizes, axes = np.linalg.svd(undetermined[nonlinear])
+        undetermined = undetermined @ axes[int(np.sum(sizes > _NO_PART)) :].T
     for i in range(len(drive.parameters) - 1, -1, -1):
         p = drive.parameters[i]
         if p.key in doubtful and _may_be_nothing(drive, p) and np.any(np.abs(undetermined[i]) > _MEMBER):

@@ -67,21 +67,16 @@ def travelled(recording: Recording, parameter: Parameter) -> Parameter:
     return replace(parameter, lower=lower, upper=upper, initial=min(max(parameter.initial, lower), upper))
 
 
-def both_ways(recording: Recording, width: int) -> tuple[float, float]:
+def both_ways(recording: Recording) -> tuple[float, float]:
     """Return the instants [s] before and after which the drive moves in both directions; else the record's ends.
 
-    What jumps before the first reversal, or after the last one, cannot be told from an offset and a single stroke. A
-    direction that is seen for less than a row tells no more than one that is not.
-
-    Args:
-        recording: with ``velocity``.
-        width: samples that a row spans.
+    What jumps before the first reversal, or after the last one, cannot be told from an offset and a single stroke.
     """
     velocity, error = smoothed_velocity(recording)
     time, moving = recording.time, np.abs(velocity) > 3.0 * error
     strokes = [np.flatnonzero(moving & (side * velocity > 0.0)) for side in (1.0, -1.0)]
-    if all(len(stroke) >= width for stroke in strokes):
-        first, last = max(stroke[width - 1] for stroke in strokes), min(stroke[-width] for stroke in strokes)
+    if all(len(stroke) for stroke in strokes):
+        first, last = max(stroke[0] for stroke in strokes), min(stroke[-1] for stroke in strokes)
         if first < last:
             return float(time[first]), float(time[last])
     return float(np.min(time)), float(np.max(time))

@@ -182,7 +182,7 @@ def starting_points(
             bounded.append(replace(parameter, lower=lower, initial=max(parameter.initial, lower)))
             continue
         if parameter.instant:
-            first, last = both_ways(problem.recording, problem.bumps.width)
+            first, last = both_ways(problem.recording)
             first, last = max(parameter.lower, first), min(parameter.upper, last)
             parameter = replace(parameter, lower=first, upper=last, initial=min(max(parameter.initial, first), last))
         parameter = travelled(problem.recording, parameter)
