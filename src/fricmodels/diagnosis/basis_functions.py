@@ -30,7 +30,14 @@ OF_WAVES = frozenset({FINELY, FINELY_ALONG, FINELY_TORQUE})
 _SLOWLY = "position", "position, along the motion", "position and motor torque"
 OF_POSITION = OF_WAVES.union(_SLOWLY)
 """Sets of what any torque over position may be."""
-OF_TIME = frozenset({"time, along the motion", "time, finely, along the motion", "time, along the motion, and speed"})
+OF_TIME = frozenset(
+    {
+        "time, along the motion",
+        "time, finely, along the motion",
+        "time, along the motion, and speed",
+        "time, in one jump",
+    }
+)
 """Sets of what friction that goes with the time itself may be."""
 _HATS = 8
 _PLACES = 32

@@ -207,7 +207,8 @@ def _support(result: CandidateTests, member: Member, others: list[Member], rest:
     instead = _Instead(
         np.vstack([nothing(result), *(rest.parts[i] for i in taking)]), frozenset(taking.values()), rest.tried
     )
-    apart = [beside, *(part for i, part in enumerate(rest.parts) if i not in taking)]
+    same = {i for i, name in enumerate(names) if member.effect.depends_on_time and name in OF_TIME}
+    apart = [beside, *(part for i, part in enumerate(rest.parts) if i not in same.union(taking))]
     # What lasts counts against an effect with memory only: a delay is all that the torque's own past can be.
     counts = len(rest.lasting) and (bool(member.effect.states) or not in_its_place(rest.lasting))
     place = _Place(beside, np.vstack(apart), instead, rest.lasting if counts else nothing(result))
