@@ -51,8 +51,8 @@ def _is_one_cause(
             for other in others
             if not _are_of_a_kind(other, member) and _takes_place(result, predictor, other, every)
         ]
-        if not taken:
-            continue
+        if not taken or (predictor.channels in OF_WAVES and all(_is_a_wave(other) for other in (member, *taken))):
+            continue  # several waves at numbers that were sought are what several effects are
         beside = stacked(result, [other for other in others if other not in taken])
         base, channel, alone, together = (
             regression_of(result.problem, result.parameters, np.vstack([beside, *columns]))
@@ -103,6 +103,11 @@ def is_simpler(
     falls = (before - float(np.sum(loss)) for loss in (predictor.evidence.loss, all_of_them.loss))
     theirs, ours = credited(result, before, *falls)
     return theirs >= result.policy.of_channel * ours
+
+
+def _is_a_wave(member: Member) -> bool:
+    """Whether an effect is periodic in position, at a number that was sought."""
+    return any(p.periodic for p in member.effect.parameters)
 
 
 def _are_of_a_kind(one: Member, other: Member) -> bool:
