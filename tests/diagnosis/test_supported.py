@@ -126,6 +126,27 @@ def test_a_zone_of_friction_is_no_wave(made: Made) -> None:
     assert diagnosis.place.torque == pytest.approx(1.4, rel=0.1)  # the model's Coulomb friction has taken the rest
 
 
+@pytest.mark.parametrize("seed", [9, 10, 12])
+def test_a_walk_of_friction_is_no_drift(made: Made, seed: int) -> None:
+    """A line, a step or a fall draws a part of any slow course; another course of time tells it from these."""
+    recording = made(noise=0.1)
+    walk = np.cumsum(np.random.default_rng(seed).standard_normal(len(recording)))
+    walk = (walk - walk.mean()) / walk.std()
+    torque = recording.torque + 2.0 * walk * np.sign(recording.velocity)
+    diagnosis = diagnose(recording.with_channels(derived=False, torque=torque), LAW, 2.0)
+    assert diagnosis.verdict == "unknown-effect"
+    assert diagnosis.view is not None
+    assert diagnosis.view.channels == "time, finely, along the motion"
+
+
+@pytest.mark.parametrize("effect", ["drift", "step-change"])
+def test_what_happens_once_as_its_equation_says_has_its_name(made: Made, effect: str) -> None:
+    values = {"drift.a": 0.6, "drift.b": 0.05, "drift.T": 8.0, "step-change.c": 0.5, "step-change.t_0": 7.0}
+    own = {key: value for key, value in values.items() if key.startswith(effect)}
+    diagnosis = diagnose(made(f"coulomb-viscous+{effect}", own, noise=0.5), LAW, 2.0)
+    assert [finding.names[0] for finding in diagnosis.findings] == [effect]
+
+
 def test_a_torque_of_the_size_of_the_acceleration_is_seen_in_the_acceleration(made: Made) -> None:
     """It is the same in both directions, whichever way the drive speeds up; an offset is what comes nearest."""
     recording = made()

@@ -1,0 +1,43 @@
+"""Whether several effects only imitate one unknown cause together: what a channel is decides."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from tests.conftest import INERTIA, Made
+
+from fricmodels.diagnosis import compare, one_cause
+from fricmodels.diagnosis.basis_functions import FINELY
+from fricmodels.diagnosis.candidate_tests import candidate_tests
+from fricmodels.diagnosis.effect_set import Member, member_of
+from fricmodels.diagnosis.predictability import ChannelPredictor
+from fricmodels.diagnosis.verdict import LookAlikes
+
+WAVES = {
+    "position-friction.a": 0.3,
+    "position-friction.b": 0.2,
+    "position-friction.k": 7.0,
+    "cogging.a": 0.3,
+    "cogging.b": -0.2,
+    "cogging.k": 2.6,
+}
+
+
+@pytest.mark.parametrize(
+    ("channels", "names"), [("position", {"cogging", "position-friction"}), ("speed", set()), (FINELY, set())]
+)
+def test_several_waves_that_were_sought_are_no_one_cause_of_several_waves(
+    made: Made, monkeypatch: pytest.MonkeyPatch, channels: str, names: set[str]
+) -> None:
+    """A channel that can be all that two waves are takes their place, unless it is such waves itself."""
+    comparison = compare(made("coulomb-viscous+position-friction+cogging", WAVES), "coulomb-viscous", INERTIA)
+    result = candidate_tests(comparison.problem, comparison.estimate.parameters, only=["cogging", "position-friction"])
+    members: list[Member] = [member_of(result, LookAlikes(t, (t,))) for t in result.tested]
+    columns = np.vstack([m.columns for m in members])
+    if channels == "speed":  # a channel that does nothing of it
+        speed = np.abs(comparison.problem.quadrature.recording.velocity)
+        columns = comparison.problem.integrals(speed[None])
+    predictor = ChannelPredictor(channels, result.regression.test(columns), 1e-20, columns, 20)
+    monkeypatch.setattr(one_cause, "passing_beside", lambda *_, **__: [predictor])
+    found = one_cause.that_are_one_cause(result, members, members)
+    assert {m.found.first.name for m in found} == names
