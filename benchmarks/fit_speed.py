@@ -3,10 +3,14 @@
 Peers in one run: lmfit, SciPy's ``least_squares`` with an analytic Jacobian, CasADi with IPOPT. They are given the
 true acceleration and a start at twice the truth; ours finds its start and its derivative itself and gives standard
 errors that hold for autocorrelated residuals. *Fit alone* is the part that the peers do; *automatic* also chooses the
-bumps and explains the velocity by the fit. Noise and rests are told once for each recording: a *new* one in every fit
-has all of that in it, a *known* one was fitted before, as in a tournament or a comparison. *Cold* is the first fit of a
-fresh process with its imports, *warm* the median of repeated ones, *least* the least of them, which other processes
-disturb less. Run: ``python benchmarks/fit_speed.py``.
+bumps and explains the velocity by the fit. *One solve* is one descent from a start at twice the truth on rows that are
+laid out, with standard errors: what a peer's whole time is spent on. A fit makes five of them, an automatic one nine,
+for torques that are held or go on or are shifted, and for the rows at other velocities.
+
+Noise and rests are told once for each recording: a *new* one in every fit has all of that in it, a *known* one was
+fitted before, as in a tournament or a comparison. *Cold* is the first fit of a fresh process with its imports, *warm*
+the median of repeated ones, *least* the least of them, which other processes disturb less. Run: ``python
+benchmarks/fit_speed.py``.
 """
 
 from __future__ import annotations
@@ -61,6 +65,30 @@ def _ours(settings: dict[str, object], *, known: bool) -> Callable[[], dict[str,
     drive = Drive(Model.parse("exponential-stick-slip"))
     estimator = Batch(settings)
     return lambda: {**estimator.fit(drive, same if known else recorded()).parameters}
+
+
+def _one_solve() -> Callable[[], dict[str, float]]:
+    from dataclasses import replace
+
+    from fricmodels.dimension import Motion
+    from fricmodels.drive import Drive
+    from fricmodels.model import Model
+    from fricmodels.recording import Recording
+    from fricmodels.weakform.nonlinear import Plan
+    from fricmodels.weakform.problem import WeakFormProblem
+    from fricmodels.weakform.solve import solve
+
+    time_s, torque, velocity, _ = data()
+    channels = {"time": time_s, "torque": torque, "velocity": velocity}
+    recording = Recording("benchmark", Motion.ROTARY, channels, np.zeros(SAMPLES, dtype=np.int64))
+    problem = WeakFormProblem.of(Drive(Model.parse("exponential-stick-slip")), recording, TRUE, 32)
+
+    def fit() -> dict[str, float]:
+        found = solve(replace(problem), Plan(start={"B": 2.0 * TRUE["B"]}), timing=False)
+        assert found.standard_errors
+        return found.parameters
+
+    return fit
 
 
 ALONE: dict[str, object] = {"width": 32, "velocity": "measured"}
@@ -134,6 +162,7 @@ def ipopt_peer() -> Callable[[], dict[str, float]]:
 
 
 PEERS: dict[str, Callable[[], Callable[[], dict[str, float]]]] = {
+    "one solve": _one_solve,
     "fit alone, known recording": lambda: _ours(ALONE, known=True),
     "fit alone, new recording": lambda: _ours(ALONE, known=False),
     "automatic, known recording": lambda: _ours({}, known=True),
