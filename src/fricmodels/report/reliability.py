@@ -63,7 +63,7 @@ RECORDS: Mapping[str, Record] = {
                 "| right class named first | ≥ 97 % | 44 of 44 | 43 of 44 | 65 of 66 | 152 of 154 |",
             ),
             "rough_drives.md": (
-                "single effect that matters: right class first | ≥ 97 % | 79 of 83 | 54 of 59 | 32 of 35 | 165 of 177 |",
+                "effect that matters: right class first | ≥ 97 % | 79 of 83 | 54 of 59 | 32 of 35 | 165 of 177 |",
                 "Twelve are missed. Seven are called adequate",
             ),
         },
