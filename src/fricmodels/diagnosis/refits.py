@@ -25,7 +25,8 @@ class Refits:
     def with_effect(self, tested: CandidateTest) -> Comparison | None:
         """Return the model with an effect, fitted from the estimate of it.
 
-        ``None`` where that fails, or where the effect comes out as nothing: a smaller error is then not its doing.
+        ``None`` where that fails, or where the effect comes out as nothing, or as anything: no parameter of it is
+        determined. A smaller error is then not its doing, or says nothing of it.
         """
         key = _key(tested)
         if key not in self._found:
@@ -70,8 +71,14 @@ class Refits:
 
 
 def _is_nothing(fitted: Comparison, name: str) -> bool:
-    """Whether an effect of a fitted model has no torque: all coefficients that it is linear in are zero."""
+    """Whether an effect of a fitted model has no torque, all coefficients that it is linear in are zero, or no size.
+
+    It has none where the recording determines none of its parameters.
+    """
     model, values = fitted.drive.model, fitted.estimate.parameters
+    keys = {p.key for p in model.parameters if p.key.startswith(f"{name}.")}
+    if keys <= set(fitted.estimate.not_identified):
+        return True
     own = [
         values[p.key]
         for p, linear in zip(model.parameters, model.linear, strict=True)
