@@ -25,8 +25,7 @@ class Refits:
     def with_effect(self, tested: CandidateTest) -> Comparison | None:
         """Return the model with an effect, fitted from the estimate of it.
 
-        ``None`` where that fails, or where the effect comes out as nothing, or as anything: no parameter of it is
-        determined. A smaller error is then not its doing, or says nothing of it.
+        ``None`` where that fails, or where the effect comes out as nothing: a smaller error is then not its doing.
         """
         key = _key(tested)
         if key not in self._found:
@@ -71,14 +70,8 @@ class Refits:
 
 
 def _is_nothing(fitted: Comparison, name: str) -> bool:
-    """Whether an effect of a fitted model has no torque, all coefficients that it is linear in are zero, or no size.
-
-    It has none where the recording determines none of its parameters.
-    """
+    """Whether an effect of a fitted model has no torque: all coefficients that it is linear in are zero."""
     model, values = fitted.drive.model, fitted.estimate.parameters
-    keys = {p.key for p in model.parameters if p.key.startswith(f"{name}.")}
-    if keys <= set(fitted.estimate.not_identified):
-        return True
     own = [
         values[p.key]
         for p, linear in zip(model.parameters, model.linear, strict=True)
