@@ -23,11 +23,11 @@ RECORDS: Mapping[str, Record] = {
     "missing-effect": Record(
         "Where the truth was known, the right effect did not come first on 2 of 154 drives with one hidden effect "
         "(docs/hidden_effects.md), and 12 of 246 names were wrong with several on rough drives (docs/rough_drives.md); "
-        "where the true effect was not on the list, a name was given on 16 of 154 and 8 of 112.",
+        "where the true effect was not on the list, a name was given on 17 of 154 and 8 of 112.",
         {
             "hidden_effects.md": (
                 "| right class named first | ≥ 97 % | 44 of 44 | 43 of 44 | 65 of 66 | 152 of 154 |",
-                "| off the list: no wrong name | ≥ 90 % | 39 of 44 | 38 of 44 | 61 of 66 | 138 of 154 |",
+                "| off the list: no wrong name | ≥ 90 % | 39 of 44 | 38 of 44 | 60 of 66 | 137 of 154 |",
             ),
             "rough_drives.md": (
                 "| several: names given that are there | ≥ 95 % | 89 of 94 | 89 of 92 | 56 of 60 | 234 of 246 |",

@@ -107,18 +107,8 @@ class WeakFormProblem:
             problem = like
         else:
             quadrature, bumps = _rows(part, smooth, width, unclear)
-            problem = cls(
-                drive,
-                part,
-                smooth,
-                at_rest,
-                quadrature,
-                bumps,
-                motion.half_width,
-                (0.0, 0.0),
-                delay=delay,
-                made_for=made_for,
-            )
+            half, limits = motion.half_width, (0.0, 0.0)
+            problem = cls(drive, part, smooth, at_rest, quadrature, bumps, half, limits, delay=delay, made_for=made_for)
         return problem.at(friction_limits=limits_of_friction(drive, part, parameters))
 
     def at(self, **changes: Any) -> WeakFormProblem:
