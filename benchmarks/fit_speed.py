@@ -21,8 +21,13 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable
+from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
+
+if TYPE_CHECKING:
+    from fricmodels.recording import Recording
 
 TRUE = {"J": 4.87e-6, "K_v": 1.0e-4, "K_c": 1.2e-2, "C": 8.0e-3, "B": 0.3}
 SAMPLES = 20_000
@@ -48,40 +53,40 @@ def data() -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     return time_s, torque + 1e-4 * rng.standard_normal(SAMPLES), velocity, acceleration
 
 
-def _ours(settings: dict[str, object], *, known: bool) -> Callable[[], dict[str, float]]:
-    from estimators.batch import Batch
+def _recorded() -> Recording:
+    """Return the drive's recording."""
     from fricmodels.dimension import Motion
-    from fricmodels.drive import Drive
-    from fricmodels.model import Model
     from fricmodels.recording import Recording
 
     time_s, torque, velocity, _ = data()
+    channels = {"time": time_s, "torque": torque, "velocity": velocity}
+    return Recording("benchmark", Motion.ROTARY, channels, np.zeros(SAMPLES, dtype=np.int64))
 
-    def recorded() -> Recording:
-        channels = {"time": time_s.copy(), "torque": torque.copy(), "velocity": velocity.copy()}
-        return Recording("benchmark", Motion.ROTARY, channels, np.zeros(SAMPLES, dtype=np.int64))
 
-    same = recorded()
+def _ours(settings: dict[str, object], *, known: bool) -> Callable[[], dict[str, float]]:
+    from estimators.batch import Batch
+    from fricmodels.drive import Drive
+    from fricmodels.model import Model
+
+    same = _recorded()
     drive = Drive(Model.parse("exponential-stick-slip"))
     estimator = Batch(settings)
-    return lambda: {**estimator.fit(drive, same if known else recorded()).parameters}
+
+    def anew() -> Recording:
+        channels = {name: values.copy() for name, values in same.channels.items()}
+        return replace(same, channels=channels)
+
+    return lambda: {**estimator.fit(drive, same if known else anew()).parameters}
 
 
 def _one_solve() -> Callable[[], dict[str, float]]:
-    from dataclasses import replace
-
-    from fricmodels.dimension import Motion
     from fricmodels.drive import Drive
     from fricmodels.model import Model
-    from fricmodels.recording import Recording
     from fricmodels.weakform.nonlinear import Plan
     from fricmodels.weakform.problem import WeakFormProblem
     from fricmodels.weakform.solve import solve
 
-    time_s, torque, velocity, _ = data()
-    channels = {"time": time_s, "torque": torque, "velocity": velocity}
-    recording = Recording("benchmark", Motion.ROTARY, channels, np.zeros(SAMPLES, dtype=np.int64))
-    problem = WeakFormProblem.of(Drive(Model.parse("exponential-stick-slip")), recording, TRUE, 32)
+    problem = WeakFormProblem.of(Drive(Model.parse("exponential-stick-slip")), _recorded(), TRUE, 32)
 
     def fit() -> dict[str, float]:
         found = solve(replace(problem), Plan(start={"B": 2.0 * TRUE["B"]}), timing=False)

@@ -10,6 +10,7 @@ import pytest
 from fricmodels.drive import Drive
 from fricmodels.model import Model
 from fricmodels.recording import Recording
+from fricmodels.weakform import carriers
 from fricmodels.weakform.carriers import CarrierFunctions
 from fricmodels.weakform.estimate import estimate
 from fricmodels.weakform.problem import WeakFormProblem
@@ -43,12 +44,23 @@ def test_rows_of_a_carrier_are_no_noisier_than_those_of_the_bumps(made: Made) ->
     assert len(np.unique(np.round(ratio, 9))) == 3
 
 
-def test_without_noise_every_row_counts_as_it_is(made: Made) -> None:
-    problem = WeakFormProblem.of(Drive(Model.parse("coulomb-viscous")), made(noise=0.0), TRUE)
+def test_without_noise_every_row_counts_as_it_is(made: Made, monkeypatch: pytest.MonkeyPatch) -> None:
+    problem = WeakFormProblem.of(Drive(Model.parse("coulomb-viscous")), made(), TRUE)
     plain = CarrierFunctions(problem.bumps, problem.recording, (FAST,))
-    quiet = plain.weighted(problem.quadrature, problem.recording, 0.0)
     velocity = problem.recording.velocity
-    assert np.all(np.abs(quiet.momentum(velocity)) <= np.abs(plain.momentum(velocity)) * (1 + 1e-12))
+    noisy = plain.weighted(problem.quadrature, problem.recording, TRUE["J"])
+    assert not np.allclose(noisy.momentum(velocity), plain.momentum(velocity))
+    for name in ("momentum_noise", "torque_noise"):
+        monkeypatch.setattr(carriers, name, lambda bumps, *_: np.zeros(bumps.count))
+    quiet = plain.weighted(problem.quadrature, problem.recording, TRUE["J"])
+    np.testing.assert_array_equal(quiet.momentum(velocity), plain.momentum(velocity))
+
+
+def test_where_there_are_no_rows_there_is_nothing_to_weigh(made: Made) -> None:
+    problem = WeakFormProblem.of(Drive(Model.parse("coulomb-viscous")), made(), TRUE)
+    everywhere = np.ones(len(problem.recording), dtype=bool)
+    none = CarrierFunctions(problem.bumps.clear_of(everywhere), problem.recording, (FAST,))
+    assert none.weighted(problem.quadrature, problem.recording, TRUE["J"]).count == 0
 
 
 @pytest.mark.parametrize("noise", [0.05, 2.0, 10.0])

@@ -282,7 +282,10 @@ def _powers(values: Array) -> Array:
 
 
 def _slow(time: Array, count: int = _WAVES) -> Array:
-    """Return waves of half a period in all, a whole one, and so on: six reach over every block, and none is guessed."""
+    """Return waves of half a period over the record, a whole one, one and a half, and so on, shape (count, N).
+
+    Six are slow enough to reach over a block that is kept back; with twelve some of its course is guessed.
+    """
     phase = np.pi * (time - np.min(time)) / (float(np.ptp(time)) or 1.0)
     return np.cos(np.arange(1, count + 1)[:, None] * phase)
 

@@ -207,6 +207,7 @@ def _support(result: CandidateTests, member: Member, others: list[Member], rest:
     instead = _Instead(
         np.vstack([nothing(result), *(rest.parts[i] for i in taking)]), frozenset(taking.values()), rest.tried
     )
+    # An effect of the time itself beside one course of time could be any other: such a part describes no other cause.
     same = {i for i, name in enumerate(names) if member.effect.depends_on_time and name in OF_TIME}
     apart = [beside, *(part for i, part in enumerate(rest.parts) if i not in same.union(taking))]
     # What lasts counts against an effect with memory only: a delay is all that the torque's own past can be.

@@ -91,6 +91,8 @@ class CarrierFunctions(TestFunctions):
             quadrature, recording: of the bumps.
             inertia: J [kg m²] or M [kg], with which noise of the velocity counts beside that of the torque.
         """
+        if not self.count:
+            return self
         noise = inertia * momentum_noise(self, recording), torque_noise(self, quadrature, recording)
         power = np.mean(np.sum(np.square(noise), axis=0).reshape(-1, self.each), axis=0)
         carried = power[1:].reshape(-1, 2).mean(axis=1)
