@@ -36,6 +36,7 @@ class JointCompliance(Effect):
         lower=1e-9,
         meaning="natural angular frequency of the link",
         own_time=True,
+        resonance=True,
         scan=tuple(round(10 ** (1.5 + 0.15 * i), 1) for i in range(19)),
     )
     zeta = Parameter("zeta", initial=0.1, lower=0.0, upper=2.0, meaning="damping ratio", scan=(0.03, 0.15))

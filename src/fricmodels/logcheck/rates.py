@@ -13,6 +13,7 @@ from fricmodels.arrays import Array
 from fricmodels.logcheck.balance import CLUSTERS, Balance, Cells, balances, best
 from fricmodels.logcheck.finding import Finding, Severity
 from fricmodels.logcheck.view import Log
+from fricmodels.recording import Recording
 from fricmodels.signals.clusters import certain, clusters, slope
 
 _WIDTHS = (1, 4, 16, 64, 256)
@@ -215,20 +216,41 @@ def _whole(scale: float) -> bool:
     return abs(larger - round(larger)) < _MATCHES * larger and round(larger) in (6, 60, 360)
 
 
-def lag(log: Log) -> Iterator[Finding]:
-    r"""Judge whether the measured velocity comes later than the motion.
+@dataclass(frozen=True)
+class Lag:
+    """By how much a measured velocity comes later than the motion.
+
+    Attributes:
+        late, error: the time and its standard error [s]; negative where the velocity is ahead of the position.
+        clusters: parts of the record that the error is of.
+        interval: between two samples [s].
+    """
+
+    late: float
+    error: float
+    clusters: int
+    interval: float
+
+    @property
+    def is_certain(self) -> bool:
+        """Whether it is longer than a sample, either way: half a one is what a difference of positions costs."""
+        return certain((abs(self.late) - self.interval) / self.error, self.clusters)
+
+
+def velocity_lag(log: Log) -> Lag | None:
+    r"""Return by how much the measured velocity comes later than the position moves, where there are both.
 
     .. math:: \bar v_k - \frac{\Delta q_k}{\Delta t} = -T\,\bar{\dot v}_k
 
     T by least squares with the slope of the measured velocity as the instrument of the slope of the position's, so
-    that noise and rounding do not shrink it; error over 32 clusters. Said where T is longer than a sample at the level
-    of :data:`~fricmodels.signals.clusters.LEVEL`: half a sample is what a difference costs.
+    that noise and rounding do not shrink it; error over 32 clusters. Of cells of one sample and of four that which
+    tells it more surely.
     """
     if not {"position", "velocity"} <= set(log.measured):
-        return
+        return None
     short = log.short
     recording = short.recording
-    surest: tuple[float, float, int] | None = None
+    surest: Lag | None = None
     area = short.area(recording.velocity)
     for width in (1, 4):
         if len(recording) < width * 8 * CLUSTERS:
@@ -240,18 +262,33 @@ def lag(log: Log) -> Iterator[Finding]:
         steep, seen = (x[inner + 1] - x[inner - 1] for x in (moved, mean))
         group = clusters(cells.edges[inner], len(recording), CLUSTERS)
         late, error, count = slope((moved - mean)[inner], steep / step, group, seen)
-        if error > 0 and (surest is None or abs(late / error) > abs(surest[0] / surest[1])):
-            surest = late, error, count
-    if surest is None:
+        if error > 0 and (surest is None or abs(late / error) > abs(surest.late / surest.error)):
+            surest = Lag(late, error, count, recording.interval)
+    return surest
+
+
+def is_late(recording: Recording) -> bool:
+    """Whether a measured velocity is that of the position, in the same unit, and certainly later by over a sample."""
+    log = Log(recording)
+    found = velocity_lag(log)
+    if found is None or found.late < 0.0 or not found.is_certain:
+        return False
+    same = link(log.short, log.short.recording["position"], log.short.recording.velocity)
+    return same is not None and same.may_hold
+
+
+def lag(log: Log) -> Iterator[Finding]:
+    """Say whether the measured velocity comes later than the motion; see :func:`velocity_lag`."""
+    found = velocity_lag(log)
+    if found is None or not found.is_certain:
         return
-    late, error, count = surest
-    beyond = abs(late) - recording.interval
-    if certain(beyond / error, count):
-        yield Finding(
-            "velocity-lag",
-            Severity.WARN,
-            "velocity",
-            f"the {log.called('velocity')} is {1e3 * abs(late):.3g} ms ({abs(late) / recording.interval:.1f} samples) "
-            f"{'behind' if late > 0 else 'ahead of'} the {log.called('position')}",
-            "leave the velocity out, so that it is derived from the position, or shift it",
-        )
+    behind = found.late > 0.0
+    yield Finding(
+        "velocity-lag",
+        Severity.WARN,
+        "velocity",
+        f"the {log.called('velocity')} is {1e3 * abs(found.late):.3g} ms ({abs(found.late) / found.interval:.1f} "
+        f"samples) {'behind' if behind else 'ahead of'} the {log.called('position')}"
+        + ("; where positions tell the motion more surely it is derived from them" if behind else ""),
+        "" if behind else "leave the velocity out, so that it is derived from the position, or shift it",
+    )

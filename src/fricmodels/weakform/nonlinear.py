@@ -12,7 +12,7 @@ from fricmodels.dimension import FORCE
 from fricmodels.drive import Drive, DriveParameter
 from fricmodels.errors import InputError, suggestion
 from fricmodels.recording import Recording
-from fricmodels.weakform.ranges import natural_size, scan_values, travelled
+from fricmodels.weakform.ranges import natural_size, scan_values, within_motion
 from fricmodels.weakform.variable_projection import LARGEST_RATIO, Nonlinear
 
 Array = NDArray[np.float64]
@@ -92,7 +92,7 @@ def nonlinear_search(drive: Drive, recording: Recording, plan: Plan = Plan()) ->
     chosen = [p for p in drive.parameters if not p.linear]
     starts, logarithmic, reach, lower, upper = [], [], [], [], []
     for p in chosen:
-        within = travelled(recording, p.declared)
+        within = within_motion(recording, p.declared)
         first = plan.held.get(p.key, plan.start.get(p.key))
         scan = tuple(scan_values(recording, p.declared))
         starts.append((first,) if first is not None else scan or (p.declared.initial,))

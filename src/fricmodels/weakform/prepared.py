@@ -74,7 +74,8 @@ def surest_velocity(recording: Recording, *, known_by_position: bool = False) ->
 
     An encoder's position often gives a better velocity than the noisy channel beside it. The two must agree: the
     measured velocity is the derived one, to within a hundredth in scale and its own noise. Where it was itself computed
-    as a difference of the positions it says nothing more than they do, and says that smeared or late.
+    as a difference of the positions it says nothing more than they do, and says that smeared or late. Where it comes
+    later than the positions, filtered by its drive or held up on a bus, all that it is off by is its error.
 
     Args:
         recording: as measured.
@@ -82,6 +83,8 @@ def surest_velocity(recording: Recording, *, known_by_position: bool = False) ->
     """
     if not _both_measured(recording):
         return recording
+    from fricmodels.logcheck.rates import is_late  # costs a tenth of a second, and few recordings come here
+
     time, run, position, velocity = recording.time, recording.run, recording["position"], recording.velocity
     counted = with_false_stamps(recording, noise_of(time, position, run))
     width = best_half_width(time, position, run, noise=counted.slow)
@@ -92,6 +95,9 @@ def surest_velocity(recording: Recording, *, known_by_position: bool = False) ->
     error = counted.after(even_weights(width)[1]) / recording.interval
     own = velocity_noise(recording).deviation
     power = float(derived @ derived)
+    apart = float(np.sqrt(np.mean((velocity - derived) ** 2)))
+    if error < apart / np.sqrt(2.0) and is_late(recording):
+        return result
     if error >= own or power == 0:
         return recording
     scale = float(derived @ velocity) / power

@@ -56,15 +56,34 @@ def scan_values(recording: Recording, parameter: Parameter) -> list[float]:
     return [origin + value * scan_size(recording, parameter) for value in parameter.scan]
 
 
-def travelled(recording: Recording, parameter: Parameter) -> Parameter:
-    """Return a place with the ends of the travel as its bounds; any other parameter as it is."""
-    if not parameter.place or "position" not in recording:
-        return parameter
-    position = recording["position"]
-    lower, upper = max(parameter.lower, float(position.min())), min(parameter.upper, float(position.max()))
-    if lower > upper:
+def within_motion(recording: Recording, parameter: Parameter) -> Parameter:
+    """Return a parameter with the bounds that the motion sets; most have none.
+
+    A place lies within the travel. A part on a spring follows the drive only if it would swing faster than the drive
+    goes back and forth.
+    """
+    lower, upper = parameter.lower, parameter.upper
+    if parameter.resonance:
+        lower = min(max(lower, angular_frequency(recording)), upper)
+    elif parameter.place and "position" in recording:
+        position = recording["position"]
+        lower, upper = max(lower, float(position.min())), min(upper, float(position.max()))
+    if lower > upper or (lower, upper) == (parameter.lower, parameter.upper):
         return parameter
     return replace(parameter, lower=lower, upper=upper, initial=min(max(parameter.initial, lower), upper))
+
+
+@once
+def angular_frequency(recording: Recording) -> float:
+    """Return the angular frequency at which the drive goes back and forth [rad/s]: π times its reversals a second.
+
+    Of white noise in a band it is that of the motion's power (S. O. Rice, Bell Syst. Tech. J. 24 (1945)).
+    """
+    velocity, error = smoothed_velocity(recording)
+    moving = np.abs(velocity) > 3.0 * error
+    forward, run = velocity[moving] > 0.0, recording.run[moving]
+    reversals = np.count_nonzero((forward[1:] != forward[:-1]) & (run[1:] == run[:-1]))
+    return float(np.pi * reversals / (len(recording) * recording.interval))
 
 
 def both_ways(recording: Recording) -> tuple[float, float]:

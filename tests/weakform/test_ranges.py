@@ -1,0 +1,42 @@
+"""Bounds of parameters that the recorded motion sets."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from fricmodels.dimension import Motion
+from fricmodels.effects.joint_compliance import JointCompliance
+from fricmodels.recording import Recording
+from fricmodels.weakform.ranges import angular_frequency, within_motion
+
+
+def swinging(frequency: float, noise: float = 0.0) -> Recording:
+    """Return a drive that goes back and forth at a frequency [Hz], for twenty seconds."""
+    time = np.arange(4000) / 200.0
+    velocity = np.sin(2 * np.pi * frequency * time) + noise * np.random.default_rng(1).standard_normal(len(time))
+    channels = {"time": time, "torque": np.sign(velocity), "velocity": velocity}
+    return Recording("swinging", Motion.ROTARY, channels, np.zeros(len(time), dtype=np.int64))
+
+
+@pytest.mark.parametrize("frequency", [0.3, 1.0, 4.0])
+@pytest.mark.parametrize("noise", [0.0, 0.05])
+def test_the_frequency_of_one_sine_is_its_own(frequency: float, noise: float) -> None:
+    assert angular_frequency(swinging(frequency, noise)) == pytest.approx(2 * np.pi * frequency, rel=0.1)
+
+
+def test_a_resonance_lies_above_the_motion() -> None:
+    """A link that swings more slowly than the motor goes back and forth is not carried along."""
+    bounded = within_motion(swinging(2.0), JointCompliance.omega_n)
+    assert bounded.lower == pytest.approx(4 * np.pi, rel=0.1)
+    assert bounded.upper == JointCompliance.omega_n.upper
+    assert within_motion(swinging(2.0), JointCompliance.zeta) == JointCompliance.zeta
+
+
+def test_a_drive_that_does_not_turn_back_sets_no_bound() -> None:
+    still = swinging(1.0)
+    forward = replace(still, channels={**still.channels, "velocity": 2.0 + still.velocity})
+    assert angular_frequency(forward) == 0.0
+    assert within_motion(forward, JointCompliance.omega_n) == JointCompliance.omega_n
