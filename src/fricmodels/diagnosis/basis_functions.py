@@ -76,6 +76,20 @@ def hats_within(problem: WeakFormProblem, place: Place) -> Array:
         problem: the rows.
         place: stretch of a channel; the torque is there in its direction of motion only, or in both.
     """
+    return problem.integrals(_hats_of(problem, place))
+
+
+def one_torque_within(problem: WeakFormProblem, place: Place) -> Array:
+    """Return one torque all over a place, and its two ends apart, as integrals, shape (3, rows), or fewer.
+
+    It is the least that a place can be: the ends are known to a hat only.
+    """
+    hats = _hats_of(problem, place)
+    inner = hats[1:-1].sum(axis=0, keepdims=True) if len(hats) > 2 else hats[:0]
+    return problem.integrals(np.vstack([hats[:1], inner, hats[1:][-1:]]))
+
+
+def _hats_of(problem: WeakFormProblem, place: Place) -> Array:
     points = problem.quadrature.recording
     side = np.sign(points.velocity)
     values = np.abs(points.velocity) if place.channel == "speed" else points[place.channel]
@@ -83,8 +97,8 @@ def hats_within(problem: WeakFormProblem, place: Place) -> Array:
     reach = np.r_[knots[1:], knots[-1]] >= place.low
     hats = _tents(values, knots)[reach & (np.r_[knots[0], knots[:-1]] <= place.high)]
     if place.direction in ("forward", "backward"):
-        return problem.integrals(hats * (side == (1.0 if place.direction == "forward" else -1.0)))
-    return problem.integrals(side * hats if place.channel == "speed" or place.direction == ALONG else hats)
+        return np.asarray(hats * (side == (1.0 if place.direction == "forward" else -1.0)))
+    return np.asarray(side * hats if place.channel == "speed" or place.direction == ALONG else hats)
 
 
 def _integrals(problem: WeakFormProblem, build: Callable[[], Array]) -> Array:

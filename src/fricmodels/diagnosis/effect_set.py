@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from fricmodels.diagnosis.basis_functions import hats_within
+from fricmodels.diagnosis.basis_functions import hats_within, one_torque_within
 from fricmodels.diagnosis.candidate_tests import CandidateTest, CandidateTests, candidate_tests, not_yet, tested_at
 from fricmodels.diagnosis.floor import floor
 from fricmodels.diagnosis.journal import searched
@@ -253,7 +253,9 @@ def gain_of(result: CandidateTests, beside: Array, member: Member) -> Gain:
 def passing_beside(
     result: CandidateTests, regression: Regression, *, as_rivals: bool = False, planned: Collection[str] = ()
 ) -> list[ChannelPredictor]:
-    """Return the channel predictors of what a regression leaves that pass all gates; with a place, hats about it.
+    """Return the channel predictors of what a regression leaves that pass all gates; with a place, what may be there.
+
+    In a place there may be a torque of any course, or one torque: many terms, or few.
 
     Args:
         result: the residual.
@@ -268,13 +270,13 @@ def passing_beside(
     found = [p for p in every if predicts(here, p.evidence, p.p_value, as_rival=as_rivals)]
     place = largest_place(here)
     if place is not None:
-        hats = hats_within(result.problem, place)
-        seen = visible_of(regression, hats)
-        if len(seen):
-            tried = max((p.tried for p in found), default=1)
-            found.append(
-                ChannelPredictor(f"{place.channel}, in places", regression.test(seen), place.p_value, seen, tried)
-            )
+        tried = max((p.tried for p in found), default=1)
+        for name, within in (("in places", hats_within), ("in one place", one_torque_within)):
+            seen = visible_of(regression, within(result.problem, place))
+            if len(seen):
+                found.append(
+                    ChannelPredictor(f"{place.channel}, {name}", regression.test(seen), place.p_value, seen, tried)
+                )
     return found
 
 

@@ -18,8 +18,9 @@ from fricmodels.weakform.shifted import regression_of
 
 Array = NDArray[np.float64]
 
-_RIVALS = 3
-"""The best predictors of the whole residual that are asked whether they take the place of several effects."""
+_RIVALS = 4
+"""The best predictors of the whole residual, of which a place is two, that are asked whether they take the place of
+several effects."""
 
 
 def that_are_one_cause(result: CandidateTests, members: list[Member], standing: list[Member]) -> list[Member]:

@@ -51,16 +51,24 @@ def refit_check(
     in_rows = 100 * torque_share(result, named.first.evidence)
     if not named.first.effect.states or in_rows > policy.residual_shows_error * before:
         return named
-    fitted = refits.with_effect(named.first)
-    helps = fitted is not None and _helps(comparison, fitted, policy)
-    after = min(before, _error(fitted))
-    if helps and after < policy.replacement * before:
-        return named
-    return _on_all_motion(refits, out, policy.replacement * after, policy) or (named if helps else None)
+    helpful = next((t for t in named.members[: policy.refit_trials] if _helps(refits, t, policy)), None)
+    after = min(before, _error(refits.with_effect(helpful or named.first)))
+    found = None if helpful is None else _led_by(named, helpful)
+    if found is not None and after < policy.replacement * before:
+        return found
+    return _on_all_motion(refits, out, policy.replacement * after, policy) or found
 
 
-def _helps(comparison: Comparison, fitted: Comparison, policy: Policy) -> bool:
-    """Whether a fit lowers the test error, and the error by a fair part where it is far above noise."""
+def _led_by(named: LookAlikes, first: CandidateTest) -> LookAlikes:
+    """Return a class with one of its members as the first: what explains as much in the rows may fit better."""
+    return LookAlikes(first, (first, *(t for t in named.members if t is not first)))
+
+
+def _helps(refits: Refits, tested: CandidateTest, policy: Policy) -> bool:
+    """Whether an effect lowers the test error, and the error by a fair part where it is far above noise."""
+    comparison, fitted = refits.comparison, refits.with_effect(tested)
+    if fitted is None:
+        return False
     falls = fitted.sliding.held_out_percent < comparison.sliding.held_out_percent
     part = 1 - policy.refit_gain if is_above_noise(comparison, policy) else 1.0
     return falls and _error(fitted) < part * _error(comparison)

@@ -52,6 +52,7 @@ class FrictionalLag(Effect):
         lower=1e-9,
         meaning="speed over which the lagging friction falls",
         scan=(0.01, 0.03, 0.1, 0.3),
+        doubtful_ends=(),  # at either end only the viscous part lags
     )
     T = Parameter(
         "T",
