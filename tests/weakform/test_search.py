@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import Any
@@ -349,6 +350,18 @@ LENGTH = Parameter("x", unit="rad", initial=1.0, lower=0.5, upper=2.0)
 )
 def test_the_end_of_a_parameter(parameter: Parameter, value: float, spacing: float, ended: bool) -> None:
     assert is_at_an_end([parameter], (value,), [spacing]) is ended
+
+
+@pytest.mark.parametrize("symbol", ["omega_s", "T"])
+@pytest.mark.parametrize("end", ["lower", "upper"])
+def test_friction_that_lags_is_doubtful_at_the_end_of_its_delay_only(made: Made, symbol: str, end: str) -> None:
+    """At either end of its speed the falling part is nothing; the viscous part may lag all the same."""
+    problem, _ = estimate(Drive(Model.parse("coulomb-viscous"), 2.0), made())
+    effect = load().effects["frictional-lag"]()
+    bounded = {p.symbol: within_recording(problem, p) for p in effect.parameters}
+    nonlinear = [bounded["omega_s"], bounded["T"]]
+    point = tuple(getattr(p, end) if p.symbol == symbol else math.sqrt(p.lower * p.upper) for p in nonlinear)
+    assert is_at_an_end(nonlinear, point, [3.0, 2.0]) is (symbol == "T")
 
 
 def test_a_jump_is_sought_between_the_first_and_the_last_reversal(made: Made) -> None:

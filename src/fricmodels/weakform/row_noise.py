@@ -12,7 +12,7 @@ from fricmodels.recording import Recording
 from fricmodels.score import noise
 from fricmodels.signals import motion_noise, velocity_noise
 from fricmodels.signals.lanczos import lanczos_value
-from fricmodels.signals.rest import once
+from fricmodels.signals.rest import once, smoothed_velocity
 from fricmodels.weakform.quadrature import Quadrature
 from fricmodels.weakform.regression import Regression
 from fricmodels.weakform.test_functions import HOPS, TestFunctions, mean_velocity
@@ -20,6 +20,9 @@ from fricmodels.weakform.test_functions import HOPS, TestFunctions, mean_velocit
 Array = NDArray[np.float64]
 
 _NARROWEST, WIDEST = 16, 128
+_IN_A_STROKE = 2
+"""A bump half as wide is tried where a stroke has not this many of the narrowest: it would find room in its middle only.
+What rings, lags or is crossed after a reversal would then be in no row."""
 FEWEST, FEWEST_WHERE_ALL_COUNT = 40, 20
 """Widths that the shortest run has at least, so that some are clear of what is uncertain; and where none need be."""
 _DERIVED = 6
@@ -128,7 +131,8 @@ def bump_width(
     torque = float(np.sqrt(np.mean(recording.torque**2)))
     wanted = share * torque * recording.interval
     shortest = min(int(np.count_nonzero(recording.run == number)) for number in recording.run_numbers)
-    narrowest = max(_NARROWEST, -(-_DERIVED * recording.derived_over // HOPS) * HOPS)
+    usual = _NARROWEST if typical_stroke(recording) >= _IN_A_STROKE * _NARROWEST else _NARROWEST // 2
+    narrowest = max(usual, -(-_DERIVED * recording.derived_over // HOPS) * HOPS)
     widest = max(narrowest, min(WIDEST, shortest // fewest // HOPS * HOPS))
     most = max(widest, min(WIDEST, shortest // _FEWEST_FOR_INERTIA // HOPS * HOPS)) if estimated else widest
     for width in range(narrowest, most, HOPS):
@@ -137,6 +141,17 @@ def bump_width(
         if quiet and not (estimated and squares > _OF_MOMENTUM * momentum):
             return width
     return most
+
+
+@once
+def typical_stroke(recording: Recording) -> int:
+    """Return how long a stroke is that a typical sample of the motion lies in [samples]: certain motion one way."""
+    velocity, error = smoothed_velocity(recording)
+    side = np.where(np.abs(velocity) > 3.0 * error, np.sign(velocity), 0.0)
+    ends = np.flatnonzero((np.diff(side) != 0.0) | (np.diff(recording.run) != 0)) + 1
+    begins = np.r_[0, ends]
+    lengths = np.diff(np.r_[begins, len(side)])[side[begins] != 0.0]
+    return int(np.median(np.repeat(lengths, lengths))) if len(lengths) else 0
 
 
 def _momentum(recording: Recording, width: int) -> tuple[int, float, float]:
