@@ -21,8 +21,8 @@ Array = NDArray[np.float64]
 
 _NARROWEST, WIDEST = 16, 128
 _IN_A_STROKE = 2
-"""A bump half as wide is tried where a stroke has not this many of the narrowest: it would find room in its middle only.
-What rings, lags or is crossed after a reversal would then be in no row."""
+"""A bump half as wide is tried where a stroke has room for fewer than this many of the narrowest, and so only in its
+middle: what rings, lags or is crossed after a reversal would be in no row."""
 FEWEST, FEWEST_WHERE_ALL_COUNT = 40, 20
 """Widths that the shortest run has at least, so that some are clear of what is uncertain; and where none need be."""
 _DERIVED = 6
