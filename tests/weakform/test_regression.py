@@ -203,3 +203,13 @@ def test_the_size_holds_with_few_rows() -> None:
         regression = Regression(rng.standard_normal((4, 20)), rng.standard_normal(20), 20.0)
         found.append(regression.test(rng.standard_normal((2, 20))).p_value)
     assert np.mean(np.array(found) < 0.05) < 0.1
+
+
+def test_a_column_next_to_nothing_has_an_infinite_variance() -> None:
+    rng = np.random.default_rng(3)
+    regression = Regression(np.ones((1, 200)), rng.standard_normal(200), 50.0)
+    column = rng.standard_normal((1, 200))
+    small, usual = (regression.test(size * column) for size in (1e-160, 1.0))
+    assert small.covariance[0, 0] == np.inf
+    assert small.p_value == pytest.approx(usual.p_value)
+    assert small.explained == pytest.approx(usual.explained)

@@ -236,8 +236,11 @@ class Regression:
             residual[block] = self.residual[block] - theta @ scaled[:, block]
         return residual
 
+    @unwarned
     def test(self, columns: Array, against: Regression | None = None) -> Evidence:
         """Test whether columns, all of them visible, belong to the model.
+
+        Of a column next to nothing the coefficient may be any number, and its variance infinite.
 
         Args:
             columns: shape (q, M).
