@@ -8,12 +8,12 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from fricmodels.dimension import DIMENSIONLESS, DISPLACEMENT, TIME
+from fricmodels.dimension import DIMENSIONLESS, DISPLACEMENT
 from fricmodels.drive import Drive
 from fricmodels.parameter import Parameter
 from fricmodels.term import Effect
 from fricmodels.weakform.problem import WeakFormProblem
-from fricmodels.weakform.ranges import scan_size
+from fricmodels.weakform.ranges import scan_size, within_motion
 from fricmodels.weakform.regression import Regression
 
 Array = NDArray[np.float64]
@@ -21,8 +21,6 @@ Point = tuple[float, ...]
 
 _FARTHEST = 5.0
 """How far beyond the largest and the smallest that is tried first a parameter may go."""
-_SHORTEST = 2.0
-"""The shortest duration that can be told, in sampling intervals: sampling alone delays by part of one."""
 
 
 @dataclass(frozen=True)
@@ -121,8 +119,9 @@ def within_recording(problem: WeakFormProblem, parameter: Parameter) -> Paramete
 
     None is much larger or smaller than what is tried first: a load whose friction stops it a million times sooner than
     the drive ever stops is another effect in disguise, and so is a stiction that rises between two samples. A length is
-    no more than the travel, since a longer one was never crossed; a duration no less than two samples.
+    no more than the travel, since a longer one was never crossed. See also :func:`~.ranges.within_motion`.
     """
+    parameter = within_motion(problem.recording, parameter)
     dimension, scan = parameter.dimension, parameter.scan
     if dimension == DIMENSIONLESS or parameter.periodic or parameter.instant or parameter.place:
         return parameter
@@ -132,6 +131,4 @@ def within_recording(problem: WeakFormProblem, parameter: Parameter) -> Paramete
         lower, upper = max(lower, size * min(scan) / _FARTHEST), min(upper, size * _FARTHEST * max(scan))
     if dimension == DISPLACEMENT:
         upper = min(upper, size)
-    if dimension == TIME:
-        lower = min(max(lower, _SHORTEST * problem.recording.interval), upper)
     return replace(parameter, initial=min(max(parameter.initial, lower), upper), lower=lower, upper=upper)

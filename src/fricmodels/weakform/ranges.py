@@ -6,11 +6,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from fricmodels.dimension import Dimension
+from fricmodels.dimension import TIME, Dimension
 from fricmodels.parameter import Parameter
 from fricmodels.recording import Recording
 from fricmodels.signals.rest import once, smoothed_velocity
 
+_SHORTEST = 2.0
+"""The shortest duration that can be told, in sampling intervals: sampling alone delays by part of one."""
 _RECORD = 20_000
 """Samples of a record in which a time of the drive's own is counted."""
 
@@ -59,11 +61,13 @@ def scan_values(recording: Recording, parameter: Parameter) -> list[float]:
 def within_motion(recording: Recording, parameter: Parameter) -> Parameter:
     """Return a parameter with the bounds that the motion sets; most have none.
 
-    A place lies within the travel. A part on a spring follows the drive only if it would swing faster than the drive
-    goes back and forth.
+    A place lies within the travel. A duration is no less than two samples: a shorter one says when samples were taken.
+    A part on a spring follows the drive only if it would swing faster than the drive goes back and forth.
     """
     lower, upper = parameter.lower, parameter.upper
-    if parameter.resonance:
+    if parameter.dimension == TIME and not (parameter.instant or parameter.delay):
+        lower = min(max(lower, _SHORTEST * recording.interval), upper)
+    elif parameter.resonance:
         lower = min(max(lower, angular_frequency(recording)), upper)
     elif parameter.place and "position" in recording:
         position = recording["position"]

@@ -19,7 +19,7 @@ from fricmodels.term import Effect
 from fricmodels.weakform.candidate import Candidate, NonlinearOptimum, Point
 from fricmodels.weakform.optimise import coordinate_search, multistart_nelder_mead, refine
 from fricmodels.weakform.problem import WeakFormProblem
-from fricmodels.weakform.ranges import both_ways, scan_size, scan_values, within_motion
+from fricmodels.weakform.ranges import both_ways, scan_size, scan_values
 from fricmodels.weakform.regression import Regression
 
 Array = NDArray[np.float64]
@@ -185,7 +185,6 @@ def starting_points(
             first, last = both_ways(problem.recording)
             first, last = max(parameter.lower, first), min(parameter.upper, last)
             parameter = replace(parameter, lower=first, upper=last, initial=min(max(parameter.initial, first), last))
-        parameter = within_motion(problem.recording, parameter)
         bounded.append(parameter)
         size = scan_size(problem.recording, parameter)
         tried = scan_values(problem.recording, parameter) or [parameter.initial]
