@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
@@ -49,7 +50,8 @@ def noise_like(recording: Recording, channel: str, rng: np.random.Generator) -> 
     """Return noise as a channel has it, with its colour, shape (N,).
 
     It is as large as what is faster than a third of the sampling rate says, where that is less: a ripple of the torque
-    that is as fast as noise is no noise.
+    that is as fast as noise is no noise. Nor is a lasting noise of the torque that by itself would leave more than
+    inertia and friction do: a torque that changes slowly looks like it.
 
     Args:
         recording: prepared.
@@ -58,6 +60,10 @@ def noise_like(recording: Recording, channel: str, rng: np.random.Generator) -> 
     """
     if channel == "torque":
         found = noise_of(recording.time, recording.torque, recording.run, least=True)
+        if found.lasting and found.after(np.full(2 * _averaged(recording), 0.5 / _averaged(recording))) > _left(
+            recording
+        ):
+            found = replace(found, lasting=0.0, samples=0.0)
     elif channel == "acceleration":
         found = noise_of(recording.time, recording[channel], recording.run)
     else:
@@ -88,8 +94,41 @@ def apparent_inertia(prepared: Recording) -> float:
     one to the next, torques and friction are the mean of both. What noise adds to the square of the acceleration is
     taken off; where nothing remains the inertia is infinite, as far as can be told.
     """
-    size = max(2, round(_MEAN / prepared.interval))
-    rows = []
+    torque, columns = _means(prepared)
+    if not len(torque):
+        return 0.0
+    gram = columns.T @ columns
+    size = _averaged(prepared)
+    width, derived = size * prepared.interval, prepared.derived_over > 0
+    spread = white_noise(prepared, "position" if derived else "velocity")
+    gram[0, 0] -= len(torque) * (6.0 * spread**2 / width**4 if derived else 2.0 * spread**2 / (size * width**2))
+    if not gram[0, 0] > 0:
+        return float("inf")
+    return abs(float(np.linalg.lstsq(gram, columns.T @ torque, rcond=None)[0][0]))
+
+
+@once
+def _left(prepared: Recording) -> float:
+    """Return the RMS torque that inertia, Coulomb and viscous friction and a constant leave of means of 40 ms."""
+    torque, columns = _means(prepared)
+    if len(torque) <= columns.shape[1]:
+        return float("inf")
+    scaled = columns / np.maximum(np.linalg.norm(columns, axis=0), 1e-300)
+    left = torque - scaled @ np.linalg.lstsq(scaled, torque, rcond=None)[0]
+    return float(np.sqrt(left @ left / (len(torque) - columns.shape[1])))
+
+
+def _averaged(prepared: Recording) -> int:
+    """Return over how many samples motion is averaged."""
+    return max(2, round(_MEAN / prepared.interval))
+
+
+def _means(prepared: Recording) -> tuple[Array, Array]:
+    """Return means of the torque, shape (n,), and of acceleration, direction, speed and 1, shape (n, 4).
+
+    From means of 20 ms: velocities are differentiated from one to the next, all else is the mean of both.
+    """
+    size, rows = _averaged(prepared), [np.zeros((5, 0))]
     for part in stretches(prepared.time, prepared.run):
         count = (part.stop - part.start) // size
         if count < 2:
@@ -101,14 +140,5 @@ def apparent_inertia(prepared: Recording) -> float:
         )
         both = [0.5 * (values[1:] + values[:-1]) for values in (torque, side, velocity)]
         rows.append(np.stack([np.diff(velocity) / (size * prepared.interval), *both, np.ones(count - 1)]))
-    if not rows:
-        return 0.0
     rate, torque, *friction = np.concatenate(rows, axis=1)
-    columns = np.column_stack([rate, *friction])
-    gram = columns.T @ columns
-    width, derived = size * prepared.interval, prepared.derived_over > 0
-    spread = white_noise(prepared, "position" if derived else "velocity")
-    gram[0, 0] -= len(rate) * (6.0 * spread**2 / width**4 if derived else 2.0 * spread**2 / (size * width**2))
-    if not gram[0, 0] > 0:
-        return float("inf")
-    return abs(float(np.linalg.lstsq(gram, columns.T @ torque, rcond=None)[0][0]))
+    return torque, np.column_stack([rate, *friction])
