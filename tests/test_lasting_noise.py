@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from scipy.signal import lfilter
+from tests.conftest import Made
 
 from fricmodels.recording import Recording
 from fricmodels.score import noise as scored
 from fricmodels.signals.noise_colour import Noise
 from fricmodels.weakform.prepared import ready
-from tests.conftest import Made
 
 
 def drawn(recording: Recording) -> float:
