@@ -33,6 +33,8 @@ class Parameter:
             imitates another effect; none where the end itself is a physical case.
         own_time: whether a time or a rate is the drive's own, as that of a resonance, however long was recorded;
             ``scan`` counts it in durations of no more than 20 000 samples.
+        slow: whether it is the time of a change all along the record: no shorter than the least that ``scan`` tries.
+            What ends sooner is how the record began.
         resonance: whether it is the angular frequency of a part that the drive carries along on a spring. What swings
             more slowly than the drive goes back and forth does not follow it, and is no part of it.
         periodic: whether it is a wave number in position, to be searched for in the spectrum over position.
@@ -59,6 +61,7 @@ class Parameter:
     part_of_drive: bool = False
     doubtful_ends: tuple[Literal["lower", "upper"], ...] = ("lower", "upper")
     own_time: bool = False
+    slow: bool = False
     resonance: bool = False
     periodic: bool = False
     not_between: tuple[float, float] | None = None

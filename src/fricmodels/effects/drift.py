@@ -28,7 +28,9 @@ class Drift(Effect):
     depends_on_time = True
     a = Parameter("a", unit="N m/rad", meaning="change of the viscous coefficient per second, at first")
     b = Parameter("b", unit="N m/s", meaning="change of the Coulomb torque per second, at first")
-    T = Parameter("T", unit="s", initial=100.0, lower=1e-9, meaning="time of the change", scan=(0.1, 0.3, 1.0, 3.0))
+    T = Parameter(
+        "T", unit="s", initial=100.0, lower=1e-9, meaning="time of the change", slow=True, scan=(0.1, 0.3, 1.0, 3.0)
+    )
 
     def torque(self, s: Signals, p: Parameters) -> Expression:
         """Return (a ω + b sgn ω) T (1 − exp(−t/T))."""
