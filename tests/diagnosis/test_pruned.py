@@ -5,9 +5,11 @@ from __future__ import annotations
 import pytest
 from tests.conftest import INERTIA, Made
 
-from fricmodels.diagnosis import compare
+from fricmodels.diagnosis import compare, examine
 from fricmodels.diagnosis.candidate_tests import CandidateTests, candidate_tests
 from fricmodels.diagnosis.effect_set import Member, columns_and_tangents, pruned
+from fricmodels.diagnosis.ladder import _Search
+from fricmodels.diagnosis.policy import POLICY
 from fricmodels.diagnosis.verdict import LookAlikes
 
 
@@ -39,3 +41,15 @@ def test_an_effect_that_does_the_same_becomes_a_look_alike(made: Made) -> None:
     kept = pruned(result, members)
     assert len(kept) == 1
     assert set(kept[0].found.names) == {"asymmetry", "torque-offset"}
+
+
+def test_an_effect_that_came_to_nothing_leaves_the_ladder(made: Made) -> None:
+    """Friction that bends down over speed is lowest near zero: the Stribeck effect is at its bound."""
+    values = {"gravity.a": 0.3, "gravity.b": 0.1, "nonlinear-viscous.b": -0.02}
+    recording = made("coulomb-viscous+gravity+nonlinear-viscous", values)
+    comparison = compare(recording, "coulomb-viscous+gravity+stribeck", INERTIA)
+    assert comparison.estimate.parameters["stribeck.F_s"] == 0.0
+    search = _Search(set(), set(), POLICY, examine(comparison))
+    assert search.prune()
+    assert search.rungs[-1].model == "coulomb-viscous+gravity"
+    assert search.rungs[-1].removed == "stribeck"

@@ -11,7 +11,7 @@ from fricmodels.diagnosis.diagnose import Diagnosis, Finding, examine, is_predic
 from fricmodels.diagnosis.look_alikes import separated_by
 from fricmodels.diagnosis.necessity import necessity
 from fricmodels.diagnosis.policy import POLICY, Policy
-from fricmodels.diagnosis.refits import Refits
+from fricmodels.diagnosis.refits import Refits, is_nothing
 from fricmodels.display import Displayed
 from fricmodels.model import Model
 from fricmodels.progress import Cancelled, Token, Watcher, stage, watched
@@ -229,11 +229,17 @@ class _Search:
         return known[name]
 
     def prune(self) -> bool:
-        """Remove every added effect that the others have made superfluous; whether any was."""
+        """Remove every added effect that the others have made superfluous, or to nothing; whether any was."""
         comparison, policy = self._here, self._policy
         removed: list[str] = []
         while len(self._added) - len(removed) > 1:
-            tested = {name: necessity(comparison, name) for name in self._added if name not in removed}
+            left = [name for name in self._added if name not in removed]
+            idle = next((name for name in left if is_nothing(comparison, name)), None)
+            if idle is not None:
+                comparison = self._without(comparison, idle)
+                removed.append(idle)
+                continue
+            tested = {name: necessity(comparison, name) for name in left}
             weakest = min(tested, key=lambda name: tested[name].gain)
             if tested[weakest].gain > policy.superfluous_gain and tested[weakest].p_value < policy.significance:
                 break

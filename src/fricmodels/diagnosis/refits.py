@@ -35,7 +35,7 @@ class Refits:
             except FricmodelsError:
                 self._found[key] = None
             else:
-                self._found[key] = None if _is_nothing(fitted, tested.name) else fitted
+                self._found[key] = None if is_nothing(fitted, tested.name) else fitted
         return self._found[key]
 
     def beside(self, tested: CandidateTest) -> Refits | None:
@@ -69,7 +69,7 @@ class Refits:
         return any(after.held_out_percent < before.held_out_percent for after, before in seen)
 
 
-def _is_nothing(fitted: Comparison, name: str) -> bool:
+def is_nothing(fitted: Comparison, name: str) -> bool:
     """Whether an effect of a fitted model has no torque: all coefficients that it is linear in are zero."""
     model, values = fitted.drive.model, fitted.estimate.parameters
     own = [
