@@ -7,12 +7,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from tests.conftest import Made
 
 from fricmodels.diagnosis import examine, refits
 from fricmodels.diagnosis.candidate_tests import candidate_tests
 from fricmodels.diagnosis.comparison import Comparison, compare, with_effect
 from fricmodels.diagnosis.policy import POLICY
-from fricmodels.diagnosis.refit_check import _falls_far, _share_in_rows, refit_check
+from fricmodels.diagnosis.refit_check import _falls_far, _led_by_fit, _share_in_rows, refit_check
 from fricmodels.diagnosis.refits import Refits
 from fricmodels.diagnosis.verdict import LookAlikes, passing_all_gates, select_effect, significant, torque_share
 from fricmodels.effects.presliding import Presliding
@@ -221,3 +222,24 @@ def test_what_is_small_in_the_rows_is_named_where_the_error_falls_far(
         assert found.parameters["T"] == pytest.approx(samples / 100.0, rel=0.02)
         after = with_effect(comparison, found.effect, found.parameters)
         assert after.errors.held_out_percent < 0.5 * comparison.errors.held_out_percent
+
+
+def led(made: Made, truth: dict[str, float], *names: str) -> list[str]:
+    """Return a class in the order in which it is named; the first of ``names`` is its first in the rows."""
+    effect = next(iter(truth)).partition(".")[0]
+    comparison = compare(made(f"coulomb-viscous+{effect}", truth), "coulomb-viscous", 2.0)
+    result = candidate_tests(replace(comparison.problem), comparison.estimate.parameters, only=names)
+    members = tuple(next(t for t in result.tested if t.name == name) for name in names)
+    return _led_by_fit(Refits(comparison), LookAlikes(members[0], members), POLICY).names
+
+
+def test_of_look_alikes_that_which_fits_the_record_comes_first(made: Made) -> None:
+    truth = {"gravity.a": 0.6, "gravity.b": 0.3}
+    assert led(made, truth, "stiffness", "gravity") == ["gravity", "stiffness"]
+    assert led(made, truth, "gravity", "stiffness") == ["gravity", "stiffness"]
+
+
+def test_what_happened_once_gives_way_to_what_repeats_and_fits_as_well(made: Made) -> None:
+    assert led(made, {"torque-offset.tau_0": 0.4}, "step-change", "torque-offset")[0] == "torque-offset"
+    once = {"step-change.c": 0.5, "step-change.t_0": 7.0}
+    assert led(made, once, "step-change", "torque-offset")[0] == "step-change"

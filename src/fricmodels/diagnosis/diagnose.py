@@ -227,11 +227,13 @@ def _confirmed(
     """Return what was found if the test error falls with it, or else the passing effect with which it falls furthest.
 
     Nothing is said to be missing that does not lower the error on data that took no part in finding it, nor what has
-    another form than that.
+    another form than that, or explains far less of the rows than what was found.
     """
     if found is None or refits.lowers_test_error(found.first):
         return found
-    others = [t for t in passing_all_gates(result) if t.name != found.first.name][: result.policy.step_trials - 1]
+    most = result.policy.far_worse**2 * float(np.sum(found.first.evidence.loss))
+    near = [t for t in passing_all_gates(result) if t.name != found.first.name and np.sum(t.evidence.loss) <= most]
+    others = near[: result.policy.step_trials - 1]
     helpful = [(refits.with_effect(t), t) for t in others if refits.lowers_test_error(t)]
     errors = [(other.sliding.held_out_percent, i) for i, (other, _) in enumerate(helpful) if other is not None]
     for _, i in sorted(errors):
@@ -251,7 +253,7 @@ def _within_sampling(result: CandidateTests, tested: CandidateTest) -> bool:
 def _all_together(refits: Refits, first: LookAlikes, together: list[LookAlikes]) -> list[LookAlikes]:
     """Return the first effect, and the others that are there beside it if the test error falls further with them."""
     others = [one for one in together if one.first.name not in first.names]
-    further = refits.beside(first.first) if others and together[0] is first else None
+    further = refits.beside(first.first) if others and {*together[0].names} == {*first.names} else None
     found = [first]
     for other in others:
         if further is not None and further.lowers_test_error(other.first):

@@ -130,7 +130,8 @@ class Policy:
     far_worse: float = _rule(
         1.5,
         "factor of the residual",
-        "No effect with so many times the residual of the best one is a look-alike, or passes over all motion only.",
+        "No effect with so many times the residual of the best one is a look-alike, passes over all motion only, or "
+        "stands in for one with which the test error does not fall.",
         "Judgement: with little data no test tells even such a difference.",
         off=_INF,
     )
@@ -348,7 +349,7 @@ class Policy:
         0.025,
         "share of the test error",
         "A model with more parameters takes the place of another if its test error is lower by this share, one with "
-        "as many or fewer if it is higher by no more than this.",
+        "as many or fewer if it is higher by no more than this. A look-alike comes first if its is lower by this.",
         "Judgement: half of least_gain.",
         off=0.0,
     )

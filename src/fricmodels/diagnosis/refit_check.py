@@ -48,20 +48,34 @@ def refit_check(
     if named is None:
         small = [] if passing_all_gates(result) else significant(result)
         return _best(refits, result, small, out, before) or _on_all_motion(refits, out, before, policy)
+    named = _led_by_fit(refits, named, policy)
     in_rows = 100 * torque_share(result, named.first.evidence)
     if not named.first.effect.states or in_rows > policy.residual_shows_error * before:
         return named
-    helpful = next((t for t in named.members[: policy.refit_trials] if _helps(refits, t, policy)), None)
-    after = min(before, _error(refits.with_effect(helpful or named.first)))
-    found = None if helpful is None else _led_by(named, helpful)
-    if found is not None and after < policy.replacement * before:
-        return found
-    return _on_all_motion(refits, out, policy.replacement * after, policy) or found
+    helps, after = _helps(refits, named.first, policy), min(before, _error(refits.with_effect(named.first)))
+    if helps and after < policy.replacement * before:
+        return named
+    return _on_all_motion(refits, out, policy.replacement * after, policy) or (named if helps else None)
 
 
-def _led_by(named: LookAlikes, first: CandidateTest) -> LookAlikes:
-    """Return a class with one of its members as the first: what explains as much in the rows may fit better."""
+def _led_by_fit(refits: Refits, named: LookAlikes, policy: Policy) -> LookAlikes:
+    """Return a class of look-alikes with that first which, fitted, leaves the least test error.
+
+    What explains the rows as well need not fit the record as well. The first in the rows stays where its test error is
+    as low but for the margin of an exchange. What happened once gives way to what repeats: that can be tested again.
+    """
+    tried = named.members[: policy.step_trials]
+    if len(tried) < 2:
+        return named
+    errors = [_test_error(refits.with_effect(t)) for t in tried]
+    near = [t for t, error in zip(tried, errors, strict=True) if error <= (1 + policy.exchange_margin) * min(errors)]
+    first = min(near, key=lambda t: t.effect.depends_on_time, default=named.first)
     return LookAlikes(first, (first, *(t for t in named.members if t is not first)))
+
+
+def _test_error(comparison: Comparison | None) -> float:
+    """Return the test error of the decisions [%]; infinite where there is no model."""
+    return float("inf") if comparison is None else comparison.sliding.held_out_percent
 
 
 def _helps(refits: Refits, tested: CandidateTest, policy: Policy) -> bool:
