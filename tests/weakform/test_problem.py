@@ -13,6 +13,7 @@ from fricmodels.model import Model
 from fricmodels.recording import Recording
 from fricmodels.weakform.directions import base_directions
 from fricmodels.weakform.estimate import estimate
+from fricmodels.weakform.prepared import ready
 from fricmodels.weakform.problem import WeakFormProblem
 from fricmodels.weakform.smoothed import MAX_SAMPLES, spread
 
@@ -112,3 +113,18 @@ def test_base_directions_are_the_derivatives_of_the_models_torque(made: Made) ->
         up, down = ({**values, key: values[key] + side * 1e-3} for side in (1, -1))
         slope = (rows(up) - rows(down)) / 2e-3
         np.testing.assert_allclose(direction, slope, atol=1e-5 * float(np.max(np.abs(slope))))
+
+
+@pytest.mark.parametrize(("samples", "noise", "width"), [(18, 0.0, 8), (18, 1.0, 16), (200, 0.0, 16)])
+def test_short_strokes_have_narrow_rows_if_noise_allows(samples: int, noise: float, width: int) -> None:
+    """A row of sixteen samples has room only in the middle of a stroke of eighteen."""
+    time = np.arange(1000) / 200.0
+    velocity = np.sin(np.pi * np.arange(1000) / samples)
+    torque = np.sign(velocity) + 0.01 * np.gradient(velocity, time)
+    velocity += 0.02 * noise * np.random.default_rng(0).standard_normal(1000)
+    channels = {"time": time, "torque": torque, "velocity": velocity}
+    recording = ready(Recording("strokes", Motion.ROTARY, channels, np.zeros(1000, dtype=np.int64)))
+    drive = Drive(Model.parse("coulomb-viscous"), 0.01)
+    values = {"K_v": 0.0, "K_c": 1.0, "J": 0.01}
+    assert WeakFormProblem.of(drive, recording, values).bumps.width == width
+    assert WeakFormProblem.of(drive, recording, values, 16).bumps.width == 16

@@ -9,7 +9,6 @@ from numpy.typing import NDArray
 from fricmodels.dimension import Motion
 from fricmodels.recording import Recording
 from fricmodels.weakform.quadrature import Quadrature
-from fricmodels.weakform.row_noise import bump_width, typical_stroke
 from fricmodels.weakform.test_functions import HOPS
 from fricmodels.weakform.test_functions import TestFunctions as Functions
 
@@ -86,25 +85,3 @@ def test_many_rows_are_what_each_is_alone(over_cells: bool) -> None:
     alone = np.concatenate([bumps.torques(quadrature, row[None]) for row in rows])
     np.testing.assert_array_equal(bumps.torques(quadrature, rows), alone)
     assert bumps.torques(quadrature, rows[:0]).shape == (0, bumps.count)
-
-
-@pytest.mark.parametrize(("samples", "width"), [(24, 8), (200, 16)])
-def test_short_strokes_have_narrow_rows(samples: int, width: int) -> None:
-    """A row of sixteen samples would find room only in the middle of a stroke of two dozen."""
-    time = np.arange(6000) / 200.0
-    velocity = np.sin(np.pi * np.arange(6000) / samples)
-    torque = np.sign(velocity) + 0.01 * np.gradient(velocity, time)
-    channels = {"time": time, "torque": torque, "velocity": velocity}
-    recording = Recording("strokes", Motion.ROTARY, channels, np.zeros(6000, dtype=np.int64))
-    assert typical_stroke(recording) == pytest.approx(samples, abs=1)
-    assert bump_width(recording, 0.01) == width
-
-
-def test_strokes_that_noise_hides_have_none() -> None:
-    rng = np.random.default_rng(0)
-    channels = {
-        "time": np.arange(500) / 200.0,
-        "torque": rng.standard_normal(500),
-        "velocity": rng.standard_normal(500),
-    }
-    assert typical_stroke(Recording("noise", Motion.ROTARY, channels, np.zeros(500, dtype=np.int64))) <= 1

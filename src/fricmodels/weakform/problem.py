@@ -37,6 +37,8 @@ from fricmodels.weakform.unclear import creeping, direction_unclear
 
 _OF_ROWS = {"momentum", "noise_of_momentum", "driving", "torque_rate", "sign_change", "target", "centre", "integrated"}
 """What is computed once for the same rows."""
+_FEW = 16.0
+"""Independent rows below which a variance hardly has the eight cosines that it is estimated from: two to each."""
 _MEMORIES = 2
 """Models of which it is kept how their internal states are integrated along a motion."""
 
@@ -91,7 +93,8 @@ class WeakFormProblem:
             drive: the model under test.
             recording: with ``velocity``.
             parameters: the model's estimated parameters by key, and the inertia.
-            width: samples that a test function spans; as the noise asks for if not given.
+            width: samples that a test function spans; as the noise asks for if not given. Where strokes are so short
+                that only few rows have room in them, rows may be half as wide as usual.
             like: another problem of this drive; where its rows are the same, they are not evaluated anew.
         """
         inertia, _ = drive.split(parameters)
@@ -100,15 +103,20 @@ class WeakFormProblem:
         recording, parameters = drive.timed(recording, parameters)
         motion = smoothed(recording)
         part, smooth, at_rest = motion.recording, motion.velocity, motion.resting
-        width = width or bump_width(part, inertia, estimated=drive.inertia is None)
-        unclear = direction_unclear(drive, part, smooth, at_rest, width, parameters)
         plain = like is not None and like.estimated is None and not like.carriers and like.delay == delay
-        if like is not None and plain and like.recording is part and like.bumps.is_of(width, unclear):
-            problem = like
-        else:
-            quadrature, bumps = _rows(part, smooth, width, unclear)
-            half, limits = motion.half_width, (0.0, 0.0)
-            problem = cls(drive, part, smooth, at_rest, quadrature, bumps, half, limits, delay=delay, made_for=made_for)
+
+        def over(width: int) -> WeakFormProblem:
+            unclear = direction_unclear(drive, part, smooth, at_rest, width, parameters)
+            if like is not None and plain and like.recording is part and like.bumps.is_of(width, unclear):
+                return like
+            rows, half = _rows(part, smooth, width, unclear), motion.half_width
+            return cls(drive, part, smooth, at_rest, *rows, half, (0.0, 0.0), delay=delay, made_for=made_for)
+
+        estimated = drive.inertia is None
+        problem = over(width or bump_width(part, inertia, estimated=estimated))
+        if width is None and problem.independent < _FEW:
+            narrower = bump_width(part, inertia, estimated=estimated, narrow=True)
+            problem = over(narrower) if narrower < problem.bumps.width else problem
         return problem.at(friction_limits=limits_of_friction(drive, part, parameters))
 
     def at(self, **changes: Any) -> WeakFormProblem:

@@ -12,7 +12,7 @@ from fricmodels.recording import Recording
 from fricmodels.score import noise
 from fricmodels.signals import motion_noise, velocity_noise
 from fricmodels.signals.lanczos import lanczos_value
-from fricmodels.signals.rest import once, smoothed_velocity
+from fricmodels.signals.rest import once
 from fricmodels.weakform.quadrature import Quadrature
 from fricmodels.weakform.regression import Regression
 from fricmodels.weakform.test_functions import HOPS, TestFunctions, mean_velocity
@@ -20,9 +20,7 @@ from fricmodels.weakform.test_functions import HOPS, TestFunctions, mean_velocit
 Array = NDArray[np.float64]
 
 _NARROWEST, WIDEST = 16, 128
-_IN_A_STROKE = 2
-"""A bump half as wide is tried where a stroke has room for fewer than this many of the narrowest, and so only in its
-middle: what rings, lags or is crossed after a reversal would be in no row."""
+"""Samples that a bump spans, at the least and at the most."""
 FEWEST, FEWEST_WHERE_ALL_COUNT = 40, 20
 """Widths that the shortest run has at least, so that some are clear of what is uncertain; and where none need be."""
 _DERIVED = 6
@@ -115,6 +113,7 @@ def bump_width(
     share: float = NOISE_SHARE,
     *,
     estimated: bool = False,
+    narrow: bool = False,
 ) -> int:
     r"""Return the least width at which velocity noise adds less than the stated share of the RMS torque to a row.
 
@@ -127,12 +126,12 @@ def bump_width(
         fewest: widths that the shortest run has at least.
         share: of the RMS torque.
         estimated: whether the inertia is estimated from the same rows.
+        narrow: whether it may be half as wide as usual.
     """
     torque = float(np.sqrt(np.mean(recording.torque**2)))
     wanted = share * torque * recording.interval
     shortest = min(int(np.count_nonzero(recording.run == number)) for number in recording.run_numbers)
-    usual = _NARROWEST if typical_stroke(recording) >= _IN_A_STROKE * _NARROWEST else _NARROWEST // 2
-    narrowest = max(usual, -(-_DERIVED * recording.derived_over // HOPS) * HOPS)
+    narrowest = max(_NARROWEST // 2 if narrow else _NARROWEST, -(-_DERIVED * recording.derived_over // HOPS) * HOPS)
     widest = max(narrowest, min(WIDEST, shortest // fewest // HOPS * HOPS))
     most = max(widest, min(WIDEST, shortest // _FEWEST_FOR_INERTIA // HOPS * HOPS)) if estimated else widest
     for width in range(narrowest, most, HOPS):
@@ -141,17 +140,6 @@ def bump_width(
         if quiet and not (estimated and squares > _OF_MOMENTUM * momentum):
             return width
     return most
-
-
-@once
-def typical_stroke(recording: Recording) -> int:
-    """Return how long a stroke is that a typical sample of the motion lies in [samples]: certain motion one way."""
-    velocity, error = smoothed_velocity(recording)
-    side = np.where(np.abs(velocity) > 3.0 * error, np.sign(velocity), 0.0)
-    ends = np.flatnonzero((np.diff(side) != 0.0) | (np.diff(recording.run) != 0)) + 1
-    begins = np.r_[0, ends]
-    lengths = np.diff(np.r_[begins, len(side)])[side[begins] != 0.0]
-    return int(np.median(np.repeat(lengths, lengths))) if len(lengths) else 0
 
 
 def _momentum(recording: Recording, width: int) -> tuple[int, float, float]:
