@@ -115,7 +115,7 @@ def test_base_directions_are_the_derivatives_of_the_models_torque(made: Made) ->
         np.testing.assert_allclose(direction, slope, atol=1e-5 * float(np.max(np.abs(slope))))
 
 
-@pytest.mark.parametrize(("samples", "noise", "width"), [(18, 0.0, 8), (18, 1.0, 16), (200, 0.0, 16)])
+@pytest.mark.parametrize(("samples", "noise", "width"), [(18, 0.0, 8), (18, 5.0, 24), (200, 0.0, 16)])
 def test_short_strokes_have_narrow_rows_if_noise_allows(samples: int, noise: float, width: int) -> None:
     """A row of sixteen samples has room only in the middle of a stroke of eighteen."""
     time = np.arange(1000) / 200.0
