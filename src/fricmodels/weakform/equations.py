@@ -27,7 +27,11 @@ def equations(problem: WeakFormProblem, *, timing: bool) -> Equations:
     def moving(alpha: Array, slopes: bool) -> list[Array]:
         def rows(term: SeparableTerm, own: tuple[float, ...]) -> Array:
             def compute() -> Array:
-                return problem.integrals(term.moving_rows(points, np.array(own), problem.states_of, slopes=slopes))
+                distinct = term.distinct_rows(points, np.array(own), problem.states_of, slopes=slopes)
+                return term.completed(problem.integrals(distinct), rests, slopes=slopes)
+
+            def rests() -> Array:
+                return problem.integrated((term.model, "rests"), lambda: problem.integrals(term.rests(points)))
 
             return problem.integrated((term.model, own, slopes), compute)
 
