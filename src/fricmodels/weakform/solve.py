@@ -189,7 +189,13 @@ class Solved:
     @cached_property
     def with_shift(self) -> Solved:
         """The fit to the same rows with a small shift in time, begun from this one."""
-        return solve(self.problem, self.again)
+        return self.once_more(self.again, timing=True)
+
+    def once_more(self, plan: Plan, *, timing: bool) -> Solved:
+        """Return the fit to the same rows by another plan: this one itself, where it would begin and end here."""
+        if timing == self.timing and plan == self.again and self.solution.settled:
+            return self.changed(plan=plan, others=(), not_identified={}, free=None)
+        return solve(self.problem, plan, timing=timing)
 
     @property
     def residual_percent(self) -> float:
@@ -295,8 +301,9 @@ def with_or_without_shift(found: Solved, plan: Plan) -> Solved:
     Where the rows are at a velocity that the fit predicts, that velocity has already told whether the torque is held.
     """
     problem = found.problem
-    shifted = found.with_shift if plan == found.again else solve(problem, plan)
-    shifted, plain = (fit.changed(feedback=found.feedback) for fit in (shifted, solve(problem, plan, timing=False)))
+    shifted = found.with_shift if plan == found.again else found.once_more(plan, timing=True)
+    plain = found.once_more(plan, timing=False)
+    shifted, plain = (fit.changed(feedback=found.feedback) for fit in (shifted, plain))
     odds = [0.0, shifted.log_odds_of_a_shift()]
     fits = [plain, shifted]
     if _may_be_held(shifted):

@@ -150,6 +150,7 @@ class Solution:
         normal: normal equations of the Jacobian at the solution.
         iterations, converged: of the Gauss–Newton iteration.
         start: nonlinear parameters that it began from, where it did.
+        settled: whether another step promises nothing: the same iteration, begun from here, would end here.
     """
 
     theta: Array
@@ -160,6 +161,7 @@ class Solution:
     iterations: int
     converged: bool
     start: Array | None = None
+    settled: bool = False
 
     @property
     def cost(self) -> float:
@@ -215,7 +217,7 @@ class Projection:
     def solve(self, nonlinear: Nonlinear, max_iterations: int = 50) -> Solution:
         """Return the least-squares fit: from the best of the starting points, by Gauss–Newton to the end."""
         if not self._equations.separable.nonlinear:
-            return self.at(np.zeros(0))
+            return replace(self.at(np.zeros(0)), settled=True)
         start = self.best_start(nonlinear)
         return replace(self._descend(self.at(start), nonlinear, max_iterations), start=start)
 
@@ -234,7 +236,7 @@ class Projection:
             scale = np.where(nonlinear.logarithmic, np.maximum(at.alpha, 1e-300), 1.0)
             step, promised = self._step(at, scale, damping, ~nonlinear.held)
             if promised <= TOLERANCE * at.cost:
-                return replace(at, iterations=iteration)
+                return replace(at, iterations=iteration, settled=True)
             step = np.clip(step, -reach, reach)
             moved = np.where(nonlinear.logarithmic, at.alpha * np.exp(np.minimum(step, LARGEST_RATIO)), at.alpha + step)
             trial = self.at(nonlinear.clip(moved))
