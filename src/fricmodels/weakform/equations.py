@@ -24,14 +24,14 @@ def equations(problem: WeakFormProblem, *, timing: bool) -> Equations:
     split = separable(problem.drive.model)
     points = problem.points
 
+    def fixed(term: SeparableTerm) -> Array:
+        return problem.integrated((term.model,), lambda: problem.integrals(term.fixed_rows(points)))
+
     def moving(alpha: Array, slopes: bool) -> list[Array]:
         def rows(term: SeparableTerm, own: tuple[float, ...]) -> Array:
             def compute() -> Array:
                 distinct = term.distinct_rows(points, np.array(own), problem.states_of, slopes=slopes)
-                return term.completed(problem.integrals(distinct), rests, slopes=slopes)
-
-            def rests() -> Array:
-                return problem.integrated((term.model, "rests"), lambda: problem.integrals(term.rests(points)))
+                return term.completed(problem.integrals(distinct), lambda: fixed(term), slopes=slopes)
 
             return problem.integrated((term.model, own, slopes), compute)
 
@@ -43,7 +43,7 @@ def equations(problem: WeakFormProblem, *, timing: bool) -> Equations:
         problem.driving,
         problem.target,
         problem.momentum if problem.drive.inertia is None else None,
-        problem.integrated((problem.drive.model,), lambda: problem.integrals(split.fixed_rows(points))),
+        np.concatenate([fixed(term)[: len(term.fixed)] for term in split.terms]),
         moving,
         nuisances,
         limits,

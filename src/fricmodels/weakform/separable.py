@@ -42,13 +42,15 @@ class SeparableTerm:
     slopes: tuple[tuple[int, int], ...]
     _alike: tuple[tuple[int, float, int], ...]
     """Each moving row, then each slope: which distinct one it is, its sign, and which of the rests is added, or −1."""
+    _distinct: int
+    """How many of the moving rows are distinct."""
     _fixed: ArrayFunction
-    _rests: ArrayFunction
-    _values: ArrayFunction
+    """Fixed rows, then rests."""
     _moving: ArrayFunction
+    """Distinct moving rows, then distinct slopes."""
 
     def fixed_rows(self, recording: Recording) -> Array:
-        """Return the fixed rows at every sample, shape (len(fixed), N)."""
+        """Return the fixed rows at every sample, then what moving rows that are alike differ by, shape (rows, N)."""
         return self._evaluate(self._fixed, recording, (), [0.0] * len(self.model.states))
 
     def moving_rows(self, recording: Recording, alpha: Array, memory: Memory, *, slopes: bool = True) -> Array:
@@ -62,18 +64,14 @@ class SeparableTerm:
             slopes: whether they are wanted.
         """
         distinct = self.distinct_rows(recording, alpha, memory, slopes=slopes)
-        return self.completed(distinct, lambda: self.rests(recording), slopes=slopes)
+        return self.completed(distinct, lambda: self.fixed_rows(recording), slopes=slopes)
 
-    def rests(self, recording: Recording) -> Array:
-        """Return what moving rows that are alike differ by, at every sample, shape (rests, N)."""
-        return self._evaluate(self._rests, recording, (), [0.0] * len(self.model.states))
-
-    def completed(self, distinct: Array, rests: Callable[[], Array], *, slopes: bool) -> Array:
+    def completed(self, distinct: Array, fixed: Callable[[], Array], *, slopes: bool) -> Array:
         """Return all moving rows, then the slopes if wanted, by the distinct ones: at samples, or their integrals.
 
         Args:
             distinct: see :meth:`distinct_rows`.
-            rests: gives :meth:`rests`, or the integrals of these.
+            fixed: gives :meth:`fixed_rows`, or the integrals of these.
             slopes: whether slopes are wanted.
         """
         chosen = self._alike if slopes else self._alike[: len(self.moving)]
@@ -83,13 +81,13 @@ class SeparableTerm:
         for row, (place, sign, rest) in zip(found, chosen, strict=True):
             np.multiply(distinct[place], sign, out=row)
             if rest >= 0:
-                row += rests()[rest]
+                row += fixed()[len(self.fixed) + rest]
         return found
 
     def distinct_rows(self, recording: Recording, alpha: Array, memory: Memory, *, slopes: bool) -> Array:
         """Return one of all moving rows that are alike, then of all slopes; see :meth:`moving_rows`."""
         if not self.model.states:
-            return self._evaluate(self._moving if slopes else self._values, recording, tuple(alpha), ())
+            return self._evaluate(self._moving, recording, tuple(alpha), (), None if slopes else self._distinct)
         here = self._remembered(recording, alpha, memory)
         if not slopes:
             return here
@@ -103,10 +101,15 @@ class SeparableTerm:
     def _remembered(self, recording: Recording, alpha: Array, memory: Memory) -> Array:
         parameters = np.zeros(len(self.model.parameters))
         parameters[list(self.own)] = alpha
-        return self._evaluate(self._values, recording, tuple(alpha), memory(self.model, parameters))
+        return self._evaluate(self._moving, recording, tuple(alpha), memory(self.model, parameters))
 
     def _evaluate(
-        self, function: ArrayFunction, recording: Recording, alpha: tuple[float, ...], states: Sequence[Any]
+        self,
+        function: ArrayFunction,
+        recording: Recording,
+        alpha: tuple[float, ...],
+        states: Sequence[Any],
+        first: int | None = None,
     ) -> Array:
         known, key = _known(recording), function
         if key not in known:
@@ -115,7 +118,7 @@ class SeparableTerm:
             ]
             later = [None] * (len(alpha) + len(states))
             known[key] = function.given(*signals, *later, rest_width(recording))
-        (values,) = known[key](*alpha, *states)
+        (values,) = known[key](*alpha, *states, first=first)
         return values if values.shape[1] == len(recording) else np.broadcast_to(values, (len(values), len(recording)))
 
 
@@ -151,7 +154,7 @@ class Separable:
 
     def fixed_rows(self, recording: Recording) -> Array:
         """Return the fixed rows at every sample, shape (len(fixed), N)."""
-        return np.concatenate([term.fixed_rows(recording) for term in self.terms])
+        return np.concatenate([term.fixed_rows(recording)[: len(term.fixed)] for term in self.terms])
 
     def moving_rows(
         self, alpha: Array, rows: Callable[[SeparableTerm, tuple[float, ...]], Array], *, slopes: bool
@@ -254,8 +257,7 @@ def _split(model: Model, flags: Sequence[bool], rows: Sequence[int], alphas: Seq
         tuple(rows[row] for row in moving),
         tuple((rows[row], alphas[j]) for row, j in slopes),
         tuple(likeness),
-        function("fixed", [*e.signals.values(), e.states, e.width], [every[row] for row in fixed]),
-        function("rests", [*e.signals.values(), e.states, e.width], rests),
-        function("values", inputs, values),
+        len(values),
+        function("fixed", [*e.signals.values(), e.states, e.width], [*(every[row] for row in fixed), *rests]),
         function("moving", inputs, [*values, *derivatives]),
     )
