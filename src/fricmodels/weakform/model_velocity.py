@@ -161,10 +161,15 @@ def _rounds(
         least, used = min(least, predicted.prediction_error), predicted
         best = solve(rows, replace(begin.plan, start=_nonlinear(best)), timing=False)
         change, values = best.values - values, best.values
-        spread = np.sqrt(np.clip(np.diag(best.covariance), 0.0, None))
-        if _is_final(used, problem.recording) or np.all(np.abs(change) <= 0.1 * spread):
+        if _is_final(used, problem.recording) or _is_little(change, best):
             return best, used, True
     return best, used, False
+
+
+def _is_little(change: Array, found: Solved) -> bool:
+    """Whether no parameter changed by more than a tenth of its standard error."""
+    spread = np.sqrt(np.clip(np.diag(found.covariance), 0.0, None))
+    return bool(np.all(np.abs(change) <= 0.1 * spread))
 
 
 def _with_its_torque(found: Solved) -> tuple[Solved, tuple[Solved, ModelVelocity | None]]:

@@ -73,7 +73,7 @@ class Solved:
     def changed(self, **changes: Any) -> Solved:
         """Return a copy with other attributes than the rows, the plan or the solution; what these show is kept."""
         copy = replace(self, **changes)
-        for name in ("places", "values", "_spread", "with_shift"):
+        for name in ("places", "values", "_spread", "with_shift", "_odds"):
             if name in self.__dict__:
                 copy.__dict__[name] = self.__dict__[name]
         return copy
@@ -124,9 +124,13 @@ class Solved:
         """Covariance in the order of the solution; 0 for what is held."""
         solution, (free, normal) = self.solution, self._free
         result = np.zeros((len(solution.jacobian),) * 2)
-        found = covariance(solution.jacobian[free].T, solution.residual, normal.inverse, self.problem.independent)
-        moved = scatter_of_steps(self.problem, self.parameters) @ solution.jacobian[free].T @ normal.inverse
-        result[np.ix_(free, free)] = at_least(found, moved.T @ moved / max(len(moved), 1))
+        jacobian = solution.jacobian if len(free) == len(result) else solution.jacobian[free]
+        found = covariance(jacobian.T, solution.residual, normal.inverse, self.problem.independent)
+        scatter = scatter_of_steps(self.problem, self.parameters)
+        if len(scatter):
+            moved = scatter @ jacobian.T @ normal.inverse
+            found = at_least(found, moved.T @ moved / len(scatter))
+        result[np.ix_(free, free)] = found
         return result
 
     def moved_by(self, left: Array) -> Array:
@@ -235,6 +239,16 @@ class Solved:
         Source: R. E. Kass, A. E. Raftery, "Bayes factors", J. Amer. Statist. Assoc. 90 (1995), with Student's t for a
         variance that is estimated.
         """
+        known = self._odds
+        if (reversals, than) not in known:
+            known[reversals, than] = self._log_odds(reversals, than)
+        return known[reversals, than]
+
+    @cached_property
+    def _odds(self) -> dict[tuple[bool, float], float]:
+        return {}
+
+    def _log_odds(self, reversals: bool, than: float) -> float:
         nuisances = self._nuisances
         sizes = np.full(len(nuisances), 2 * self.problem.recording.interval)
         centre, true_to = np.zeros(len(nuisances)), np.full(len(nuisances), _TRUE_TO)
@@ -300,21 +314,25 @@ def with_or_without_shift(found: Solved, plan: Plan) -> Solved:
     evidence if it is a shift, that of a held torque too: chance would shift every second recording that says nothing.
     Where the rows are at a velocity that the fit predicts, that velocity has already told whether the torque is held.
     """
-    problem = found.problem
     shifted = found.with_shift if plan == found.again else found.once_more(plan, timing=True)
-    plain = found.once_more(plan, timing=False)
-    shifted, plain = (fit.changed(feedback=found.feedback) for fit in (shifted, plain))
     odds = [0.0, shifted.log_odds_of_a_shift()]
-    fits = [plain, shifted]
     if _may_be_held(shifted):
         odds.append(shifted.log_odds_of_held())
-        fits.append(solve(problem.at(held=True), plan, timing=False).changed(feedback=found.feedback))
-    fixed = 2 if len(fits) > 2 and found.feedback is None and odds[2] > STRONG else 0
+    fixed = 2 if len(odds) > 2 and found.feedback is None and odds[2] > STRONG else 0
     chosen = 1 if odds[1] - odds[fixed] > STRONG else fixed
     weights = np.exp(np.array(odds) - max(odds))
     weights /= weights.sum()
-    others = [(fit, w) for i, (fit, w) in enumerate(zip(fits, weights.tolist(), strict=True)) if i != chosen]
-    return fits[chosen].changed(others=tuple((fit, w) for fit, w in others if w > _UNLIKELY))
+
+    def fit(case: int) -> Solved:
+        if case == 1:
+            return shifted
+        if case == 0:
+            return found.once_more(plan, timing=False)
+        return solve(found.problem.at(held=True), plan, timing=False)
+
+    reckoned = [case for case, w in enumerate(weights.tolist()) if w > _UNLIKELY and case != chosen]
+    others = [(fit(case).changed(feedback=found.feedback), float(weights[case])) for case in reckoned]
+    return fit(chosen).changed(feedback=found.feedback, others=tuple(others))
 
 
 def as_held(found: Solved) -> Solved | None:
