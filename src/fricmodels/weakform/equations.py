@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from fricmodels.weakform.nonlinear import Plan, linear_constraints, nonlinear_search
+from fricmodels.weakform.nonlinear import Nonlinear, Plan, linear_constraints, nonlinear_search
 from fricmodels.weakform.problem import WeakFormProblem
 from fricmodels.weakform.separable import SeparableTerm, separable
-from fricmodels.weakform.variable_projection import Equations, Nonlinear, Projection
+from fricmodels.weakform.variable_projection import Equations, Projection
 
 Array = NDArray[np.float64]
 
@@ -66,11 +66,21 @@ def timing_nuisances(problem: WeakFormProblem) -> tuple[Array, Array]:
     return np.vstack(rows), np.array(limits)
 
 
-def projection(problem: WeakFormProblem, plan: Plan, *, timing: bool) -> tuple[Projection, Nonlinear]:
-    """Return the least-squares problem of a drive, and where its nonlinear parameters are sought."""
+def projection(
+    problem: WeakFormProblem, plan: Plan, *, timing: bool, chosen: NDArray[np.int64] | None = None
+) -> tuple[Projection, Nonlinear]:
+    """Return the least-squares problem of a drive, and where its nonlinear parameters are sought.
+
+    Args:
+        problem: drive and rows.
+        plan: where it begins, and what is held.
+        timing: see :func:`equations`.
+        chosen: which of the rows; all if not given.
+    """
     linear = [p for p in problem.drive.parameters if p.linear]
     pushing = problem.recording.torque - problem.recording.load_torque
     constraints, limits = linear_constraints(linear, problem.delay, float(np.max(np.abs(pushing))))
     held = {i: plan.held[p.key] for i, p in enumerate(linear) if p.key in plan.held}
     search = nonlinear_search(problem.drive, problem.recording, plan)
-    return Projection(equations(problem, timing=timing), constraints, limits, held), search
+    rows = equations(problem, timing=timing)
+    return Projection(rows if chosen is None else rows.some(chosen), constraints, limits, held), search

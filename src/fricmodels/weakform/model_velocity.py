@@ -15,13 +15,14 @@ from numpy.typing import NDArray
 from fricmodels.recording import Recording
 from fricmodels.signals import velocity_noise
 from fricmodels.signals.lanczos import even_weights
+from fricmodels.weakform.cases import as_held
 from fricmodels.weakform.equations import projection
 from fricmodels.weakform.feedback import feedback
 from fricmodels.weakform.hidden import drowned, sign_is_hidden
 from fricmodels.weakform.nonlinear import Plan
 from fricmodels.weakform.predicted_velocity import ModelVelocity, both_ways, model_velocity, risk, sought
 from fricmodels.weakform.row_noise import FEWEST_WHERE_ALL_COUNT, NOISE_SHARE_WHERE_ALL_COUNT, bump_width
-from fricmodels.weakform.solve import STRONG, Solved, as_held, solve
+from fricmodels.weakform.solve import STRONG, Solved, solve
 from fricmodels.weakform.tangent import tangents
 
 Array = NDArray[np.float64]

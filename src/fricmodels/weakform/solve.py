@@ -14,13 +14,13 @@ from numpy.typing import NDArray
 from fricmodels.weakform.equations import projection
 from fricmodels.weakform.inference import at_least, covariance
 from fricmodels.weakform.least_squares import NormalEquations
-from fricmodels.weakform.nonlinear import Plan
+from fricmodels.weakform.nonlinear import Nonlinear, Plan
 from fricmodels.weakform.optimise import ROUNDS, coordinate_search, multistart_nelder_mead
 from fricmodels.weakform.problem import WeakFormProblem
 from fricmodels.weakform.regression import cosine_terms
 from fricmodels.weakform.search import in_gap
 from fricmodels.weakform.staircase import scatter_of_steps
-from fricmodels.weakform.variable_projection import Nonlinear, Projection, Solution
+from fricmodels.weakform.variable_projection import Projection, Solution
 
 Array = NDArray[np.float64]
 
@@ -32,14 +32,15 @@ _FEWER_ROUNDS = 5
 """Rounds of a search for what is nearly known: its last step is as short as that of the others."""
 
 
+_NEARLY_ALL, _THINNED, _MUCH_MORE = 0.9, 4, 2.0
+"""Share of the rows that two sets have in common, to tell which start leaves least of either; which of them do it, for
+neighbours say nearly the same; and how many times as much the next best start must leave."""
 STRONG = 3.0
 """Logarithm of 20 to 1: strong evidence on the scale of Kass and Raftery (1995)."""
 WITHIN = 0.999
 """Share of a sample up to which a shift is within its bound."""
 _NO_FRICTION = 1e-9
 """A Coulomb torque of less than this share of the largest torque is none."""
-_UNLIKELY = 1e-4
-"""A choice of nuisances that is less probable than this is not reckoned with."""
 _TRUE_TO, _HELD_TO = 0.025, 0.005
 """A twentieth and a hundredth of a sample, in units of two samples: how true instants are if there is no shift, and if
 the torque is held. By another twentieth the inertia torque, ten times the viscous one, would change K_v by a tenth."""
@@ -298,55 +299,24 @@ def solve(problem: WeakFormProblem, plan: Plan, *, timing: bool = True) -> Solve
 
 
 def begins_where(problem: WeakFormProblem, plan: Plan, found: Solved) -> bool:
-    """Whether a fit to the rows of a problem would begin from the same nonlinear parameters as an earlier one."""
+    """Whether a fit to the rows of a problem would begin from the same nonlinear parameters as an earlier one.
+
+    Where the earlier rows are nearly all the same, and leave much more of the motor torque with any other start, those
+    that both have tell it: at each start they are known.
+    """
     start = found.solution.start
     if start is None:
         return False
+    along = found.problem.smooth is problem.smooth
+    both = found.problem.bumps.in_common(problem.bumps) if along else np.zeros(0, dtype=np.int64)
+    if len(both) > _NEARLY_ALL * max(problem.rows, found.problem.rows):
+        least_squares, search = projection(found.problem, plan, timing=found.timing, chosen=both[::_THINNED])
+        points = search.points()
+        best, more = least_squares.ranked(points) if len(points) > 1 else (0, math.inf)
+        if more > _MUCH_MORE:
+            return bool(np.array_equal(points[best], start))
     least_squares, search = projection(problem, plan, timing=found.timing)
     return bool(np.array_equal(least_squares.best_start(search), start))
-
-
-def with_or_without_shift(found: Solved, plan: Plan) -> Solved:
-    """Fit without a shift in time, with that of a held torque, and with any small one; return the one to be taken.
-
-    A torque goes on between samples or is held, as controllers do; both are equally probable before anything is known,
-    and standard errors are over all cases, each as probable as it is. What is taken for the estimate has to have strong
-    evidence if it is a shift, that of a held torque too: chance would shift every second recording that says nothing.
-    Where the rows are at a velocity that the fit predicts, that velocity has already told whether the torque is held.
-    """
-    shifted = found.with_shift if plan == found.again else found.once_more(plan, timing=True)
-    odds = [0.0, shifted.log_odds_of_a_shift()]
-    if _may_be_held(shifted):
-        odds.append(shifted.log_odds_of_held())
-    fixed = 2 if len(odds) > 2 and found.feedback is None and odds[2] > STRONG else 0
-    chosen = 1 if odds[1] - odds[fixed] > STRONG else fixed
-    weights = np.exp(np.array(odds) - max(odds))
-    weights /= weights.sum()
-
-    def fit(case: int) -> Solved:
-        if case == 1:
-            return shifted
-        if case == 0:
-            return found.once_more(plan, timing=False)
-        return solve(found.problem.at(held=True), plan, timing=False)
-
-    reckoned = [case for case, w in enumerate(weights.tolist()) if w > _UNLIKELY and case != chosen]
-    others = [(fit(case).changed(feedback=found.feedback), float(weights[case])) for case in reckoned]
-    return fit(chosen).changed(feedback=found.feedback, others=tuple(others))
-
-
-def as_held(found: Solved) -> Solved | None:
-    """Return the fit with a held torque, if there is strong evidence for that and against any other shift."""
-    if not _may_be_held(found) or found.log_odds_of_held(reversals=False) <= STRONG:
-        return None
-    if found.log_odds_of_a_shift(reversals=False, than=0.5) > STRONG:
-        return None
-    return solve(found.problem.at(held=True), found.plan)
-
-
-def _may_be_held(found: Solved) -> bool:
-    """Whether a held torque is a case of its own: not yet known, and not one of a delay that the model has."""
-    return not found.problem.held and "motor_torque_rate" not in found.problem.drive.model.needs
 
 
 def _is_instant(problem: WeakFormProblem, key: str) -> bool:

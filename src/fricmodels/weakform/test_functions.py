@@ -109,6 +109,19 @@ class TestFunctions:
         """Whether they were made for a width and samples of no use."""
         return self._asked == width and np.array_equal(self._resting, resting)
 
+    def in_common(self, other: TestFunctions) -> Index:
+        """Return which of the bumps another set along the same recording has, too; none where carriers go with them."""
+        if (
+            self.each > 1
+            or other.each > 1
+            or self.width != other.width
+            or not np.array_equal(self._first, other._first)
+        ):
+            return np.zeros(0, dtype=np.int64)
+        there = np.zeros(int(self._bumps.sum()), dtype=bool)
+        there[other._kept] = True
+        return np.flatnonzero(there[self._kept])
+
     each = 1
     """Rows of each bump."""
 
