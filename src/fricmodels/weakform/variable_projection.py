@@ -238,11 +238,11 @@ class Projection:
         gram, scale = at.normal.gram, scale[moving]
         inner = NormalEquations.of(np.ascontiguousarray(gram[free[:, None], free]), np.zeros(len(free))).inverse
         matrix, gradient = np.empty((len(last), len(last))), np.empty(len(last))
-        reduced(gram, at.normal.right, inner, free, last, scale, matrix, gradient)
-        matrix += damping * np.diag(np.maximum(np.diag(matrix), 1e-300))
+        reduced(gram, at.normal.right, inner, free, last, scale, damping, matrix, gradient)
         step = np.zeros(len(moving))
         # Directions that hardly change the residual count too: left out as rounding, they would never be found.
-        step[moving] = np.linalg.lstsq(matrix, gradient, rcond=1e-14)[0]
+        alone = len(last) == 1
+        step[moving] = gradient / matrix[0] if alone else np.linalg.lstsq(matrix, gradient, rcond=1e-14)[0]
         return step, float(gradient @ step[moving])
 
     def cost(self, alpha: Array) -> float:
