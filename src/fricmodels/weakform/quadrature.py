@@ -94,6 +94,15 @@ class Quadrature:
         before, after, cubic = before * half_step, after * half_step, _cubic(recording)
         return cls(at, cell, before, after, half_step, half, jumps, jump or 0.0, cubic)
 
+    def at_velocity(self, velocity: Array, acceleration: Array) -> Quadrature:
+        """Return it with another velocity and acceleration at the samples, shape (N,); cells are cut where they were."""
+        beside = np.concatenate([acceleration[self.cell], acceleration[self.cell + 1]])
+        points = self.recording.with_channels(
+            velocity=np.concatenate([velocity, self.recording.velocity[len(velocity) :]]),
+            acceleration=np.concatenate([acceleration, beside]),
+        )
+        return replace(self, recording=points)
+
     def change_while_moving(self, values: Array) -> Array:
         """Return by how much a channel, shape (N,), changes in each cell while the drive moves, shape (N,)."""
         change = np.zeros(len(values))
