@@ -95,7 +95,7 @@ class Quadrature:
         return cls(at, cell, before, after, half_step, half, jumps, jump or 0.0, cubic)
 
     def at_velocity(self, velocity: Array, acceleration: Array) -> Quadrature:
-        """Return it with another velocity and acceleration at the samples, shape (N,); cells are cut where they were."""
+        """Return it with another velocity and acceleration at the samples, shape (N,); cells stay cut as they are."""
         beside = np.concatenate([acceleration[self.cell], acceleration[self.cell + 1]])
         points = self.recording.with_channels(
             velocity=np.concatenate([velocity, self.recording.velocity[len(velocity) :]]),
