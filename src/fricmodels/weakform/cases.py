@@ -41,8 +41,13 @@ def with_or_without_shift(found: Solved, plan: Plan) -> Solved:
 
 
 def as_held(found: Solved) -> Solved | None:
-    """Return the fit with a held torque, if there is strong evidence for that and against any other shift."""
-    if not _may_be_held(found) or found.log_odds_of_held(reversals=False) <= STRONG:
+    """Return the fit with a held torque, if there is strong evidence for that and against any other shift.
+
+    There is none for a shift that is nearer to none than to half a sample: with the least variances that instants may
+    have the odds are ln 5 at most.
+    """
+    nearer_to_none = found.shift < 0.25 * found.problem.recording.interval
+    if nearer_to_none or not _may_be_held(found) or found.log_odds_of_held(reversals=False) <= STRONG:
         return None
     if found.log_odds_of_a_shift(reversals=False, than=0.5) > STRONG:
         return None

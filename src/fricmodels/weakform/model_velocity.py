@@ -76,7 +76,9 @@ def at_model_velocity(found: Solved, *, widen: bool = True) -> Solved:
         if velocity and (predicted is None or velocity.prediction_error < predicted.prediction_error):
             best, predicted = solve(other.problem, found.plan, timing=False), velocity
     # Simulated with the torque at another time the velocity would be another, and what it is now hides the shift.
-    if max(found.log_odds_of_a_shift(reversals=False), best.with_shift.log_odds_of_a_shift()) > STRONG:
+    if found.could_be_shifted and found.log_odds_of_a_shift(reversals=False) > STRONG:
+        return at_smooth
+    if best.with_shift.log_odds_of_a_shift() > STRONG:
         return at_smooth
     more = _left_by(best.values, found) / found.solution.cost - 1.0
     if more > _CONTRADICTED - 1.0 or (found is not at_smooth and _is_contradicted(more, found)):

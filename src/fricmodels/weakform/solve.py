@@ -74,7 +74,7 @@ class Solved:
     def changed(self, **changes: Any) -> Solved:
         """Return a copy with other attributes than the rows, the plan or the solution; what these show is kept."""
         copy = replace(self, **changes)
-        for name in ("places", "values", "_spread", "with_shift", "_odds"):
+        for name in ("places", "values", "_spread", "with_shift", "_known_odds"):
             if name in self.__dict__:
                 copy.__dict__[name] = self.__dict__[name]
         return copy
@@ -240,13 +240,13 @@ class Solved:
         Source: R. E. Kass, A. E. Raftery, "Bayes factors", J. Amer. Statist. Assoc. 90 (1995), with Student's t for a
         variance that is estimated.
         """
-        known = self._odds
+        known = self._known_odds
         if (reversals, than) not in known:
             known[reversals, than] = self._log_odds(reversals, than)
         return known[reversals, than]
 
     @cached_property
-    def _odds(self) -> dict[tuple[bool, float], float]:
+    def _known_odds(self) -> dict[tuple[bool, float], float]:
         return {}
 
     def _log_odds(self, reversals: bool, than: float) -> float:
@@ -270,8 +270,27 @@ class Solved:
         along = axes.T @ estimate[seen]
         known = 2 * math.pi * total < 1.0  # what is known worse than all that is possible says nothing
         freedom = cosine_terms(self.problem.independent, self.problem.rows)
-        odds = 0.5 * (freedom + 1) * np.log1p(along**2 / (freedom * total)) + 0.5 * np.log(2 * math.pi * total)
-        return float(np.sum(odds[known])) if known.any() else -math.inf
+        return float(np.sum(_odds(along[known], total[known], freedom))) if known.any() else -math.inf
+
+    @property
+    def could_be_shifted(self) -> bool:
+        """Whether there could be strong evidence for a shift of the torque against the motion, were only that known.
+
+        The odds are greatest where the shift has no variance, or as much as leaves it known at all: no covariance is
+        needed to say that there is none.
+        """
+        nuisances = self._nuisances
+        if not len(nuisances) or "motor_torque_rate" in self.problem.drive.model.needs:
+            return False
+        size = float(self.solution.theta[nuisances[-1]]) / (2 * self.problem.recording.interval)
+        freedom = cosine_terms(self.problem.independent, self.problem.rows)
+        return bool(np.any(_odds(size, np.array([_TRUE_TO**2, 1.0 / (2 * math.pi)]), freedom) > STRONG))
+
+
+def _odds(estimate: Array | float, variance: Array, freedom: int) -> Array:
+    """Return the logarithm of how much more probable a shift is than none; see :meth:`Solved.log_odds_of_a_shift`."""
+    squares = np.log1p(np.square(estimate) / (freedom * variance))
+    return np.asarray(0.5 * (freedom + 1) * squares + 0.5 * np.log(2 * math.pi * variance))
 
 
 def _with_feedback(covariance: Array, feedback: Array | None) -> Array:
