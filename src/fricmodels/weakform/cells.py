@@ -10,7 +10,7 @@ from numba import njit
 
 @njit(cache=True, nogil=True)
 def along_cubics(rows: Any, half: Any, cell: Any, before: Any, after: Any, bending: Any, values: Any) -> None:
-    """Write the integral of each row over each cell; see :meth:`.quadrature.Quadrature.along_cubics`.
+    """Write the integral of each row over each cell; see :meth:`.quadrature.Quadrature.sums_along_cubics`.
 
     Args:
         rows: at the samples and at the instants of stopping and of starting, shape (k, N + 2 c).
@@ -116,3 +116,29 @@ def weighted_sums(rows: Any, first: Any, counts: Any, parts: Any, kept: Any, sum
             done += n
         for m in range(len(kept)):
             sums[i, m] = line[kept[m]]
+
+
+@njit(cache=True, nogil=True)
+def sums_along_cubics(
+    rows: Any,
+    half: Any,
+    cell: Any,
+    before: Any,
+    after: Any,
+    bending: Any,
+    first: Any,
+    counts: Any,
+    parts: Any,
+    kept: Any,
+    sums: Any,
+) -> None:
+    """Write the sums under bumps of the integral of each row over each cell, one row after the other.
+
+    Args:
+        rows, half, cell, before, after, bending: as of :func:`along_cubics`.
+        first, counts, parts, kept, sums: as of :func:`weighted_sums`.
+    """
+    values = np.empty((1, len(half) + 1))
+    for i in range(len(rows)):
+        along_cubics(rows[i : i + 1], half, cell, before, after, bending, values)
+        weighted_sums(values, first, counts, parts, kept, sums[i : i + 1])

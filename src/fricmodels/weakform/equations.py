@@ -5,6 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from fricmodels.recording import Recording
+from fricmodels.signals.rest import once
 from fricmodels.weakform.nonlinear import Nonlinear, Plan, linear_constraints, nonlinear_search
 from fricmodels.weakform.problem import WeakFormProblem
 from fricmodels.weakform.separable import SeparableTerm, separable
@@ -78,9 +80,14 @@ def projection(
         chosen: which of the rows; all if not given.
     """
     linear = [p for p in problem.drive.parameters if p.linear]
-    pushing = problem.recording.torque - problem.recording.load_torque
-    constraints, limits = linear_constraints(linear, problem.delay, float(np.max(np.abs(pushing))))
+    constraints, limits = linear_constraints(linear, problem.delay, _largest_push(problem.recording))
     held = {i: plan.held[p.key] for i, p in enumerate(linear) if p.key in plan.held}
     search = nonlinear_search(problem.drive, problem.recording, plan)
     rows = equations(problem, timing=timing)
     return Projection(rows if chosen is None else rows.some(chosen), constraints, limits, held), search
+
+
+@once
+def _largest_push(recording: Recording) -> float:
+    """Return the largest torque that drives [N m or N]."""
+    return float(np.max(np.abs(recording.torque - recording.load_torque)))

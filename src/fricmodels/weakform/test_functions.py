@@ -154,12 +154,12 @@ class TestFunctions:
 
     def torques(self, quadrature: Quadrature, rows: Array) -> Array:
         """Return ∫φ f dt of rows, shape (k, N + two for each split cell) → (k, number of test functions)."""
+        if not self.over_cells:
+            return quadrature.sums_along_cubics(rows, *self._places(self._cell))
         if len(rows) > _TOGETHER:
             some = [rows[start : start + _TOGETHER] for start in range(0, len(rows), _TOGETHER)]
             return np.concatenate([self.torques(quadrature, each) for each in some])
-        if self.over_cells:
-            return self._apply(quadrature.under_hats(rows), self.changes)
-        return self.of_cells(quadrature.along_cubics(rows))
+        return self._apply(quadrature.under_hats(rows), self.changes)
 
     def driving(self, quadrature: Quadrature, torque: Array) -> Array:
         """Return ∫φ f dt of what a drive is driven by, shape (N + two for each split cell,) → (test functions,)."""
@@ -195,10 +195,14 @@ class TestFunctions:
         """
         return self._apply(steps, self.changes)
 
+    def _places(self, kernel: Array) -> tuple[Index, Index, Array, Index]:
+        """Return where bumps begin, how many there are in each stretch, their parts, and which are wanted."""
+        return self._first, self._bumps, kernel.reshape(HOPS, self.hop), self._kept
+
     def _apply(self, rows: Array, kernel: Array) -> Array:
         from fricmodels.weakform.cells import weighted_sums
 
         sums = np.empty((len(rows), len(self._kept)))
         rows = np.ascontiguousarray(rows, dtype=float)
-        weighted_sums(rows, self._first, self._bumps, kernel.reshape(HOPS, self.hop), self._kept, sums)
+        weighted_sums(rows, *self._places(kernel), sums)
         return sums

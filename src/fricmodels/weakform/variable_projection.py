@@ -344,7 +344,9 @@ class Projection:
             factor = 1.0 if row == len(split.linear) else theta[self._first + row]
             own[j] += factor * values
         whole = float(target @ target)
-        for j in np.flatnonzero(np.einsum("ij,ij->i", own, own) * alpha**2 <= _NOTHING * whole).tolist():
+        for j in range(len(alpha)):
+            if not own[j] @ own[j] * alpha[j] ** 2 <= _NOTHING * whole:
+                continue
             pairs = [(self._first + row, v) for (row, i), v in zip(split.slopes, slopes, strict=True) if i == j]
             share = [v @ v / products[k, k] for k, v in pairs if k < self._nuisances and products[k, k] > 0.0]
             if own[j] @ own[j] <= _NOTHING**2 * whole * max(share, default=0.0):
