@@ -138,8 +138,8 @@ def nonlinear_search(drive: Drive, recording: Recording, plan: Plan = Plan()) ->
     for p in chosen:
         within = travelled(recording, p.declared)
         first = plan.held.get(p.key, plan.start.get(p.key))
-        scan = tuple(scan_values(recording, p.declared))
-        starts.append((first,) if first is not None else scan or (p.declared.initial,))
+        scan = (first,) if first is not None else tuple(scan_values(recording, p.declared))
+        starts.append(scan or (p.declared.initial,))
         ratio = not (p.declared.periodic or p.declared.place) and p.declared.lower >= 0.0 and min(starts[-1]) > 0.0
         logarithmic.append(ratio)
         span = natural_size(recording, p.dimension**-1) if p.declared.periodic else 0.0
