@@ -62,8 +62,8 @@ def at_model_velocity(found: Solved, *, widen: bool = True) -> Solved:
     at_smooth = found
     found, (begin, first) = _with_its_torque(found)
     best, predicted, settled = _rounds(begin, begin.parameters, first, widen=widen)
-    lost = not settled or len(best.solution.normal.null.T) > 0 or _risk_of(predicted, recording) > smooth
-    if lost and sign_is_hidden(recording):
+    certain = settled and not len(best.solution.normal.null.T)
+    if sign_is_hidden(recording) and not (certain and _risk_of(predicted, recording) <= smooth):
         # Whether the drive turns at all, and for how long, says more of its Coulomb friction than its speed does.
         everywhere = _everywhere(found)
         shares = drowned(problem.drive, recording, everywhere.parameters)

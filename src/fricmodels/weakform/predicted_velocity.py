@@ -171,6 +171,8 @@ def _level_of_leastrisk(series: Array, noise: Noise) -> tuple[Array, float, floa
 
 def both_ways(series: Array, gain: float) -> Array:
     """Return the exponential average of a series forth and back."""
+    if gain == 1.0:
+        return series
     return _average(_average(series, gain)[::-1], gain)[::-1]
 
 

@@ -140,9 +140,8 @@ def bump_width(
         share: of the RMS torque.
         estimated: whether the inertia is estimated from the same rows.
     """
-    torque = float(np.sqrt(np.mean(recording.torque**2)))
+    torque, shortest = _torque_and_shortest(recording)
     wanted = share * torque * recording.interval
-    shortest = min(int(np.count_nonzero(recording.run == number)) for number in recording.run_numbers)
     narrowest = max(_NARROWEST, -(-_DERIVED * recording.derived_over // HOPS) * HOPS)
     widest = max(narrowest, min(WIDEST, shortest // fewest // HOPS * HOPS))
     most = max(widest, min(WIDEST, shortest // _FEWEST_FOR_INERTIA // HOPS * HOPS)) if estimated else widest
@@ -152,6 +151,13 @@ def bump_width(
         if quiet and not (estimated and squares > _OF_MOMENTUM * momentum):
             return width
     return most
+
+
+@once
+def _torque_and_shortest(recording: Recording) -> tuple[float, int]:
+    """Return the RMS torque, and the samples of the shortest run."""
+    shortest = min(int(np.count_nonzero(recording.run == number)) for number in recording.run_numbers)
+    return float(np.sqrt(np.mean(recording.torque**2))), shortest
 
 
 def _momentum(recording: Recording, width: int) -> tuple[int, float, float]:
