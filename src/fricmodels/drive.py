@@ -93,7 +93,7 @@ class Drive:
         """The model's parameters, without the inertia."""
         return self.parameters if self.inertia is not None else self.parameters[1:]
 
-    @property
+    @cached_property
     def keys(self) -> tuple[str, ...]:
         """Keys of the estimated parameters, in order."""
         return tuple(p.key for p in self.parameters)

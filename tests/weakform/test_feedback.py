@@ -98,7 +98,7 @@ def test_small_matrices() -> None:
     inner = np.linalg.inv(gram[np.ix_(free, free)])
     cross = gram[np.ix_(free, last)] * scale
     matrix, gradient = np.empty((2, 2)), np.empty(2)
-    reduced(gram, right, inner, free, last, scale, matrix, gradient)
+    reduced(gram, right, inner, free, last, scale, 0.0, matrix, gradient)
     wanted = gram[np.ix_(last, last)] * np.outer(scale, scale) - cross.T @ inner @ cross
     np.testing.assert_allclose(matrix, wanted, rtol=1e-6)
     np.testing.assert_allclose(gradient, right[last] * scale - cross.T @ inner @ right[free], rtol=1e-6)

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from fricmodels.diagnosis import diagnose
 from fricmodels.dimension import Motion
 from fricmodels.recording import Recording
+from fricmodels.weakform.cells import along_cubics
 from fricmodels.weakform.jumps import jumps_at_reversals
 from fricmodels.weakform.quadrature import Quadrature
 
@@ -77,7 +78,10 @@ def test_the_integral_over_a_reversal_is_exact() -> None:
     for jumps in (True, False):
         velocity = motion(recording.time)[0]
         found = Quadrature.of(recording, velocity, np.zeros(len(recording), dtype=bool), None if jumps else 0.0)
-        impulses = found.along_cubics(found.recording.torque[None])[0][found.cell]
+        each = np.empty((1, len(recording)))
+        parts = found.half, found.cell, found.before, found.after, found.bending
+        along_cubics(found.recording.torque[None], *parts, each)
+        impulses = each[0][found.cell]
         fine = recording.time[found.cell][:, None] + (np.arange(_FINE) + 0.5) / _FINE / RATE
         speed, slope = motion(fine)
         exact = (INERTIA * slope + VISCOUS * speed + COULOMB * np.sign(speed)).mean(axis=1) / RATE

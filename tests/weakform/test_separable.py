@@ -99,3 +99,26 @@ def test_only_the_term_of_a_parameter_moves() -> None:
     for term in split.terms[1:]:
         assert {j for _, j in term.slopes} == set(term.nonlinear)
     assert sorted(j for term in split.terms for j in term.nonlinear) == list(range(len(split.nonlinear)))
+
+
+@pytest.mark.parametrize(
+    ("law", "of"), [("exponential-stick-slip", (2, 4)), ("asymmetric-exponential-stick-slip", (4, 8))]
+)
+def test_of_rows_that_are_alike_one_is_evaluated(law: str, of: tuple[int, int], recording: Recording) -> None:
+    split = separable(Model.parse(law))
+    (term,) = split.terms
+    alpha = np.linspace(0.4, 0.7, len(split.nonlinear))
+    distinct = term.distinct_rows(recording, alpha, lambda *_: (), slopes=True)
+    found = term.moving_rows(recording, alpha, lambda *_: (), slopes=True)
+    assert (len(distinct), len(found)) == of
+    values = dict(zip(split.moving, found, strict=False))
+    slopes = dict(zip(split.slopes, found[len(split.moving) :], strict=True))
+    speed, forward = np.abs(recording.velocity), recording.velocity >= 0.0
+    sides = [(2, 4, forward), (3, 5, ~forward)] if len(alpha) > 1 else [(1, 2, forward | True)]
+    for j, (coulomb, stick, where) in enumerate(sides):
+        fall = np.exp(-alpha[j] * speed)
+        sign = np.where(where, np.where(forward, 1.0, -1.0), 0.0)
+        np.testing.assert_allclose(values[coulomb], fall * sign, atol=1e-15)
+        np.testing.assert_allclose(values[stick], (1.0 - fall) * sign, atol=1e-15)
+        np.testing.assert_allclose(slopes[coulomb, j], -speed * fall * sign, atol=1e-15)
+        np.testing.assert_allclose(slopes[stick, j], speed * fall * sign, atol=1e-15)

@@ -27,8 +27,8 @@ from fricmodels.recording import Recording
 from fricmodels.signals import resting
 from fricmodels.weakform.inference import covariance
 from fricmodels.weakform.least_squares import NormalEquations
-from fricmodels.weakform.model_velocity import model_velocity
 from fricmodels.weakform.nonlinear import Outcome, linear_constraints
+from fricmodels.weakform.predicted_velocity import model_velocity
 from fricmodels.weakform.ranges import natural_size
 from fricmodels.weakform.stretches import segments
 

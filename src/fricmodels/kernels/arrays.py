@@ -126,6 +126,11 @@ class ArrayFunction:
                     steps.append((_FUNCTIONS[step.operation], operands, (known[step.operation, operands], 0)))
                 where[result] = known[step.operation, operands]
         self._steps = _releasing(_paired(steps))
+        written = [
+            len({row for operation, _, (index, row), _ in self._steps if operation is None and index == i})
+            for i in range(len(self._rows))
+        ]
+        self._whole = [count == rows * columns for count, (rows, columns) in zip(written, self._rows, strict=True)]
 
     def __call__(self, *arguments: ArrayLike) -> list[Array]:
         """Evaluate; see the class.
@@ -137,6 +142,8 @@ class ArrayFunction:
 
     def given(self, *arguments: ArrayLike | None) -> Callable[..., list[Array]]:
         """Evaluate what does not depend on some arguments; return the function of these alone.
+
+        That function takes ``first``, too: how many rows of the first output are wanted, if not all outputs are.
 
         Args:
             arguments: as of a call; ``None`` for each that is given later. What was computed is kept as long as the
@@ -158,13 +165,19 @@ class ArrayFunction:
         for place in set(range(self._arity)) - wanted:
             work[place] = None
         count = max((value.size for value in values if value.ndim), default=1)
-        steps = _releasing(after, frozenset(range(self._places)) - moving)
+        kept = frozenset(range(self._places)) - moving
+        known: dict[int | None, list[_Step]] = {None: _releasing(after, kept)}
 
-        def found(*rest: ArrayLike) -> list[Array]:
+        def found(*rest: ArrayLike, first: int | None = None) -> list[Array]:
+            if first not in known:
+                known[first] = _releasing(_for_rows(after, int(first or 0)), kept)
             now = list(work)
             for place, argument in zip(later, rest, strict=True):
                 now[place] = np.asarray(argument, dtype=float)
-            return self._evaluated(steps, now, max(count, *(now[place].size for place in later), 1))
+            size = max(count, *(now[place].size for place in later), 1)
+            if first is None:
+                return self._evaluated(known[None], now, size)
+            return [self._evaluated(known[first], now, size)[0][:first]]
 
         return found
 
@@ -178,7 +191,10 @@ class ArrayFunction:
         if count is None:
             count = max((value.size for value in values if value.ndim), default=1)
             values = [*values, *self._constants]
-        results = [np.zeros((rows * columns, count)) for rows, columns in self._rows]
+        results = [
+            (np.empty if whole else np.zeros)((rows * columns, count))
+            for whole, (rows, columns) in zip(self._whole, self._rows, strict=True)
+        ]
         blocks = max(1, round(count / _BLOCK))
         missing = [None] * (self._places - len(values))
         for i in range(blocks):
@@ -204,6 +220,20 @@ def _run(steps: Sequence[_Step], work: list[Any], results: list[Array]) -> None:
                 work[place] = operation(*[work[i] for i in operands])
             for i in done:
                 work[i] = None
+
+
+def _for_rows(steps: Sequence[_Plain], count: int) -> list[_Plain]:
+    """Return the steps that the first rows of the first output need."""
+    asked: set[int] = set()
+    found: list[_Plain] = []
+    for operation, operands, (place, row) in reversed(steps):
+        wanted = (
+            place == 0 and row < count if operation is None else not asked.isdisjoint((place, row) if row else (place,))
+        )
+        if wanted:
+            asked.update(operands)
+            found.append((operation, operands, (place, row)))
+    return found[::-1]
 
 
 def _paired(steps: Sequence[_Plain]) -> list[_Plain]:

@@ -64,7 +64,9 @@ def invert(gram: Any, least: float, size: Any, inverse: Any) -> float:
 
 
 @njit(cache=True, nogil=True)
-def reduced(gram: Any, right: Any, inner: Any, free: Any, last: Any, scale: Any, matrix: Any, gradient: Any) -> None:
+def reduced(
+    gram: Any, right: Any, inner: Any, free: Any, last: Any, scale: Any, damping: float, matrix: Any, gradient: Any
+) -> None:
     """Write what is left of the last columns' normal equations when the free ones follow.
 
     Args:
@@ -72,6 +74,7 @@ def reduced(gram: Any, right: Any, inner: Any, free: Any, last: Any, scale: Any,
         inner: inverse of the products of the free columns, shape (f, f).
         free, last: which columns these are.
         scale: by which the last columns are multiplied, shape (m,).
+        damping: share of the diagonal of the matrix that is added to it.
         matrix, gradient: to be written, shapes (m, m) and (m,).
     """
     for a in range(len(last)):
@@ -90,6 +93,7 @@ def reduced(gram: Any, right: Any, inner: Any, free: Any, last: Any, scale: Any,
             for i in range(len(free)):
                 found -= along[i] * gram[free[i], q]
             matrix[a, b] = found * scale[a] * scale[b]
+        matrix[a, a] += damping * max(matrix[a, a], 1e-300)
 
 
 @njit(cache=True, nogil=True)

@@ -10,7 +10,7 @@ from numba import njit
 
 @njit(cache=True, nogil=True)
 def along_cubics(rows: Any, half: Any, cell: Any, before: Any, after: Any, bending: Any, values: Any) -> None:
-    """Write the integral of each row over each cell; see :meth:`.quadrature.Quadrature.along_cubics`.
+    """Write the integral of each row over each cell; see :meth:`.quadrature.Quadrature.sums_along_cubics`.
 
     Args:
         rows: at the samples and at the instants of stopping and of starting, shape (k, N + 2 c).
@@ -20,24 +20,22 @@ def along_cubics(rows: Any, half: Any, cell: Any, before: Any, after: Any, bendi
         values: to be written, shape (k, N).
     """
     count, cells = len(half) + 1, len(cell)
+    earlier, same, later = bending[0], bending[1], bending[2]
     for i in range(len(rows)):
         row, value = rows[i], values[i]
-        for k in range(count - 1):
-            value[k] = (row[k] + row[k + 1]) * half[k]
         value[count - 1] = 0.0
+        for k in range(min(count - 1, 1)):
+            value[k] = (row[k] + row[k + 1]) * half[k]
+        for k in range(1, count - 2):
+            own = same[k - 1] * (row[k + 1] - row[k])
+            bend = later[k - 1] * (row[k + 2] - row[k + 1]) + earlier[k - 1] * (row[k] - row[k - 1]) + own
+            value[k] = (row[k] + row[k + 1]) * half[k] + bend
+        for k in range(max(count - 2, 1), count - 1):
+            value[k] = (row[k] + row[k + 1]) * half[k]
         for j in range(cells):
             k = cell[j]
             stopping, starting = row[count + j], row[count + cells + j]
             value[k] = before[j] * (row[k] + stopping) + after[j] * (starting + row[k + 1])
-        _bend(row, bending, value, count)
-
-
-@njit(cache=True, nogil=True)
-def _bend(row: Any, bending: Any, value: Any, count: int) -> None:
-    """Add what a cubic differs by from the straight line over each cell but the first and last."""
-    for k in range(1, count - 2):
-        own = bending[1, k - 1] * (row[k + 1] - row[k])
-        value[k] += bending[2, k - 1] * (row[k + 2] - row[k + 1]) + bending[0, k - 1] * (row[k] - row[k - 1]) + own
 
 
 @njit(cache=True, nogil=True)
@@ -83,8 +81,8 @@ def under_hats(
 def weighted_sums(rows: Any, first: Any, counts: Any, parts: Any, kept: Any, sums: Any) -> None:
     """Write the sums of each row under a bump that is moved along it, in the same order on every processor.
 
-    A bump is made of as many equal parts as there are hops to it. The samples are put in order of their place in a
-    part: those of all bumps then lie side by side.
+    A bump is made of as many equal parts as there are hops to it. Samples at the same place in a part are put side by
+    side: those of all bumps then are.
 
     Args:
         rows: shape (k, N).
@@ -98,18 +96,17 @@ def weighted_sums(rows: Any, first: Any, counts: Any, parts: Any, kept: Any, sum
     most = 0
     for n in counts:
         most = max(most, n)
-    turned, line = np.empty((hop, most + 7)), np.empty(counts.sum())
+    t, line = np.empty(most + 7), np.empty(counts.sum())
     for i in range(len(rows)):
         row, done = rows[i], 0
         for piece in range(len(first)):
             n, start = counts[piece], first[piece]
-            for m in range(n + 7):
-                for j in range(hop):
-                    turned[j, m] = row[start + m * hop + j]
             found = line[done : done + n]
-            found[:] = 0.0
             for j in range(hop):
-                t = turned[j]
+                for m in range(n + 7):
+                    t[m] = row[start + m * hop + j]
+                if j == 0:
+                    found[:] = 0.0
                 a, b, c, d = parts[0, j], parts[1, j], parts[2, j], parts[3, j]
                 e, f, g, h = parts[4, j], parts[5, j], parts[6, j], parts[7, j]
                 for m in range(n):
@@ -119,3 +116,29 @@ def weighted_sums(rows: Any, first: Any, counts: Any, parts: Any, kept: Any, sum
             done += n
         for m in range(len(kept)):
             sums[i, m] = line[kept[m]]
+
+
+@njit(cache=True, nogil=True)
+def sums_along_cubics(
+    rows: Any,
+    half: Any,
+    cell: Any,
+    before: Any,
+    after: Any,
+    bending: Any,
+    first: Any,
+    counts: Any,
+    parts: Any,
+    kept: Any,
+    sums: Any,
+) -> None:
+    """Write the sums under bumps of the integral of each row over each cell, one row after the other.
+
+    Args:
+        rows, half, cell, before, after, bending: as of :func:`along_cubics`.
+        first, counts, parts, kept, sums: as of :func:`weighted_sums`.
+    """
+    values = np.empty((1, len(half) + 1))
+    for i in range(len(rows)):
+        along_cubics(rows[i : i + 1], half, cell, before, after, bending, values)
+        weighted_sums(values, first, counts, parts, kept, sums[i : i + 1])

@@ -5,10 +5,12 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from fricmodels.weakform.nonlinear import Plan, linear_constraints, nonlinear_search
+from fricmodels.recording import Recording
+from fricmodels.signals.rest import once
+from fricmodels.weakform.nonlinear import Nonlinear, Plan, linear_constraints, nonlinear_search
 from fricmodels.weakform.problem import WeakFormProblem
 from fricmodels.weakform.separable import SeparableTerm, separable
-from fricmodels.weakform.variable_projection import Equations, Nonlinear, Projection
+from fricmodels.weakform.variable_projection import Equations, Projection
 
 Array = NDArray[np.float64]
 
@@ -24,10 +26,14 @@ def equations(problem: WeakFormProblem, *, timing: bool) -> Equations:
     split = separable(problem.drive.model)
     points = problem.points
 
+    def fixed(term: SeparableTerm) -> Array:
+        return problem.integrated((term.model,), lambda: problem.integrals(term.fixed_rows(points)))
+
     def moving(alpha: Array, slopes: bool) -> list[Array]:
         def rows(term: SeparableTerm, own: tuple[float, ...]) -> Array:
             def compute() -> Array:
-                return problem.integrals(term.moving_rows(points, np.array(own), problem.states_of, slopes=slopes))
+                distinct = term.distinct_rows(points, np.array(own), problem.states_of, slopes=slopes)
+                return term.completed(problem.integrals(distinct), lambda: fixed(term), slopes=slopes)
 
             return problem.integrated((term.model, own, slopes), compute)
 
@@ -39,7 +45,7 @@ def equations(problem: WeakFormProblem, *, timing: bool) -> Equations:
         problem.driving,
         problem.target,
         problem.momentum if problem.drive.inertia is None else None,
-        problem.integrated((problem.drive.model,), lambda: problem.integrals(split.fixed_rows(points))),
+        np.concatenate([fixed(term)[: len(term.fixed)] for term in split.terms]),
         moving,
         nuisances,
         limits,
@@ -62,11 +68,26 @@ def timing_nuisances(problem: WeakFormProblem) -> tuple[Array, Array]:
     return np.vstack(rows), np.array(limits)
 
 
-def projection(problem: WeakFormProblem, plan: Plan, *, timing: bool) -> tuple[Projection, Nonlinear]:
-    """Return the least-squares problem of a drive, and where its nonlinear parameters are sought."""
+def projection(
+    problem: WeakFormProblem, plan: Plan, *, timing: bool, chosen: NDArray[np.int64] | None = None
+) -> tuple[Projection, Nonlinear]:
+    """Return the least-squares problem of a drive, and where its nonlinear parameters are sought.
+
+    Args:
+        problem: drive and rows.
+        plan: where it begins, and what is held.
+        timing: see :func:`equations`.
+        chosen: which of the rows; all if not given.
+    """
     linear = [p for p in problem.drive.parameters if p.linear]
-    pushing = problem.recording.torque - problem.recording.load_torque
-    constraints, limits = linear_constraints(linear, problem.delay, float(np.max(np.abs(pushing))))
+    constraints, limits = linear_constraints(linear, problem.delay, _largest_push(problem.recording))
     held = {i: plan.held[p.key] for i, p in enumerate(linear) if p.key in plan.held}
     search = nonlinear_search(problem.drive, problem.recording, plan)
-    return Projection(equations(problem, timing=timing), constraints, limits, held), search
+    rows = equations(problem, timing=timing)
+    return Projection(rows if chosen is None else rows.some(chosen), constraints, limits, held), search
+
+
+@once
+def _largest_push(recording: Recording) -> float:
+    """Return the largest torque that drives [N m or N]."""
+    return float(np.max(np.abs(recording.torque - recording.load_torque)))

@@ -20,15 +20,14 @@ def limits_of_friction(drive: Drive, recording: Recording, parameters: Mapping[s
     """
     peak, grid, few = _speeds(recording)
     states = [np.full(len(grid), state.initial) for state in drive.model.states]
-    most = max(
-        float(np.max(np.abs(drive.friction(few, parameters, velocity=side * grid, states=states)))) for side in (1, -1)
-    )
+    most = float(np.max(np.abs(drive.friction(few, parameters, velocity=grid, states=states))))
     return most / (peak or 1.0), most
 
 
 @once
 def _speeds(recording: Recording) -> tuple[float, Array, Recording]:
-    """Return the largest speed, a grid up to it, and the first sample so many times."""
+    """Return the largest speed, velocities up to it either way, and the first sample so many times."""
     peak = recording.peak_speed
     grid = np.concatenate([[1e-9], np.geomspace(1e-4, 1.0, 40)]) * (peak or 1.0)
+    grid = np.concatenate([grid, -grid])
     return peak, grid, recording.select(np.zeros(len(grid), dtype=np.int64))

@@ -9,8 +9,10 @@ import numpy as np
 from fricmodels.drive import Drive
 from fricmodels.recording import Recording
 from fricmodels.signals import smoothed_velocity, velocity_noise
+from fricmodels.signals.rest import once
 
 
+@once
 def sign_is_hidden(recording: Recording) -> bool:
     r"""Return whether noise exceeds a tenth of what the velocity changes in a sampling interval (root mean square).
 

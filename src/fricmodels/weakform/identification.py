@@ -10,10 +10,11 @@ from numpy.typing import NDArray
 
 from fricmodels.drive import Drive, DriveParameter
 from fricmodels.recording import Recording
+from fricmodels.weakform.cases import with_or_without_shift
 from fricmodels.weakform.hidden import drowned, lost_in_noise, sign_is_hidden
 from fricmodels.weakform.nonlinear import nonlinear_search
 from fricmodels.weakform.separable import separable
-from fricmodels.weakform.solve import Solved, with_or_without_shift
+from fricmodels.weakform.solve import Solved
 
 Array = NDArray[np.float64]
 

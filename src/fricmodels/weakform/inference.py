@@ -96,7 +96,7 @@ def covariance(jacobian: Array, residual: Array, inverse: Array, independent: fl
     """
     from scipy.special import stdtrit
 
-    meat, terms = long_run_covariance(jacobian * residual[:, None], independent)
+    meat, terms = long_run_covariance((jacobian.T * residual).T, independent)
     widen = float(stdtrit(terms, 0.975)) / 1.959963984540054
     by_cosines = widen**2 * inverse @ meat @ inverse
     by_blocks = jackknife_covariance(jacobian, residual, inverse, independent)

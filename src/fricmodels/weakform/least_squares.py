@@ -42,12 +42,12 @@ class NormalEquations:
         """Scale, and invert. Columns that are not finite, as of a state that runs away, determine nothing."""
         from fricmodels.kernels.small import invert
 
-        if not math.isfinite(float(gram.sum())) and not np.isfinite(gram).all():
-            gram = np.zeros_like(gram)
-            right = np.zeros_like(right)
         size, inverse = np.empty(len(gram)), np.empty(gram.shape)
-        certain = invert(gram, _NOTHING, size, inverse) > _CERTAIN
-        return cls(size, gram, right, inverse if certain else None)
+        if invert(gram, _NOTHING, size, inverse) > _CERTAIN:  # which no products are that are not finite
+            return cls(size, gram, right, inverse)
+        if not np.isfinite(gram).all():
+            gram, right, size = np.zeros_like(gram), np.zeros_like(right), np.ones(len(gram))
+        return cls(size, gram, right, None)
 
     @cached_property
     def _eigen(self) -> tuple[Array, Array]:
@@ -111,7 +111,7 @@ class NormalEquations:
         """Return the least-squares solution subject to ``constraints @ x ≥ limits``."""
         free = self.solved
         slack = constraints @ free - limits
-        if np.all(slack >= -1e-12 * np.abs(constraints) @ np.abs(free)):
+        if np.all(slack >= 0.0) or np.all(slack >= -1e-12 * np.abs(constraints) @ np.abs(free)):
             return np.asarray(free)
         root = np.sqrt(np.maximum(self.values, RANK_TOLERANCE))
         back = self.vectors / root / self.size[:, None]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
@@ -13,9 +14,13 @@ from fricmodels.drive import Drive, DriveParameter
 from fricmodels.errors import InputError, suggestion
 from fricmodels.recording import Recording
 from fricmodels.weakform.ranges import natural_size, scan_values, within_motion
-from fricmodels.weakform.variable_projection import LARGEST_RATIO, Nonlinear
 
 Array = NDArray[np.float64]
+
+MAX_STARTS = 320
+"""Most combinations of starting values that are tried."""
+LARGEST_RATIO = 1.5
+"""Largest step of a parameter on a logarithmic scale: a factor of e^1.5."""
 
 
 @dataclass(frozen=True)
@@ -73,6 +78,45 @@ def linear_constraints(
 
 
 @dataclass(frozen=True)
+class Nonlinear:
+    """How the nonlinear parameters are searched.
+
+    Attributes:
+        starts: starting values of each.
+        lower, upper: bounds.
+        logarithmic: which are searched on a logarithmic scale.
+        reach: largest step of each, of the logarithm where the scale is logarithmic.
+        held: which stay at their start.
+    """
+
+    starts: Sequence[tuple[float, ...]]
+    lower: Array
+    upper: Array
+    logarithmic: NDArray[np.bool_]
+    reach: Array
+    held: NDArray[np.bool_]
+
+    def clip(self, alpha: Array) -> Array:
+        """Return the nearest values within the bounds."""
+        return np.clip(alpha, self.lower, self.upper)
+
+    def points(self) -> list[Array]:
+        """Return the starting points within the bounds."""
+        return [self.clip(point) for point in self.combinations()]
+
+    def combinations(self) -> list[Array]:
+        """Return the starting points: all combinations while they are few, else one parameter varied at a time."""
+        total = np.prod([len(values) for values in self.starts])
+        if total <= MAX_STARTS:
+            return [np.array(values) for values in itertools.product(*self.starts)]
+        middle = [values[len(values) // 2] for values in self.starts]
+        points = [np.array(middle)]
+        for i, values in enumerate(self.starts):
+            points += [np.array([*middle[:i], value, *middle[i + 1 :]]) for value in values]
+        return points
+
+
+@dataclass(frozen=True)
 class Plan:
     """What is laid down before a fit.
 
@@ -94,8 +138,8 @@ def nonlinear_search(drive: Drive, recording: Recording, plan: Plan = Plan()) ->
     for p in chosen:
         within = within_motion(recording, p.declared)
         first = plan.held.get(p.key, plan.start.get(p.key))
-        scan = tuple(scan_values(recording, p.declared))
-        starts.append((first,) if first is not None else scan or (p.declared.initial,))
+        scan = (first,) if first is not None else tuple(scan_values(recording, p.declared))
+        starts.append(scan or (p.declared.initial,))
         ratio = not (p.declared.periodic or p.declared.place) and p.declared.lower >= 0.0 and min(starts[-1]) > 0.0
         logarithmic.append(ratio)
         span = natural_size(recording, p.dimension**-1) if p.declared.periodic else 0.0

@@ -22,15 +22,14 @@ from fricmodels.memory import Memory
 from fricmodels.model import Model
 from fricmodels.parameter import Parameter
 from fricmodels.recording import Recording
-from fricmodels.signals import lanczos_derivative
 from fricmodels.term import Effect
 from fricmodels.weakform.carriers import CarrierFunctions
 from fricmodels.weakform.explained import explained_torque
 from fricmodels.weakform.friction_limits import limits_of_friction
 from fricmodels.weakform.quadrature import Quadrature
 from fricmodels.weakform.regression import Regression
-from fricmodels.weakform.remembered import INTEGRALS, Remembered
-from fricmodels.weakform.row_noise import bump_width, momentum_noise, noise_in_columns, noise_like, torque_noise
+from fricmodels.weakform.remembered import INTEGRALS, Part, Remembered
+from fricmodels.weakform.row_noise import bump_width, momentum_noise, noise_in_columns, noisier, torque_noise
 from fricmodels.weakform.smoothed import smoothed
 from fricmodels.weakform.test_functions import HOPS, TestFunctions, mean_velocity
 from fricmodels.weakform.unclear import creeping, direction_unclear
@@ -141,21 +140,10 @@ class WeakFormProblem:
 
         What a column differs by between the two is what noise makes of it.
         """
-        rng = np.random.default_rng(0)
-        part = self.recording
-        noise = noise_like(part, rng)
-        smooth = self.smooth + lanczos_derivative(part.time, noise, self.half_width, part.run)[0]
-        acceleration = lanczos_derivative(part.time, part.velocity + noise, self.half_width, part.run)[1]
-        changed = part.with_channels(acceleration=acceleration)
-        # The same cells are cut at the same instants, so that only the signals differ.
-        count, cells = len(part), len(self.quadrature.cell)
-        points = self.quadrature.recording
-        velocity = np.concatenate([np.where(smooth * self.smooth > 0, smooth, self.smooth), points.velocity[count:]])
-        at_cells = np.concatenate([acceleration[self.quadrature.cell], acceleration[self.quadrature.cell + 1]])
-        at = points.with_channels(velocity=velocity, acceleration=np.concatenate([acceleration, at_cells[: 2 * cells]]))
-        return replace(
-            self, recording=changed, smooth=velocity[:count], quadrature=replace(self.quadrature, recording=at)
-        )
+        velocity, acceleration = noisier(self.recording, self.smooth, self.half_width)
+        changed = self.recording.with_channels(acceleration=acceleration)
+        at = self.quadrature.at_velocity(velocity, acceleration)
+        return replace(self, recording=changed, smooth=velocity, quadrature=at)
 
     @cached_property
     def including_uncertain_motion(self) -> WeakFormProblem:
@@ -167,6 +155,16 @@ class WeakFormProblem:
         unclear = self.resting | creeping(self.recording, self.bumps.width)
         quadrature, bumps = _rows(self.recording, self.smooth, self.bumps.width, unclear)
         return replace(self, quadrature=quadrature, bumps=bumps).carrying(self.carriers)
+
+    def clear_of(self, samples: Mask) -> WeakFormProblem:
+        """Return the same problem with the rows that none of some samples lies within."""
+        other = replace(self, bumps=self.bumps.clear_of(samples))
+        if self.bumps.each == 1:  # what is known of the rows is known of fewer
+            chosen = self.bumps.in_common(other.bumps)
+            same = (_OF_ROWS - {"integrated"}) & self.__dict__.keys()
+            other.__dict__.update({name: self.__dict__[name][chosen] for name in same})
+            other.__dict__["integrated"] = Part(self.integrated, chosen)
+        return other
 
     def carrying(self, carriers: tuple[float, ...]) -> WeakFormProblem:
         """Return the same problem with rows beside its own that carry waves over position."""

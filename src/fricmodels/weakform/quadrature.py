@@ -94,6 +94,15 @@ class Quadrature:
         before, after, cubic = before * half_step, after * half_step, _cubic(recording)
         return cls(at, cell, before, after, half_step, half, jumps, jump or 0.0, cubic)
 
+    def at_velocity(self, velocity: Array, acceleration: Array) -> Quadrature:
+        """Return it with another velocity and acceleration at the samples, shape (N,); cells stay cut as they are."""
+        beside = np.concatenate([acceleration[self.cell], acceleration[self.cell + 1]])
+        points = self.recording.with_channels(
+            velocity=np.concatenate([velocity, self.recording.velocity[len(velocity) :]]),
+            acceleration=np.concatenate([acceleration, beside]),
+        )
+        return replace(self, recording=points)
+
     def change_while_moving(self, values: Array) -> Array:
         """Return by how much a channel, shape (N,), changes in each cell while the drive moves, shape (N,)."""
         change = np.zeros(len(values))
@@ -116,29 +125,37 @@ class Quadrature:
         values[:, :-1] = self._straight(rows)
         return values
 
-    def along_cubics(self, rows: Array) -> Array:
-        """Return :meth:`impulses`, by cubics where four samples lie in one stretch of motion, shape (k, N)."""
-        from fricmodels.weakform.cells import along_cubics
+    def sums_along_cubics(self, rows: Array, first: Index, counts: Index, parts: Array, kept: Index) -> Array:
+        """Return the sums under bumps of the integral of each row over each cell, shape (k, bumps).
 
-        values = np.empty((len(rows), len(self.half) + 1))
+        By cubics where four samples lie in one stretch of motion.
+
+        Args:
+            rows: evaluated at :attr:`recording`, shape (k, N + two for each split cell).
+            first, counts, parts, kept: the bumps, see :func:`.cells.weighted_sums`.
+        """
+        from fricmodels.weakform.cells import sums_along_cubics
+
+        sums = np.empty((len(rows), len(kept)))
         rows = np.ascontiguousarray(rows, dtype=float)
-        along_cubics(rows, self.half, self.cell, self.before, self.after, self._bending, values)
-        return values
+        cells = self.half, self.cell, self.before, self.after, self.bending
+        sums_along_cubics(rows, *cells, first, counts, parts, kept, sums)
+        return sums
 
     def under_hats(self, rows: Array) -> Array:
         """Return the integral of each row under a hat over the two cells about each sample, shape (k, N).
 
-        By cubics as :meth:`along_cubics`.
+        By cubics as :meth:`sums_along_cubics`.
         """
         from fricmodels.weakform.cells import under_hats
 
         values = np.empty((len(rows), len(self.half) + 1))
         rows = np.ascontiguousarray(rows, dtype=float)
-        under_hats(rows, self.half, self.cell, self.before, self.after, self.half_step, self._bending, values)
+        under_hats(rows, self.half, self.cell, self.before, self.after, self.half_step, self.bending, values)
         return values
 
     def bent_at_reversals(self, torque: Array) -> Array:
-        """Return what the driving torque bends by at reversals, shape (N,), which :meth:`along_cubics` leaves out.
+        """Return what the driving torque bends by at reversals, shape (N,), which :meth:`sums_along_cubics` leaves out.
 
         What a drive is driven by goes on through a reversal, but for the jump that it may have there; friction and all
         that a model is made of may have a bend there. So the cells of a reversal and beside it, where the acceleration
@@ -184,7 +201,7 @@ class Quadrature:
         return rows[:, count : count + cells], rows[:, count + cells :]
 
     @cached_property
-    def _bending(self) -> Array:
+    def bending(self) -> Array:
         """What is added of :attr:`cubic`: nothing where the cell or a neighbour is split, rests or is missing."""
         from fricmodels.weakform.split import where_whole
 

@@ -91,3 +91,29 @@ class Remembered:
         array.flags.writeable = False
         self._room.put(self._own, key, array)
         return array
+
+    def known(self, key: Hashable) -> Array | None:
+        """Return the array of a key, if it is there."""
+        return self._room.get(self._own, key)
+
+
+class Part(Remembered):
+    """Some of the last axis of all arrays; what is known of the whole is not computed anew.
+
+    Args:
+        whole: the arrays.
+        chosen: which of them, by index.
+    """
+
+    def __init__(self, whole: Remembered, chosen: NDArray[np.int64]) -> None:
+        super().__init__(whole._room)
+        self._whole, self._chosen = whole, chosen
+
+    def __call__(self, key: Hashable, compute: Callable[[], Array]) -> Array:
+        """Return the array of a key, which must not be written to."""
+
+        def part() -> Array:
+            whole = self._whole.known(key)
+            return compute() if whole is None else whole[..., self._chosen]
+
+        return super().__call__(key, part)

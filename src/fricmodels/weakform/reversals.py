@@ -9,10 +9,10 @@ sample about one lies in do not have it.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
 
 import numpy as np
 
+from fricmodels.arrays import Index, Mask
 from fricmodels.weakform.solve import Solved, solve
 
 _LEAST = 0.5
@@ -34,17 +34,21 @@ def clear_of_reversals(found: Solved, left: Callable[[Solved], float]) -> Solved
         left: sum of squares that a fit leaves of the whole recording.
     """
     problem = found.problem
-    turning = np.zeros(len(problem.recording))
-    turning[problem.quadrature.cell] = 1.0
     reach = problem.recording.derived_over + problem.half_width
-    near = np.convolve(turning, np.ones(2 * reach + 1), "same") > 0.5
-    bumps = problem.bumps.clear_of(near)
-    if bumps.count == problem.rows or bumps.count < _LEAST * problem.rows:
+    clear = problem.clear_of(_about(problem.quadrature.cell, reach, len(problem.recording)))
+    if clear.rows == problem.rows or clear.rows < _LEAST * problem.rows:
         return found
-    other = solve(replace(problem, bumps=bumps), found.plan, timing=found.timing)
+    other = solve(clear, found.plan, timing=found.timing)
     if len(other.solution.normal.null.T) > len(found.solution.normal.null.T) + 1:  # no reversal is left to be shifted
         return min(found, other, key=left)
     return other if _is_far_more_certain(other, found) or _disagree(found, other) else found
+
+
+def _about(cell: Index, reach: int, count: int) -> Mask:
+    """Mark the samples that are no farther than so many from the first one of some cells, shape (count,)."""
+    begin, end = np.maximum(cell - reach, 0), np.minimum(cell + reach + 1, count)
+    marks = np.bincount(begin, minlength=count + 1) - np.bincount(end, minlength=count + 1)
+    return np.asarray(np.cumsum(marks[:-1]) > 0)
 
 
 def _is_far_more_certain(one: Solved, other: Solved) -> bool:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from fricmodels.recording import Recording
 from fricmodels.score import noise
-from fricmodels.signals import motion_noise, velocity_noise
+from fricmodels.signals import lanczos_derivative, motion_noise, velocity_noise
 from fricmodels.signals.lanczos import lanczos_value
 from fricmodels.signals.rest import once
 from fricmodels.weakform.quadrature import Quadrature
@@ -38,6 +38,21 @@ def noise_like(recording: Recording, rng: np.random.Generator) -> Array:
         return velocity_noise(recording).like(len(recording), rng)
     drawn = motion_noise(recording).like(len(recording), rng)
     return lanczos_value(recording.time, drawn, recording.derived_over, recording.run, order=1)
+
+
+def noisier(recording: Recording, smooth: Array, half_width: int) -> tuple[Array, Array]:
+    """Return a smoothed velocity and its acceleration with as much noise again, shape (N,) each; no sign is another.
+
+    Args:
+        recording: with the velocity as measured.
+        smooth: its smoothed velocity, shape (N,).
+        half_width: of the filter that smoothed it.
+    """
+    noise = noise_like(recording, np.random.default_rng(0))
+    time, run = recording.time, recording.run
+    moved = smooth + lanczos_derivative(time, noise, half_width, run)[0]
+    acceleration = lanczos_derivative(time, recording.velocity + noise, half_width, run)[1]
+    return np.where(moved * smooth > 0, moved, smooth), acceleration
 
 
 def momentum_noise(bumps: TestFunctions, recording: Recording) -> Array:
@@ -128,9 +143,8 @@ def bump_width(
         estimated: whether the inertia is estimated from the same rows.
         narrow: whether it may be half as wide as usual.
     """
-    torque = float(np.sqrt(np.mean(recording.torque**2)))
+    torque, shortest = _torque_and_shortest(recording)
     wanted = share * torque * recording.interval
-    shortest = min(int(np.count_nonzero(recording.run == number)) for number in recording.run_numbers)
     narrowest = max(_NARROWEST // 2 if narrow else _NARROWEST, -(-_DERIVED * recording.derived_over // HOPS) * HOPS)
     widest = max(narrowest, min(WIDEST, shortest // fewest // HOPS * HOPS))
     most = max(widest, min(WIDEST, shortest // _FEWEST_FOR_INERTIA // HOPS * HOPS)) if estimated else widest
@@ -140,6 +154,13 @@ def bump_width(
         if quiet and not (estimated and squares > _OF_MOMENTUM * momentum):
             return width
     return most
+
+
+@once
+def _torque_and_shortest(recording: Recording) -> tuple[float, int]:
+    """Return the RMS torque, and the samples of the shortest run."""
+    shortest = min(int(np.count_nonzero(recording.run == number)) for number in recording.run_numbers)
+    return float(np.sqrt(np.mean(recording.torque**2))), shortest
 
 
 def _momentum(recording: Recording, width: int) -> tuple[int, float, float]:

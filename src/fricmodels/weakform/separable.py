@@ -15,6 +15,7 @@ from fricmodels.kernels import ArrayFunction
 from fricmodels.model import Model
 from fricmodels.recording import Recording
 from fricmodels.signals.rest import once
+from fricmodels.weakform.alike import alike
 
 Array = NDArray[np.float64]
 Memory: TypeAlias = Callable[[Model, Array], Sequence[Array]]
@@ -29,6 +30,8 @@ class SeparableTerm:
         model: the term alone.
         own: indices of the term's nonlinear parameters among its own.
         nonlinear: indices into α of these.
+
+    Of moving rows, and of slopes, that are alike only one is evaluated; see :mod:`.alike`.
     """
 
     model: Model
@@ -37,13 +40,18 @@ class SeparableTerm:
     fixed: tuple[int, ...]
     moving: tuple[int, ...]
     slopes: tuple[tuple[int, int], ...]
+    _alike: tuple[tuple[int, float, int], ...]
+    """Each moving row, then each slope: which distinct one it is, its sign, and which of the rests is added, or −1."""
+    _distinct: int
+    """How many of the moving rows are distinct."""
     _fixed: ArrayFunction
-    _values: ArrayFunction
+    """Fixed rows, then rests."""
     _moving: ArrayFunction
+    """Distinct moving rows, then distinct slopes."""
 
     def fixed_rows(self, recording: Recording) -> Array:
-        """Return the fixed rows at every sample, shape (len(fixed), N)."""
-        return self._evaluate(self._fixed, len(self.fixed), recording, (), [0.0] * len(self.model.states))
+        """Return the fixed rows at every sample, then what moving rows that are alike differ by, shape (rows, N)."""
+        return self._evaluate(self._fixed, recording, (), [0.0] * len(self.model.states))
 
     def moving_rows(self, recording: Recording, alpha: Array, memory: Memory, *, slopes: bool = True) -> Array:
         """Return the moving rows, then the slopes if wanted, at every sample, shape (rows, N).
@@ -53,10 +61,33 @@ class SeparableTerm:
             alpha: the term's nonlinear parameters.
             memory: gives the internal states. The slopes of a term with internal states are by differences, because the
                 states change with the parameters too.
+            slopes: whether they are wanted.
         """
+        distinct = self.distinct_rows(recording, alpha, memory, slopes=slopes)
+        return self.completed(distinct, lambda: self.fixed_rows(recording), slopes=slopes)
+
+    def completed(self, distinct: Array, fixed: Callable[[], Array], *, slopes: bool) -> Array:
+        """Return all moving rows, then the slopes if wanted, by the distinct ones: at samples, or their integrals.
+
+        Args:
+            distinct: see :meth:`distinct_rows`.
+            fixed: gives :meth:`fixed_rows`, or the integrals of these.
+            slopes: whether slopes are wanted.
+        """
+        chosen = self._alike if slopes else self._alike[: len(self.moving)]
+        if len(chosen) == len(distinct):
+            return distinct
+        found = np.empty((len(chosen), distinct.shape[1]))
+        for row, (place, sign, rest) in zip(found, chosen, strict=True):
+            np.multiply(distinct[place], sign, out=row)
+            if rest >= 0:
+                row += fixed()[len(self.fixed) + rest]
+        return found
+
+    def distinct_rows(self, recording: Recording, alpha: Array, memory: Memory, *, slopes: bool) -> Array:
+        """Return one of all moving rows that are alike, then of all slopes; see :meth:`moving_rows`."""
         if not self.model.states:
-            function, rows = (self._moving, len(self.slopes)) if slopes else (self._values, 0)
-            return self._evaluate(function, len(self.moving) + rows, recording, tuple(alpha), ())
+            return self._evaluate(self._moving, recording, tuple(alpha), (), None if slopes else self._distinct)
         here = self._remembered(recording, alpha, memory)
         if not slopes:
             return here
@@ -70,10 +101,15 @@ class SeparableTerm:
     def _remembered(self, recording: Recording, alpha: Array, memory: Memory) -> Array:
         parameters = np.zeros(len(self.model.parameters))
         parameters[list(self.own)] = alpha
-        return self._evaluate(self._values, len(self.moving), recording, tuple(alpha), memory(self.model, parameters))
+        return self._evaluate(self._moving, recording, tuple(alpha), memory(self.model, parameters))
 
     def _evaluate(
-        self, function: ArrayFunction, rows: int, recording: Recording, alpha: tuple[float, ...], states: Sequence[Any]
+        self,
+        function: ArrayFunction,
+        recording: Recording,
+        alpha: tuple[float, ...],
+        states: Sequence[Any],
+        first: int | None = None,
     ) -> Array:
         known, key = _known(recording), function
         if key not in known:
@@ -82,8 +118,8 @@ class SeparableTerm:
             ]
             later = [None] * (len(alpha) + len(states))
             known[key] = function.given(*signals, *later, rest_width(recording))
-        (values,) = known[key](*alpha, *states)
-        return values if values.shape[1] == len(recording) else np.broadcast_to(values, (rows, len(recording)))
+        (values,) = known[key](*alpha, *states, first=first)
+        return values if values.shape[1] == len(recording) else np.broadcast_to(values, (len(values), len(recording)))
 
 
 @once
@@ -118,7 +154,7 @@ class Separable:
 
     def fixed_rows(self, recording: Recording) -> Array:
         """Return the fixed rows at every sample, shape (len(fixed), N)."""
-        return np.concatenate([term.fixed_rows(recording) for term in self.terms])
+        return np.concatenate([term.fixed_rows(recording)[: len(term.fixed)] for term in self.terms])
 
     def moving_rows(
         self, alpha: Array, rows: Callable[[SeparableTerm, tuple[float, ...]], Array], *, slopes: bool
@@ -202,6 +238,17 @@ def _split(model: Model, flags: Sequence[bool], rows: Sequence[int], alphas: Seq
         return ArrayFunction(casadi.Function(name, arguments, [casadi.vertcat(*outputs)]))
 
     values = [every[row] for row in moving]
+    derivatives = [] if model.states else [derivative[i, j] for i, j in slopes]
+    if model.states:
+        likeness = [(i, 1.0, -1) for i in range(len(values) + len(slopes))]
+        rests: list[Any] = []
+    else:
+        values, of_values = alike(values, alpha, rests=True)
+        derivatives, of_slopes = alike(derivatives, alpha, rests=False)
+        rests = [each.rest for each in of_values if each.rest is not None]
+        counted = iter(range(len(rests)))
+        likeness = [(each.place, each.sign, -1 if each.rest is None else next(counted)) for each in of_values]
+        likeness += [(len(values) + each.place, each.sign, -1) for each in of_slopes]
     return SeparableTerm(
         model,
         own,
@@ -209,7 +256,8 @@ def _split(model: Model, flags: Sequence[bool], rows: Sequence[int], alphas: Seq
         tuple(rows[row] for row in fixed),
         tuple(rows[row] for row in moving),
         tuple((rows[row], alphas[j]) for row, j in slopes),
-        function("fixed", [*e.signals.values(), e.states, e.width], [every[row] for row in fixed]),
-        function("values", inputs, values),
-        function("moving", inputs, values if model.states else [*values, *(derivative[i, j] for i, j in slopes)]),
+        tuple(likeness),
+        len(values),
+        function("fixed", [*e.signals.values(), e.states, e.width], [*(every[row] for row in fixed), *rests]),
+        function("moving", inputs, [*values, *derivatives]),
     )

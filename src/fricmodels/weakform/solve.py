@@ -14,13 +14,13 @@ from numpy.typing import NDArray
 from fricmodels.weakform.equations import projection
 from fricmodels.weakform.inference import at_least, covariance
 from fricmodels.weakform.least_squares import NormalEquations
-from fricmodels.weakform.nonlinear import Plan
+from fricmodels.weakform.nonlinear import Nonlinear, Plan
 from fricmodels.weakform.optimise import ROUNDS, coordinate_search, multistart_nelder_mead
 from fricmodels.weakform.problem import WeakFormProblem
 from fricmodels.weakform.regression import cosine_terms
 from fricmodels.weakform.search import in_gap
 from fricmodels.weakform.staircase import scatter_of_steps
-from fricmodels.weakform.variable_projection import Nonlinear, Projection, Solution
+from fricmodels.weakform.variable_projection import Projection, Solution
 
 Array = NDArray[np.float64]
 
@@ -32,14 +32,15 @@ _FEWER_ROUNDS = 5
 """Rounds of a search for what is nearly known: its last step is as short as that of the others."""
 
 
+_NEARLY_ALL, _THINNED, _MUCH_MORE = 0.9, 4, 2.0
+"""Share of the rows that two sets have in common, to tell which start leaves least of either; which of them do it, for
+neighbours say nearly the same; and how many times as much the next best start must leave."""
 STRONG = 3.0
 """Logarithm of 20 to 1: strong evidence on the scale of Kass and Raftery (1995)."""
 WITHIN = 0.999
 """Share of a sample up to which a shift is within its bound."""
 _NO_FRICTION = 1e-9
 """A Coulomb torque of less than this share of the largest torque is none."""
-_UNLIKELY = 1e-4
-"""A choice of nuisances that is less probable than this is not reckoned with."""
 _TRUE_TO, _HELD_TO = 0.025, 0.005
 """A twentieth and a hundredth of a sample, in units of two samples: how true instants are if there is no shift, and if
 the torque is held. By another twentieth the inertia torque, ten times the viscous one, would change K_v by a tenth."""
@@ -73,7 +74,7 @@ class Solved:
     def changed(self, **changes: Any) -> Solved:
         """Return a copy with other attributes than the rows, the plan or the solution; what these show is kept."""
         copy = replace(self, **changes)
-        for name in ("places", "values", "_spread", "with_shift"):
+        for name in ("places", "values", "_spread", "with_shift", "_known_odds"):
             if name in self.__dict__:
                 copy.__dict__[name] = self.__dict__[name]
         return copy
@@ -124,9 +125,13 @@ class Solved:
         """Covariance in the order of the solution; 0 for what is held."""
         solution, (free, normal) = self.solution, self._free
         result = np.zeros((len(solution.jacobian),) * 2)
-        found = covariance(solution.jacobian[free].T, solution.residual, normal.inverse, self.problem.independent)
-        moved = scatter_of_steps(self.problem, self.parameters) @ solution.jacobian[free].T @ normal.inverse
-        result[np.ix_(free, free)] = at_least(found, moved.T @ moved / max(len(moved), 1))
+        jacobian = solution.jacobian if len(free) == len(result) else solution.jacobian[free]
+        found = covariance(jacobian.T, solution.residual, normal.inverse, self.problem.independent)
+        scatter = scatter_of_steps(self.problem, self.parameters)
+        if len(scatter):
+            moved = scatter @ jacobian.T @ normal.inverse
+            found = at_least(found, moved.T @ moved / len(scatter))
+        result[np.ix_(free, free)] = found
         return result
 
     def moved_by(self, left: Array) -> Array:
@@ -189,7 +194,13 @@ class Solved:
     @cached_property
     def with_shift(self) -> Solved:
         """The fit to the same rows with a small shift in time, begun from this one."""
-        return solve(self.problem, self.again)
+        return self.once_more(self.again, timing=True)
+
+    def once_more(self, plan: Plan, *, timing: bool) -> Solved:
+        """Return the fit to the same rows by another plan: this one itself, where it would begin and end here."""
+        if timing == self.timing and plan == self.again and self.solution.settled:
+            return self.changed(plan=plan, others=(), not_identified={}, free=None)
+        return solve(self.problem, plan, timing=timing)
 
     @property
     def residual_percent(self) -> float:
@@ -229,6 +240,16 @@ class Solved:
         Source: R. E. Kass, A. E. Raftery, "Bayes factors", J. Amer. Statist. Assoc. 90 (1995), with Student's t for a
         variance that is estimated.
         """
+        known = self._known_odds
+        if (reversals, than) not in known:
+            known[reversals, than] = self._log_odds(reversals, than)
+        return known[reversals, than]
+
+    @cached_property
+    def _known_odds(self) -> dict[tuple[bool, float], float]:
+        return {}
+
+    def _log_odds(self, reversals: bool, than: float) -> float:
         nuisances = self._nuisances
         sizes = np.full(len(nuisances), 2 * self.problem.recording.interval)
         centre, true_to = np.zeros(len(nuisances)), np.full(len(nuisances), _TRUE_TO)
@@ -249,8 +270,27 @@ class Solved:
         along = axes.T @ estimate[seen]
         known = 2 * math.pi * total < 1.0  # what is known worse than all that is possible says nothing
         freedom = cosine_terms(self.problem.independent, self.problem.rows)
-        odds = 0.5 * (freedom + 1) * np.log1p(along**2 / (freedom * total)) + 0.5 * np.log(2 * math.pi * total)
-        return float(np.sum(odds[known])) if known.any() else -math.inf
+        return float(np.sum(_odds(along[known], total[known], freedom))) if known.any() else -math.inf
+
+    @property
+    def could_be_shifted(self) -> bool:
+        """Whether there could be strong evidence for a shift of the torque against the motion, were only that known.
+
+        The odds are greatest where the shift has no variance, or as much as leaves it known at all: no covariance is
+        needed to say that there is none.
+        """
+        nuisances = self._nuisances
+        if not len(nuisances) or "motor_torque_rate" in self.problem.drive.model.needs:
+            return False
+        size = float(self.solution.theta[nuisances[-1]]) / (2 * self.problem.recording.interval)
+        freedom = cosine_terms(self.problem.independent, self.problem.rows)
+        return bool(np.any(_odds(size, np.array([_TRUE_TO**2, 1.0 / (2 * math.pi)]), freedom) > STRONG))
+
+
+def _odds(estimate: Array | float, variance: Array, freedom: int) -> Array:
+    """Return the logarithm of how much more probable a shift is than none; see :meth:`Solved.log_odds_of_a_shift`."""
+    squares = np.log1p(np.square(estimate) / (freedom * variance))
+    return np.asarray(0.5 * (freedom + 1) * squares + 0.5 * np.log(2 * math.pi * variance))
 
 
 def _with_feedback(covariance: Array, feedback: Array | None) -> Array:
@@ -278,50 +318,24 @@ def solve(problem: WeakFormProblem, plan: Plan, *, timing: bool = True) -> Solve
 
 
 def begins_where(problem: WeakFormProblem, plan: Plan, found: Solved) -> bool:
-    """Whether a fit to the rows of a problem would begin from the same nonlinear parameters as an earlier one."""
+    """Whether a fit to the rows of a problem would begin from the same nonlinear parameters as an earlier one.
+
+    Where the earlier rows are nearly all the same, and leave much more of the motor torque with any other start, those
+    that both have tell it: at each start they are known.
+    """
     start = found.solution.start
     if start is None:
         return False
+    along = found.problem.smooth is problem.smooth
+    both = found.problem.bumps.in_common(problem.bumps) if along else np.zeros(0, dtype=np.int64)
+    if len(both) > _NEARLY_ALL * max(problem.rows, found.problem.rows):
+        least_squares, search = projection(found.problem, plan, timing=found.timing, chosen=both[::_THINNED])
+        points = search.points()
+        best, more = least_squares.ranked(points) if len(points) > 1 else (0, math.inf)
+        if more > _MUCH_MORE:
+            return bool(np.array_equal(points[best], start))
     least_squares, search = projection(problem, plan, timing=found.timing)
     return bool(np.array_equal(least_squares.best_start(search), start))
-
-
-def with_or_without_shift(found: Solved, plan: Plan) -> Solved:
-    """Fit without a shift in time, with that of a held torque, and with any small one; return the one to be taken.
-
-    A torque goes on between samples or is held, as controllers do; both are equally probable before anything is known,
-    and standard errors are over all cases, each as probable as it is. What is taken for the estimate has to have strong
-    evidence if it is a shift, that of a held torque too: chance would shift every second recording that says nothing.
-    Where the rows are at a velocity that the fit predicts, that velocity has already told whether the torque is held.
-    """
-    problem = found.problem
-    shifted = found.with_shift if plan == found.again else solve(problem, plan)
-    shifted, plain = (fit.changed(feedback=found.feedback) for fit in (shifted, solve(problem, plan, timing=False)))
-    odds = [0.0, shifted.log_odds_of_a_shift()]
-    fits = [plain, shifted]
-    if _may_be_held(shifted):
-        odds.append(shifted.log_odds_of_held())
-        fits.append(solve(problem.at(held=True), plan, timing=False).changed(feedback=found.feedback))
-    fixed = 2 if len(fits) > 2 and found.feedback is None and odds[2] > STRONG else 0
-    chosen = 1 if odds[1] - odds[fixed] > STRONG else fixed
-    weights = np.exp(np.array(odds) - max(odds))
-    weights /= weights.sum()
-    others = [(fit, w) for i, (fit, w) in enumerate(zip(fits, weights.tolist(), strict=True)) if i != chosen]
-    return fits[chosen].changed(others=tuple((fit, w) for fit, w in others if w > _UNLIKELY))
-
-
-def as_held(found: Solved) -> Solved | None:
-    """Return the fit with a held torque, if there is strong evidence for that and against any other shift."""
-    if not _may_be_held(found) or found.log_odds_of_held(reversals=False) <= STRONG:
-        return None
-    if found.log_odds_of_a_shift(reversals=False, than=0.5) > STRONG:
-        return None
-    return solve(found.problem.at(held=True), found.plan)
-
-
-def _may_be_held(found: Solved) -> bool:
-    """Whether a held torque is a case of its own: not yet known, and not one of a delay that the model has."""
-    return not found.problem.held and "motor_torque_rate" not in found.problem.drive.model.needs
 
 
 def _is_instant(problem: WeakFormProblem, key: str) -> bool:

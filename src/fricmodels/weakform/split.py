@@ -86,19 +86,22 @@ def bent_about(cells: Any, half: Any, split: Any, weights: Any, change: Any, ben
 
 
 @njit(cache=True, nogil=True)
-def near_standstill(velocity: Any, run: Any, band: float, cell: Any) -> int:
-    """Write the cells in which a velocity could reach zero, or is zero as far as can be told; return how many.
+def hidden_turns(velocity: Any, run: Any, band: float, push: Any, least: Any, most: Any, marked: Any) -> None:
+    """Mark both ends of each cell in which a drive may have turned unseen; see :mod:`.unclear`.
 
     Args:
         velocity, run: at the samples, shape (N,).
         band: velocity up to which it may be zero.
-        cell: to be written as far as there are such cells, shape (N,).
+        push: torque that drives, shape (N,).
+        least, most: friction torques between which the drive may stick, shape (N,).
+        marked: to be written, shape (N,).
     """
-    found = 0
+    marked[:] = False
     for k in range(len(velocity) - 1):
         first, last = abs(velocity[k]), abs(velocity[k + 1])
         near = min(first, last) < abs(velocity[k + 1] - velocity[k]) or max(first, last) <= band
         if near and run[k] == run[k + 1]:
-            cell[found] = k
-            found += 1
-    return found
+            forward = push[k] > most[k] and push[k + 1] > most[k + 1]
+            back = push[k] < least[k] and push[k + 1] < least[k + 1]
+            if not (forward or back):
+                marked[k] = marked[k + 1] = True

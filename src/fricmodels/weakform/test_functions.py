@@ -109,6 +109,19 @@ class TestFunctions:
         """Whether they were made for a width and samples of no use."""
         return self._asked == width and np.array_equal(self._resting, resting)
 
+    def in_common(self, other: TestFunctions) -> Index:
+        """Return which of the bumps another set along the same recording has, too; none where carriers go with them."""
+        if (
+            self.each > 1
+            or other.each > 1
+            or self.width != other.width
+            or not np.array_equal(self._first, other._first)
+        ):
+            return np.zeros(0, dtype=np.int64)
+        there = np.zeros(int(self._bumps.sum()), dtype=bool)
+        there[other._kept] = True
+        return np.flatnonzero(there[self._kept])
+
     each = 1
     """Rows of each bump."""
 
@@ -141,12 +154,12 @@ class TestFunctions:
 
     def torques(self, quadrature: Quadrature, rows: Array) -> Array:
         """Return ∫φ f dt of rows, shape (k, N + two for each split cell) → (k, number of test functions)."""
+        if not self.over_cells:
+            return quadrature.sums_along_cubics(rows, *self._places(self._cell))
         if len(rows) > _TOGETHER:
             some = [rows[start : start + _TOGETHER] for start in range(0, len(rows), _TOGETHER)]
             return np.concatenate([self.torques(quadrature, each) for each in some])
-        if self.over_cells:
-            return self._apply(quadrature.under_hats(rows), self.changes)
-        return self.of_cells(quadrature.along_cubics(rows))
+        return self._apply(quadrature.under_hats(rows), self.changes)
 
     def driving(self, quadrature: Quadrature, torque: Array) -> Array:
         """Return ∫φ f dt of what a drive is driven by, shape (N + two for each split cell,) → (test functions,)."""
@@ -182,10 +195,14 @@ class TestFunctions:
         """
         return self._apply(steps, self.changes)
 
+    def _places(self, kernel: Array) -> tuple[Index, Index, Array, Index]:
+        """Return where bumps begin, how many there are in each stretch, their parts, and which are wanted."""
+        return self._first, self._bumps, kernel.reshape(HOPS, self.hop), self._kept
+
     def _apply(self, rows: Array, kernel: Array) -> Array:
         from fricmodels.weakform.cells import weighted_sums
 
         sums = np.empty((len(rows), len(self._kept)))
         rows = np.ascontiguousarray(rows, dtype=float)
-        weighted_sums(rows, self._first, self._bumps, kernel.reshape(HOPS, self.hop), self._kept, sums)
+        weighted_sums(rows, *self._places(kernel), sums)
         return sums

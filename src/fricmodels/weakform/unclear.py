@@ -80,19 +80,12 @@ def hidden_turns(
     it on in one direction, beyond what friction holds. Otherwise it may have stuck, or turned twice, in between. So it
     may where both velocities are zero as far as can be told.
     """
-    from fricmodels.weakform.split import near_standstill
+    from fricmodels.weakform import split
 
-    cell = np.empty(len(recording), dtype=np.int64)
-    cell = cell[: near_standstill(smooth, recording.run, CERTAIN * error, cell)]
-    marked = np.zeros(len(recording), dtype=bool)
-    if len(cell):
-        limits = drive.sticking_interval(recording, parameters)
-        sides = []
-        for at in (cell, cell + 1):
-            net = recording.torque[at] - recording.load_torque[at]
-            sides.append(np.where(net > limits[1][at], 1, np.where(net < limits[0][at], -1, 0)))
-        hidden = cell[(sides[0] != sides[1]) | (sides[0] == 0)]
-        marked[hidden] = marked[hidden + 1] = True
+    marked = np.empty(len(recording), dtype=bool)
+    least, most = drive.sticking_interval(recording, parameters)
+    push = recording.torque - recording.load_torque
+    split.hidden_turns(smooth, recording.run, CERTAIN * error, push, least, most, marked)
     return marked
 
 

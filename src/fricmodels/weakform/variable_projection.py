@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -12,12 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fricmodels.weakform.least_squares import NormalEquations
+from fricmodels.weakform.nonlinear import LARGEST_RATIO, Nonlinear
 from fricmodels.weakform.separable import Separable
 
 Array = NDArray[np.float64]
 
-MAX_STARTS = 320
-"""Most combinations of starting values that are tried."""
 TOLERANCE = 1e-6
 """A fall of the squared error by less than this share is the end: parameters move by less than a thousandth of the
 standard error, √(TOLERANCE)."""
@@ -71,10 +69,6 @@ class _Tried:
             self.right[place] = self.columns[place] @ target
 
 
-LARGEST_RATIO = 1.5
-"""Largest step of a parameter on a logarithmic scale: a factor of e^1.5."""
-
-
 @dataclass(frozen=True)
 class Equations:
     """Linear functionals of the equation of motion (bumps, or filtered samples), one an equation.
@@ -102,40 +96,18 @@ class Equations:
     nuisance_limits: Array = field(default_factory=lambda: np.zeros((0, 2)))
     acceleration_noise: float = 0.0
 
-
-@dataclass(frozen=True)
-class Nonlinear:
-    """How the nonlinear parameters are searched.
-
-    Attributes:
-        starts: starting values of each.
-        lower, upper: bounds.
-        logarithmic: which are searched on a logarithmic scale.
-        reach: largest step of each, of the logarithm where the scale is logarithmic.
-        held: which stay at their start.
-    """
-
-    starts: Sequence[tuple[float, ...]]
-    lower: Array
-    upper: Array
-    logarithmic: NDArray[np.bool_]
-    reach: Array
-    held: NDArray[np.bool_]
-
-    def clip(self, alpha: Array) -> Array:
-        """Return the nearest values within the bounds."""
-        return np.clip(alpha, self.lower, self.upper)
-
-    def combinations(self) -> list[Array]:
-        """Return the starting points: all combinations while they are few, else one parameter varied at a time."""
-        total = np.prod([len(values) for values in self.starts])
-        if total <= MAX_STARTS:
-            return [np.array(values) for values in itertools.product(*self.starts)]
-        middle = [values[len(values) // 2] for values in self.starts]
-        points = [np.array(middle)]
-        for i, values in enumerate(self.starts):
-            points += [np.array([*middle[:i], value, *middle[i + 1 :]]) for value in values]
-        return points
+    def some(self, chosen: NDArray[np.int64]) -> Equations:
+        """Return some of the equations."""
+        return replace(
+            self,
+            driving=self.driving[chosen],
+            target=self.target[chosen],
+            acceleration=None if self.acceleration is None else self.acceleration[chosen],
+            fixed=self.fixed[:, chosen],
+            moving=lambda alpha, slopes: [block[:, chosen] for block in self.moving(alpha, slopes)],
+            nuisances=self.nuisances[:, chosen],
+            acceleration_noise=self.acceleration_noise * len(chosen) / max(len(self.target), 1),
+        )
 
 
 @dataclass(frozen=True)
@@ -150,6 +122,7 @@ class Solution:
         normal: normal equations of the Jacobian at the solution.
         iterations, converged: of the Gauss–Newton iteration.
         start: nonlinear parameters that it began from, where it did.
+        settled: whether another step promises nothing: the same iteration, begun from here, would end here.
     """
 
     theta: Array
@@ -160,6 +133,7 @@ class Solution:
     iterations: int
     converged: bool
     start: Array | None = None
+    settled: bool = False
 
     @property
     def cost(self) -> float:
@@ -215,17 +189,21 @@ class Projection:
     def solve(self, nonlinear: Nonlinear, max_iterations: int = 50) -> Solution:
         """Return the least-squares fit: from the best of the starting points, by Gauss–Newton to the end."""
         if not self._equations.separable.nonlinear:
-            return self.at(np.zeros(0))
+            return replace(self.at(np.zeros(0)), settled=True)
         start = self.best_start(nonlinear)
         return replace(self._descend(self.at(start), nonlinear, max_iterations), start=start)
 
     def best_start(self, nonlinear: Nonlinear) -> Array:
         """Return the starting point that leaves least."""
-        starts = [nonlinear.clip(point) for point in nonlinear.combinations()]
-        if len(starts) == 1:
-            return starts[0]
+        starts = nonlinear.points()
+        return starts[self.ranked(starts)[0]] if len(starts) > 1 else starts[0]
+
+    def ranked(self, starts: Sequence[Array]) -> tuple[int, float]:
+        """Return which of several starting points leaves least, and how many times as much the next one leaves."""
         costs = np.array([self.cost(start) for start in starts])
-        return starts[int(np.argmax(costs <= (1.0 + _EQUAL) * costs.min()))]
+        best = int(np.argmax(costs <= (1.0 + _EQUAL) * costs.min()))
+        others = np.delete(costs, best)
+        return best, float(others.min() / costs[best]) if costs[best] > 0.0 else math.inf
 
     def _descend(self, at: Solution, nonlinear: Nonlinear, max_iterations: int) -> Solution:
         damping = 1e-3
@@ -234,7 +212,7 @@ class Projection:
             scale = np.where(nonlinear.logarithmic, np.maximum(at.alpha, 1e-300), 1.0)
             step, promised = self._step(at, scale, damping, ~nonlinear.held)
             if promised <= TOLERANCE * at.cost:
-                return replace(at, iterations=iteration)
+                return replace(at, iterations=iteration, settled=True)
             step = np.clip(step, -reach, reach)
             moved = np.where(nonlinear.logarithmic, at.alpha * np.exp(np.minimum(step, LARGEST_RATIO)), at.alpha + step)
             trial = self.at(nonlinear.clip(moved))
@@ -260,11 +238,11 @@ class Projection:
         gram, scale = at.normal.gram, scale[moving]
         inner = NormalEquations.of(np.ascontiguousarray(gram[free[:, None], free]), np.zeros(len(free))).inverse
         matrix, gradient = np.empty((len(last), len(last))), np.empty(len(last))
-        reduced(gram, at.normal.right, inner, free, last, scale, matrix, gradient)
-        matrix += damping * np.diag(np.maximum(np.diag(matrix), 1e-300))
+        reduced(gram, at.normal.right, inner, free, last, scale, damping, matrix, gradient)
         step = np.zeros(len(moving))
         # Directions that hardly change the residual count too: left out as rounding, they would never be found.
-        step[moving] = np.linalg.lstsq(matrix, gradient, rcond=1e-14)[0]
+        alone = len(last) == 1
+        step[moving] = gradient / matrix[0] if alone else np.linalg.lstsq(matrix, gradient, rcond=1e-14)[0]
         return step, float(gradient @ step[moving])
 
     def cost(self, alpha: Array) -> float:
@@ -366,7 +344,9 @@ class Projection:
             factor = 1.0 if row == len(split.linear) else theta[self._first + row]
             own[j] += factor * values
         whole = float(target @ target)
-        for j in np.flatnonzero(np.einsum("ij,ij->i", own, own) * alpha**2 <= _NOTHING * whole).tolist():
+        for j in range(len(alpha)):
+            if not own[j] @ own[j] * alpha[j] ** 2 <= _NOTHING * whole:
+                continue
             pairs = [(self._first + row, v) for (row, i), v in zip(split.slopes, slopes, strict=True) if i == j]
             share = [v @ v / products[k, k] for k, v in pairs if k < self._nuisances and products[k, k] > 0.0]
             if own[j] @ own[j] <= _NOTHING**2 * whole * max(share, default=0.0):
