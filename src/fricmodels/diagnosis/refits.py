@@ -6,7 +6,11 @@ from fricmodels.diagnosis.candidate_tests import CandidateTest
 from fricmodels.diagnosis.comparison import Comparison, with_effect
 from fricmodels.errors import FricmodelsError
 from fricmodels.progress import stage
+from fricmodels.term import Effect
+from fricmodels.weakform.candidate import within_recording
 
+_CLOSE = 1e-6
+"""Relative distance within which a value is a bound itself."""
 Key = tuple[str, tuple[float, ...]]
 
 
@@ -25,7 +29,8 @@ class Refits:
     def with_effect(self, tested: CandidateTest) -> Comparison | None:
         """Return the model with an effect, fitted from the estimate of it.
 
-        ``None`` where that fails, or where the effect comes out as nothing: a smaller error is then not its doing.
+        ``None`` where that fails, or where the effect comes out as nothing, or as a slow change that is over at once: a
+        smaller error is then not its doing.
         """
         key = _key(tested)
         if key not in self._found:
@@ -35,7 +40,8 @@ class Refits:
             except FricmodelsError:
                 self._found[key] = None
             else:
-                self._found[key] = None if is_nothing(fitted, tested.name) else fitted
+                useless = is_nothing(fitted, tested.name) or _is_over_at_once(fitted, tested.effect)
+                self._found[key] = None if useless else fitted
         return self._found[key]
 
     def beside(self, tested: CandidateTest) -> Refits | None:
@@ -78,6 +84,12 @@ def is_nothing(fitted: Comparison, name: str) -> bool:
         if linear and p.key.startswith(f"{name}.")
     ]
     return bool(own) and not any(own)
+
+
+def _is_over_at_once(fitted: Comparison, effect: Effect) -> bool:
+    """Whether a fit made of a slow change one that is over sooner than any that is sought."""
+    slow = [within_recording(fitted.problem, p) for p in effect.parameters if p.slow]
+    return any(fitted.estimate.parameters[f"{effect.name}.{p.symbol}"] < p.lower * (1 - _CLOSE) for p in slow)
 
 
 def _key(tested: CandidateTest) -> Key:

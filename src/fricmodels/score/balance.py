@@ -117,7 +117,7 @@ def over_windows(
     for balance in found:
         for window in windows:
             error = balance.over(window)
-            squares[window] += float(error @ error)
+            squares[window] += float(np.sum(np.square(error)))  # a dot product sums in the processor's own order
             if window == kept:
                 errors[balance.part] = error
             del error

@@ -128,7 +128,8 @@ def within_recording(problem: WeakFormProblem, parameter: Parameter) -> Paramete
     size = scan_size(problem.recording, parameter)
     lower, upper = parameter.lower, parameter.upper
     if scan and min(scan) > 0:
-        lower, upper = max(lower, size * min(scan) / _FARTHEST), min(upper, size * _FARTHEST * max(scan))
+        least = size * min(scan) / (1.0 if parameter.slow else _FARTHEST)
+        lower, upper = max(lower, least), min(upper, size * _FARTHEST * max(scan))
     if dimension == DISPLACEMENT:
         upper = min(upper, size)
     return replace(parameter, initial=min(max(parameter.initial, lower), upper), lower=lower, upper=upper)

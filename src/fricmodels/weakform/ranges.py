@@ -61,14 +61,12 @@ def scan_values(recording: Recording, parameter: Parameter) -> list[float]:
 def within_motion(recording: Recording, parameter: Parameter) -> Parameter:
     """Return a parameter with the bounds that the motion sets; most have none.
 
-    A place lies within the travel. A duration is no less than two samples: a shorter one says when samples were taken;
-    that of a slow change is a fair part of the record.
+    A place lies within the travel. A duration is no less than two samples: a shorter one says when samples were taken.
     A part on a spring follows the drive only if it would swing faster than the drive goes back and forth.
     """
     lower, upper = parameter.lower, parameter.upper
     if parameter.dimension == TIME and not (parameter.instant or parameter.delay):
-        least = min(parameter.scan) * scan_size(recording, parameter) if parameter.slow else 0.0
-        lower = min(max(lower, least, _SHORTEST * recording.interval), upper)
+        lower = min(max(lower, _SHORTEST * recording.interval), upper)
     elif parameter.resonance:
         lower = min(max(lower, angular_frequency(recording)), upper)
     elif parameter.place and "position" in recording:

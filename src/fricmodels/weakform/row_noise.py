@@ -145,8 +145,9 @@ def bump_width(
     """
     torque, shortest = _torque_and_shortest(recording)
     wanted = share * torque * recording.interval
-    narrowest = max(_NARROWEST // 2 if narrow else _NARROWEST, -(-_DERIVED * recording.derived_over // HOPS) * HOPS)
-    widest = max(narrowest, min(WIDEST, shortest // fewest // HOPS * HOPS))
+    least = -(-_DERIVED * recording.derived_over // HOPS) * HOPS
+    usual, narrowest = (max(width, least) for width in (_NARROWEST, _NARROWEST // 2 if narrow else _NARROWEST))
+    widest = max(usual, min(WIDEST, shortest // fewest // HOPS * HOPS))
     most = max(widest, min(WIDEST, shortest // _FEWEST_FOR_INERTIA // HOPS * HOPS)) if estimated else widest
     for width in range(narrowest, most, HOPS):
         count, squares, momentum = _momentum(recording, width)
