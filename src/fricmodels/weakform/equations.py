@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 from numpy.typing import NDArray
 
+from fricmodels.drive import Drive
 from fricmodels.recording import Recording
 from fricmodels.signals.rest import once
 from fricmodels.weakform.nonlinear import Nonlinear, Plan, linear_constraints, nonlinear_search
@@ -80,11 +83,17 @@ def projection(
         chosen: which of the rows; all if not given.
     """
     linear = [p for p in problem.drive.parameters if p.linear]
-    constraints, limits = linear_constraints(linear, problem.delay, _largest_push(problem.recording))
+    constraints, limits = _constraints(problem.drive, problem.delay, _largest_push(problem.recording))
     held = {i: plan.held[p.key] for i, p in enumerate(linear) if p.key in plan.held}
     search = nonlinear_search(problem.drive, problem.recording, plan)
     rows = equations(problem, timing=timing)
     return Projection(rows if chosen is None else rows.some(chosen), constraints, limits, held), search
+
+
+@lru_cache(maxsize=64)
+def _constraints(drive: Drive, delay: float, largest_push: float) -> tuple[Array, Array]:
+    """Return :func:`linear_constraints` of a drive, found once for all sets of rows."""
+    return linear_constraints([p for p in drive.parameters if p.linear], delay, largest_push)
 
 
 @once
