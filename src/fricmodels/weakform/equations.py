@@ -29,14 +29,11 @@ def equations(problem: WeakFormProblem, *, timing: bool) -> Equations:
     split = separable(problem.drive.model)
     points = problem.points
 
-    def fixed(term: SeparableTerm) -> Array:
-        return problem.integrated((term.model,), lambda: problem.integrals(term.fixed_rows(points)))
-
     def moving(alpha: Array, slopes: bool) -> list[Array]:
         def rows(term: SeparableTerm, own: tuple[float, ...]) -> Array:
             def compute() -> Array:
                 distinct = term.distinct_rows(points, np.array(own), problem.states_of, slopes=slopes)
-                return term.completed(problem.integrals(distinct), lambda: fixed(term), slopes=slopes)
+                return term.completed(problem.integrals(distinct), slopes=slopes)
 
             return problem.integrated((term.model, own, slopes), compute)
 
@@ -48,7 +45,7 @@ def equations(problem: WeakFormProblem, *, timing: bool) -> Equations:
         problem.driving,
         problem.target,
         problem.momentum if problem.drive.inertia is None else None,
-        np.concatenate([fixed(term)[: len(term.fixed)] for term in split.terms]),
+        problem.integrated((problem.drive.model,), lambda: problem.integrals(split.fixed_rows(points))),
         moving,
         nuisances,
         limits,
