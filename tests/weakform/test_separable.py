@@ -102,7 +102,7 @@ def test_only_the_term_of_a_parameter_moves() -> None:
 
 
 @pytest.mark.parametrize(
-    ("law", "of"), [("exponential-stick-slip", (2, 4)), ("asymmetric-exponential-stick-slip", (4, 8))]
+    ("law", "of"), [("exponential-stick-slip", (3, 4)), ("asymmetric-exponential-stick-slip", (6, 8))]
 )
 def test_of_rows_that_are_alike_one_is_evaluated(law: str, of: tuple[int, int], recording: Recording) -> None:
     split = separable(Model.parse(law))

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 from numpy.typing import NDArray
 
+from fricmodels.drive import Drive
 from fricmodels.recording import Recording
 from fricmodels.signals.rest import once
 from fricmodels.weakform.nonlinear import Nonlinear, Plan, linear_constraints, nonlinear_search
@@ -26,14 +29,11 @@ def equations(problem: WeakFormProblem, *, timing: bool) -> Equations:
     split = separable(problem.drive.model)
     points = problem.points
 
-    def fixed(term: SeparableTerm) -> Array:
-        return problem.integrated((term.model,), lambda: problem.integrals(term.fixed_rows(points)))
-
     def moving(alpha: Array, slopes: bool) -> list[Array]:
         def rows(term: SeparableTerm, own: tuple[float, ...]) -> Array:
             def compute() -> Array:
                 distinct = term.distinct_rows(points, np.array(own), problem.states_of, slopes=slopes)
-                return term.completed(problem.integrals(distinct), lambda: fixed(term), slopes=slopes)
+                return term.completed(problem.integrals(distinct), slopes=slopes)
 
             return problem.integrated((term.model, own, slopes), compute)
 
@@ -45,7 +45,7 @@ def equations(problem: WeakFormProblem, *, timing: bool) -> Equations:
         problem.driving,
         problem.target,
         problem.momentum if problem.drive.inertia is None else None,
-        np.concatenate([fixed(term)[: len(term.fixed)] for term in split.terms]),
+        problem.integrated((problem.drive.model,), lambda: problem.integrals(split.fixed_rows(points))),
         moving,
         nuisances,
         limits,
@@ -80,11 +80,17 @@ def projection(
         chosen: which of the rows; all if not given.
     """
     linear = [p for p in problem.drive.parameters if p.linear]
-    constraints, limits = linear_constraints(linear, problem.delay, _largest_push(problem.recording))
+    constraints, limits = _constraints(problem.drive, problem.delay, _largest_push(problem.recording))
     held = {i: plan.held[p.key] for i, p in enumerate(linear) if p.key in plan.held}
     search = nonlinear_search(problem.drive, problem.recording, plan)
     rows = equations(problem, timing=timing)
     return Projection(rows if chosen is None else rows.some(chosen), constraints, limits, held), search
+
+
+@lru_cache(maxsize=64)
+def _constraints(drive: Drive, delay: float, largest_push: float) -> tuple[Array, Array]:
+    """Return :func:`linear_constraints` of a drive, found once for all sets of rows."""
+    return linear_constraints([p for p in drive.parameters if p.linear], delay, largest_push)
 
 
 @once

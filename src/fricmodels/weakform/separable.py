@@ -40,17 +40,16 @@ class SeparableTerm:
     fixed: tuple[int, ...]
     moving: tuple[int, ...]
     slopes: tuple[tuple[int, int], ...]
-    _alike: tuple[tuple[int, float, int], ...]
-    """Each moving row, then each slope: which distinct one it is, its sign, and which of the rests is added, or −1."""
+    _alike: tuple[tuple[int, float], ...]
+    """Each moving row, then each slope: which distinct one it is, and its sign."""
     _distinct: int
     """How many of the moving rows are distinct."""
     _fixed: ArrayFunction
-    """Fixed rows, then rests."""
     _moving: ArrayFunction
     """Distinct moving rows, then distinct slopes."""
 
     def fixed_rows(self, recording: Recording) -> Array:
-        """Return the fixed rows at every sample, then what moving rows that are alike differ by, shape (rows, N)."""
+        """Return the fixed rows at every sample, shape (len(fixed), N)."""
         return self._evaluate(self._fixed, recording, (), [0.0] * len(self.model.states))
 
     def moving_rows(self, recording: Recording, alpha: Array, memory: Memory, *, slopes: bool = True) -> Array:
@@ -63,25 +62,21 @@ class SeparableTerm:
                 states change with the parameters too.
             slopes: whether they are wanted.
         """
-        distinct = self.distinct_rows(recording, alpha, memory, slopes=slopes)
-        return self.completed(distinct, lambda: self.fixed_rows(recording), slopes=slopes)
+        return self.completed(self.distinct_rows(recording, alpha, memory, slopes=slopes), slopes=slopes)
 
-    def completed(self, distinct: Array, fixed: Callable[[], Array], *, slopes: bool) -> Array:
+    def completed(self, distinct: Array, *, slopes: bool) -> Array:
         """Return all moving rows, then the slopes if wanted, by the distinct ones: at samples, or their integrals.
 
         Args:
             distinct: see :meth:`distinct_rows`.
-            fixed: gives :meth:`fixed_rows`, or the integrals of these.
             slopes: whether slopes are wanted.
         """
         chosen = self._alike if slopes else self._alike[: len(self.moving)]
         if len(chosen) == len(distinct):
             return distinct
         found = np.empty((len(chosen), distinct.shape[1]))
-        for row, (place, sign, rest) in zip(found, chosen, strict=True):
+        for row, (place, sign) in zip(found, chosen, strict=True):
             np.multiply(distinct[place], sign, out=row)
-            if rest >= 0:
-                row += fixed()[len(self.fixed) + rest]
         return found
 
     def distinct_rows(self, recording: Recording, alpha: Array, memory: Memory, *, slopes: bool) -> Array:
@@ -154,7 +149,7 @@ class Separable:
 
     def fixed_rows(self, recording: Recording) -> Array:
         """Return the fixed rows at every sample, shape (len(fixed), N)."""
-        return np.concatenate([term.fixed_rows(recording)[: len(term.fixed)] for term in self.terms])
+        return np.concatenate([term.fixed_rows(recording) for term in self.terms])
 
     def moving_rows(
         self, alpha: Array, rows: Callable[[SeparableTerm, tuple[float, ...]], Array], *, slopes: bool
@@ -239,16 +234,11 @@ def _split(model: Model, flags: Sequence[bool], rows: Sequence[int], alphas: Seq
 
     values = [every[row] for row in moving]
     derivatives = [] if model.states else [derivative[i, j] for i, j in slopes]
-    if model.states:
-        likeness = [(i, 1.0, -1) for i in range(len(values) + len(slopes))]
-        rests: list[Any] = []
-    else:
-        values, of_values = alike(values, alpha, rests=True)
-        derivatives, of_slopes = alike(derivatives, alpha, rests=False)
-        rests = [each.rest for each in of_values if each.rest is not None]
-        counted = iter(range(len(rests)))
-        likeness = [(each.place, each.sign, -1 if each.rest is None else next(counted)) for each in of_values]
-        likeness += [(len(values) + each.place, each.sign, -1) for each in of_slopes]
+    likeness = [(i, 1.0) for i in range(len(values) + len(slopes))]
+    if not model.states:
+        values, of_values = alike(values)
+        derivatives, of_slopes = alike(derivatives)
+        likeness = [*of_values, *((len(values) + place, sign) for place, sign in of_slopes)]
     return SeparableTerm(
         model,
         own,
@@ -258,6 +248,6 @@ def _split(model: Model, flags: Sequence[bool], rows: Sequence[int], alphas: Seq
         tuple((rows[row], alphas[j]) for row, j in slopes),
         tuple(likeness),
         len(values),
-        function("fixed", [*e.signals.values(), e.states, e.width], [*(every[row] for row in fixed), *rests]),
+        function("fixed", [*e.signals.values(), e.states, e.width], [every[row] for row in fixed]),
         function("moving", inputs, [*values, *derivatives]),
     )
