@@ -32,6 +32,8 @@ if TYPE_CHECKING:
     import pandas as pd
 
 HISTORY_ROWS = 50_000
+_LOST = 1.0 / np.finfo(float).eps
+"""Normalised states are of the order of one; beside a larger one than this no measurement changes a digit."""
 
 
 class SampleFilter(Protocol):
@@ -166,7 +168,7 @@ class FilterProblem:
         """Filter a recording in SI units with a filter that takes one sample at a time.
 
         The parameters are kept within their bounds. A filter that raises ``numpy.linalg.LinAlgError``, that is no
-        longer finite or has a negative variance has diverged.
+        longer finite, has a negative variance, or a state beside which all that is measured is rounding has diverged.
         """
         n = self.order
 
@@ -176,7 +178,7 @@ class FilterProblem:
             for row in self.rows(run):
                 try:
                     kalman.step(row[0], row[3:])
-                    if not (np.all(np.isfinite(kalman.x)) and np.all(np.isfinite(kalman.P))):
+                    if not (np.all(np.abs(kalman.x) < _LOST) and np.all(np.isfinite(kalman.P))):
                         break
                     if not row[1] > 0:
                         continue

@@ -141,12 +141,13 @@ def bump_width(
         fewest: widths that the shortest run has at least.
         share: of the RMS torque.
         estimated: whether the inertia is estimated from the same rows.
-        narrow: whether it may be half as wide as usual.
+        narrow: whether it may be half as wide as usual, if it is strokes that are short and not the record.
     """
     torque, shortest = _torque_and_shortest(recording)
     wanted = share * torque * recording.interval
     least = -(-_DERIVED * recording.derived_over // HOPS) * HOPS
-    usual, narrowest = (max(width, least) for width in (_NARROWEST, _NARROWEST // 2 if narrow else _NARROWEST))
+    half = narrow and shortest >= fewest * _NARROWEST
+    usual, narrowest = (max(width, least) for width in (_NARROWEST, _NARROWEST // 2 if half else _NARROWEST))
     widest = max(usual, min(WIDEST, shortest // fewest // HOPS * HOPS))
     most = max(widest, min(WIDEST, shortest // _FEWEST_FOR_INERTIA // HOPS * HOPS)) if estimated else widest
     for width in range(narrowest, most, HOPS):
