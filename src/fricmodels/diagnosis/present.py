@@ -194,10 +194,6 @@ def show_diagnosis(console: Console, diagnosis: Diagnosis, ladder: Ladder | None
     _show_visibility(console, data)
 
 
-def _shares(values: Iterable[float | None]) -> tuple[str, ...]:
-    return tuple(share_text(value) for value in values)
-
-
 def _chances(rows: Iterable[Candidate | Effect]) -> Column:
     return Column("p value, corrected", tuple(chance_text(row.p_value) for row in rows), True)
 
@@ -209,8 +205,8 @@ def _show_candidates(console: Console, data: DiagnosisDocument) -> None:
         return
     columns = [
         Column("effect", tuple(row.name for row in rows)),
-        Column("lowers test error", _shares(row.held_out_gain for row in rows), True),
-        Column("explains", _shares(row.share_of_residual for row in rows), True),
+        Column("lowers test error", tuple(share_text(row.held_out_gain) for row in rows), True),
+        Column("explains", tuple(share_text(row.share_of_residual) for row in rows), True),
         _chances(rows),
         Column("passes all tests", tuple("yes" if row.gates else "no" for row in rows)),
     ]
@@ -257,8 +253,8 @@ def _show_evidence(console: Console, data: DiagnosisDocument) -> None:
     rows = data.effects
     columns = [
         Column("effect", tuple(row.name for row in rows)),
-        Column("explains of the residual", _shares(row.share_of_residual for row in rows), True),
-        Column("lowers test error", _shares(row.held_out_gain for row in rows), True),
+        Column("explains of the residual", tuple(share_text(row.share_of_residual) for row in rows), True),
+        Column("lowers test error", tuple(share_text(row.held_out_gain) for row in rows), True),
         _chances(rows),
     ]
     if any(len(row.names) > 1 for row in rows):
