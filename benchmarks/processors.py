@@ -128,15 +128,15 @@ def answers(kernel: str, paths: list[Path], *, ladder: bool) -> Iterator[Row]:
         process.stdin.close()
 
 
-def difference(first: Row, other: Row) -> tuple[str, str]:
+def difference(first: Row, other: Row) -> tuple[str, list[str]]:
     """Return in what two answers differ, ``verdict``, ``names`` or ``digits``, and where; both empty if in nothing."""
     for kind in ("verdict", "names"):
         if first[kind] != other[kind]:
-            return kind, f"{first[kind]} | {other[kind]}"
-    for a, b in zip(first["lines"], other["lines"], strict=False):
-        if a != b:
-            return "digits", f"{a} | {b}"
-    return ("digits", "more lines") if len(first["lines"]) != len(other["lines"]) else ("", "")
+            return kind, [f"{first[kind]} | {other[kind]}"]
+    where = [f"{a} | {b}" for a, b in zip(first["lines"], other["lines"], strict=False) if a != b]
+    if len(first["lines"]) != len(other["lines"]):
+        where.append("more lines")
+    return ("digits" if where else ""), where
 
 
 def main() -> None:
@@ -146,6 +146,7 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--improve", action="store_true", help="compare whole ladders")
     parser.add_argument("--only", action="append", choices=(UNSET, *KERNELS, CHANGED), help="beside unset (repeatable)")
+    parser.add_argument("--every-line", action="store_true", help="print all lines that differ, not the first alone")
     parser.add_argument("--out", default=str(ROOT / "runs" / "processors"), help="where recordings are stored")
     parser.add_argument("--answer", help=argparse.SUPPRESS)
     arguments = parser.parse_args()
@@ -168,7 +169,9 @@ def main() -> None:
             kind, where = difference(first, other)
             if kind:
                 count[case] += 1
-                print(f"{name}, {case}: {kind} differ: {where}", flush=True)
+                print(f"{name}, {case}: {kind} differ: {where[0]}", flush=True)
+                for line in where[1:] if arguments.every_line else ():
+                    print(f"    {line}", flush=True)
         left = (time.perf_counter() - began) / done * (len(stored) - done)
         print(f"{done}/{len(stored)} {name} {first['verdict']} {first['names']}  {left / 60:.1f} min left", flush=True)
     for case in cases:

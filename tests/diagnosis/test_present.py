@@ -19,7 +19,7 @@ from fricmodels.diagnosis.present import show_comparison, show_diagnosis, show_l
 from fricmodels.dimension import Motion
 from fricmodels.model import Model
 from fricmodels.recording import Recording
-from fricmodels.results.words import LEAST_NOISE
+from fricmodels.results.words import LEAST_NOISE, chance_text, share_text
 from fricmodels.rig import write
 from fricmodels.rig.demonstration import hidden
 
@@ -55,10 +55,14 @@ def numbers(value: object, where: str = "") -> Iterator[tuple[str, float]]:
 
 
 def ways_to_print(value: float, where: str = "") -> set[str]:
-    """Return a number with three to five digits, or two for errors, and as percentage; small noise as its bound."""
+    """Return a number in two to five figures and as percentage; what means nothing as its bound."""
+    if where.endswith("p_value"):
+        return {chance_text(value).removeprefix("< ")}
+    if "share_of" in where or where.endswith("held_out_gain"):
+        return {share_text(value).removeprefix("< ").removesuffix(" %")}
     if where.endswith("noise_floor_percent") and value < LEAST_NOISE:
         return {f"{LEAST_NOISE}"}
-    return {f"{factor * value:.{digits}g}" for factor in (1, 100) for digits in (2, 3, 4, 5)}
+    return {f"{value:.{digits}g}" for digits in (1, 2, 3, 4, 5)}
 
 
 @pytest.mark.parametrize("width", [60, 80, 120])

@@ -41,7 +41,8 @@ def test_an_interval_is_as_precise_as_it_is_certain() -> None:
     assert wording.interval(1.81514, 0.000541) == ("1.8151", "± 0.0011")
     assert wording.interval(6.0, 0.4) == ("6.00", "± 0.78")
     assert wording.interval(1.8, None) == ("1.800", "")
-    assert wording.interval(0.001, 0.5) == ("0.0010", "± 0.98")
+    assert wording.interval(0.001, 0.5) == ("0", "± 0.98")
+    assert wording.interval(-0.07, 0.5) == ("−0.07", "± 0.98")
 
 
 @pytest.mark.parametrize(

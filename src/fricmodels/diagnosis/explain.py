@@ -11,7 +11,16 @@ from fricmodels.diagnosis.ladder import Ladder, added
 from fricmodels.diagnosis.predictability import AUTOREGRESSIVE
 from fricmodels.diagnosis.ripple import FastRipple
 from fricmodels.dimension import Motion
-from fricmodels.results.words import SAMPLING, about_noise, figures, look_alikes, of_motion
+from fricmodels.results.words import (
+    SAMPLING,
+    about_noise,
+    chance_in_words,
+    figures,
+    look_alikes,
+    of_motion,
+    share_text,
+    with_spread,
+)
 from fricmodels.weakform.ripple import relations
 
 _FEW = 2
@@ -103,12 +112,11 @@ def sentence(finding: Finding, motion: Motion = Motion.ROTARY) -> str:
     """Return one finding in words: the physics, the equation, the evidence, and what would tell look-alikes apart."""
     tested = finding.tested
     effect = tested.effect
-    share = 100 * tested.evidence.explained
     text = (
         f"'{tested.name}' is missing: {effect.physics} ({effect.formula}). Its mark in "
-        f"the residual: {effect.signature}. It explains {share:.0f} % of the residual and lowers it by "
-        f"{100 * tested.evidence.gain:.0f} % on blocks that were not used for fitting (p = {tested.adjusted:.1g} after "
-        f"correction for all effects tested).{_size(tested, motion)}"
+        f"the residual: {effect.signature}. It explains {share_text(tested.evidence.explained)} of the residual and "
+        f"lowers it by {share_text(tested.evidence.gain)} on blocks that were not used for fitting (p "
+        f"{chance_in_words(tested.adjusted)} after correction for all effects tested).{_size(tested, motion)}"
     )
     if len(finding.names) > 1:
         others = ", ".join(f"'{name}'" for name in finding.names[1:])
@@ -122,7 +130,8 @@ def _size(tested: CandidateTest, motion: Motion) -> str:
     if len(declared) > _FEW or any(p.symbol not in spread for p in declared):
         return ""
     sizes = (
-        f"{p.symbol} = {tested.parameters[p.symbol]:.3g} ± {spread[p.symbol]:.2g} {_unit(p.unit_for(motion))}".rstrip()
+        f"{p.symbol} = {with_spread(tested.parameters[p.symbol], spread[p.symbol])} "
+        f"{_unit(p.unit_for(motion))}".rstrip()
         for p in declared
     )
     return f" {', '.join(sizes)}."

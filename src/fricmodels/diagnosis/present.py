@@ -19,7 +19,21 @@ from fricmodels.diagnosis.places import profile
 from fricmodels.dimension import Motion
 from fricmodels.parameter import at_bound
 from fricmodels.recording import Recording
-from fricmodels.results.words import BY_WINDOW, FOUND, NOT_FOUND, NOT_SEEN, SIZE, form, in_percent, noise_text
+from fricmodels.results.words import (
+    BY_WINDOW,
+    FOUND,
+    NORMAL_95,
+    NOT_FOUND,
+    NOT_SEEN,
+    SIZE,
+    chance_text,
+    form,
+    noise_text,
+    share_text,
+    spread_text,
+    value_text,
+    with_spread,
+)
 from fricmodels.score import Errors, headline_window, torque_error_over
 from fricmodels.signals import stretches
 from fricmodels.terminal import Band, Column, Marks, bar, plain, show_plot, show_table, spoken
@@ -35,13 +49,13 @@ Array = NDArray[np.float64]
 
 _NO_OTHER = "may be 0"
 """Of a parameter whose 95 % interval includes zero."""
-_NORMAL_95 = 1.959964
-_NO_SPREAD = ("given", "not determined")
 _BAR = 20
 _NARROW_BAR = 8
 _SHOWN_REVERSALS = 4
 _LEAST_SHOWN = 100
 _SPEEDS = 120
+_SEARCHED = 4
+"""Figures of a parameter that was searched for, and has no standard error."""
 
 
 def show_comparison(console: Console, comparison: Comparison) -> None:
@@ -79,10 +93,10 @@ def show_bands(console: Console, errors: Errors, unit: str) -> None:
     bands = errors.bands
     columns = [
         Column("averaged over", ("a sample", *(f"{band.window_ms:.3g} ms" for band in bands[1:]))),
-        Column(f"fit error [{unit}]", tuple(f"{band.SI:.4g}" for band in bands), True),
-        Column(f"test error [{unit}]", tuple(f"{band.held_out_SI:.4g}" for band in bands), True),
-        Column("fit error", tuple(f"{band.percent:.4g} %" for band in bands), True),
-        Column("test error", tuple(f"{band.held_out_percent:.4g} %" for band in bands), True),
+        Column(f"fit error [{unit}]", tuple(f"{band.SI:.3g}" for band in bands), True),
+        Column(f"test error [{unit}]", tuple(f"{band.held_out_SI:.3g}" for band in bands), True),
+        Column("fit error", tuple(f"{band.percent:.3g} %" for band in bands), True),
+        Column("test error", tuple(f"{band.held_out_percent:.3g} %" for band in bands), True),
         Column("noise alone", tuple(noise_text(band.noise_floor_percent) for band in bands), True),
     ]
     show_table(console, columns, BY_WINDOW)
@@ -96,8 +110,8 @@ def show_parameters(console: Console, comparison: Comparison, title: str = "Para
     keys = tuple(estimate.parameters)
     columns = [
         Column("parameter", keys),
-        Column("value", tuple(f"{value:.5g}" for value in estimate.parameters.values()), number=True),
-        Column("std. error", tuple(_spread(estimate.standard_errors.get(key)) for key in keys), number=True),
+        Column("value", tuple(value_text(estimate.parameters[k], estimate.standard_errors.get(k)) for k in keys), True),
+        Column("std. error", tuple(spread_text(estimate.standard_errors.get(key)) for key in keys), number=True),
         Column("unit", tuple(units.get(key, "") for key in keys)),
     ]
     held = at_bound({p.key: p.declared for p in drive.parameters}, estimate.parameters)
@@ -111,15 +125,9 @@ def _remark(key: str, held: Sequence[str], estimate: Estimate) -> str:
     if key in held:
         return "at its bound"
     reason, error = estimate.not_identified.get(key, ""), estimate.standard_errors.get(key) or 0.0
-    if "contains zero" in reason or abs(estimate.parameters[key]) < _NORMAL_95 * error:
+    if "contains zero" in reason or abs(estimate.parameters[key]) < NORMAL_95 * error:
         return _NO_OTHER
     return "not identified" if reason else ""
-
-
-def _spread(error: float | None) -> str:
-    if error is None:
-        return _NO_SPREAD[0]
-    return f"{error:.2g}" if error > 0 else _NO_SPREAD[1]
 
 
 def show_overlay(console: Console, comparison: Comparison, rows: int = 13) -> None:
@@ -161,9 +169,9 @@ def show_where(console: Console, comparison: Comparison) -> None:
     bars = _bars(console, [row.share_of_squared_error for row in rows])
     columns = [
         Column("regime", tuple(row.regime for row in rows)),
-        Column("share of squared error", tuple(f"{100 * row.share_of_squared_error:.3g} %" for row in rows), True),
+        Column("share of squared error", tuple(share_text(row.share_of_squared_error) for row in rows), True),
         Column("", bars),
-        Column("share of samples", tuple(f"{100 * row.share_of_samples:.3g} %" for row in rows), True),
+        Column("share of samples", tuple(share_text(row.share_of_samples) for row in rows), True),
         Column("samples", tuple(str(row.samples) for row in rows), True),
         Column(f"RMS error [{unit}]", tuple(f"{row.rms_torque_error:.3g}" for row in rows), True),
     ]
@@ -186,12 +194,8 @@ def show_diagnosis(console: Console, diagnosis: Diagnosis, ladder: Ladder | None
     _show_visibility(console, data)
 
 
-def _shares(values: Iterable[float | None]) -> tuple[str, ...]:
-    return tuple(f"{form(in_percent(value), '.3g')} %" for value in values)
-
-
 def _chances(rows: Iterable[Candidate | Effect]) -> Column:
-    return Column("p value, corrected", tuple(form(row.p_value, ".3g") for row in rows), True)
+    return Column("p value, corrected", tuple(chance_text(row.p_value) for row in rows), True)
 
 
 def _show_candidates(console: Console, data: DiagnosisDocument) -> None:
@@ -201,8 +205,8 @@ def _show_candidates(console: Console, data: DiagnosisDocument) -> None:
         return
     columns = [
         Column("effect", tuple(row.name for row in rows)),
-        Column("lowers test error", _shares(row.held_out_gain for row in rows), True),
-        Column("explains", _shares(row.share_of_residual for row in rows), True),
+        Column("lowers test error", tuple(share_text(row.held_out_gain) for row in rows), True),
+        Column("explains", tuple(share_text(row.share_of_residual) for row in rows), True),
         _chances(rows),
         Column("passes all tests", tuple("yes" if row.gates else "no" for row in rows)),
     ]
@@ -217,7 +221,7 @@ def show_correlation(console: Console, comparison: Comparison) -> None:
         return
     keys, matrix = known
     columns = [Column("correlation of", keys)]
-    columns += [Column(key, tuple(f"{row[place]:.3g}" for row in matrix), True) for place, key in enumerate(keys)]
+    columns += [Column(key, tuple(f"{row[place]:.2g}" for row in matrix), True) for place, key in enumerate(keys)]
     show_table(console, columns, f"Correlation of the parameters of {comparison.drive.model.name}")
     console.print()
 
@@ -234,8 +238,8 @@ def _show_remaining(console: Console, data: DiagnosisDocument, final: Diagnosis)
         show_plot(console, [Marks("mean residual", "o", seen.at, seen.torque)], channel, f"[{data.unit}]")
         console.print()
     if rest.nearest:
-        here = form(data.ladder[-1].held_out_rms_percent, ".4g")
-        falls = tuple(f"{here} → {form(one.held_out_percent, '.4g')} %" for one in rest.nearest)
+        here = form(data.ladder[-1].held_out_rms_percent, ".3g")
+        falls = tuple(f"{here} → {form(one.held_out_percent, '.3g')} %" for one in rest.nearest)
         columns = [
             Column("effect", tuple(one.name for one in rest.nearest)),
             Column("test error", falls, True),
@@ -249,8 +253,8 @@ def _show_evidence(console: Console, data: DiagnosisDocument) -> None:
     rows = data.effects
     columns = [
         Column("effect", tuple(row.name for row in rows)),
-        Column("explains of the residual", _shares(row.share_of_residual for row in rows), True),
-        Column("lowers test error", _shares(row.held_out_gain for row in rows), True),
+        Column("explains of the residual", tuple(share_text(row.share_of_residual) for row in rows), True),
+        Column("lowers test error", tuple(share_text(row.held_out_gain) for row in rows), True),
         _chances(rows),
     ]
     if any(len(row.names) > 1 for row in rows):
@@ -262,8 +266,8 @@ def _show_found(console: Console, findings: list[Finding], motion: Motion) -> No
     rows = [
         (
             f"{f.tested.name}.{p.symbol}",
-            f"{f.tested.parameters[p.symbol]:.5g}",
-            _spread(f.tested.standard_errors[p.symbol]) if p.symbol in f.tested.standard_errors else "",
+            value_text(f.tested.parameters[p.symbol], f.tested.standard_errors.get(p.symbol), _SEARCHED),
+            spread_text(f.tested.standard_errors[p.symbol]) if p.symbol in f.tested.standard_errors else "",
             p.unit_for(motion),
             p.meaning,
         )
@@ -283,8 +287,8 @@ def _show_visibility(console: Console, data: DiagnosisDocument) -> None:
     if seen:
         columns = [
             Column("effect", tuple(data.seen)),
-            Column("% of RMS torque", tuple(f"{form(row.smallest_percent, '.3g')} %" for row in seen), True),
-            Column(f"RMS torque [{data.unit}]", tuple(form(row.smallest_torque, ".3g") for row in seen), True),
+            Column("% of RMS torque", tuple(f"{form(row.smallest_percent, '.2g')} %" for row in seen), True),
+            Column(f"RMS torque [{data.unit}]", tuple(form(row.smallest_torque, ".2g") for row in seen), True),
         ]
         if any(row.band for row in seen):
             unit = "1/rad" if data.motion is Motion.ROTARY else "1/m"
@@ -298,7 +302,7 @@ def _show_visibility(console: Console, data: DiagnosisDocument) -> None:
 
 
 def _band(row: Visible) -> str:
-    return "" if row.band is None else f"{form(row.band[0], '.3g')} to {form(row.band[1], '.3g')}"
+    return "" if row.band is None else f"{form(row.band[0], '.2g')} to {form(row.band[1], '.2g')}"
 
 
 def show_ladder(console: Console, ladder: Ladder) -> None:
@@ -309,8 +313,8 @@ def show_ladder(console: Console, ladder: Ladder) -> None:
     columns = [
         Column("step", tuple(str(number) for number in range(len(rungs))), True),
         Column("model", tuple(change(rung) for rung in rungs)),
-        Column("fit error", tuple(f"{error.percent:.4g} %" for error in errors), True),
-        Column("test error", tuple(f"{error.held_out_percent:.4g} %" for error in errors), True),
+        Column("fit error", tuple(f"{error.percent:.3g} %" for error in errors), True),
+        Column("test error", tuple(f"{error.held_out_percent:.3g} %" for error in errors), True),
         Column("", _bars(console, [error.held_out_percent / most for error in errors])),
     ]
     show_table(console, columns, f"The ladder: RMS torque error {errors[0].averaged}, in % of the RMS motor torque")
@@ -319,7 +323,12 @@ def show_ladder(console: Console, ladder: Ladder) -> None:
     keys = tuple(dict.fromkeys(key for estimate in estimates for key in estimate.parameters))
     columns = [Column("parameter", keys)]
     for number, estimate in enumerate(estimates):
-        cells = tuple(_with_spread(estimate, key) if key in estimate.parameters else "" for key in keys)
+        cells = tuple(
+            with_spread(estimate.parameters[key], estimate.standard_errors.get(key))
+            if key in estimate.parameters
+            else ""
+            for key in keys
+        )
         columns.append(Column(f"step {number}", cells, number=True))
     show_table(console, columns, "Parameters from step to step, ± standard error")
     console.print()
@@ -331,11 +340,6 @@ def change(step: Rung | Step) -> str:
     if step.removed:
         return f"without {step.removed}"
     return f"with {step.added}" if step.added else step.model
-
-
-def _with_spread(estimate: Estimate, key: str) -> str:
-    spread = _spread(estimate.standard_errors.get(key))
-    return f"{estimate.parameters[key]:.5g} {spread if spread in _NO_SPREAD else f'± {spread}'}"
 
 
 def _bars(console: Console, shares: list[float]) -> tuple[str, ...]:

@@ -13,7 +13,8 @@ from fricmodels.report.answer import Answer, answer, comparison_words
 from fricmodels.report.captions import where_words
 from fricmodels.report.channels import channel_of_rest, shown_over
 from fricmodels.report.figures.against import error_over
-from fricmodels.report.wording import counted, listed, percent, share, small
+from fricmodels.report.wording import change as change_of
+from fricmodels.report.wording import counted, listed, percent, small
 from fricmodels.results.words import ALONG, of_motion
 from fricmodels.terminal import Band, Column, Marks, bar, plain, show_plot, show_table, spoken
 
@@ -131,7 +132,7 @@ def _candidates(console: Console, data: DiagnosisDocument) -> None:
         return
     columns = [
         Column("candidate", tuple(row.name for row in rows)),
-        Column("error on test blocks", tuple(spoken(console, share(row.change)) for row in rows), True),
+        Column("error on test blocks", tuple(spoken(console, change_of(row.held_out_gain)) for row in rows), True),
         Column("p, corrected", tuple(spoken(console, small(row.p_value)) for row in rows), True),
         Column("passes all tests", tuple("yes" if row.gates else "no" for row in rows)),
     ]

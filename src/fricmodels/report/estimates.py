@@ -10,13 +10,13 @@ import numpy as np
 from fricmodels.report.figure_tables import points_of
 from fricmodels.report.page import Block, Fold, Picture
 from fricmodels.report.wording import count, listed, number
+from fricmodels.results.words import NORMAL_95
 
 if TYPE_CHECKING:
     from fricmodels.results.history import Course, ParameterHistory
 
 _NEAR = 0.05
 """Share of its final value within which an estimate has settled; or its 95 % interval, where that is wider."""
-_NORMAL_95 = 1.959964
 
 
 def histories(dataset: str, winner: str, found: Mapping[tuple[str, str], ParameterHistory]) -> list[Block]:
@@ -70,7 +70,7 @@ def _settled(history: ParameterHistory, course: Course) -> float | None:
     """Return from when on [s] an estimate stays near its final value; ``None`` where it does not until the end."""
     values = np.array([np.nan if each is None else each for each in course.estimates], dtype=float)
     final = values[-1] if course.final is None else course.final
-    room = max(_NEAR * abs(final), _NORMAL_95 * (course.standard_error or 0.0))
+    room = max(_NEAR * abs(final), NORMAL_95 * (course.standard_error or 0.0))
     away = np.flatnonzero(~(np.abs(values - final) <= room))
     if not len(away):
         return history.time[0]

@@ -23,7 +23,7 @@ from fricmodels.report.channels import channel_of_rest, shown_over
 from fricmodels.report.figure_tables import axis_title, cells_of, points_of
 from fricmodels.report.figures.residuals import changing
 from fricmodels.report.page import Picture, Table, table
-from fricmodels.report.wording import count, counted, number, percent, share, small
+from fricmodels.report.wording import change, count, counted, number, percent, share, small
 from fricmodels.results.words import ALONG
 
 if TYPE_CHECKING:
@@ -249,7 +249,7 @@ def ranked(best: Sequence[Candidate], model: str) -> Picture:
     cells = [
         (
             row.name,
-            share(row.change),
+            change(row.held_out_gain),
             share(row.share_of_residual),
             small(row.p_value),
             "yes" if row.gates else "no",
@@ -276,8 +276,8 @@ def regimes(comparison: Comparison) -> Table:
         (
             row.regime,
             number(row.rms_torque_error),
-            f"{100 * row.share_of_squared_error:.1f} %",
-            f"{100 * row.share_of_samples:.1f} %",
+            share(row.share_of_squared_error),
+            share(row.share_of_samples),
         )
         for group in grouped(comparison.where).values()
         for row in group

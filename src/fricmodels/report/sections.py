@@ -39,7 +39,6 @@ from fricmodels.report.pictures import (
     ranked,
 )
 from fricmodels.report.wording import (
-    NORMAL_95,
     counted,
     declared,
     interval,
@@ -56,7 +55,7 @@ from fricmodels.report.wording import (
     unit,
     unit_of,
 )
-from fricmodels.results.words import BY_WINDOW, look_alikes, of_motion
+from fricmodels.results.words import BY_WINDOW, NORMAL_95, look_alikes, of_motion
 
 if TYPE_CHECKING:
     from fricmodels.diagnosis.comparison import Comparison
@@ -329,7 +328,7 @@ def limits(data: DiagnosisDocument, comparisons: Sequence[Comparison] = ()) -> S
     if seen:
         sizes: dict[tuple[str, str], list[str]] = {}
         for name, row in sorted(seen.items(), key=lambda item: item[1].smallest_percent or 0.0):
-            size = (percent(row.smallest_percent), number(row.smallest_torque))
+            size = (percent(row.smallest_percent, 2), number(row.smallest_torque, 2))
             sizes.setdefault(size, []).append(name)
         titles = {"of the RMS torque": True, f"RMS torque [{data.unit}]": True, "effects": False}
         blocks += [

@@ -12,14 +12,11 @@ from fricmodels.dimension import Motion
 from fricmodels.model import Model
 from fricmodels.parameter import Parameter
 from fricmodels.report.figures.style import EXPONENT
-from fricmodels.results.words import LEAST_CHANCE, LEAST_NOISE, in_percent
+from fricmodels.results.words import LEAST_CHANCE, LEAST_NOISE, NORMAL_95, borne, change_text, share_text
 
-NORMAL_95 = 1.959964
-"""Standard errors on either side of a 95 % interval."""
 _POWER = re.compile(r"(?<![\w.])(\d+(?:\.\d+)?)e([+-]?\d+)\b")
 _SUPERSCRIPT = str.maketrans("-0123456789/.", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹ᐟ·")
 _LEAST_PERCENT = 0.001
-_UNCERTAIN_DIGITS = 2
 _SIGNALS = {
     "ω(?!_)": "ω: velocity",
     "q": "q: position",
@@ -32,11 +29,11 @@ _SIGNALS = {
 """How equations write the signals of a recording."""
 
 
-def percent(value: float | None) -> str:
-    """Return a percentage in three figures; a dash for none. Less than a thousandth of a percent is not told apart."""
+def percent(value: float | None, digits: int = 3) -> str:
+    """Return a percentage in so many figures; a dash for none. Less than a thousandth of one is not told apart."""
     if value is not None and 0 < value < _LEAST_PERCENT:
         return f"<\u00a0{_LEAST_PERCENT}\u00a0%"
-    return "–" if value is None or not math.isfinite(value) else f"{number(value)}\u00a0%"
+    return "–" if value is None or not math.isfinite(value) else f"{number(value, digits)}\u00a0%"
 
 
 def noise_alone(value: float | None) -> str:
@@ -45,8 +42,13 @@ def noise_alone(value: float | None) -> str:
 
 
 def share(value: float | None) -> str:
-    """Return a share as a percentage in three figures; a dash for none."""
-    return percent(in_percent(value))
+    """Return a share of the error as the terminal does, its unit beside it."""
+    return share_text(value).replace(" ", "\u00a0")
+
+
+def change(gain: float | None) -> str:
+    """Return the change of the error with an effect that takes away a share of it, as the terminal does."""
+    return change_text(gain).replace("-", "−").replace(" %", "\u00a0%")
 
 
 def number(value: float | None, digits: int = 3) -> str:
@@ -77,9 +79,7 @@ def interval(value: float | None, error: float | None) -> tuple[str, str]:
     if value is None or error is None or not math.isfinite(error) or error <= 0:
         return number(value, 4), ""
     half = NORMAL_95 * error
-    size = math.floor(math.log10(max(abs(value), half)))
-    digits = min(8, max(1, size - math.floor(math.log10(half)) + _UNCERTAIN_DIGITS))
-    return number(value, digits), "± " + number(half, _UNCERTAIN_DIGITS)
+    return number(*borne(value, half)), "± " + number(half, 2)
 
 
 def small(p_value: float | None) -> str:

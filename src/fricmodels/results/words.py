@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 
 from fricmodels.dimension import Motion
@@ -63,6 +64,71 @@ def figures(value: float, digits: int = 2) -> str:
     """Return a number in so many figures and, below a million, without a power of ten: 140, not 1.4e+02."""
     text = f"{value:.{digits}g}"
     return f"{float(text):.0f}" if "e+" in text and abs(value) < 1e6 else text
+
+
+NORMAL_95 = 1.959964
+"""Standard errors on either side of a 95 % interval."""
+MOST_FIGURES = 5
+"""Of a parameter, however small its error: no torque is known better."""
+_OF_AN_ERROR = 2
+"""Figures of a standard error: it is an estimate itself, from few recordings of its kind."""
+
+
+def borne(value: float, error: float) -> tuple[float, int]:
+    """Return a value to the second figure of its error, at most five, and in how many figures it is written so."""
+    last = _power(error, _OF_AN_ERROR) - _OF_AN_ERROR + 1
+    last = max(last, _power(value, MOST_FIGURES) - MOST_FIGURES + 1) if value else last
+    rounded = round(value, -last) + 0.0  # no zero with a sign
+    return rounded, max(_power(rounded, MOST_FIGURES) - last + 1, 1)
+
+
+def _power(value: float, digits: int) -> int:
+    """Return the power of ten of a number as it is written in so many figures: 1 of 9.96 in two."""
+    return int(f"{value:.{digits - 1}e}".partition("e")[2])
+
+
+def value_text(value: float, error: float | None, without: int = MOST_FIGURES) -> str:
+    """Return a parameter in the figures that its standard error bears, or in so many without one."""
+    known = error is not None and math.isfinite(error) and error > 0
+    return figures(*borne(value, error)) if known and error is not None else figures(value, without)
+
+
+def spread_text(error: float | None) -> str:
+    """Return a standard error, or half of an interval, in two figures; in words where there is none."""
+    return "given" if error is None else figures(error, _OF_AN_ERROR) if error > 0 else "not determined"
+
+
+def with_spread(value: float, error: float | None) -> str:
+    """Return a parameter with its standard error: ``1.81 ± 0.02``."""
+    known = error is not None and error > 0
+    return f"{value_text(value, error)} {'± ' if known else ''}{spread_text(error)}"
+
+
+def share_text(share: float | None) -> str:
+    """Return a share of an error that an effect takes away, in whole percent.
+
+    Less than one percent, and all that would raise the error, is nothing that could be told from another recording.
+    """
+    return "–" if share is None else "< 1 %" if share < _LEAST_SHARE else f"{100 * share:.0f} %"
+
+
+_LEAST_SHARE = 0.01
+
+
+def change_text(gain: float | None) -> str:
+    """Return how the error changes with an effect that takes away such a share of it."""
+    return "no less" if gain is not None and gain < _LEAST_SHARE else f"-{share_text(gain)}".replace("-–", "–")
+
+
+def chance_text(p_value: float | None) -> str:
+    """Return a probability in one figure; below one in a million the number means nothing."""
+    return "–" if p_value is None else f"< {LEAST_CHANCE:.0e}" if p_value < LEAST_CHANCE else f"{p_value:.1g}"
+
+
+def chance_in_words(p_value: float) -> str:
+    """Return a probability as it follows its letter in a sentence: ``= 0.02``, or ``< 1e-06``."""
+    text = chance_text(p_value)
+    return text if text.startswith("<") else f"= {text}"
 
 
 def in_percent(share: float | None) -> float | None:

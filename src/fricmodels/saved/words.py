@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from fricmodels.dimension import Motion
 from fricmodels.recording import OTHER
+from fricmodels.results.words import NORMAL_95, spread_text, value_text
 from fricmodels.saved.document import ModelDocument, StoredParameter
 
 
@@ -35,7 +36,7 @@ def error_in_words(document: ModelDocument) -> str:
     error = document.error
     if error is None:
         return "test error unknown"
-    test = "unknown" if error.test_percent is None else f"{error.test_percent:.4g} %"
+    test = "unknown" if error.test_percent is None else f"{error.test_percent:.3g} %"
     what = "force" if document.motion is Motion.LINEAR else "motor torque"
     return f"test error {test} of the RMS {what}, averaged over {error.window_ms:.3g} ms"
 
@@ -48,8 +49,9 @@ def _channel(name: str, motion: Motion) -> str:
 
 def _value(p: StoredParameter) -> str:
     unit = "" if p.unit == "1" else f" {p.unit}"
-    spread = f" ± {1.96 * p.standard_error:.2g}" if p.standard_error is not None else ""
+    half = None if p.standard_error is None else NORMAL_95 * p.standard_error
+    spread = "" if half is None else f" ± {spread_text(half)}"
     notes = [*(["given"] if p.given else []), *([f"at its bound ({p.at_bound})"] if p.at_bound else [])]
     if not p.identified:
         notes.append(f"NOT DETERMINED: {p.reason}")
-    return f"{p.value:.6g}{spread}{unit}" + (f"  [{'; '.join(notes)}]" if notes else "")
+    return f"{value_text(p.value, half)}{spread}{unit}" + (f"  [{'; '.join(notes)}]" if notes else "")

@@ -71,8 +71,8 @@ class Errors:
         line, sample = self.headline, self.per_sample
         noise = about_noise(line.noise_floor_percent)
         text = (
-            f"RMS torque error {self.averaged}: {line.SI:.4g} {unit}, {line.percent:.4g} % of the RMS motor torque; "
-            f"test error {line.held_out_percent:.4g} %; noise alone would leave {noise}."
+            f"RMS torque error {self.averaged}: {line.SI:.3g} {unit}, {line.percent:.3g} % of the RMS motor torque; "
+            f"test error {line.held_out_percent:.3g} %; noise alone would leave {noise}."
         )
         if line is sample:
             return text
