@@ -62,6 +62,8 @@ def ways_to_print(value: float, where: str = "") -> set[str]:
         return {share_text(value).removeprefix("< ").removesuffix(" %")}
     if where.endswith("noise_floor_percent") and value < LEAST_NOISE:
         return {f"{LEAST_NOISE}"}
+    if where.endswith("recording.interval"):  # printed in ms
+        return {f"{1000 * value:.3g}"}
     return {f"{value:.{digits}g}" for digits in (1, 2, 3, 4, 5)}
 
 
