@@ -349,7 +349,8 @@ class Policy:
         0.025,
         "share of the test error",
         "A model with more parameters takes the place of another if its test error is lower by this share, one with "
-        "as many or fewer if it is higher by no more than this. A look-alike comes first if its is lower by this.",
+        "as many or fewer if it is higher by no more than this. A look-alike with no more parameters comes first if "
+        "its test error is lower by this, one with more if it is lower by refit_share.",
         "Judgement: half of least_gain.",
         off=0.0,
     )

@@ -61,16 +61,25 @@ def refit_check(
 def _led_by_fit(refits: Refits, named: LookAlikes, policy: Policy) -> LookAlikes:
     """Return a class of look-alikes with that first which, fitted, leaves the least test error.
 
-    What explains the rows as well need not fit the record as well. The first in the rows stays where its test error is
-    as low but for the margin of an exchange. What happened once gives way to what repeats: that can be tested again.
+    What explains the rows as well need not fit the record as well. The first in the rows gives way to one with no more
+    parameters whose error is lower by the margin of an exchange, and to one with more whose error is far lower. What
+    happened once gives way to what repeats with no more parameters and as low an error: that can be tested again.
     """
-    tried = named.members[: policy.step_trials]
-    if len(tried) < 2:
+    first, *others = named.members[: policy.step_trials]
+    if not others:
         return named
-    errors = [_test_error(refits.with_effect(t)) for t in tried]
-    near = [t for t, error in zip(tried, errors, strict=True) if error <= (1 + policy.exchange_margin) * min(errors)]
-    first = min(near, key=lambda t: t.effect.depends_on_time, default=named.first)
+    least = _test_error(refits.with_effect(first))
+    for other in others:
+        error, simple = _test_error(refits.with_effect(other)), _parameters(other) <= _parameters(first)
+        repeats = simple and first.effect.depends_on_time and not other.effect.depends_on_time
+        margin = 1 + policy.exchange_margin if repeats else 1 - policy.exchange_margin if simple else policy.refit_share
+        if error <= margin * least:
+            first, least = other, error
     return LookAlikes(first, (first, *(t for t in named.members if t is not first)))
+
+
+def _parameters(tested: CandidateTest) -> int:
+    return len(tested.effect.parameters)
 
 
 def _test_error(comparison: Comparison | None) -> float:
