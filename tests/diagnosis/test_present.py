@@ -64,7 +64,8 @@ def ways_to_print(value: float, where: str = "") -> set[str]:
         return {f"{LEAST_NOISE}"}
     if where.endswith("recording.interval"):  # printed in ms
         return {f"{1000 * value:.3g}"}
-    return {f"{value:.{digits}g}" for digits in (1, 2, 3, 4, 5)}
+    least = 1 if "parameters" in where else 2  # a parameter has the figures that its standard error bears
+    return {f"{value:.{digits}g}" for digits in range(least, 6)}
 
 
 @pytest.mark.parametrize("width", [60, 80, 120])
