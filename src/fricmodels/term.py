@@ -198,6 +198,10 @@ class Effect(Term):
     needs_motion: ClassVar[str] = ""
     """What a recording must contain to show it: slow motion, reversals, a wide speed range, …"""
 
+    friction: ClassVar[bool] = False
+    """Whether it is a part of the friction: it may push by itself, but what it leaves of the law's friction does not.
+    Half the difference of two Coulomb torques is never more than their mean."""
+
     absent: ClassVar[str] = "the recording has nothing that it could be of"
     """Why a recording may have no candidate for it; see :meth:`candidates`."""
 

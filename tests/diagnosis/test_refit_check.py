@@ -84,7 +84,7 @@ def test_it_is_named_on_all_motion_with_the_friction_that_it_has(bent: Compariso
 def test_nothing_is_named_on_the_same_motion_of_a_stiff_contact(stiff: Comparison) -> None:
     assert examine(stiff).verdict == "adequate"
     result = candidate_tests(replace(stiff.problem), stiff.estimate.parameters)
-    assert refit_check(Refits(stiff), result, (), None) is None
+    assert refit_check(Refits(stiff, POLICY), result, (), None) is None
 
 
 def test_without_it_no_other_one_takes_its_place(bent: Comparison) -> None:
@@ -101,14 +101,14 @@ def test_what_the_rows_name_stands_only_if_the_error_falls_with_it(bent: Compari
     assert torque_share(result, tested.evidence) < 0.2 * bent.sliding.held_out_percent / 100
     with_it = with_effect(bent, tested.effect, tested.parameters)
     assert (with_it.sliding.held_out_percent < (1 - POLICY.least_gain) * bent.sliding.held_out_percent) is helps
-    found = refit_check(Refits(bent), result, ["presliding"], LookAlikes(tested, (tested,)))
+    found = refit_check(Refits(bent, POLICY), result, ["presliding"], LookAlikes(tested, (tested,)))
     assert (found is not None) is helps
 
 
 def test_an_effect_without_memory_is_left_as_the_rows_name_it(stiff: Comparison) -> None:
     result = candidate_tests(replace(stiff.problem), stiff.estimate.parameters, only=["torque-offset"])
     named = LookAlikes(result.tested[0], result.tested)
-    assert refit_check(Refits(stiff), result, (), named) is named
+    assert refit_check(Refits(stiff, POLICY), result, (), named) is named
 
 
 def test_the_model_with_it_is_fitted_to_all_motion(bent: Comparison) -> None:
@@ -200,7 +200,7 @@ def test_an_effect_that_comes_out_as_nothing_is_not_what_lowers_the_error(
         values = {**fitted.estimate.parameters, "torque-offset.tau_0": offset}
         given = replace(fitted, estimate=replace(fitted.estimate, parameters=values))
         monkeypatch.setattr(refits, "with_effect", lambda *_, given=given: given)
-        assert (Refits(stiff).with_effect(tested) is not None) is stays
+        assert (Refits(stiff, POLICY).with_effect(tested) is not None) is stays
 
 
 @pytest.mark.parametrize(("samples", "names"), [(1.0, []), (1.03, ["sensor-delay"]), (1.2, ["sensor-delay"])])
@@ -230,7 +230,7 @@ def led(made: Made, truth: dict[str, float], *names: str) -> list[str]:
     comparison = compare(made(f"coulomb-viscous+{effect}", truth), "coulomb-viscous", 2.0)
     result = candidate_tests(replace(comparison.problem), comparison.estimate.parameters, only=names)
     members = tuple(next(t for t in result.tested if t.name == name) for name in names)
-    return _led_by_fit(Refits(comparison), LookAlikes(members[0], members), POLICY).names
+    return _led_by_fit(Refits(comparison, POLICY), LookAlikes(members[0], members), POLICY).names
 
 
 def test_of_look_alikes_that_which_fits_the_record_comes_first(made: Made) -> None:

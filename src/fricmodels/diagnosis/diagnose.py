@@ -141,7 +141,7 @@ def diagnose(
 
 def examine(comparison: Comparison, *, leave_out: Iterable[str] = (), policy: Policy = POLICY) -> Diagnosis:
     """Test every effect on what a fitted model leaves over."""
-    out, parameters, refits = set(leave_out), comparison.estimate.parameters, Refits(comparison)
+    out, parameters, refits = set(leave_out), comparison.estimate.parameters, Refits(comparison, policy)
     result = candidate_tests(replace(comparison.problem), parameters, leave_out=out, policy=policy)
     best = select_effect(result)
     ripple = fast_ripple(result.problem, parameters, out, policy)

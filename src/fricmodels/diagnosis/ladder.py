@@ -273,7 +273,7 @@ class _Search:
             if seems.first.name == name:
                 self._update_look_alikes(name, seems.names)
                 continue
-            trial = Refits(smaller).with_effect(seems.first)
+            trial = Refits(smaller, self._policy).with_effect(seems.first)
             if trial is None or not self._may_replace(trial, smaller):
                 continue
             diagnosis = self._examine(smaller)

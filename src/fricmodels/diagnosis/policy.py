@@ -84,6 +84,16 @@ class Policy:
         off=_INF,
     )
 
+    driving_friction: float = _rule(
+        0.05,
+        "share of the work that the friction takes",
+        "An effect that is a part of the friction is refused if the friction that is fitted with it drives the joint by "
+        "more than this.",
+        "Physical: friction drives by nothing; the rest is for errors of the estimate. Of 45 rough drives with such an "
+        "effect in the last model the share is zero in all.",
+        off=_INF,
+    )
+
     # ---- Which of those that pass is named, and with which look-alikes ------------------------------------------
     parameter_price: float = _rule(
         0.025,

@@ -63,11 +63,17 @@ def _led_by_fit(refits: Refits, named: LookAlikes, policy: Policy) -> LookAlikes
 
     What explains the rows as well need not fit the record as well. The first in the rows gives way to one with no more
     parameters whose error is lower by the margin of an exchange, and to one with more whose error is far lower. What
-    happened once gives way to what repeats with no more parameters and as low an error: that can be tested again.
+    happened once gives way to what repeats with no more parameters and as low an error: that can be tested again. One
+    that comes out as nothing, or as a friction that drives, is no look-alike.
     """
-    first, *others = named.members[: policy.step_trials]
-    if not others:
+    tried = named.members[: policy.step_trials]
+    if len(tried) == 1:
         return named
+    possible = [t for t in tried if refits.with_effect(t) is not None]
+    if not possible:
+        return named
+    first, *others = possible
+    members = (*possible, *named.members[len(tried) :])
     least = _test_error(refits.with_effect(first))
     for other in others:
         error, simple = _test_error(refits.with_effect(other)), _parameters(other) <= _parameters(first)
@@ -75,7 +81,7 @@ def _led_by_fit(refits: Refits, named: LookAlikes, policy: Policy) -> LookAlikes
         margin = 1 + policy.exchange_margin if repeats else 1 - policy.exchange_margin if simple else policy.refit_share
         if error <= margin * least:
             first, least = other, error
-    return LookAlikes(first, (first, *(t for t in named.members if t is not first)))
+    return LookAlikes(first, (first, *(t for t in members if t is not first)))
 
 
 def _parameters(tested: CandidateTest) -> int:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from fricmodels.diagnosis.candidate_tests import CandidateTest
 from fricmodels.diagnosis.comparison import Comparison, with_effect
+from fricmodels.diagnosis.passive import driving_share
+from fricmodels.diagnosis.policy import Policy
 from fricmodels.errors import FricmodelsError
 from fricmodels.progress import stage
 from fricmodels.term import Effect
@@ -19,10 +21,11 @@ class Refits:
 
     Args:
         comparison: the model without it.
+        policy: the constants that decide.
     """
 
-    def __init__(self, comparison: Comparison) -> None:
-        self.comparison = comparison
+    def __init__(self, comparison: Comparison, policy: Policy) -> None:
+        self.comparison, self.policy = comparison, policy
         self._found: dict[Key, Comparison | None] = {}
         self._beside: dict[Key, Refits] = {}
 
@@ -30,7 +33,7 @@ class Refits:
         """Return the model with an effect, fitted from the estimate of it.
 
         ``None`` where that fails, or where the effect comes out as nothing, or as a slow change that is over at once: a
-        smaller error is then not its doing.
+        smaller error is then not its doing. Nor is a friction that drives what it says it is.
         """
         key = _key(tested)
         if key not in self._found:
@@ -41,15 +44,19 @@ class Refits:
                 self._found[key] = None
             else:
                 useless = is_nothing(fitted, tested.name) or _is_over_at_once(fitted, tested.effect)
-                self._found[key] = None if useless else fitted
+                self._found[key] = None if useless or self._drives(fitted, tested.effect) else fitted
         return self._found[key]
 
     def beside(self, tested: CandidateTest) -> Refits | None:
         """Return the fits of the model that has this effect already; ``None`` where it cannot be fitted."""
         model, key = self.with_effect(tested), _key(tested)
         if model is not None and key not in self._beside:
-            self._beside[key] = Refits(model)
+            self._beside[key] = Refits(model, self.policy)
         return self._beside.get(key)
+
+    def _drives(self, fitted: Comparison, effect: Effect) -> bool:
+        """Whether an effect that is a part of the friction makes of it one that drives."""
+        return effect.friction and driving_share(fitted) > self.policy.driving_friction
 
     def lowers_test_error(self, tested: CandidateTest) -> bool:
         """Whether the test error falls with an effect: that of the decisions, and that of some window that is printed.

@@ -22,6 +22,7 @@ class Asymmetry(Effect):
     formula = "τ = c + d·|ω|"
     signature = "positive and negative motion differ by a constant, by a slope in speed, or both"
     needs_motion = "motion in both directions"
+    friction = True
     separated_from = {
         "torque-offset": "a static test: hold the drive at rest without torque, or turn it over by hand; an offset is "
         "there at rest too",

@@ -19,6 +19,7 @@ class DirectionalEfficiency(Effect):
     formula = "τ = (μ_d where τ_L·ω ≥ 0, μ_b where τ_L·ω < 0)·|τ_L|·sgn ω"
     signature = "in proportion to the load, with another slope when driven back"
     needs_motion = "a varying load, both signs of power"
+    friction = True
     mu_d = Parameter("mu_d", lower=0.0, meaning="loss per load torque when the motor drives the load")
     mu_b = Parameter("mu_b", lower=0.0, meaning="loss per load torque when the load drives the motor")
 

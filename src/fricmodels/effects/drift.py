@@ -23,6 +23,7 @@ class Drift(Effect):
     formula = "τ = (a·ω + b·sgn ω)·T·(1 − exp(−t/T))"
     signature = "along the motion, growing or falling with time"
     needs_motion = "a long record"
+    friction = True
     separated_from = {"step-change": THERMOMETER}
     symmetry = "odd"
     depends_on_time = True

@@ -19,6 +19,7 @@ class LoadFriction(Effect):
     formula = "τ = μ·|τ_L|·sgn ω"
     signature = "along the motion, in proportion to the load"
     needs_motion = "a varying load"
+    friction = True
     separated_from = {"directional-efficiency": "the same load driven and driven back at equal speeds"}
     dissipative = True
     symmetry = "odd"

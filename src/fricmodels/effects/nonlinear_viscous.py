@@ -23,6 +23,7 @@ class NonlinearViscous(Effect):
     formula = "τ = (a·|ω|^(1/2) + b·ω²)·sgn ω"
     signature = "along the motion, curved over speed"
     needs_motion = "a wide speed range"
+    friction = True
     separated_from = dict.fromkeys(("rising-stiction", "frictional-lag"), SMALL_REVERSALS)
     symmetry = "odd"
     a = Parameter("a", unit="N m s^(1/2)/rad^(1/2)", meaning="coefficient of the square root of speed")

@@ -24,6 +24,7 @@ class PositionFriction(Wave):
     formula = "τ = (a·cos kq + b·sin kq + a_2·cos 2kq + b_2·sin 2kq)·sgn ω"
     signature = "periodic in position, flipping with the direction"
     needs_motion = "several periods in position"
+    friction = True
     separated_from = dict.fromkeys(("cogging", "torque-ripple", "gravity", "stiffness"), BOTH_DIRECTIONS)
     symmetry = "odd"
     a = Parameter("a", unit="N m", meaning="cosine amplitude")

@@ -23,6 +23,7 @@ class RisingStiction(Effect):
     formula = "τ = F·z·sgn ω;  dz/dt = (1 − z)/T − |ω|·z/x_s"
     signature = "a breakaway peak that grows with the time at rest"
     needs_motion = "rests of different lengths"
+    friction = True
     F = Parameter("F", unit="N m", lower=0.0, meaning="rise of the breakaway torque after a long rest")
     T = Parameter(
         "T",

@@ -20,6 +20,7 @@ class Stribeck(Effect):
     formula = "τ = F_s·exp(−(|ω|/ω_s)^δ)·sgn ω"
     signature = "along the motion and near zero speed only"
     needs_motion = "slow sliding"
+    friction = True
     separated_from = {
         "nonlinear-viscous": "a wider speed range: constant speeds from a hundredth of the peak speed to the peak",
         "rising-stiction": SLOW_REVERSALS,

@@ -23,6 +23,7 @@ class Thermal(Effect):
     formula = "τ = a·ϑ_v·(1 − exp(−ϑ/ϑ_v))·ω + b·ϑ·sgn ω"
     signature = "along the motion, changing with the temperature"
     needs_motion = "a temperature that changes"
+    friction = True
     separated_from = dict.fromkeys(("drift", "step-change"), THERMOMETER)
     symmetry = "odd"
     a = Parameter("a", unit="N m s/rad/K", meaning="change of the viscous coefficient per kelvin, at 0 °C")

@@ -14,7 +14,7 @@ from fricmodels.weakform.cases import with_or_without_shift
 from fricmodels.weakform.hidden import drowned, lost_in_noise, sign_is_hidden
 from fricmodels.weakform.nonlinear import nonlinear_search
 from fricmodels.weakform.separable import separable
-from fricmodels.weakform.solve import Solved
+from fricmodels.weakform.solve import Solved, is_contradicted
 
 Array = NDArray[np.float64]
 
@@ -31,8 +31,10 @@ def identified(found: Solved) -> Solved:
     """Return the fit with what the recording does not determine named, and held at nothing where that costs nothing.
 
     One parameter after the other is held, the least determined first, as long as all that are held may together be what
-    they are held at (Wald test at 5 %). So two that stand for one another are not both dropped. Where only a
-    combination is determined the last of its members is held: what the model has without it stays what it is.
+    they are held at (Wald test at 5 %), and the rows do not contradict it. So two that stand for one another are not
+    both dropped. Nor is an amplitude of which the interval contains zero since it trades with a speed that was sought
+    with it, and without which far more is left. Where only a combination is determined the last of its members is held:
+    what the model has without it stays what it is.
 
     Args:
         found: the fit with nothing held.
@@ -62,8 +64,17 @@ def identified(found: Solved) -> Solved:
         if key != loose and key not in lost_in_noise(noisy) and not _may_be(free, plan.held):
             refused.add(key)
             continue
+        smaller = with_or_without_shift(found, plan)
+        if key != loose and is_contradicted(_more_without(smaller, now), now):
+            refused.add(key)
+            continue
         held[key] = f"{reasons[key]}; held at {value:.3g}"
-        now = with_or_without_shift(found, plan)
+        now = smaller
+
+
+def _more_without(smaller: Solved, larger: Solved) -> float:
+    """Return by which share more is left of the same rows with a parameter held than with it free."""
+    return smaller.solution.cost / larger.solution.cost - 1.0
 
 
 def _may_be(free: Solved, values: Mapping[str, float]) -> bool:

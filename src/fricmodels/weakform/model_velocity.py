@@ -22,7 +22,7 @@ from fricmodels.weakform.hidden import drowned, sign_is_hidden
 from fricmodels.weakform.nonlinear import Plan
 from fricmodels.weakform.predicted_velocity import ModelVelocity, both_ways, model_velocity, risk, sought
 from fricmodels.weakform.row_noise import FEWEST_WHERE_ALL_COUNT, NOISE_SHARE_WHERE_ALL_COUNT, bump_width
-from fricmodels.weakform.solve import STRONG, Solved, solve
+from fricmodels.weakform.solve import STRONG, Solved, is_contradicted, solve
 from fricmodels.weakform.tangent import tangents
 
 Array = NDArray[np.float64]
@@ -33,8 +33,6 @@ _CONTRADICTED = 2.0
 """A fit that leaves so many times the sum of squares of the rows at the smoothed velocity is contradicted by them. One
 that is right, where noise makes the fit to these rows wrong by ten standard errors, leaves less than that of 100 rows.
 """
-_UNLIKELY = 0.01
-"""Probability below which rows contradict a fit. The one that then stays is less certain, but as true."""
 _CLEARLY = 1.25
 """Factor by which half the gain must predict the velocity worse for the measured one to be told from a smoother one. A
 difference that wanders without noise gives a third more, a steady one four times as much, noise alone a third less."""
@@ -81,7 +79,7 @@ def at_model_velocity(found: Solved, *, widen: bool = True) -> Solved:
     if best.with_shift.log_odds_of_a_shift() > STRONG:
         return at_smooth
     more = _left_by(best.values, found) / found.solution.cost - 1.0
-    if more > _CONTRADICTED - 1.0 or (found is not at_smooth and _is_contradicted(more, found)):
+    if more > _CONTRADICTED - 1.0 or (found is not at_smooth and is_contradicted(more, found)):
         return at_smooth  # what the rows at the measured velocity contradict is not more certain than they are
     if predicted is None or _risk_of(predicted, recording) > smooth:
         return at_smooth
@@ -111,18 +109,6 @@ def _changes(found: Solved, predicted: ModelVelocity) -> Array:
             change[inside] -= both_ways(change[inside], gain)
     changes = np.where(predicted.velocity == predicted.simulated, of_model, changes)
     return np.where(predicted.resting, 0.0, changes)
-
-
-def _is_contradicted(more: float, found: Solved) -> bool:
-    """Whether so much more is left of the rows, as a share, than chance explains (F test).
-
-    Rows that are certain enough to tell a held torque are certain enough for that, too.
-    """
-    from scipy.special import fdtrc
-
-    count = len(found.values)
-    free = found.problem.independent - count
-    return free > 0.0 and bool(fdtrc(count, free, max(more, 0.0) * free / count) < _UNLIKELY)
 
 
 def _left_by(values: Array, found: Solved) -> float:

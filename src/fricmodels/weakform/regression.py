@@ -195,6 +195,22 @@ class Regression:
         other.loss = other.residual**2
         return other
 
+    def terms_for(self, scores: Array) -> int:
+        import os
+        if os.environ.get("OLDTERMS"): return self.terms
+        hop = max(int(round(2 * scores.shape[1] / self._independent)), 1)
+        n = self._independent / 2
+        later, before = scores[:, hop:], scores[:, :-hop]
+        if later.shape[1] < 2: return self.terms
+        size = np.sqrt(np.sum(later**2, axis=1) * np.sum(before**2, axis=1))
+        r = float(np.max(np.sum(later * before, axis=1) / np.where(size > 0, size, 1.0)))
+        r = min(max(r, 0.0) + 1 / np.sqrt(n), 0.95)
+        b = np.pi**2 / 6 * 2 * r / (1 - r) ** 2
+        best = n**0.8 * (2 * b * b) ** -0.2
+        free = max(int(self._independent) - self._basis.shape[1], 1)
+        most = min(int(self._independent / 4), free)
+        return int(max(self.terms, min(best, most)))
+
     def visible(self, columns: Array) -> NDArray[np.bool_]:
         """Mark the columns that differ from what the base model, and the columns before them, can do, shape (q,)."""
         mask = np.zeros(len(columns), dtype=bool)
@@ -261,14 +277,16 @@ class Regression:
         q = len(columns)
         # What was fitted took its share of the residual: as many degrees of freedom of the independent rows.
         gone = min(self._basis.shape[1] + q, 0.75 * self._independent)
-        variance = long_run_sum(directions * left, self.terms) * (self._independent / (self._independent - gone))
+        scores = directions * left
+        terms = self.terms_for(scores)
+        variance = long_run_sum(scores, terms) * (self._independent / (self._independent - gone))
         theta = turn @ along
         from scipy.special import fdtrc  # the upper tail of F
 
-        freedom, p_value = self.terms - q + 1, 1.0  # more columns than that prove nothing, whatever they explain
+        freedom, p_value = terms - q + 1, 1.0  # more columns than that prove nothing, whatever they explain
         if freedom > 0:
             statistic = float(along @ np.linalg.pinv(variance, rcond=1e-12, hermitian=True) @ along)
-            p_value = float(fdtrc(q, freedom, max(statistic * freedom / (self.terms * q), 0.0)))
+            p_value = float(fdtrc(q, freedom, max(statistic * freedom / (terms * q), 0.0)))
         loss = self.held_out(free) ** 2
         gain, gain_p = compare(without.loss, loss, self.terms)
         total = float(without.residual @ without.residual)

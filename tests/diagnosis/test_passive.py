@@ -1,0 +1,79 @@
+"""A friction takes energy from the drive: what makes of it one that drives is no part of it."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from fricmodels.diagnosis import Comparison, compare, improve
+from fricmodels.diagnosis.candidate_tests import CandidateTest, candidate_tests
+from fricmodels.diagnosis.passive import driving_share
+from fricmodels.diagnosis.policy import POLICY
+from fricmodels.diagnosis.refits import Refits
+from fricmodels.dimension import Motion
+from fricmodels.recording import Recording
+
+INERTIA, VISCOUS, COULOMB = 2.0, 0.4, 1.0
+
+
+def record(difference: float, slope: float = 0.0, offset: float = 0.0, seed: int = 0) -> Recording:
+    """Return a drive whose friction differs between the directions by ± a torque and ± a slope, with an offset."""
+    rng, time = np.random.default_rng(seed), 0.002 * np.arange(8000)
+    velocity = 2.0 * np.sin(1.9 * time) + 1.5 * np.sin(4.3 * time)
+    rate = 3.8 * np.cos(1.9 * time) + 6.45 * np.cos(4.3 * time)
+    friction = VISCOUS * velocity + COULOMB * np.sign(velocity) + difference + slope * np.abs(velocity) + offset
+    torque = INERTIA * rate + friction + 0.05 * rng.standard_normal(len(time))
+    channels = {"time": time, "torque": torque, "velocity": velocity + 1e-3 * rng.standard_normal(len(time))}
+    return Recording("uneven", Motion.ROTARY, channels, np.zeros(len(time), dtype=np.int64))
+
+
+def asymmetry(recording: Recording) -> tuple[Comparison, CandidateTest]:
+    """Return the symmetric model, and the test of an asymmetry on what it leaves."""
+    comparison = compare(recording, "coulomb-viscous", INERTIA)
+    parameters = comparison.estimate.parameters
+    (tested,) = candidate_tests(replace(comparison.problem), parameters, only=["asymmetry"]).tested
+    return comparison, tested
+
+
+@pytest.mark.parametrize("c", [0.0, 0.8, 3.0, -3.0])
+def test_the_share_of_the_work_by_which_a_friction_drives(c: float) -> None:
+    """With 1 N m one way and ± 3 N m more, 2 N m drive one way, and 4 N m brake the other."""
+    comparison = compare(record(0.0), "coulomb-viscous+asymmetry", INERTIA)
+    values = {**comparison.estimate.parameters, "K_v": 0.0, "K_c": 1.0, "asymmetry.c": c, "asymmetry.d": 0.0}
+    given = replace(comparison, estimate=replace(comparison.estimate, parameters=values))
+    recording = comparison.problem.recording
+    way = recording.velocity * np.gradient(recording.time)
+    forward, backward = float(np.sum(way[way > 0])), -float(np.sum(way[way < 0]))
+    expected = {3.0: 2 * backward / (4 * forward), -3.0: 2 * forward / (4 * backward)}
+    assert driving_share(given) == pytest.approx(expected.get(c, 0.0), rel=0.01)
+
+
+def test_what_is_no_friction_may_drive() -> None:
+    comparison = compare(record(0.0, offset=5.0), "coulomb-viscous+torque-offset", INERTIA)
+    assert comparison.estimate.parameters["torque-offset.tau_0"] == pytest.approx(5.0, rel=0.01)
+    assert driving_share(comparison) == 0.0
+
+
+@pytest.mark.parametrize(("difference", "slope", "stays"), [(0.5, 0.1, True), (5.0, 0.0, False), (-5.0, 0.2, False)])
+def test_an_asymmetry_of_more_than_the_friction_is_refused(difference: float, slope: float, stays: bool) -> None:
+    comparison, tested = asymmetry(record(difference, slope))
+    assert (Refits(comparison, POLICY).with_effect(tested) is not None) is stays
+    assert Refits(comparison, replace(POLICY, driving_friction=np.inf)).with_effect(tested) is not None
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_load_is_not_named_as_a_friction(seed: int) -> None:
+    """A torque of several times the friction is an offset, not friction that differs between the directions."""
+    ladder = improve(record(0.0, offset=4.0, seed=seed), "coulomb-viscous", INERTIA)
+    (finding,) = ladder.first.findings
+    assert finding.names == ("torque-offset",)
+    assert ladder.last.verdict == "adequate"
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_difference_within_the_friction_may_be_either(seed: int) -> None:
+    ladder = improve(record(0.6, seed=seed), "coulomb-viscous", INERTIA)
+    (finding,) = ladder.first.findings
+    assert {"torque-offset", "asymmetry"} <= set(finding.names)
