@@ -12,12 +12,13 @@ from fricmodels.drive import Drive, DriveParameter
 from fricmodels.recording import Recording
 from fricmodels.weakform.cases import with_or_without_shift
 from fricmodels.weakform.hidden import drowned, lost_in_noise, sign_is_hidden
-from fricmodels.weakform.nonlinear import nonlinear_search
+from fricmodels.weakform.nonlinear import Nonlinear, nonlinear_search
 from fricmodels.weakform.separable import separable
 from fricmodels.weakform.solve import Solved, is_contradicted
 
 Array = NDArray[np.float64]
 
+_NOTHING = "it changes nothing in this recording"
 NORMAL_95 = 1.959963984540054
 _MEMBER = 0.05
 """Share of a direction of length 1 from which a parameter belongs to it."""
@@ -41,7 +42,8 @@ def identified(found: Solved) -> Solved:
     """
     problem, drive = found.problem, found.problem.drive
     recording = problem.recording
-    searched = searched_range(drive, recording)
+    search = nonlinear_search(drive, recording)
+    searched = _ranges(drive, search)
     noisy = {} if drive.model.states or not sign_is_hidden(recording) else drowned(drive, recording, found.parameters)
     free = now = with_or_without_shift(found, found.again)
     combined = _combined(drive.keys, free.undetermined)
@@ -70,6 +72,10 @@ def identified(found: Solved) -> Solved:
             continue
         held[key] = f"{reasons[key]}; held at {value:.3g}"
         now = smaller
+        idle = _idle(drive, held, search)
+        if idle:  # where the search has left them hangs on the last digit
+            held |= {idle_key: f"{_NOTHING}; held at {at:.3g}" for idle_key, at in idle.items()}
+            now = with_or_without_shift(found, replace(plan, held={**plan.held, **idle}))
 
 
 def _more_without(smaller: Solved, larger: Solved) -> float:
@@ -133,10 +139,24 @@ def _combined(keys: Sequence[str], undetermined: Array) -> dict[str, str]:
         for key in members:
             others = [other for other in members if other != key]
             found[key] = (
-                f"the recording determines only a combination of it with {', '.join(others)}"
-                if others
-                else "it changes nothing in this recording"
+                f"the recording determines only a combination of it with {', '.join(others)}" if others else _NOTHING
             )
+    return found
+
+
+def _idle(drive: Drive, held: Collection[str], search: Nonlinear) -> dict[str, float]:
+    """Return the nonlinear parameters of effects of which all else is held, with the middle of the scan of each.
+
+    A wave of no size has any number.
+    """
+    nonlinear = [p.key for p in drive.parameters if not p.linear]
+    starts = dict(zip(nonlinear, search.starts, strict=True))
+    found: dict[str, float] = {}
+    for effect in drive.model.effects:
+        own = {f"{effect.name}.{p.symbol}" for p in effect.parameters}
+        linear = own.difference(nonlinear)
+        if linear and linear <= set(held):
+            found |= {key: float(starts[key][len(starts[key]) // 2]) for key in sorted(own.difference(linear, held))}
     return found
 
 
@@ -196,8 +216,11 @@ def to_hold(
 
 def searched_range(drive: Drive, recording: Recording) -> tuple[Array, Array]:
     """Return the range of each nonlinear parameter that its scan covers, a factor of ten wider on either side."""
+    return _ranges(drive, nonlinear_search(drive, recording))
+
+
+def _ranges(drive: Drive, search: Nonlinear) -> tuple[Array, Array]:
     lower, upper = np.full(len(drive.keys), -np.inf), np.full(len(drive.keys), np.inf)
-    search = nonlinear_search(drive, recording)
     places = [i for i, p in enumerate(drive.parameters) if not p.linear]
     for place, starts, logarithmic in zip(places, search.starts, search.logarithmic, strict=True):
         if logarithmic and len(starts) > 1:

@@ -3,10 +3,12 @@ r"""Statistics that hold for autocorrelated rows.
 A candidate's columns Z are freed of everything that the base model could itself take up: :math:`\tilde Z = Z - X
 X^+Z`. Its coefficients are then :math:`\hat\theta = (\tilde Z'\tilde Z)^{-1}\tilde Z'y`, and their covariance is the
 sandwich around the long-run variance of the scores :math:`\tilde z_t e_t`, estimated by ν equal-weighted cosines; the
-Wald statistic follows :math:`F(q, \nu-q+1)`.
+Wald statistic follows :math:`F(q, \nu-q+1)`. There are 0.4 T^(2/3) of them, as is right for scores that last, or as
+many more as the scores themselves allow, see :func:`score_terms`: with eight no effect of four columns in fifty
+independent rows could be proved, whatever it explained.
 
 Source: E. Lazarus, D. J. Lewis, J. H. Stock, M. W. Watson, "HAR inference: recommendations for practice", J. Bus. Econ.
-Stat. 36 (2018), with ν = 0.4 T^(2/3).
+Stat. 36 (2018).
 """
 
 from __future__ import annotations
@@ -29,6 +31,12 @@ _SEEN = 1e-5
 LEAST_P = 1e-20
 """The least p-value that is given. The distribution of a statistic is not known farther out, and what stood there would
 change with the last digits of a sample."""
+
+_LASTS = 0.95
+"""Correlation from one bump width to the next that is taken at most."""
+_SHARE, _ENOUGH = 0.25, 64
+"""Cosines at most: for each independent row, since rows that overlap have a spectrum of their own beyond that; and in
+all, since more hardly change a p-value."""
 
 unwarned = np.errstate(invalid="ignore", over="ignore")
 """A column that is not finite is not visible; its products need no warning."""
@@ -161,6 +169,7 @@ class Regression:
         # Rows that the base directions leave free are all there is to learn a variance from.
         free = max(int(independent) - self._basis.shape[1], 1)
         self.terms = min(cosine_terms(independent, len(target)), free)
+        self._most = min(free, int(_SHARE * independent), _ENOUGH)
         self.residual = self.project_out(target[None])[0]
         self._edges = np.linspace(0, len(target), FOLDS + 1).astype(int)
         self.loss = self.residual**2
@@ -194,22 +203,6 @@ class Regression:
         other.residual = self.residual - self.project_out(part[None])[0]
         other.loss = other.residual**2
         return other
-
-    def terms_for(self, scores: Array) -> int:
-        import os
-        if os.environ.get("OLDTERMS"): return self.terms
-        hop = max(int(round(2 * scores.shape[1] / self._independent)), 1)
-        n = self._independent / 2
-        later, before = scores[:, hop:], scores[:, :-hop]
-        if later.shape[1] < 2: return self.terms
-        size = np.sqrt(np.sum(later**2, axis=1) * np.sum(before**2, axis=1))
-        r = float(np.max(np.sum(later * before, axis=1) / np.where(size > 0, size, 1.0)))
-        r = min(max(r, 0.0) + 1 / np.sqrt(n), 0.95)
-        b = np.pi**2 / 6 * 2 * r / (1 - r) ** 2
-        best = n**0.8 * (2 * b * b) ** -0.2
-        free = max(int(self._independent) - self._basis.shape[1], 1)
-        most = min(int(self._independent / 4), free)
-        return int(max(self.terms, min(best, most)))
 
     def visible(self, columns: Array) -> NDArray[np.bool_]:
         """Mark the columns that differ from what the base model, and the columns before them, can do, shape (q,)."""
@@ -278,7 +271,7 @@ class Regression:
         # What was fitted took its share of the residual: as many degrees of freedom of the independent rows.
         gone = min(self._basis.shape[1] + q, 0.75 * self._independent)
         scores = directions * left
-        terms = self.terms_for(scores)
+        terms = max(self.terms, min(score_terms(scores, self._independent), self._most))
         variance = long_run_sum(scores, terms) * (self._independent / (self._independent - gone))
         theta = turn @ along
         from scipy.special import fdtrc  # the upper tail of F
@@ -307,9 +300,38 @@ def cosine_terms(independent: float, rows: int) -> int:
     return int(np.clip(round(0.4 * independent ** (2 / 3)), min(8, rows - 1), rows - 1))
 
 
+def score_terms(scores: Array, independent: float) -> int:
+    r"""Return the number ν of cosines with which the long-run variance of scores has the least error.
+
+    They are correlated by ρ from one bump width to the next, of which there are n. As of a first-order process, the
+    mean of the spectrum over ν half periods has the relative bias and the relative variance
+
+    .. math:: -B\,(\nu/n)^2, \quad B = \frac{\pi^2}6\,\frac{2\rho}{(1-\rho)^2}, \qquad \text{and} \quad 2/\nu,
+
+    so that its squared error is least at :math:`\nu = (n^4 / 2B^2)^{1/5}`. Of several scores the one that lasts longest
+    counts, and ρ is taken larger by its standard error.
+
+    Source: P. C. B. Phillips, "HAC estimation by automated regression", Econometric Theory 21 (2005), for cosines.
+
+    Args:
+        scores: shape (q, rows), in the order of time.
+        independent: about how many of the rows are independent, two to a bump width.
+    """
+    widths = 0.5 * independent
+    apart = max(round(scores.shape[1] / widths), 1) if widths > 0 else scores.shape[1]
+    if apart >= scores.shape[1]:
+        return 1
+    later, before = scores[:, apart:], scores[:, :-apart]
+    size = np.sqrt(np.einsum("ij,ij->i", later, later) * np.einsum("ij,ij->i", before, before))
+    alike = np.divide(np.einsum("ij,ij->i", later, before), size, out=np.zeros_like(size), where=size > 0)
+    rho = min(max(float(np.max(alike, initial=0.0)), 0.0) + 1.0 / math.sqrt(widths), _LASTS)
+    bias = math.pi**2 / 3 * rho / (1.0 - rho) ** 2
+    return int((widths**4 / (2.0 * bias**2)) ** 0.2)
+
+
 def long_run_sum(series: Array, terms: int) -> Array:
     """Return the covariance of the sum over time of series, shape (q, M) → (q, q), by ν equal-weighted cosines."""
-    projected = series @ _cosines(series.shape[1], terms)
+    projected = series @ _cosines(series.shape[1], max(terms, min(_ENOUGH, series.shape[1] - 1)))[:, :terms]
     return np.asarray(2.0 * projected @ projected.T / terms)
 
 
