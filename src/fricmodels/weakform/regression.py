@@ -4,7 +4,7 @@ A candidate's columns Z are freed of everything that the base model could itself
 X^+Z`. Its coefficients are then :math:`\hat\theta = (\tilde Z'\tilde Z)^{-1}\tilde Z'y`, and their covariance is the
 sandwich around the long-run variance of the scores :math:`\tilde z_t e_t`, estimated by ν equal-weighted cosines; the
 Wald statistic follows :math:`F(q, \nu-q+1)`. There are 0.4 T^(2/3) of them, as is right for scores that last, or as
-many more as the scores themselves allow, see :func:`score_terms`: with eight no effect of four columns in fifty
+many more as the scores and the strokes of the motion allow, see :func:`score_terms`: with eight no effect of four columns in fifty
 independent rows could be proved, whatever it explained.
 
 Source: E. Lazarus, D. J. Lewis, J. H. Stock, M. W. Watson, "HAR inference: recommendations for practice", J. Bus. Econ.
@@ -34,9 +34,9 @@ change with the last digits of a sample."""
 
 _LASTS = 0.95
 """Correlation from one bump width to the next that is taken at most."""
-_SHARE, _ENOUGH = 0.25, 64
-"""Cosines at most: for each independent row, since rows that overlap have a spectrum of their own beyond that; and in
-all, since more hardly change a p-value."""
+_SHARE, _EACH, _ENOUGH = 0.25, 4, 64
+"""Cosines at most: for each independent row, since rows that overlap have a spectrum of their own beyond that; for each
+stroke, which has about so many parts of its own; and in all, since more hardly change a p-value."""
 
 unwarned = np.errstate(invalid="ignore", over="ignore")
 """A column that is not finite is not visible; its products need no warning."""
@@ -157,9 +157,11 @@ class Regression:
         base: base directions, shape (k, M).
         target: shape (M,).
         independent: about how many of the M rows are independent.
+        strokes: from one reversal to the next, that the rows are of. What acts beside the model goes its own way within
+            each, and so do all columns: only another stroke tells whether they go together.
     """
 
-    def __init__(self, base: Array, target: Array, independent: float) -> None:
+    def __init__(self, base: Array, target: Array, independent: float, strokes: float = math.inf) -> None:
         size = np.linalg.norm(base, axis=1)
         self.base = base[size > 0] / size[size > 0, None]
         self.target = target
@@ -169,7 +171,7 @@ class Regression:
         # Rows that the base directions leave free are all there is to learn a variance from.
         free = max(int(independent) - self._basis.shape[1], 1)
         self.terms = min(cosine_terms(independent, len(target)), free)
-        self._most = min(free, int(_SHARE * independent), _ENOUGH)
+        self._most_terms = int(min(free, _SHARE * independent, _EACH * strokes, _ENOUGH))
         self.residual = self.project_out(target[None])[0]
         self._edges = np.linspace(0, len(target), FOLDS + 1).astype(int)
         self.loss = self.residual**2
@@ -271,7 +273,7 @@ class Regression:
         # What was fitted took its share of the residual: as many degrees of freedom of the independent rows.
         gone = min(self._basis.shape[1] + q, 0.75 * self._independent)
         scores = directions * left
-        terms = max(self.terms, min(score_terms(scores, self._independent), self._most))
+        terms = max(self.terms, min(score_terms(scores, self._independent), self._most_terms))
         variance = long_run_sum(scores, terms) * (self._independent / (self._independent - gone))
         theta = turn @ along
         from scipy.special import fdtrc  # the upper tail of F
