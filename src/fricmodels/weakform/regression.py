@@ -4,8 +4,8 @@ A candidate's columns Z are freed of everything that the base model could itself
 X^+Z`. Its coefficients are then :math:`\hat\theta = (\tilde Z'\tilde Z)^{-1}\tilde Z'y`, and their covariance is the
 sandwich around the long-run variance of the scores :math:`\tilde z_t e_t`, estimated by ν equal-weighted cosines; the
 Wald statistic follows :math:`F(q, \nu-q+1)`. There are 0.4 T^(2/3) of them, as is right for scores that last, or as
-many more as the scores and the strokes of the motion allow, see :func:`score_terms`: with eight no effect of four columns in fifty
-independent rows could be proved, whatever it explained.
+many more as the scores and the strokes of the motion allow, see :func:`score_terms`: with eight no effect of four
+columns in fifty independent rows could be proved, whatever it explained.
 
 Source: E. Lazarus, D. J. Lewis, J. H. Stock, M. W. Watson, "HAR inference: recommendations for practice", J. Bus. Econ.
 Stat. 36 (2018).
