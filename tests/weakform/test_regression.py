@@ -213,3 +213,15 @@ def test_a_column_next_to_nothing_has_an_infinite_variance() -> None:
     assert small.covariance[0, 0] == np.inf
     assert small.p_value == pytest.approx(usual.p_value)
     assert small.explained == pytest.approx(usual.explained)
+
+
+def test_one_event_that_the_rest_predicts_is_a_gain() -> None:
+    """A single event holds nearly all that is left: the mean difference has hardly a variance to be told by."""
+    rng = np.random.default_rng(8)
+    column = 0.3 * rng.standard_normal(400)
+    column[150:158] += 40.0  # within one block
+    for size, sure in ((1.0, True), (0.0, False)):
+        target = size * column + 0.05 * rng.standard_normal(400) + (1.0 - size) * np.roll(column, 90)
+        evidence = Regression(np.ones((1, 400)), target, 200).test(column[None])
+        assert (evidence.gain_p_value < 0.1) is sure
+        assert evidence.gain_p_value <= max(1.0 - evidence.gain, 0.0) or not sure
