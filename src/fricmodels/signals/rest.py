@@ -267,7 +267,7 @@ def _seen(recording: Recording, noise: Noise) -> _Motion:
     smooth = lanczos_value(time, values, width, run, order=order)
     error = slow.after(even_weights(width)[order]) / (recording.interval if order else 1.0)
     rounding = 8.0 * np.spacing(np.abs(values).max()) / (recording.interval if order else 1.0)
-    error = max(error, float(rounding))
+    error = max(error, float(rounding), standstill(smooth) / BAND)
     mask = _resting(recording, smooth, error)
     smooth.setflags(write=False)
     mask.setflags(write=False)
@@ -321,7 +321,7 @@ def _resting(recording: Recording, velocity: Array, error: float) -> Mask:
     still = np.abs(velocity) <= band
     passage = _passage(recording, velocity, band)
     if "position" in recording and "position" not in recording.derived:
-        still &= in_place(recording, still, band, passage)
+        still &= in_place(recording, still, band, passage, standstill(velocity))
     mask = np.zeros(len(recording), dtype=bool)
     for start, stop in pieces(recording, still):
         mask[start:stop] = recording.time[stop - 1] - recording.time[start] > passage
