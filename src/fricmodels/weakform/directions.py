@@ -9,7 +9,6 @@ import numpy as np
 from fricmodels.arrays import Array
 from fricmodels.weakform.problem import WeakFormProblem
 
-
 _NOTHING = 1e-9
 """Share of the friction below which what a parameter changes is rounding, as where its amplitude is at a bound. Scaled
 to length one it would be a direction of noise, another one with every last digit."""
