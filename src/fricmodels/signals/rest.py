@@ -4,6 +4,9 @@ The velocity is smoothed by local least squares. A sample may be at rest if the 
 standard errors, or one step of its sensor, of zero, and if the measured position does not drift. That happens at each
 reversal too, so it must last: longer than a smooth passage through the band about zero, :math:`2 b/a`, with the band b
 and the acceleration a with which this recording otherwise moves at low speed.
+
+However exact its sensors are, a drive that creeps at less than :func:`standstill` rests: standing, it yields a little
+to what pushes it, and where that ends only the last digits of a sample would say.
 """
 
 from __future__ import annotations
