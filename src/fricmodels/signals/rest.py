@@ -99,12 +99,16 @@ def _motion(recording: Recording) -> _Motion:
         def forget(_: object) -> None:
             _known.pop(key, None)
 
-        known = _known[key] = ([weakref.ref(array, forget) for array in arrays], _found(recording))
+        found = _of_whole(recording) or _no_finer(recording, _found(recording))
+        known = _known[key] = ([weakref.ref(array, forget) for array in arrays], found)
     return known[1]
 
 
 def _of_whole(recording: Recording) -> _Motion | None:
-    """Return what the recording that another one was cut from shows, where it was cut; ``None`` if that is another."""
+    """Return what the recording that another one was cut from shows, where it was cut; ``None`` if that is another.
+
+    What was cut from a recording shows what that does.
+    """
     if recording.origin is None:
         return None
     whole, index = recording.origin.whole, recording.origin.index
@@ -117,15 +121,25 @@ def _of_whole(recording: Recording) -> _Motion | None:
     return replace(found, noise=found.noise.at(index), velocity=found.velocity[index], resting=found.resting[index])
 
 
+def _no_finer(recording: Recording, found: _Motion) -> _Motion:
+    """Return what a recording shows of its motion, with the rests in which it creeps below standstill.
+
+    Only where its noise is known by then: as long as that is in doubt, a few rests would hide that there are others.
+    """
+    least = standstill(found.velocity) / BAND
+    if found.error >= least:
+        return found
+    mask = _resting(recording, found.velocity, least)
+    mask.setflags(write=False)
+    return replace(found, error=least, resting=mask)
+
+
 def _found(recording: Recording) -> _Motion:
     """Smooth the motion and find rests, again where the rests tell how large a lasting noise is.
 
     Beside motion it is only known how fast a lasting noise changes. What velocity and position differ by, and what is
-    left at rest, has no motion in it. What was cut from a recording shows what that does.
+    left at rest, has no motion in it.
     """
-    cut = _of_whole(recording)
-    if cut is not None:
-        return cut
     by_position = _from_position(recording)
     values = recording["position"] if by_position else recording.velocity
     noise = noise_of(recording.time, values, recording.run)
@@ -270,7 +284,7 @@ def _seen(recording: Recording, noise: Noise) -> _Motion:
     smooth = lanczos_value(time, values, width, run, order=order)
     error = slow.after(even_weights(width)[order]) / (recording.interval if order else 1.0)
     rounding = 8.0 * np.spacing(np.abs(values).max()) / (recording.interval if order else 1.0)
-    error = max(error, float(rounding), standstill(smooth) / BAND)
+    error = max(error, float(rounding))
     mask = _resting(recording, smooth, error)
     smooth.setflags(write=False)
     mask.setflags(write=False)
