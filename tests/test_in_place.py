@@ -40,6 +40,22 @@ def test_noise_of_the_velocity_does_not_break_a_rest_in_which_the_position_stand
     assert not rest[np.abs(true) > 0.2].any()
 
 
+@pytest.mark.parametrize("measured", [True, False])
+def test_a_drive_that_creeps_below_standstill_rests_however_exact_its_sensors_are(measured: bool) -> None:
+    """A drive that stands yields a little to what pushes it. An exact sensor shows that, its last digits the end."""
+    time = STEP * np.arange(6000)
+    inside = (time % 3.0) > 1.5
+    moving = 2.0 * np.sin(np.pi * (time % 3.0) / 1.5)
+    true = np.where(inside, 1e-5 * np.exp(-((time % 3.0) - 1.5) / 0.2), moving)
+    position = np.cumsum(true) * STEP
+    changed = position * (1.0 + 1e-9 * np.random.default_rng(0).uniform(-1.0, 1.0, len(time)))
+    rests = [resting(recorded(each, true if measured else None)) for each in (position, changed)]
+    core = inside & ((time % 3.0) > 1.52) & ((time % 3.0) < 2.98)
+    assert rests[0][core].all()
+    assert not rests[0][np.abs(true) > 0.1].any()
+    np.testing.assert_array_equal(rests[0], rests[1])
+
+
 def test_a_drive_that_moves_between_two_rests_is_not_called_resting() -> None:
     time = STEP * np.arange(3000)
     true = np.where((time > 2.9) & (time < 3.1), 0.5 * np.sin(20 * np.pi * (time - 2.9)), 0.0)

@@ -7,6 +7,7 @@ import dataclasses
 import numpy as np
 import pytest
 
+from fricmodels.dimension import Motion
 from fricmodels.drive import Drive
 from fricmodels.errors import InputError
 from fricmodels.fit import Fit
@@ -23,6 +24,7 @@ from fricmodels.score import (
 )
 from fricmodels.signals import prepare
 from fricmodels.simulation import simulate
+from fricmodels.weakform.prepared import ready
 
 TRUE = {"K_v1": 1e-4, "K_v2": 6.6e-5, "K_c1": 1e-2, "K_c2": 6.6e-3}
 J = 4.87e-6
@@ -142,6 +144,20 @@ def test_half_width_grows_with_noise_and_is_one_without() -> None:
     assert widths[0] == 1
     assert widths == sorted(widths)
     assert widths[-1] >= 12
+
+
+@pytest.mark.parametrize("interval", [2e-3, 1e-3, 5e-4])
+def test_widths_of_exact_positions_do_not_hang_on_their_last_digits(interval: float) -> None:
+    """A width for the rounding of a position is 1, one for a change of its ninth digit 2 to 10."""
+    time = interval * np.arange(8000)
+    exact = 2.0 + 1.5 * np.sin(0.7 * time) + 0.4 * np.sin(2.9 * time + 1.0)
+    widths = set()
+    for change in (0.0, 1e-9):
+        position = exact * (1.0 + change * np.random.default_rng(0).uniform(-1.0, 1.0, len(time)))
+        channels = {"time": time, "torque": np.ones_like(time), "position": position}
+        ready_one = ready(Recording("exact", Motion.ROTARY, channels, np.zeros(len(time), dtype=np.int64)))
+        widths.add((ready_one.derived_over, sliding_half_width(ready_one)))
+    assert len(widths) == 1
 
 
 def test_last_cycles() -> None:

@@ -21,6 +21,7 @@ from fricmodels.signals import (
     lanczos_smooth,
     lanczos_window,
     noise,
+    noise_of,
     prepare,
     quantum,
     resample,
@@ -151,6 +152,17 @@ def test_the_width_is_nearly_the_best(level, jitter):
 
     least = min(error(h) for h in range(1, 130, 7))
     assert error(best_half_width(time, values)) < 1.25 * least
+
+
+def test_no_signal_is_true_to_more_than_its_finest_steps():
+    """Its last digits are no noise by which a width could be chosen."""
+    time = 1e-3 * np.arange(4000)
+    exact = 3.0 + 2.0 * np.sin(time)
+    changed = exact * (1.0 + 1e-9 * np.random.default_rng(0).uniform(-1.0, 1.0, len(time)))
+    found = [noise_of(time, values) for values in (exact, changed)]
+    assert found[0].deviation == pytest.approx(found[1].deviation, rel=1e-6)
+    assert found[0].deviation == pytest.approx(1e-8 * np.median(exact) / np.sqrt(12.0), rel=1e-6)
+    assert best_half_width(time, exact, noise=found[0]) == best_half_width(time, changed, noise=found[1])
 
 
 def test_the_width_does_not_depend_on_units():

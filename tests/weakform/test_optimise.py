@@ -110,6 +110,19 @@ def test_what_is_not_worth_it_is_not_begun_anew() -> None:
     assert trials[1] < 50 < trials[0], "one short simplex, for the ridge is nowhere above zero"
 
 
+def test_what_is_given_up_leaves_the_best_start_wherever_the_simplexes_had_come() -> None:
+    starts = [(1.0, 0.05, 5.0), (3.0, 0.0, 4.0)]
+
+    def low(point: Point) -> float:
+        return 1.0 / (1.0 + sum((x - 2.0) ** 2 for x in point))
+
+    best = max(starts, key=low)
+    for worth in (2.0, 100.0):  # given up after the second look, and after the first
+        parameters, spacing = [POSITIVE, SIGNED, POSITIVE], [2.0, -0.2, 2.0]
+        assert multistart_nelder_mead(low, starts, parameters, spacing, worth) == best
+    assert low(multistart_nelder_mead(low, starts, [POSITIVE, SIGNED, POSITIVE], [2.0, -0.2, 2.0])) > low(best)
+
+
 def test_patience_begins_anew_where_it_did_not_help() -> None:
     trials: list[int] = []
     for patience in (0, 1):

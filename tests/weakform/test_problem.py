@@ -115,6 +115,16 @@ def test_base_directions_are_the_derivatives_of_the_models_torque(made: Made) ->
         np.testing.assert_allclose(direction, slope, atol=1e-5 * float(np.max(np.abs(slope))))
 
 
+@pytest.mark.parametrize("apart", [0.0, 9e-16, -9e-16])
+def test_a_parameter_whose_amplitude_is_at_its_bound_is_no_direction(made: Made, apart: float) -> None:
+    """With C equal to K_c the speed B changes nothing: what it changes by a last digit is no direction."""
+    drive = Drive(Model.parse("exponential-stick-slip"), 2.0)
+    values = {"J": 2.0, "K_v": 0.5, "K_c": 3.1 + apart, "C": 3.1, "B": 1.0}
+    problem = WeakFormProblem.of(drive, made(samples=4000), values)
+    assert base_directions(problem, values).shape == (3, problem.rows)
+    assert base_directions(problem, {**values, "K_c": 3.1 + 1e-6}).shape == (4, problem.rows)
+
+
 @pytest.mark.parametrize(("samples", "noise", "width"), [(18, 0.0, 8), (18, 5.0, 24), (200, 0.0, 16)])
 def test_short_strokes_have_narrow_rows_if_noise_allows(samples: int, noise: float, width: int) -> None:
     """A row of sixteen samples has room only in the middle of a stroke of eighteen."""

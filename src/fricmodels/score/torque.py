@@ -293,12 +293,18 @@ def sliding_half_width(recording: Recording, largest: int = 256) -> int:
 def _share_while_sliding(recording: Recording, free: NDArray[np.int64], noise: Noise) -> float:
     """Return the share of the noise's square that fourth differences show clear of reversals, at most 1.
 
-    The estimate reckons with as much noise as jumps at reversals may hide; where there are none, less is seen.
+    The estimate reckons with as much noise as jumps at reversals may hide; where there are none, less is seen. No less
+    is reckoned with than the finest steps of a sensor make: a window for noise of 1e-12 hangs on the last digits.
     """
+    from fricmodels.signals import motion_noise
+    from fricmodels.signals.noise_level import finest_noise
+
+    source = recording["position"] if recording.derived_over else recording.velocity
+    finest = (finest_noise(source) / max(motion_noise(recording).deviation, 1e-300)) ** 2
     weights = np.array([1.0, -4.0, 6.0, -4.0, 1.0])
     seen = np.diff(recording.velocity, 4)[free[2:-2] > 2]
     whole = noise.product(weights, weights)
-    return min(1.0, float(np.mean(seen**2)) / whole) if len(seen) and whole > 0.0 else 1.0
+    return min(1.0, max(float(np.mean(seen**2)) / whole, finest)) if len(seen) and whole > 0.0 else 1.0
 
 
 def _slope_variance(noise: Noise, half_widths: Array) -> Array:

@@ -16,7 +16,7 @@ BAND = 3.0
 """Standard errors from zero within which a velocity, or a change of position, is no evidence of motion."""
 
 
-def in_place(recording: Recording, still: Mask, band: float, passage: float) -> Mask:
+def in_place(recording: Recording, still: Mask, band: float, passage: float, standing: float = 0.0) -> Mask:
     """Tell where the position changes no more than its sensor does at rest, while the velocity may be zero.
 
     Over as long as a drive that creeps at the limit of the band needs to show it; over the whole of shorter stretches.
@@ -26,15 +26,17 @@ def in_place(recording: Recording, still: Mask, band: float, passage: float) -> 
         still: where the velocity may be zero, shape (N,).
         band: velocity up to which it may.
         passage: how long a drive takes to pass through the band [s].
+        standing: speed below which a drive does not move, however well its sensor shows that it creeps.
     """
-    position, allowed = recording["position"], _within_sensor(recording)
+    position, time, allowed = recording["position"], recording.time, _within_sensor(recording)
     count = max(1, round(max(passage, 2.0 * allowed / band) / recording.interval))
     result = np.zeros(len(position), dtype=bool)
     for start, stop in pieces(recording, still):
         at = np.arange(start, stop)
         first = np.clip(at - count // 2, start, max(start, stop - 1 - count))
         last = np.minimum(first + count, stop - 1)
-        result[start:stop] = np.abs(position[last] - position[first]) <= allowed
+        apart, most = position[last] - position[first], np.maximum(allowed, standing * (time[last] - time[first]))
+        result[start:stop] = np.abs(apart) <= most
     return result
 
 

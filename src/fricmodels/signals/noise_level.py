@@ -68,7 +68,11 @@ def _estimated(time: Array, values: Array, runs: Runs | None, least: bool) -> No
     every = stretches(time, runs)
     parts = [part for part in _excerpts(every) if part.stop - part.start >= _SHORTEST]
     found = coloured_noise([(time[part], values[part]) for part in parts], least=least)
-    step = quantum(np.concatenate([values[part] for part in parts])) if parts else 0.0
+    seen = np.concatenate([values[part] for part in parts]) if parts else np.zeros(0)
+    unseen = finest_noise(seen) ** 2 - found.deviation**2
+    if unseen > 0.0:
+        found = replace(found, white=math.sqrt(found.white**2 + unseen))
+    step = quantum(seen)
     finest = math.sqrt(found.white**2 + found.difference**2 + found.lasting**2)
     if not step or finest >= step / math.sqrt(12.0):
         return found
@@ -80,6 +84,12 @@ def _estimated(time: Array, values: Array, runs: Runs | None, least: bool) -> No
     fast = np.abs(np.gradient(course)) > step
     error[fast] = (step * np.round(-error / step) + error)[fast]
     return replace(plain, step=step, course=course, error=error)
+
+
+def finest_noise(values: Array) -> float:
+    r"""Return the noise of the finest steps a sensor has, :math:`q/\sqrt{12}`: no samples are true to more digits."""
+    size = float(np.median(np.abs(values))) if len(values) else 0.0
+    return _FINEST * size / math.sqrt(12.0) if math.isfinite(size) else 0.0
 
 
 def _between_steps(values: Array, step: float) -> Array:

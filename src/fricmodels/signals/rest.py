@@ -4,6 +4,9 @@ The velocity is smoothed by local least squares. A sample may be at rest if the 
 standard errors, or one step of its sensor, of zero, and if the measured position does not drift. That happens at each
 reversal too, so it must last: longer than a smooth passage through the band about zero, :math:`2 b/a`, with the band b
 and the acceleration a with which this recording otherwise moves at low speed.
+
+However exact its sensors are, a drive that creeps at less than :func:`standstill` rests: standing, it yields a little
+to what pushes it, and where that ends only the last digits of a sample would say.
 """
 
 from __future__ import annotations
@@ -96,12 +99,16 @@ def _motion(recording: Recording) -> _Motion:
         def forget(_: object) -> None:
             _known.pop(key, None)
 
-        known = _known[key] = ([weakref.ref(array, forget) for array in arrays], _found(recording))
+        found = _of_whole(recording) or _no_finer(recording, _found(recording))
+        known = _known[key] = ([weakref.ref(array, forget) for array in arrays], found)
     return known[1]
 
 
 def _of_whole(recording: Recording) -> _Motion | None:
-    """Return what the recording that another one was cut from shows, where it was cut; ``None`` if that is another."""
+    """Return what the recording that another one was cut from shows, where it was cut; ``None`` if that is another.
+
+    What was cut from a recording shows what that does.
+    """
     if recording.origin is None:
         return None
     whole, index = recording.origin.whole, recording.origin.index
@@ -114,15 +121,25 @@ def _of_whole(recording: Recording) -> _Motion | None:
     return replace(found, noise=found.noise.at(index), velocity=found.velocity[index], resting=found.resting[index])
 
 
+def _no_finer(recording: Recording, found: _Motion) -> _Motion:
+    """Return what a recording shows of its motion, with the rests in which it creeps below standstill.
+
+    Only where its noise is known by then: as long as that is in doubt, a few rests would hide that there are others.
+    """
+    least = standstill(found.velocity) / BAND
+    if found.error >= least:
+        return found
+    mask = _resting(recording, found.velocity, least)
+    mask.setflags(write=False)
+    return replace(found, error=least, resting=mask)
+
+
 def _found(recording: Recording) -> _Motion:
     """Smooth the motion and find rests, again where the rests tell how large a lasting noise is.
 
     Beside motion it is only known how fast a lasting noise changes. What velocity and position differ by, and what is
-    left at rest, has no motion in it. What was cut from a recording shows what that does.
+    left at rest, has no motion in it.
     """
-    cut = _of_whole(recording)
-    if cut is not None:
-        return cut
     by_position = _from_position(recording)
     values = recording["position"] if by_position else recording.velocity
     noise = noise_of(recording.time, values, recording.run)
@@ -321,7 +338,7 @@ def _resting(recording: Recording, velocity: Array, error: float) -> Mask:
     still = np.abs(velocity) <= band
     passage = _passage(recording, velocity, band)
     if "position" in recording and "position" not in recording.derived:
-        still &= in_place(recording, still, band, passage)
+        still &= in_place(recording, still, band, passage, standstill(velocity))
     mask = np.zeros(len(recording), dtype=bool)
     for start, stop in pieces(recording, still):
         mask[start:stop] = recording.time[stop - 1] - recording.time[start] > passage

@@ -9,6 +9,12 @@ import numpy as np
 from fricmodels.arrays import Array
 from fricmodels.weakform.problem import WeakFormProblem
 
+_NOTHING = 1e-9
+"""Share of the friction below which what a parameter changes is rounding, as where its amplitude is at a bound. Scaled
+to length one it would be a direction of noise, another one with every last digit."""
+_STEP = 1e-4
+"""Share of a nonlinear parameter over which its tangent is taken, to either side."""
+
 
 def base_directions(problem: WeakFormProblem, parameters: Mapping[str, float]) -> Array:
     """Return the directions in which the model under test can move by itself, shape (k, rows).
@@ -24,15 +30,18 @@ def base_directions(problem: WeakFormProblem, parameters: Mapping[str, float]) -
     pairs = list(zip(drive.model.parameters, drive.model.linear, strict=True))
     nonlinear = [parameters[p.key] for p, linear in pairs if not linear]
     theta = np.array([parameters[p.key] for p, linear in pairs if linear])
-    columns, _ = problem.columns(drive, nonlinear)
+    columns, offset = problem.columns(drive, nonlinear)
+    whole = float(np.abs(theta) @ np.linalg.norm(columns, axis=1) + np.linalg.norm(offset))
     stacked = [columns]
     for i, value in enumerate(nonlinear):
-        step = 1e-4 * abs(value) or 1e-6
+        step = _STEP * abs(value) or 1e-6
         ends = []
         for moved in (value - step, value + step):
             design, offset = problem.columns(drive, [*nonlinear[:i], moved, *nonlinear[i + 1 :]])
             ends.append(theta @ design + offset)
-        stacked.append(((ends[1] - ends[0]) / (2 * step))[None])
+        change = (ends[1] - ends[0]) / (2 * step)
+        if np.linalg.norm(change) * step > _NOTHING * _STEP * whole:
+            stacked.append(change[None])
     if drive.inertia is None:
         stacked.append(problem.momentum[None])
     return np.vstack(stacked)

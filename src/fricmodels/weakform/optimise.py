@@ -26,6 +26,8 @@ _LONG, _ENOUGH = 150, 0.003
 """Evaluations of each restart of the best simplex. It is restarted as long as that raises the value by this share."""
 _EDGE, _EDGES = 0.5, (0.25, 0.5) * 4
 """Edge of a simplex at first, and at each restart, in spacings of the points tried before."""
+_EQUAL = 1e-9
+"""Share by which values that are equal but for rounding may differ: the first of them is taken."""
 _SURE = 1e-4
 """A simplex has converged when its corners differ by this share of the value and of an edge."""
 _NEWTON_STEPS = 8
@@ -108,14 +110,17 @@ def multistart_nelder_mead(
         spacing: of what was tried before in each parameter: a ratio if positive, a difference if negative; one that
             makes no difference has a ratio of 1 and stays.
         worth: a value below which the search is not worth going on: where no simplex comes near it at once, or the
-            best one does not reach it, it ends early.
+            best one does not reach it, it is given up. How far the simplexes had come then hangs on the last digits;
+            what is returned is the best of the starts.
         patience: how many more times it is begun anew where that did not raise the value.
     """
     from scipy.optimize import minimize
 
     free = [i for i, step in enumerate(spacing) if step != 1.0]
+    highest = max(map(value, starts))
+    first = next((start for start in starts if value(start) >= highest - _EQUAL * abs(highest)), starts[0])
     if not free:
-        return max(starts, key=value)
+        return first
     unit = [-spacing[i] if spacing[i] < 0 else math.log(spacing[i]) for i in free]
 
     def at(coordinates: Array) -> Point:
@@ -145,11 +150,14 @@ def multistart_nelder_mead(
 
     begun = [climb(around(start, _EDGE), _EDGE, _GLANCE) for start in starts[:_STARTS]]
     begun.sort(key=height, reverse=True)
-    if height(begun[0]) >= _UNLIKELY * worth:
-        begun = [climb(corners, _EDGE, len(corners) + _SHORT) for corners in begun[:_BEST]]
+    if height(begun[0]) < _UNLIKELY * worth:
+        return first
+    begun = [climb(corners, _EDGE, len(corners) + _SHORT) for corners in begun[:_BEST]]
     best = at(max(begun, key=height)[0])
+    if value(best) < worth:
+        return first
     stalled = 0
-    for edge in _EDGES if value(best) >= worth else ():
+    for edge in _EDGES:
         before, best = value(best), at(climb(around(best, edge), edge, _LONG)[0])
         stalled = stalled + 1 if value(best) - before <= _ENOUGH * abs(before) else 0
         if stalled > patience:

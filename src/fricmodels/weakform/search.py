@@ -87,6 +87,8 @@ def _summit(
     """Return where most is explained; ``starts`` are the most hopeful first, ``worth`` is what it must come near."""
     if len(bounds) > _FEW:
         best = multistart_nelder_mead(value, starts, bounds, spacing, worth)
+        if value(best) < worth:  # it was given up
+            return best
     else:
         best = coordinate_search(value, starts[0], bounds, spacing)
         more = starts[1:_STARTS] if len(bounds) > 1 and value(best) >= _UNLIKELY * worth else ()
