@@ -130,6 +130,7 @@ class ArrayFunction:
             len({row for operation, _, (index, row), _ in self._steps if operation is None and index == i})
             for i in range(len(self._rows))
         ]
+        self._halves: dict[tuple[int, ...], _Halves] = {}
         self._whole = [count == rows * columns for count, (rows, columns) in zip(written, self._rows, strict=True)]
 
     def __call__(self, *arguments: ArrayLike) -> list[Array]:
@@ -149,35 +150,24 @@ class ArrayFunction:
             arguments: as of a call; ``None`` for each that is given later. What was computed is kept as long as the
                 function that is returned.
         """
-        later = [place for place, argument in enumerate(arguments) if argument is None]
+        later = tuple(place for place, argument in enumerate(arguments) if argument is None)
         values = self._values([0.0 if argument is None else argument for argument in arguments])
-        moving = set(later)
-        before: list[_Plain] = []
-        after: list[_Plain] = []
-        for operation, operands, (place, row), _ in self._steps:
-            waits = operation is None or not moving.isdisjoint(operands)
-            (after if waits else before).append((operation, operands, (place, row)))
-            if waits and operation is not None:
-                moving.update((place, row) if row else (place,))
-        wanted = {place for _, operands, _ in after for place in operands} - moving
+        if later not in self._halves:
+            self._halves[later] = _Halves(self._steps, later, self._arity, self._places)
+        halves = self._halves[later]
         work: list[Any] = [*values, *self._constants, *[None] * (self._places - self._arity - len(self._constants))]
-        _run(_releasing(before, wanted), work, [])
-        for place in set(range(self._arity)) - wanted:
+        _run(halves.before, work, [])
+        for place in halves.done:
             work[place] = None
         count = max((value.size for value in values if value.ndim), default=1)
-        kept = frozenset(range(self._places)) - moving
-        known: dict[int | None, list[_Step]] = {None: _releasing(after, kept)}
 
         def found(*rest: ArrayLike, first: int | None = None) -> list[Array]:
-            if first not in known:
-                known[first] = _releasing(_for_rows(after, int(first or 0)), kept)
             now = list(work)
             for place, argument in zip(later, rest, strict=True):
                 now[place] = np.asarray(argument, dtype=float)
             size = max(count, *(now[place].size for place in later), 1)
-            if first is None:
-                return self._evaluated(known[None], now, size)
-            return [self._evaluated(known[first], now, size)[0][:first]]
+            rows = self._evaluated(halves.after(first), now, size)
+            return rows if first is None else [rows[0][:first]]
 
         return found
 
@@ -202,6 +192,38 @@ class ArrayFunction:
             block = [_of(value, part) for value in values] if blocks > 1 else list(values)
             _run(steps, block + missing, [result[:, part] for result in results])
         return results
+
+
+class _Halves:
+    """Steps that do not depend on some arguments, and those that do.
+
+    Args:
+        steps: all of them.
+        later: places of the arguments.
+        arity, places: how many arguments there are, and how many places.
+    """
+
+    def __init__(self, steps: Sequence[_Step], later: Sequence[int], arity: int, places: int) -> None:
+        moving = set(later)
+        before: list[_Plain] = []
+        self._after: list[_Plain] = []
+        for operation, operands, (place, row), _ in steps:
+            waits = operation is None or not moving.isdisjoint(operands)
+            (self._after if waits else before).append((operation, operands, (place, row)))
+            if waits and operation is not None:
+                moving.update((place, row) if row else (place,))
+        wanted = {place for _, operands, _ in self._after for place in operands} - moving
+        self.before = _releasing(before, wanted)
+        self.done = set(range(arity)) - wanted
+        self._kept = frozenset(range(places)) - moving
+        self._known: dict[int | None, list[_Step]] = {}
+
+    def after(self, first: int | None) -> list[_Step]:
+        """Return the steps that depend on the arguments: all, or those that the first rows of the first output need."""
+        if first not in self._known:
+            steps = self._after if first is None else _for_rows(self._after, first)
+            self._known[first] = _releasing(steps, self._kept)
+        return self._known[first]
 
 
 def _of(value: Any, part: slice) -> Any:
