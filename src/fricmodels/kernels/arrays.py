@@ -68,8 +68,13 @@ _FUNCTIONS: dict[str, Any] = {
 _Plain = tuple[Callable[..., Any] | None, tuple[int, ...], tuple[int, int]]
 """An operation, the places of its operands, that of its result, and of a second one, else 0; or ``None``, a place, and
 an output and its row."""
-_Step = tuple[Callable[..., Any] | None, tuple[int, ...], tuple[int, int], tuple[int, ...]]
-"""The same with the places that nobody asks for any more."""
+_Step = tuple[
+    Callable[..., Any] | None, tuple[int, ...], tuple[int, int], tuple[int, int] | None, tuple[int, ...]
+]
+"""The same with the output and its row into which the result is written at once, if it is, and the places that nobody
+asks for any more."""
+_TRUTHS = {np.less, np.less_equal, np.equal, np.not_equal, np.logical_and, np.logical_or, np.logical_not}
+"""Operations whose result is true or false."""
 
 
 def _sine_and_cosine(angle: Any) -> tuple[Any, Any]:
@@ -125,9 +130,10 @@ class ArrayFunction:
                     self._places += 1
                     steps.append((_FUNCTIONS[step.operation], operands, (known[step.operation, operands], 0)))
                 where[result] = known[step.operation, operands]
-        self._steps = _releasing(_paired(steps))
+        self._plain = _paired(steps)
+        self._steps = _releasing(self._plain)
         written = [
-            len({row for operation, _, (index, row), _ in self._steps if operation is None and index == i})
+            len({row for operation, _, (index, row) in steps if operation is None and index == i})
             for i in range(len(self._rows))
         ]
         self._halves: dict[tuple[int, ...], _Halves] = {}
@@ -153,7 +159,7 @@ class ArrayFunction:
         later = tuple(place for place, argument in enumerate(arguments) if argument is None)
         values = self._values([0.0 if argument is None else argument for argument in arguments])
         if later not in self._halves:
-            self._halves[later] = _Halves(self._steps, later, self._arity, self._places)
+            self._halves[later] = _Halves(self._plain, later, self._arity, self._places)
         halves = self._halves[later]
         work: list[Any] = [*values, *self._constants, *[None] * (self._places - self._arity - len(self._constants))]
         _run(halves.before, work, [])
@@ -203,11 +209,11 @@ class _Halves:
         arity, places: how many arguments there are, and how many places.
     """
 
-    def __init__(self, steps: Sequence[_Step], later: Sequence[int], arity: int, places: int) -> None:
+    def __init__(self, steps: Sequence[_Plain], later: Sequence[int], arity: int, places: int) -> None:
         moving = set(later)
         before: list[_Plain] = []
         self._after: list[_Plain] = []
-        for operation, operands, (place, row), _ in steps:
+        for operation, operands, (place, row) in steps:
             waits = operation is None or not moving.isdisjoint(operands)
             (self._after if waits else before).append((operation, operands, (place, row)))
             if waits and operation is not None:
@@ -233,9 +239,11 @@ def _of(value: Any, part: slice) -> Any:
 def _run(steps: Sequence[_Step], work: list[Any], results: list[Array]) -> None:
     """Carry out steps on what is at each place."""
     with np.errstate(all="ignore"):
-        for operation, operands, (place, row), done in steps:
+        for operation, operands, (place, row), into, done in steps:
             if operation is None:
                 results[place][row] = work[operands[0]]
+            elif into is not None:
+                work[place] = operation(*[work[i] for i in operands], out=results[into[0]][into[1]])
             elif row:
                 work[place], work[row] = operation(work[operands[0]])
             else:
@@ -274,14 +282,35 @@ def _paired(steps: Sequence[_Plain]) -> list[_Plain]:
 
 
 def _releasing(steps: Sequence[_Plain], kept: Set[int] = frozenset()) -> list[_Step]:
-    """Return steps with the places that nobody asks for after each of them, but for some that are kept."""
+    """Return steps with the places that nobody asks for after each of them, but for some that are kept.
+
+    A result that is wanted is written where it is wanted.
+    """
     found: list[_Step] = []
-    asked = set(kept)
+    asked, into = set(kept), _into(steps)
     for operation, operands, target in reversed(steps):
+        if operation is None and into.get(operands[0]) == target:
+            continue
         done = tuple(place for place in set(operands) if place not in asked)
         asked.update(operands)
-        found.append((operation, operands, target, done))
+        found.append((operation, operands, target, None if operation is None else into.get(target[0]), done))
     return found[::-1]
+
+
+def _into(steps: Sequence[_Plain]) -> dict[int, tuple[int, int]]:
+    """Return the output, and its row, into which a result may be written at once: place → the first one."""
+    truths: set[int] = set()
+    direct: set[int] = set()
+    found: dict[int, tuple[int, int]] = {}
+    for operation, operands, (place, row) in steps:
+        if operation is None:
+            if operands[0] in direct:
+                found.setdefault(operands[0], (place, row))
+        elif operation in _TRUTHS or truths.issuperset(operands):
+            truths.add(place)
+        elif isinstance(operation, np.ufunc):
+            direct.add(place)
+    return found
 
 
 _UNARY = {name for name, function in _FUNCTIONS.items() if isinstance(function, np.ufunc) and function.nin == 1} | {
