@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Sequence, Set
 from typing import Any
 
@@ -130,7 +131,7 @@ class ArrayFunction:
                     self._places += 1
                     steps.append((_FUNCTIONS[step.operation], operands, (known[step.operation, operands], 0)))
                 where[result] = known[step.operation, operands]
-        self._plain = _paired(steps)
+        self._plain = _signs_first(_paired(steps), self._arity)
         self._steps = _releasing(self._plain)
         written = [
             len({row for operation, _, (index, row) in steps if operation is None and index == i})
@@ -278,6 +279,26 @@ def _paired(steps: Sequence[_Plain]) -> list[_Plain]:
             found.append((operation, operands, target))
         elif target[0] == min(sines[operands[0]], cosines[operands[0]]):  # the first of the two
             found.append((_sine_and_cosine, operands, (sines[operands[0]], cosines[operands[0]])))
+    return found
+
+
+def _signs_first(steps: Sequence[_Plain], arity: int) -> list[_Plain]:
+    """Return steps in which −(a b) is (−a) b where a is an argument, as the rate of an exponential is: a number.
+
+    Args:
+        steps: each result has a place of its own.
+        arity: places of the arguments.
+    """
+    asked = Counter(place for _, operands, _ in steps for place in operands)
+    signs = {operands[0]: i for i, (operation, operands, _) in enumerate(steps) if operation is np.negative}
+    found = list(steps)
+    for i, (operation, operands, target) in enumerate(steps):
+        argument = next((place for place in operands if place < arity), None)
+        if operation is np.multiply and argument is not None and target[0] in signs and asked[target[0]] == 1:
+            one, other = operands if operands[0] == argument else operands[::-1]
+            last = signs[target[0]]
+            found[i] = (np.negative, (one,), target)
+            found[last] = (np.multiply, (target[0], other), steps[last][2])
     return found
 
 
