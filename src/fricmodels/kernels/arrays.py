@@ -69,9 +69,7 @@ _FUNCTIONS: dict[str, Any] = {
 _Plain = tuple[Callable[..., Any] | None, tuple[int, ...], tuple[int, int]]
 """An operation, the places of its operands, that of its result, and of a second one, else 0; or ``None``, a place, and
 an output and its row."""
-_Step = tuple[
-    Callable[..., Any] | None, tuple[int, ...], tuple[int, int], tuple[int, int] | None, tuple[int, ...]
-]
+_Step = tuple[Callable[..., Any] | None, tuple[int, ...], tuple[int, int], tuple[int, int] | None, tuple[int, ...]]
 """The same with the output and its row into which the result is written at once, if it is, and the places that nobody
 asks for any more."""
 _TRUTHS = {np.less, np.less_equal, np.equal, np.not_equal, np.logical_and, np.logical_or, np.logical_not}

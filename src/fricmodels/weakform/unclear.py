@@ -84,7 +84,7 @@ def hidden_turns(
 
     marked = np.empty(len(recording), dtype=bool)
     least, most = drive.sticking_interval(recording, parameters)
-    push = recording.torque - recording.load_torque
+    push = recording.driving_torque
     split.hidden_turns(smooth, recording.run, CERTAIN * error, push, least, most, marked)
     return marked
 
