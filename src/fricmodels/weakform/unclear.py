@@ -93,7 +93,7 @@ def widened(mask: NDArray[np.bool_], reach: int) -> NDArray[np.bool_]:
     """Mark also the ``reach`` samples before and after each marked one."""
     near, done = mask.copy(), 0
     while done < reach and done < len(mask):
-        step, before = min(2 * done + 1, reach - done), near.copy()
+        step, before = min(done + 1, reach - done), near.copy()
         near[step:] |= before[:-step]
         near[:-step] |= before[step:]
         done += step
