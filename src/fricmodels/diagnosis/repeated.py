@@ -85,8 +85,8 @@ def _asked(problem: WeakFormProblem) -> Hashable:
 
 
 def _digest(regression: Regression) -> bytes:
-    """Return a hash of the base directions and of what they leave."""
+    """Return a hash of what the base directions leave of the target, and of their products with it."""
     content = hashlib.blake2b(type(regression).__name__.encode(), digest_size=16)
-    for array in (regression.base, regression.target, regression.residual):
-        content.update(array.tobytes())
+    content.update(regression.residual.tobytes())
+    content.update((regression.base @ regression.target).tobytes())
     return content.digest()
