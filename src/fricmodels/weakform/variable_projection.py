@@ -266,17 +266,15 @@ class Projection:
         """Return what is left of the equations at α, with the best linear parameters."""
         target = self._moved(self._scanned, self._blocks(alpha, slopes=False))
         with np.errstate(invalid="ignore", over="ignore"):
-            return self._left(self._scanned, self._products(self._scanned), self._scanned @ target, target)
+            theta = self._solve(self._products(self._scanned), self._scanned @ target)
+            return np.asarray(target - theta @ self._scanned)
 
     def cost_beside(self, alpha: Array) -> float:
         """Return :meth:`cost`, but for rounding, in less time where α is that of the last one but for a parameter."""
         tried, blocks = self._tried, self._blocks(alpha, slopes=False)
         with np.errstate(invalid="ignore", over="ignore"):
             tried.update(self._places, blocks, self._target_beside(blocks))
-            return _square(self._left(tried.columns, tried.gram, tried.right, tried.target))
-
-    def _left(self, columns: Array, gram: Array, right: Array, target: Array) -> Array:
-        return np.asarray(target - self._solve(gram, right) @ columns)
+            return _square(tried.target - self._solve(tried.gram, tried.right) @ tried.columns)
 
     @cached_property
     def _scanned(self) -> Array:
@@ -383,7 +381,6 @@ def ranked(costs: Array) -> tuple[int, float]:
 
 
 def _square(residual: Array) -> float:
-    """Return the sum of squares; infinite where it is not finite."""
     with np.errstate(invalid="ignore", over="ignore"):
         cost = float(residual @ residual)
     return cost if math.isfinite(cost) else math.inf
