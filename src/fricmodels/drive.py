@@ -146,13 +146,23 @@ class Drive:
             states: one array for each internal state of the model; by default they are integrated along the motion.
             width: width of rest [velocity]; see :func:`fricmodels.expressions.power`.
         """
-        signals = dict(zip(self.model.signals, self._signals(recording, velocity), strict=True))
+        return _at_each(self._torque_at(recording, values, velocity, states, width), recording)
+
+    def _torque_at(
+        self,
+        recording: Recording,
+        values: Mapping[str, float],
+        velocity: Array | float | None,
+        states: Sequence[Array] | None,
+        width: float | None = None,
+    ) -> Array:
+        """Return :meth:`friction`, or its one value where it is the same at every sample."""
+        given = self._signals(recording, velocity)
         _, parameters = self.split(values)
         chosen = rest_width(recording) if width is None else width
         if states is None:
             states = self.states(recording, parameters)
-        torque = self.torque_of(signals, parameters, states, chosen)
-        return np.broadcast_to(torque, (len(recording),)).copy() if len(torque) == 1 else torque
+        return np.asarray(self._torque(*given, *parameters, *states, chosen)[0][0])
 
     def torque_of(
         self,
@@ -209,10 +219,8 @@ class Drive:
         tiny = 1e-9 * rest_width(recording)
         if states is None:
             states = self.states(recording, self.split(values)[1])
-        below = self.friction(recording, values, velocity=-tiny, states=states)
-        above = self.friction(recording, values, velocity=tiny, states=states)
-        least = np.minimum(below, above)
-        return least, np.maximum(below, above, out=above)
+        below, above = (self._torque_at(recording, values, velocity, states) for velocity in (-tiny, tiny))
+        return _at_each(np.minimum(below, above), recording), _at_each(np.maximum(below, above), recording)
 
     def regressors(
         self, recording: Recording, nonlinear: Sequence[float] = (), *, states: Sequence[Array] | None = None
@@ -362,6 +370,11 @@ class Drive:
         rate = casadi.vertcat(*rates, casadi.SX.zeros(parameters.numel(), 1))
         u = casadi.vertcat(*(e.signals[name] for name in inputs))
         return StateSpace(x, u, e.width, rate, e.signals["velocity"], inputs, tuple(names), self.keys)
+
+
+def _at_each(values: Array, recording: Recording) -> Array:
+    """Return values at each sample of a recording, where they may be one for all of them."""
+    return np.full(len(recording), values[0]) if len(values) == 1 else values
 
 
 def rest_width(recording: Recording) -> float:

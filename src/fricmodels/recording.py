@@ -153,7 +153,14 @@ class Recording(Displayed):
     @property
     def load_torque(self) -> Array:
         """Known load torque [N m or N], zero where none was given."""
-        return self.channels.get("load_torque", np.zeros(len(self)))
+        known = self.channels.get("load_torque")
+        return np.zeros(len(self)) if known is None else known
+
+    @property
+    def driving_torque(self) -> Array:
+        """Motor torque less known load torque [N m or N]."""
+        known = self.channels.get("load_torque")
+        return self.torque if known is None else self.torque - known
 
     def signal(self, name: str) -> Array:
         """Return the channel that measures a term's signal.

@@ -12,7 +12,7 @@ from fricmodels.weakform.quadrature import Quadrature
 from fricmodels.weakform.test_functions import HOPS
 from fricmodels.weakform.test_functions import TestFunctions as Functions
 
-RUNS = {"one run": [203], "uneven ones": [31, 5, 64, 127, 32], "none long enough": [10, 12]}
+RUNS = {"one run": [203], "uneven ones": [31, 5, 64, 127, 32], "none long enough": [10, 12], "many": [1500]}
 
 
 def recording(lengths: list[int]) -> Recording:
@@ -37,7 +37,7 @@ def by_definition(lengths: list[int], width: int, unclear: NDArray[np.bool_]) ->
     return np.array(rows).reshape(len(rows), sum(lengths))
 
 
-@pytest.mark.parametrize("width", [8, 24, 32])
+@pytest.mark.parametrize("width", [8, 16, 24, 32])
 @pytest.mark.parametrize("name", RUNS)
 def test_integrals_and_momentum(name: str, width: int) -> None:
     rng = np.random.default_rng(0)

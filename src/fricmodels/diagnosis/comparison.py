@@ -23,6 +23,7 @@ from fricmodels.score.torque import filtered_torque_error, sliding_half_width
 from fricmodels.score.zeroed import zeroed
 from fricmodels.signals import noise_of
 from fricmodels.signals.lanczos import even_weights, lanczos_value
+from fricmodels.signals.rest import once
 from fricmodels.split import Split, split
 from fricmodels.term import Effect
 from fricmodels.weakform.estimate import Estimate
@@ -216,10 +217,20 @@ def noise_torques(recording: Recording, inertia: float, half_width: int, draw: i
         half_width: of the filter, in samples.
         draw: seed of the noise of the velocity, which is drawn.
     """
-    like = noise_like(recording, np.random.default_rng(draw))
-    rate = float(np.std(lanczos_value(recording.time, like, half_width, recording.run, order=1)))
-    own = noise_of(recording.time, recording.torque, recording.run, least=True)
-    return inertia * rate, own.after(even_weights(half_width)[0])
+    known, key = _known_noise(recording), (half_width, draw)
+    if key not in known:
+        like = noise_like(recording, np.random.default_rng(draw))
+        rate = float(np.std(lanczos_value(recording.time, like, half_width, recording.run, order=1)))
+        own = noise_of(recording.time, recording.torque, recording.run, least=True)
+        known[key] = rate, own.after(even_weights(half_width)[0])
+    rate, torque = known[key]
+    return inertia * rate, torque
+
+
+@once
+def _known_noise(_: Recording) -> dict[tuple[int, int], tuple[float, float]]:
+    """Return the noise of the acceleration and of the torque that is left in filtered signals, by width and draw."""
+    return {}
 
 
 _PARTS = 3

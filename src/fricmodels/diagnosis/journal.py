@@ -14,20 +14,19 @@ import zlib
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from contextvars import ContextVar
-from dataclasses import replace
 from pathlib import Path
 from typing import Any, TextIO, TypeVar
 
 import numpy as np
 
 from fricmodels import plugins
+from fricmodels.diagnosis import repeated
 from fricmodels.drive import Drive
 from fricmodels.files import locked
 from fricmodels.recording import Recording
 from fricmodels.term import Effect
-from fricmodels.weakform.candidate import Candidate, NonlinearOptimum
-from fricmodels.weakform.estimate import Estimate, estimate
-from fricmodels.weakform.friction_limits import limits_of_friction
+from fricmodels.weakform.candidate import NonlinearOptimum
+from fricmodels.weakform.estimate import Estimate, estimate, rows_again
 from fricmodels.weakform.problem import WeakFormProblem
 from fricmodels.weakform.regression import Regression
 from fricmodels.weakform.search import search
@@ -166,22 +165,20 @@ def searched(
 ) -> NonlinearOptimum | None:
     """Return :func:`fricmodels.weakform.search.search`, or what it found before."""
 
-    def compute() -> NonlinearOptimum | None:
+    def anew() -> NonlinearOptimum | None:
         return search(problem, regression, effect, alone, rival)
+
+    def compute() -> NonlinearOptimum | None:
+        return repeated.once(problem, regression, effect, alone, rival, anew)
 
     def plain(found: NonlinearOptimum | None) -> Any:
         if found is None:
             return None
-        point = [float(value) for value in found.nonlinear]
-        return [point, float(found.trials), float(found.delay), bool(found.at_search_bound)]
+        point, *others = repeated.plain(found)
+        return [[*point], *others]
 
     def back(known: Any) -> NonlinearOptimum | None:
-        if known is None:
-            return None
-        point, trials, delay, at_search_bound = known
-        rows = regression.unshifted if alone.model.delay else regression
-        candidate = Candidate(problem, rows, effect, alone, delay)
-        return candidate.found(tuple(point), trials, at_search_bound=at_search_bound)
+        return None if known is None else repeated.again(problem, regression, effect, alone, known)
 
     kept = _open.get()
     return compute() if kept is None else kept.step(f"{problem.drive.model.name} + {effect.name}", compute, plain, back)
@@ -210,10 +207,8 @@ def estimated(
     def back(known: Any) -> tuple[WeakFormProblem, Estimate]:
         fit = {key: value for key, value in known.items() if key not in ("rows", "known_shift")}
         covariance = None if fit["covariance"] is None else np.array(fit["covariance"], dtype=float)
-        made = WeakFormProblem.of(drive, recording, known["rows"])
-        limits = limits_of_friction(drive, made.recording, fit["parameters"])
-        rows = replace(made, friction_limits=limits, estimated=dict(fit["parameters"]), shift=known["known_shift"])
-        return rows, Estimate(**{**fit, "covariance": covariance})
+        found = Estimate(**{**fit, "covariance": covariance})
+        return rows_again(drive, recording, known["rows"], found, known["known_shift"]), found
 
     kept = _open.get()
     if kept is None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Sequence, Set
 from typing import Any
 
@@ -68,8 +69,11 @@ _FUNCTIONS: dict[str, Any] = {
 _Plain = tuple[Callable[..., Any] | None, tuple[int, ...], tuple[int, int]]
 """An operation, the places of its operands, that of its result, and of a second one, else 0; or ``None``, a place, and
 an output and its row."""
-_Step = tuple[Callable[..., Any] | None, tuple[int, ...], tuple[int, int], tuple[int, ...]]
-"""The same with the places that nobody asks for any more."""
+_Step = tuple[Callable[..., Any] | None, tuple[int, ...], tuple[int, int], tuple[int, int] | None, tuple[int, ...]]
+"""The same with the output and its row into which the result is written at once, if it is, and the places that nobody
+asks for any more."""
+_TRUTHS = {np.less, np.less_equal, np.equal, np.not_equal, np.logical_and, np.logical_or, np.logical_not}
+"""Operations whose result is true or false."""
 
 
 def _sine_and_cosine(angle: Any) -> tuple[Any, Any]:
@@ -125,11 +129,13 @@ class ArrayFunction:
                     self._places += 1
                     steps.append((_FUNCTIONS[step.operation], operands, (known[step.operation, operands], 0)))
                 where[result] = known[step.operation, operands]
-        self._steps = _releasing(_paired(steps))
+        self._plain = _signs_first(_paired(steps), self._arity)
+        self._steps = _releasing(self._plain)
         written = [
-            len({row for operation, _, (index, row), _ in self._steps if operation is None and index == i})
+            len({row for operation, _, (index, row) in steps if operation is None and index == i})
             for i in range(len(self._rows))
         ]
+        self._halves: dict[tuple[int, ...], _Halves] = {}
         self._whole = [count == rows * columns for count, (rows, columns) in zip(written, self._rows, strict=True)]
 
     def __call__(self, *arguments: ArrayLike) -> list[Array]:
@@ -149,35 +155,24 @@ class ArrayFunction:
             arguments: as of a call; ``None`` for each that is given later. What was computed is kept as long as the
                 function that is returned.
         """
-        later = [place for place, argument in enumerate(arguments) if argument is None]
+        later = tuple(place for place, argument in enumerate(arguments) if argument is None)
         values = self._values([0.0 if argument is None else argument for argument in arguments])
-        moving = set(later)
-        before: list[_Plain] = []
-        after: list[_Plain] = []
-        for operation, operands, (place, row), _ in self._steps:
-            waits = operation is None or not moving.isdisjoint(operands)
-            (after if waits else before).append((operation, operands, (place, row)))
-            if waits and operation is not None:
-                moving.update((place, row) if row else (place,))
-        wanted = {place for _, operands, _ in after for place in operands} - moving
+        if later not in self._halves:
+            self._halves[later] = _Halves(self._plain, later, self._arity, self._places)
+        halves = self._halves[later]
         work: list[Any] = [*values, *self._constants, *[None] * (self._places - self._arity - len(self._constants))]
-        _run(_releasing(before, wanted), work, [])
-        for place in set(range(self._arity)) - wanted:
+        _run(halves.before, work, [])
+        for place in halves.done:
             work[place] = None
         count = max((value.size for value in values if value.ndim), default=1)
-        kept = frozenset(range(self._places)) - moving
-        known: dict[int | None, list[_Step]] = {None: _releasing(after, kept)}
 
         def found(*rest: ArrayLike, first: int | None = None) -> list[Array]:
-            if first not in known:
-                known[first] = _releasing(_for_rows(after, int(first or 0)), kept)
             now = list(work)
             for place, argument in zip(later, rest, strict=True):
                 now[place] = np.asarray(argument, dtype=float)
             size = max(count, *(now[place].size for place in later), 1)
-            if first is None:
-                return self._evaluated(known[None], now, size)
-            return [self._evaluated(known[first], now, size)[0][:first]]
+            rows = self._evaluated(halves.after(first), now, size)
+            return rows if first is None else [rows[0][:first]]
 
         return found
 
@@ -204,6 +199,38 @@ class ArrayFunction:
         return results
 
 
+class _Halves:
+    """Steps that do not depend on some arguments, and those that do.
+
+    Args:
+        steps: all of them.
+        later: places of the arguments.
+        arity, places: how many arguments there are, and how many places.
+    """
+
+    def __init__(self, steps: Sequence[_Plain], later: Sequence[int], arity: int, places: int) -> None:
+        moving = set(later)
+        before: list[_Plain] = []
+        self._after: list[_Plain] = []
+        for operation, operands, (place, row) in steps:
+            waits = operation is None or not moving.isdisjoint(operands)
+            (self._after if waits else before).append((operation, operands, (place, row)))
+            if waits and operation is not None:
+                moving.update((place, row) if row else (place,))
+        wanted = {place for _, operands, _ in self._after for place in operands} - moving
+        self.before = _releasing(before, wanted)
+        self.done = set(range(arity)) - wanted
+        self._kept = frozenset(range(places)) - moving
+        self._known: dict[int | None, list[_Step]] = {}
+
+    def after(self, first: int | None) -> list[_Step]:
+        """Return the steps that depend on the arguments: all, or those that the first rows of the first output need."""
+        if first not in self._known:
+            steps = self._after if first is None else _for_rows(self._after, first)
+            self._known[first] = _releasing(steps, self._kept)
+        return self._known[first]
+
+
 def _of(value: Any, part: slice) -> Any:
     return value[part] if isinstance(value, np.ndarray) and value.ndim else value
 
@@ -211,9 +238,11 @@ def _of(value: Any, part: slice) -> Any:
 def _run(steps: Sequence[_Step], work: list[Any], results: list[Array]) -> None:
     """Carry out steps on what is at each place."""
     with np.errstate(all="ignore"):
-        for operation, operands, (place, row), done in steps:
+        for operation, operands, (place, row), into, done in steps:
             if operation is None:
                 results[place][row] = work[operands[0]]
+            elif into is not None:
+                work[place] = operation(*[work[i] for i in operands], out=results[into[0]][into[1]])
             elif row:
                 work[place], work[row] = operation(work[operands[0]])
             else:
@@ -251,15 +280,56 @@ def _paired(steps: Sequence[_Plain]) -> list[_Plain]:
     return found
 
 
+def _signs_first(steps: Sequence[_Plain], arity: int) -> list[_Plain]:
+    """Return steps in which −(a b) is (−a) b where a is an argument, as the rate of an exponential is: a number.
+
+    Args:
+        steps: each result has a place of its own.
+        arity: places of the arguments.
+    """
+    asked = Counter(place for _, operands, _ in steps for place in operands)
+    signs = {operands[0]: i for i, (operation, operands, _) in enumerate(steps) if operation is np.negative}
+    found = list(steps)
+    for i, (operation, operands, target) in enumerate(steps):
+        argument = next((place for place in operands if place < arity), None)
+        if operation is np.multiply and argument is not None and target[0] in signs and asked[target[0]] == 1:
+            one, other = operands if operands[0] == argument else operands[::-1]
+            last = signs[target[0]]
+            found[i] = (np.negative, (one,), target)
+            found[last] = (np.multiply, (target[0], other), steps[last][2])
+    return found
+
+
 def _releasing(steps: Sequence[_Plain], kept: Set[int] = frozenset()) -> list[_Step]:
-    """Return steps with the places that nobody asks for after each of them, but for some that are kept."""
+    """Return steps with the places that nobody asks for after each of them, but for some that are kept.
+
+    A result that is wanted is written where it is wanted.
+    """
     found: list[_Step] = []
-    asked = set(kept)
+    asked, into = set(kept), _into(steps)
     for operation, operands, target in reversed(steps):
+        if operation is None and into.get(operands[0]) == target:
+            continue
         done = tuple(place for place in set(operands) if place not in asked)
         asked.update(operands)
-        found.append((operation, operands, target, done))
+        found.append((operation, operands, target, None if operation is None else into.get(target[0]), done))
     return found[::-1]
+
+
+def _into(steps: Sequence[_Plain]) -> dict[int, tuple[int, int]]:
+    """Return the output, and its row, into which a result may be written at once: place → the first one."""
+    truths: set[int] = set()
+    direct: set[int] = set()
+    found: dict[int, tuple[int, int]] = {}
+    for operation, operands, (place, row) in steps:
+        if operation is None:
+            if operands[0] in direct:
+                found.setdefault(operands[0], (place, row))
+        elif operation in _TRUTHS or truths.issuperset(operands):
+            truths.add(place)
+        elif isinstance(operation, np.ufunc):
+            direct.add(place)
+    return found
 
 
 _UNARY = {name for name, function in _FUNCTIONS.items() if isinstance(function, np.ufunc) and function.nin == 1} | {

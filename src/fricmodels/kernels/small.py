@@ -96,6 +96,33 @@ def reduced(
         matrix[a, a] += damping * max(matrix[a, a], 1e-300)
 
 
+@njit(cache=True, nogil=True, fastmath={"reassoc"})
+def product(one: Any, other: Any) -> float:
+    """Return the sum of products, in any order."""
+    total = 0.0
+    for k in range(len(one)):
+        total += one[k] * other[k]
+    return total
+
+
+@njit(cache=True, nogil=True)
+def products_of_blocks(rows: Any, residual: Any, edges: Any, shares: Any, scores: Any) -> None:
+    """Write the products of rows with each other and with a residual, block by block.
+
+    Args:
+        rows: shape (n, M). residual: shape (M,).
+        edges: where each block begins, and where the last one ends, shape (blocks + 1,).
+        shares, scores: to be written, shapes (blocks, n, n) and (blocks, n).
+    """
+    for g in range(len(edges) - 1):
+        begin, end = edges[g], edges[g + 1]
+        for i in range(len(rows)):
+            row = rows[i, begin:end]
+            scores[g, i] = product(row, residual[begin:end])
+            for j in range(i + 1):
+                shares[g, i, j] = shares[g, j, i] = product(row, rows[j, begin:end])
+
+
 @njit(cache=True, nogil=True)
 def sine_and_cosine(angle: Any, both: Any) -> None:
     """Write sine and cosine of each angle, shape (N,) → (2, N)."""

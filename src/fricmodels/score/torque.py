@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from fricmodels.drive import Drive
 from fricmodels.recording import Recording
 from fricmodels.score.sampling import about_reversals, slowest_certain, without_shift
+from fricmodels.signals.rest import once
 
 if TYPE_CHECKING:
     from fricmodels.signals import Noise
@@ -24,8 +25,6 @@ if TYPE_CHECKING:
 Array: TypeAlias = NDArray[np.float64]
 Mask: TypeAlias = NDArray[np.bool_]
 
-_BLOCK = 16384
-"""Windows averaged together, so that memory stays bounded."""
 _INTERVALS = 1 << 17
 """Intervals whose friction is found together, for the same reason."""
 
@@ -98,18 +97,13 @@ def filtered_torque_error(
         half_width: h; :func:`sliding_half_width` if not given.
         beyond_sampling: leave out what sampling hides; see :mod:`.sampling`.
     """
-    from fricmodels.signals import resting, standstill, stretches, velocity_noise
-    from fricmodels.signals.lanczos import even_weights, lanczos_value
+    from fricmodels.signals import stretches
 
     recording, values = drive.timed(recording, values)
     width = sliding_half_width(recording) if half_width is None else half_width
-    smooth = lanczos_value(recording.time, recording.velocity, width, recording.run)
-    rest = resting(recording)
-    smooth[rest | (np.abs(smooth) <= standstill(smooth))] = 0.0
-    doubtful = np.abs(smooth) <= 3 * velocity_noise(recording).slow.after(even_weights(width)[0])
-    moving = recording.with_channels(velocity=smooth)
+    moving, rest, doubtful = _smoothed(recording, width)
     if beyond_sampling:
-        doubtful |= np.abs(smooth) <= slowest_certain(drive, values, moving)
+        doubtful = doubtful | (np.abs(moving.velocity) <= slowest_certain(drive, values, moving))
     error, rate = np.zeros(len(recording)), np.zeros(len(recording) if beyond_sampling else 0)
     inertia, parameters = drive.split(values)
     states = drive.states(moving, parameters)
@@ -127,10 +121,31 @@ def filtered_torque_error(
             limits = drive.sticking_interval(one, values, states=[state[part] for state in states])
             less, more = about_reversals(one.velocity, share_before_zero(one.velocity), *limits)
             least, greatest = least + less, greatest + more
-            rate[part] = _window_mean(np.diff(one.torque) / np.diff(one.time), one.time, width)
-        balance, lower, upper = (_window_mean(each, one.time, width) for each in (needed, least, greatest))
+            rate[part] = _window_means((np.diff(one.torque) / np.diff(one.time))[None], one.time, width)[0]
+        balance, lower, upper = _window_means(np.array([needed, least, greatest]), one.time, width)
         error[part] = balance - np.clip(balance, lower, upper)
     return without_shift(error, np.where(error == 0.0, 0.0, rate), recording.interval)[0] if beyond_sampling else error
+
+
+def _smoothed(recording: Recording, half_width: int) -> tuple[Recording, Mask, Mask]:
+    """Return a recording with its velocity smoothed, where it rests, and where it may rest: once for each width."""
+    from fricmodels.signals import resting, standstill, velocity_noise
+    from fricmodels.signals.lanczos import even_weights, lanczos_value
+
+    known = _known_widths(recording)
+    found = known.get(half_width)
+    if found is None:
+        smooth, rest = lanczos_value(recording.time, recording.velocity, half_width, recording.run), resting(recording)
+        smooth[rest | (np.abs(smooth) <= standstill(smooth))] = 0.0
+        doubtful = np.abs(smooth) <= 3 * velocity_noise(recording).slow.after(even_weights(half_width)[0])
+        known.clear()  # one width at a time is asked for
+        found = known[half_width] = recording.with_channels(velocity=smooth), rest, doubtful
+    return found
+
+
+@once
+def _known_widths(_: Recording) -> dict[int, tuple[Recording, Mask, Mask]]:
+    return {}
 
 
 def _mean(values: Array) -> Array:
@@ -229,31 +244,31 @@ def share_before_zero(velocity: Array) -> Array:
     return share
 
 
-def _window_mean(error: Array, time: Array, half_width: int) -> Array:
-    """Average over the intervals of each sample's window with the weights of Lanczos's differentiator."""
+def _window_means(errors: Array, time: Array, half_width: int) -> Array:
+    """Average errors over the intervals of each sample's window with the weights of Lanczos's differentiator.
+
+    Args:
+        errors: of each interval, shape (k, N − 1).
+        time, half_width: shape (N,), and h.
+
+    Returns:
+        Shape (k, N).
+    """
+    from fricmodels.kernels.windows import window_means
     from fricmodels.signals import is_even
 
     samples = len(time)
     width = min(half_width, (samples - 1) // 2)
     if width < 1:
-        return np.append(error, error[-1])
+        return np.concatenate([errors, errors[:, -1:]], axis=1)
     if is_even(time):
         offset = np.arange(2 * width) + 0.5 - width
         weight = (width + 0.5) ** 2 - offset**2
-        inner = np.convolve(error, weight / weight.sum(), mode="valid")
-        return np.asarray(inner[np.clip(np.arange(samples) - width, 0, len(inner) - 1)])
-    windows = np.lib.stride_tricks.sliding_window_view
-    steps, middle = windows(np.diff(time), 2 * width), windows(_mean(time), 2 * width)
-    errors, centre = windows(error, 2 * width), time[width : samples - width]
-    inner = np.empty(len(centre))
-    for start in range(0, len(centre), _BLOCK):
-        block = slice(start, start + _BLOCK)
-        reach = (width + 0.5) * steps[block].mean(axis=1, keepdims=True)
-        offset = middle[block] - centre[block, None]
-        weight = steps[block] * np.clip(reach**2 - offset**2, 0.0, None)
-        inner[block] = np.sum(weight * errors[block], axis=1) / np.sum(weight, axis=1)
-    result: Array = inner[np.clip(np.arange(samples) - width, 0, len(inner) - 1)]
-    return result
+        inner = np.array([np.convolve(error, weight / weight.sum(), mode="valid") for error in errors])
+    else:
+        inner = np.empty((len(errors), samples - 2 * width))
+        window_means(np.ascontiguousarray(time, dtype=float), np.ascontiguousarray(errors), width, inner)
+    return np.asarray(inner[:, np.clip(np.arange(samples) - width, 0, inner.shape[1] - 1)])
 
 
 def sliding_half_width(recording: Recording, largest: int = 256) -> int:
@@ -273,6 +288,18 @@ def sliding_half_width(recording: Recording, largest: int = 256) -> int:
     Source: the plug-in rule of D. Ruppert, S. J. Sheather, M. P. Wand, J. Amer. Statist. Assoc. 90 (1995), for the
     derivative.
     """
+    known = _half_widths(recording)
+    if largest not in known:
+        known[largest] = _best_half_width(recording, largest)
+    return known[largest]
+
+
+@once
+def _half_widths(_: Recording) -> dict[int, int]:
+    return {}
+
+
+def _best_half_width(recording: Recording, largest: int) -> int:
     from fricmodels.signals import velocity_noise
 
     noise = velocity_noise(recording)

@@ -16,6 +16,8 @@ _Sum: TypeAlias = dict[tuple[int, ...], float]
 def alike(rows: Sequence[Any]) -> tuple[list[Any], list[tuple[int, float]]]:
     """Return the distinct rows of some, and for each row which of these it is, and its sign.
 
+    A row that is the negative of an expression is not made from it: its sign says so.
+
     Args:
         rows: expressions, each a scalar.
     """
@@ -29,14 +31,17 @@ def alike(rows: Sequence[Any]) -> tuple[list[Any], list[tuple[int, float]]]:
     found: list[tuple[int, float]] = []
     for i in range(together.numel()):
         own: _Sum = {}
-        _add(together[i], 1.0, (), own)
+        row, sign = together[i], 1.0
+        while row.is_op(casadi.OP_NEG):
+            row, sign = row.dep(0), -sign
+        _add(row, 1.0, (), own)
         signs = [_ratio(own, known) for known in sums]
         place = next((k for k, sign in enumerate(signs) if sign), len(distinct))
         if place == len(distinct):
-            distinct.append(together[i])
+            distinct.append(row)
             sums.append(own)
             signs.append(1.0)
-        found.append((place, signs[place]))
+        found.append((place, sign * signs[place]))
     return distinct, found
 
 

@@ -105,7 +105,7 @@ class CarrierFunctions(TestFunctions):
         """Return the test functions that none of some samples lies within."""
         other = copy(self)
         other._plain = self._plain.clear_of(samples)
-        other._kept = other._plain._kept
+        other._keep(other._plain._kept)
         other.count = other._plain.count * self.each
         return other
 

@@ -7,6 +7,9 @@ from typing import Any
 import numpy as np
 from numba import njit
 
+_BLOCK, _AT_ONCE = 512, 16
+"""Bumps that are summed together, and how many at once."""
+
 
 @njit(cache=True, nogil=True)
 def along_cubics(rows: Any, half: Any, cell: Any, before: Any, after: Any, bending: Any, values: Any) -> None:
@@ -78,44 +81,87 @@ def under_hats(
 
 
 @njit(cache=True, nogil=True)
-def weighted_sums(rows: Any, first: Any, counts: Any, parts: Any, kept: Any, sums: Any) -> None:
+def runs_of(kept: Any, first: Any, counts: Any, hop: int, begins: Any, lengths: Any) -> int:
+    """Write where each run of neighbouring bumps begins, and how many there are in it; return how many runs.
+
+    Args:
+        kept: which of all bumps are wanted, ascending, shape (M,).
+        first: sample at which the first bump of each stretch begins, shape (s,).
+        counts: how many bumps there are in each stretch, a part of a bump apart, shape (s,).
+        hop: samples from bump to bump.
+        begins, lengths: to be written as far as there are runs, shape (M,).
+    """
+    found, piece, before = 0, 0, 0
+    for m in range(len(kept)):
+        new = m == 0 or kept[m] != kept[m - 1] + 1
+        while kept[m] >= before + counts[piece]:
+            before += counts[piece]
+            piece, new = piece + 1, True
+        if new:
+            begins[found], lengths[found] = first[piece] + hop * (kept[m] - before), 0
+            found += 1
+        lengths[found - 1] += 1
+    return found
+
+
+@njit(cache=True, nogil=True)
+def side_by_side(values: Any, hop: int, count: int, places: Any) -> None:
+    """Write every hop-th of some values side by side, shape (count · hop,) → (hop, count or more).
+
+    A distance that is known when this is compiled is read many values at once.
+    """
+    if hop == 2:
+        one, two = places[0], places[1]
+        for m in range(count):
+            one[m], two[m] = values[2 * m], values[2 * m + 1]
+    elif hop == 4:
+        one, two, three, four = places[0], places[1], places[2], places[3]
+        for m in range(count):
+            one[m], two[m] = values[4 * m], values[4 * m + 1]
+            three[m], four[m] = values[4 * m + 2], values[4 * m + 3]
+    else:
+        for j in range(hop):
+            place = places[j]
+            for m in range(count):
+                place[m] = values[hop * m + j]
+
+
+@njit(cache=True, nogil=True)
+def weighted_sums(rows: Any, begins: Any, lengths: Any, parts: Any, sums: Any) -> None:
     """Write the sums of each row under a bump that is moved along it, in the same order on every processor.
 
     A bump is made of as many equal parts as there are hops to it. Samples at the same place in a part are put side by
-    side: those of all bumps then are.
+    side: those of all bumps then are. Bumps are taken in blocks that stay in the cache; a block is filled up, so that
+    none of it is left over when many are summed at once.
 
     Args:
         rows: shape (k, N).
-        first: sample at which the first bump of each stretch begins, shape (s,).
-        counts: how many bumps there are in each stretch, a part of a bump apart, shape (s,).
+        begins: sample at which the first bump of each run begins, shape (s,).
+        lengths: how many bumps there are in each run, a part of a bump apart, shape (s,).
         parts: weights of a bump, shape (8, hop).
-        kept: which of all bumps are wanted, shape (M,).
         sums: to be written, shape (k, M).
     """
     hop = parts.shape[1]
-    most = 0
-    for n in counts:
-        most = max(most, n)
-    t, line = np.empty(most + 7), np.empty(counts.sum())
+    places, found = np.zeros((hop, _BLOCK + _AT_ONCE + 7)), np.empty(_BLOCK + _AT_ONCE)
     for i in range(len(rows)):
         row, done = rows[i], 0
-        for piece in range(len(first)):
-            n, start = counts[piece], first[piece]
-            found = line[done : done + n]
-            for j in range(hop):
-                for m in range(n + 7):
-                    t[m] = row[start + m * hop + j]
-                if j == 0:
-                    found[:] = 0.0
-                a, b, c, d = parts[0, j], parts[1, j], parts[2, j], parts[3, j]
-                e, f, g, h = parts[4, j], parts[5, j], parts[6, j], parts[7, j]
-                for m in range(n):
-                    one = (a * t[m] + b * t[m + 1]) + (c * t[m + 2] + d * t[m + 3])
-                    other = (e * t[m + 4] + f * t[m + 5]) + (g * t[m + 6] + h * t[m + 7])
-                    found[m] += one + other
-            done += n
-        for m in range(len(kept)):
-            sums[i, m] = line[kept[m]]
+        for run in range(len(begins)):
+            for before in range(0, lengths[run], _BLOCK):
+                n, start = min(lengths[run] - before, _BLOCK), begins[run] + before * hop
+                side_by_side(row[start : start + (n + 7) * hop], hop, n + 7, places)
+                filled = (n + _AT_ONCE - 1) // _AT_ONCE * _AT_ONCE
+                for m in range(filled):
+                    found[m] = 0.0
+                for j in range(hop):
+                    t = places[j]
+                    a, b, c, d = parts[0, j], parts[1, j], parts[2, j], parts[3, j]
+                    e, f, g, h = parts[4, j], parts[5, j], parts[6, j], parts[7, j]
+                    for m in range(filled):
+                        one = (a * t[m] + b * t[m + 1]) + (c * t[m + 2] + d * t[m + 3])
+                        other = (e * t[m + 4] + f * t[m + 5]) + (g * t[m + 6] + h * t[m + 7])
+                        found[m] += one + other
+                sums[i, done : done + n] = found[:n]
+                done += n
 
 
 @njit(cache=True, nogil=True)
@@ -126,19 +172,18 @@ def sums_along_cubics(
     before: Any,
     after: Any,
     bending: Any,
-    first: Any,
-    counts: Any,
+    begins: Any,
+    lengths: Any,
     parts: Any,
-    kept: Any,
     sums: Any,
 ) -> None:
     """Write the sums under bumps of the integral of each row over each cell, one row after the other.
 
     Args:
         rows, half, cell, before, after, bending: as of :func:`along_cubics`.
-        first, counts, parts, kept, sums: as of :func:`weighted_sums`.
+        begins, lengths, parts, sums: as of :func:`weighted_sums`.
     """
     values = np.empty((1, len(half) + 1))
     for i in range(len(rows)):
         along_cubics(rows[i : i + 1], half, cell, before, after, bending, values)
-        weighted_sums(values, first, counts, parts, kept, sums[i : i + 1])
+        weighted_sums(values, begins, lengths, parts, sums[i : i + 1])

@@ -68,23 +68,19 @@ def timing_nuisances(problem: WeakFormProblem) -> tuple[Array, Array]:
     return np.vstack(rows), np.array(limits)
 
 
-def projection(
-    problem: WeakFormProblem, plan: Plan, *, timing: bool, chosen: NDArray[np.int64] | None = None
-) -> tuple[Projection, Nonlinear]:
+def projection(problem: WeakFormProblem, plan: Plan, *, timing: bool) -> tuple[Projection, Nonlinear]:
     """Return the least-squares problem of a drive, and where its nonlinear parameters are sought.
 
     Args:
         problem: drive and rows.
         plan: where it begins, and what is held.
         timing: see :func:`equations`.
-        chosen: which of the rows; all if not given.
     """
     linear = [p for p in problem.drive.parameters if p.linear]
     constraints, limits = _constraints(problem.drive, problem.delay, _largest_push(problem.recording))
     held = {i: plan.held[p.key] for i, p in enumerate(linear) if p.key in plan.held}
     search = nonlinear_search(problem.drive, problem.recording, plan)
-    rows = equations(problem, timing=timing)
-    return Projection(rows if chosen is None else rows.some(chosen), constraints, limits, held), search
+    return Projection(equations(problem, timing=timing), constraints, limits, held), search
 
 
 @lru_cache(maxsize=64)

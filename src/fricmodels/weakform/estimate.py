@@ -11,8 +11,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Hashable, Mapping
 from dataclasses import dataclass, field, replace
+from weakref import ref
 
 import numpy as np
 from numpy.typing import NDArray
@@ -99,6 +100,73 @@ def estimate(
     Raises:
         InputError: when the recording moves too little to fit the model.
     """
+    rows, found = _estimated(drive, recording, start, width=width, model_velocity=model_velocity)
+    if model_velocity:
+        _known_fits(recording)[_asked(drive, start, width)] = _Fit(ref(rows), dict(rows.made_for), rows.shift, found)
+    return rows, found
+
+
+def rows_again(
+    drive: Drive,
+    recording: Recording,
+    made_for: Mapping[str, float],
+    found: Estimate,
+    shift: float,
+    width: int | None = None,
+) -> WeakFormProblem:
+    """Return the rows of an earlier :func:`estimate`, made anew.
+
+    Args:
+        drive, recording, width: as there.
+        made_for, shift: of those rows.
+        found: the estimate.
+    """
+    made = WeakFormProblem.of(drive, recording, made_for, width)
+    limits = limits_of_friction(drive, made.recording, found.parameters)
+    return replace(made, friction_limits=limits, estimated=dict(found.parameters), shift=shift)
+
+
+@dataclass(frozen=True)
+class _Fit:
+    """A fit that was made: its rows, as long as another one keeps them, what they were made for, and the estimate."""
+
+    rows: ref[WeakFormProblem]
+    made_for: Mapping[str, float]
+    shift: float
+    found: Estimate
+
+
+@once
+def _known_fits(_: Recording) -> dict[Hashable, _Fit]:
+    return {}
+
+
+def _asked(drive: Drive, start: Mapping[str, float] | None, width: int | None) -> Hashable:
+    return drive.model, drive.inertia, drive.motion, tuple(sorted((start or {}).items())), width
+
+
+def _of_smaller(
+    drive: Drive, recording: Recording, start: Mapping[str, float], width: int | None
+) -> tuple[WeakFormProblem, Estimate]:
+    """Return the estimate of a model without one of the effects; a ladder has mostly been there before."""
+    fit = _known_fits(recording).get(_asked(drive, start, width))
+    if fit is None:
+        return estimate(drive, recording, start, width=width)
+    rows = fit.rows()
+    if rows is None:
+        rows = rows_again(drive, recording, fit.made_for, fit.found, fit.shift, width)
+    return rows, fit.found
+
+
+def _estimated(
+    drive: Drive,
+    recording: Recording,
+    start: Mapping[str, float] | None = None,
+    *,
+    width: int | None = None,
+    model_velocity: bool = True,
+) -> tuple[WeakFormProblem, Estimate]:
+    """Return :func:`estimate`."""
 
     def left(found: Solved) -> float:
         return _left(drive, recording, found.parameters)
@@ -221,7 +289,7 @@ def _started(drive: Drive, recording: Recording, start: Mapping[str, float]) -> 
         if not wanted:
             continue
         smaller = Drive(drive.model.minus(effect.name), drive.inertia, drive.motion)
-        problem, rest = estimate(smaller, recording, start, width=_SMOOTH if effect.states else None)
+        problem, rest = _of_smaller(smaller, recording, start, _SMOOTH if effect.states else None)
         found = search(problem, regression_of(problem, rest.parameters), effect, problem.alone(effect))
         if found is None:
             return start

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from functools import lru_cache
-from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,7 +30,8 @@ def long_run_covariance(scores: Array, independent: float) -> tuple[Array, int]:
         N × the long-run variance (the covariance of the sum of the scores), and ν.
     """
     count = len(scores)
-    terms = int(np.clip(round(0.4 * independent ** (2 / 3)), min(8, max(count - 1, 1)), max(count - 1, 1)))
+    most = max(count - 1, 1)
+    terms = min(max(round(0.4 * independent ** (2 / 3)), min(8, most)), most)
     projected = first_cosines(np.ascontiguousarray(scores.T), terms)
     return count * (projected @ projected.T) / terms, terms
 
@@ -133,18 +133,19 @@ def jackknife_covariance(
     """
     from scipy.special import stdtrit
 
+    from fricmodels.kernels.small import products_of_blocks
+
     size = np.sqrt(np.einsum("ij,ij->j", jacobian, jacobian))
     size = np.where(size > 0.0, size, 1.0)
     inverse = inverse * np.outer(size, size)
-    blocks = blocks or int(np.clip(independent / _IN_BLOCK, _FEWEST, _MOST))
+    blocks = blocks or int(min(max(independent / _IN_BLOCK, _FEWEST), _MOST))
     edges = np.linspace(0, len(residual), blocks + 1).astype(int)
     value, vector = np.linalg.eigh(inverse)
     root = vector * np.sqrt(np.clip(value, 0.0, None))
-    rows = jacobian @ (root / size[:, None])
-    parts = [slice(*ends) for ends in pairwise(edges.tolist())]
+    rows = (root / size[:, None]).T @ jacobian.T
     # (A − A_g)⁻¹ s = R (1 − RᵀA_gR)⁻¹ Rᵀs with A⁻¹ = RRᵀ: by the share of what is known that the block holds.
-    shares = np.array([rows[part].T @ rows[part] for part in parts])
-    scores = np.array([residual[part] @ rows[part] for part in parts])
+    shares, scores = np.empty((blocks, len(root), len(root))), np.empty((blocks, len(root)))
+    products_of_blocks(rows, residual, edges, shares, scores)
     decisive = np.trace(shares, axis1=1, axis2=2) > 1.0 - 1.0 / blocks  # else each share is less, too
     along = np.empty_like(scores)
     along[~decisive] = np.linalg.solve(np.eye(len(root)) - shares[~decisive], scores[~decisive, :, None])[:, :, 0]

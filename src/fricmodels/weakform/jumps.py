@@ -57,10 +57,18 @@ def _usual(seen: Array, nearer: Array) -> float:
     """
     if len(seen) < _FEWEST_REVERSALS:
         return 0.0
-    usual = float(np.median(seen))
+    usual = _median(seen)
     apart = np.abs(seen - usual)
     of_means = 0.5 * (1.0 + nearer + 2.0 * nearer**2)
     # Of a normal distribution: the standard error of a median, by the median deviation.
-    error = 1.2533 * 1.4826 * float(np.median(apart)) / np.sqrt(len(seen))
-    instant = apart.sum() < np.abs(seen - float(np.median(seen / of_means)) * of_means).sum()
+    error = 1.2533 * 1.4826 * _median(apart) / np.sqrt(len(seen))
+    instant = apart.sum() < np.abs(seen - _median(seen / of_means) * of_means).sum()
     return usual if instant and abs(usual) > _CERTAIN * error else 0.0
+
+
+def _median(values: Array) -> float:
+    """Return the median of at least one value; not a number where one of them is none, which is sorted to the end."""
+    ordered, middle = np.sort(values), len(values) // 2
+    if np.isnan(ordered[-1]):
+        return float("nan")
+    return float(ordered[middle] if len(values) % 2 else (ordered[middle - 1] + ordered[middle]) / 2.0)

@@ -111,7 +111,7 @@ class NormalEquations:
         """Return the least-squares solution subject to ``constraints @ x ≥ limits``."""
         free = self.solved
         slack = constraints @ free - limits
-        if np.all(slack >= 0.0) or np.all(slack >= -1e-12 * np.abs(constraints) @ np.abs(free)):
+        if not len(slack) or slack.min() >= 0.0 or np.all(slack >= -1e-12 * np.abs(constraints) @ np.abs(free)):
             return np.asarray(free)
         root = np.sqrt(np.maximum(self.values, RANK_TOLERANCE))
         back = self.vectors / root / self.size[:, None]

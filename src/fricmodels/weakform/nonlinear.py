@@ -98,7 +98,7 @@ class Nonlinear:
 
     def clip(self, alpha: Array) -> Array:
         """Return the nearest values within the bounds."""
-        return np.clip(alpha, self.lower, self.upper)
+        return np.minimum(np.maximum(alpha, self.lower), self.upper)
 
     def points(self) -> list[Array]:
         """Return the starting points within the bounds."""

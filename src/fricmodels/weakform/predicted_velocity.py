@@ -77,19 +77,26 @@ def model_velocity(
     noise = np.empty(len(recording))
     squares = shared = 0.0
     own, gains, margin = velocity_noise(recording), [], np.inf
-    for number in recording.run_numbers:
-        inside = recording.run == number
+    for inside, count in _runs(recording):
         level, hidden_by, error, gain, more = wandering_level(recording.velocity[inside] - simulated[inside], own)
         velocity[inside] = recording.velocity[inside] if gain == 1.0 else simulated[inside] + level
         noise[inside] = hidden_by
         gains.append(gain)
         margin = min(margin, more)
-        squares += error * float(inside.sum())
-        shared += _averaged_noise(own, gain) * float(inside.sum())
+        squares += error * count
+        shared += _averaged_noise(own, gain) * count
     hidden = (np.abs(velocity) <= 3.0 * noise) & (np.abs(simulated) <= 3.0 * noise)
     velocity = np.where(hidden, simulated, velocity)
     errors = squares / len(recording), shared / len(recording)
     return ModelVelocity(velocity, simulated, tuple(gains), velocity == 0.0, *errors, margin)
+
+
+def _runs(recording: Recording) -> list[tuple[slice | NDArray[np.bool_], float]]:
+    """Return the samples of each run, and how many there are."""
+    if len(recording.run_numbers) == 1:
+        return [(slice(None), float(len(recording)))]
+    masks = [recording.run == number for number in recording.run_numbers]
+    return [(mask, float(mask.sum())) for mask in masks]
 
 
 def prediction_error(drive: Drive, values: Array, recording: Recording, *, held: bool = False) -> float:

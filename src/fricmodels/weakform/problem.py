@@ -247,7 +247,7 @@ class WeakFormProblem:
         if self.held:
             impulses = self.recording.torque * self.quadrature.moving_time
             return np.asarray(self.bumps.of_cells(impulses[None])[0] - self.integrals(points.load_torque[None])[0])
-        return self.bumps.driving(self.quadrature, points.torque - points.load_torque)
+        return self.bumps.driving(self.quadrature, points.driving_torque)
 
     @cached_property
     def torque_rate(self) -> Array:

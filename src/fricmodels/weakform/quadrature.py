@@ -125,21 +125,22 @@ class Quadrature:
         values[:, :-1] = self._straight(rows)
         return values
 
-    def sums_along_cubics(self, rows: Array, first: Index, counts: Index, parts: Array, kept: Index) -> Array:
+    def sums_along_cubics(self, rows: Array, begins: Index, lengths: Index, parts: Array, count: int) -> Array:
         """Return the sums under bumps of the integral of each row over each cell, shape (k, bumps).
 
         By cubics where four samples lie in one stretch of motion.
 
         Args:
             rows: evaluated at :attr:`recording`, shape (k, N + two for each split cell).
-            first, counts, parts, kept: the bumps, see :func:`.cells.weighted_sums`.
+            begins, lengths, parts: the bumps, see :func:`.cells.weighted_sums`.
+            count: how many there are.
         """
         from fricmodels.weakform.cells import sums_along_cubics
 
-        sums = np.empty((len(rows), len(kept)))
+        sums = np.empty((len(rows), count))
         rows = np.ascontiguousarray(rows, dtype=float)
         cells = self.half, self.cell, self.before, self.after, self.bending
-        sums_along_cubics(rows, *cells, first, counts, parts, kept, sums)
+        sums_along_cubics(rows, *cells, begins, lengths, parts, sums)
         return sums
 
     def under_hats(self, rows: Array) -> Array:

@@ -302,7 +302,7 @@ class Regression:
 
 def cosine_terms(independent: float, rows: int) -> int:
     """Return the number ν of cosines for T independent rows: 0.4 T^(2/3), at least 8."""
-    return int(np.clip(round(0.4 * independent ** (2 / 3)), min(8, rows - 1), rows - 1))
+    return int(min(max(round(0.4 * independent ** (2 / 3)), min(8, rows - 1)), rows - 1))
 
 
 def score_terms(scores: Array, independent: float) -> int:

@@ -72,7 +72,7 @@ class SeparableTerm:
             slopes: whether slopes are wanted.
         """
         chosen = self._alike if slopes else self._alike[: len(self.moving)]
-        if len(chosen) == len(distinct):
+        if all(sign == 1.0 and place == i for i, (place, sign) in enumerate(chosen)):
             return distinct
         found = np.empty((len(chosen), distinct.shape[1]))
         for row, (place, sign) in zip(found, chosen, strict=True):

@@ -11,6 +11,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from fricmodels.recording import Recording
+from fricmodels.signals.rest import once
 from fricmodels.weakform.equations import projection
 from fricmodels.weakform.inference import at_least, covariance
 from fricmodels.weakform.least_squares import NormalEquations
@@ -20,7 +22,7 @@ from fricmodels.weakform.problem import WeakFormProblem
 from fricmodels.weakform.regression import cosine_terms
 from fricmodels.weakform.search import in_gap
 from fricmodels.weakform.staircase import scatter_of_steps
-from fricmodels.weakform.variable_projection import Projection, Solution
+from fricmodels.weakform.variable_projection import THINNED, Projection, Solution, ranked
 
 Array = NDArray[np.float64]
 
@@ -32,9 +34,9 @@ _FEWER_ROUNDS = 5
 """Rounds of a search for what is nearly known: its last step is as short as that of the others."""
 
 
-_NEARLY_ALL, _THINNED, _MUCH_MORE = 0.9, 4, 2.0
-"""Share of the rows that two sets have in common, to tell which start leaves least of either; which of them do it, for
-neighbours say nearly the same; and how many times as much the next best start must leave."""
+_NEARLY_ALL, _MUCH_MORE = 0.9, 2.0
+"""Share of the rows that two sets have in common, to tell which start leaves least of either, and how many times as
+much the next best start must leave."""
 STRONG = 3.0
 """Logarithm of 20 to 1: strong evidence on the scale of Kass and Raftery (1995)."""
 WITHIN = 0.999
@@ -259,7 +261,7 @@ class Solved:
             centre[-1:], true_to[-1:] = than * self.problem.recording.interval, _HELD_TO
         if len(nuisances):  # in samples, times the Coulomb torque: without that no reversal can be shifted
             sizes[0] = 2 * self.problem.friction_limits[1]
-            torque = float(np.max(np.abs(self.problem.recording.torque)))
+            torque = _largest_torque(self.problem.recording)
             some = np.append(sizes[:1] > _NO_FRICTION * torque, np.ones(len(sizes) - 1, dtype=bool))
             some[0] &= reversals
             # At its bound a shift is of unknown size, and speaks for none.
@@ -287,6 +289,12 @@ class Solved:
         size = float(self.solution.theta[nuisances[-1]]) / (2 * self.problem.recording.interval)
         freedom = cosine_terms(self.problem.independent, self.problem.rows)
         return bool(np.any(_odds(size, np.array([_TRUE_TO**2, 1.0 / (2 * math.pi)]), freedom) > STRONG))
+
+
+@once
+def _largest_torque(recording: Recording) -> float:
+    """Return the largest motor torque [N m or N]."""
+    return float(np.max(np.abs(recording.torque)))
 
 
 def _odds(estimate: Array | float, variance: Array, freedom: int) -> Array:
@@ -335,19 +343,22 @@ def begins_where(problem: WeakFormProblem, plan: Plan, found: Solved) -> bool:
     """Whether a fit to the rows of a problem would begin from the same nonlinear parameters as an earlier one.
 
     Where the earlier rows are nearly all the same, and leave much more of the motor torque with any other start, those
-    that both have tell it: at each start they are known.
+    that both have tell it: what each start leaves of them is known.
     """
-    start = found.solution.start
+    start, scan = found.solution.start, found.solution.scan
     if start is None:
         return False
-    along = found.problem.smooth is problem.smooth
+    along = found.problem.smooth is problem.smooth and plan == found.plan
     both = found.problem.bumps.in_common(problem.bumps) if along else np.zeros(0, dtype=np.int64)
     if len(both) > _NEARLY_ALL * max(problem.rows, found.problem.rows):
-        least_squares, search = projection(found.problem, plan, timing=found.timing, chosen=both[::_THINNED])
-        points = search.points()
-        best, more = least_squares.ranked(points) if len(points) > 1 else (0, math.inf)
+        if scan is None:
+            return True
+        left = scan.left[:, both[both % THINNED == 0] // THINNED]
+        with np.errstate(invalid="ignore", over="ignore"):
+            costs = np.nan_to_num(np.einsum("ij,ij->i", left, left), nan=np.inf, posinf=np.inf)
+        best, more = ranked(costs)
         if more > _MUCH_MORE:
-            return bool(np.array_equal(points[best], start))
+            return bool(np.array_equal(scan.points[best], start))
     least_squares, search = projection(problem, plan, timing=found.timing)
     return bool(np.array_equal(least_squares.best_start(search), start))
 

@@ -92,17 +92,24 @@ class TestFunctions:
         pieces = [piece for piece in segments(recording) if piece.stop - piece.start >= self.width]
         self._first = np.array([piece.start for piece in pieces], dtype=np.int64)
         self._bumps = np.array([(p.stop - p.start) // self.hop - HOPS + 1 for p in pieces], dtype=np.int64)
-        self._kept = np.arange(self._bumps.sum())
+        self._keep(np.arange(self._bumps.sum()))
         moving = self._apply((~resting).astype(float)[None], self._mean)[0]
-        self._kept = np.flatnonzero(moving >= least_moving - 1e-12)
-        self.count = len(self._kept)
+        self._keep(np.flatnonzero(moving >= least_moving - 1e-12))
+
+    def _keep(self, kept: Index) -> None:
+        """Take some of all bumps, ascending, in runs of neighbours."""
+        from fricmodels.weakform.cells import runs_of
+
+        begins, lengths = np.empty_like(kept), np.empty_like(kept)
+        runs = runs_of(kept, self._first, self._bumps, self.hop, begins, lengths)
+        self._kept, self.count = kept, len(kept)
+        self._runs = begins[:runs].copy(), lengths[:runs].copy()
 
     def clear_of(self, samples: Mask) -> TestFunctions:
         """Return the test functions that none of some samples lies within."""
         other = copy(self)
         other._asked = 0
-        other._kept = self._kept[self.integrals(samples.astype(float)[None])[0] == 0.0]
-        other.count = len(other._kept)
+        other._keep(self._kept[self.integrals(samples.astype(float)[None])[0] == 0.0])
         return other
 
     def is_of(self, width: int, resting: Mask) -> bool:
@@ -155,7 +162,7 @@ class TestFunctions:
     def torques(self, quadrature: Quadrature, rows: Array) -> Array:
         """Return ∫φ f dt of rows, shape (k, N + two for each split cell) → (k, number of test functions)."""
         if not self.over_cells:
-            return quadrature.sums_along_cubics(rows, *self._places(self._cell))
+            return quadrature.sums_along_cubics(rows, *self._runs, self._parts(self._cell), len(self._kept))
         if len(rows) > _TOGETHER:
             some = [rows[start : start + _TOGETHER] for start in range(0, len(rows), _TOGETHER)]
             return np.concatenate([self.torques(quadrature, each) for each in some])
@@ -195,14 +202,14 @@ class TestFunctions:
         """
         return self._apply(steps, self.changes)
 
-    def _places(self, kernel: Array) -> tuple[Index, Index, Array, Index]:
-        """Return where bumps begin, how many there are in each stretch, their parts, and which are wanted."""
-        return self._first, self._bumps, kernel.reshape(HOPS, self.hop), self._kept
+    def _parts(self, kernel: Array) -> Array:
+        """Return the weights of a bump, a row each part."""
+        return kernel.reshape(HOPS, self.hop)
 
     def _apply(self, rows: Array, kernel: Array) -> Array:
         from fricmodels.weakform.cells import weighted_sums
 
         sums = np.empty((len(rows), len(self._kept)))
         rows = np.ascontiguousarray(rows, dtype=float)
-        weighted_sums(rows, *self._places(kernel), sums)
+        weighted_sums(rows, *self._runs, self._parts(kernel), sums)
         return sums

@@ -84,12 +84,17 @@ def hidden_turns(
 
     marked = np.empty(len(recording), dtype=bool)
     least, most = drive.sticking_interval(recording, parameters)
-    push = recording.torque - recording.load_torque
+    push = recording.driving_torque
     split.hidden_turns(smooth, recording.run, CERTAIN * error, push, least, most, marked)
     return marked
 
 
 def widened(mask: NDArray[np.bool_], reach: int) -> NDArray[np.bool_]:
     """Mark also the ``reach`` samples before and after each marked one."""
-    near = np.convolve(mask.astype(float), np.ones(2 * reach + 1), "same")
-    return np.asarray(near > 0.5)
+    near, done = mask.copy(), 0
+    while done < reach and done < len(mask):
+        step, before = min(done + 1, reach - done), near.copy()
+        near[step:] |= before[:-step]
+        near[:-step] |= before[step:]
+        done += step
+    return near

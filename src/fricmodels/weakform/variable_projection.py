@@ -23,6 +23,8 @@ _FEW = 2
 """Columns that move, up to which only their own products are made anew."""
 _NOTHING = 1e-9
 """Share of the target below which what a parameter changes is rounding, as where its amplitude is at a bound."""
+THINNED = 4
+"""Of so many equations one is kept of what a starting point leaves, for neighbours say nearly the same."""
 _EQUAL = 1e-9
 """Share by which squared errors that are equal but for rounding may differ: the first of them is taken."""
 
@@ -96,18 +98,25 @@ class Equations:
     nuisance_limits: Array = field(default_factory=lambda: np.zeros((0, 2)))
     acceleration_noise: float = 0.0
 
-    def some(self, chosen: NDArray[np.int64]) -> Equations:
-        """Return some of the equations."""
-        return replace(
-            self,
-            driving=self.driving[chosen],
-            target=self.target[chosen],
-            acceleration=None if self.acceleration is None else self.acceleration[chosen],
-            fixed=self.fixed[:, chosen],
-            moving=lambda alpha, slopes: [block[:, chosen] for block in self.moving(alpha, slopes)],
-            nuisances=self.nuisances[:, chosen],
-            acceleration_noise=self.acceleration_noise * len(chosen) / max(len(self.target), 1),
-        )
+
+@dataclass(frozen=True)
+class Scan:
+    """What starting points leave of the equations.
+
+    Attributes:
+        points: the nonlinear parameters.
+        costs: squared error of all equations, shape (points,).
+        left: what is left of every :data:`THINNED`-th equation, shape (points, equations).
+    """
+
+    points: Sequence[Array]
+    costs: Array
+    left: Array
+
+    @property
+    def best(self) -> Array:
+        """The point that leaves least."""
+        return self.points[ranked(self.costs)[0]]
 
 
 @dataclass(frozen=True)
@@ -122,6 +131,7 @@ class Solution:
         normal: normal equations of the Jacobian at the solution.
         iterations, converged: of the Gauss–Newton iteration.
         start: nonlinear parameters that it began from, where it did.
+        scan: what the points left among which that is the best one, where there were several.
         settled: whether another step promises nothing: the same iteration, begun from here, would end here.
     """
 
@@ -133,6 +143,7 @@ class Solution:
     iterations: int
     converged: bool
     start: Array | None = None
+    scan: Scan | None = None
     settled: bool = False
 
     @property
@@ -190,20 +201,22 @@ class Projection:
         """Return the least-squares fit: from the best of the starting points, by Gauss–Newton to the end."""
         if not self._equations.separable.nonlinear:
             return replace(self.at(np.zeros(0)), settled=True)
-        start = self.best_start(nonlinear)
-        return replace(self._descend(self.at(start), nonlinear, max_iterations), start=start)
+        starts = nonlinear.points()
+        scan = self._scan(starts) if len(starts) > 1 else None
+        start = starts[0] if scan is None else scan.best
+        return replace(self._descend(self.at(start), nonlinear, max_iterations), start=start, scan=scan)
 
     def best_start(self, nonlinear: Nonlinear) -> Array:
         """Return the starting point that leaves least."""
         starts = nonlinear.points()
-        return starts[self.ranked(starts)[0]] if len(starts) > 1 else starts[0]
+        return self._scan(starts).best if len(starts) > 1 else starts[0]
 
-    def ranked(self, starts: Sequence[Array]) -> tuple[int, float]:
-        """Return which of several starting points leaves least, and how many times as much the next one leaves."""
-        costs = np.array([self.cost(start) for start in starts])
-        best = int(np.argmax(costs <= (1.0 + _EQUAL) * costs.min()))
-        others = np.delete(costs, best)
-        return best, float(others.min() / costs[best]) if costs[best] > 0.0 else math.inf
+    def _scan(self, starts: Sequence[Array]) -> Scan:
+        costs, left = np.empty(len(starts)), np.empty((len(starts), len(self._target[::THINNED])))
+        for i, start in enumerate(starts):
+            residual = self._left_at(start)
+            costs[i], left[i] = _square(residual), residual[::THINNED]
+        return Scan(starts, costs, left)
 
     def _descend(self, at: Solution, nonlinear: Nonlinear, max_iterations: int) -> Solution:
         damping = 1e-3
@@ -247,21 +260,21 @@ class Projection:
 
     def cost(self, alpha: Array) -> float:
         """Return the squared error at α; infinite where the model is not finite there."""
+        return _square(self._left_at(alpha))
+
+    def _left_at(self, alpha: Array) -> Array:
+        """Return what is left of the equations at α, with the best linear parameters."""
         target = self._moved(self._scanned, self._blocks(alpha, slopes=False))
         with np.errstate(invalid="ignore", over="ignore"):
-            return self._left(self._scanned, self._products(self._scanned), self._scanned @ target, target)
+            theta = self._solve(self._products(self._scanned), self._scanned @ target)
+            return np.asarray(target - theta @ self._scanned)
 
     def cost_beside(self, alpha: Array) -> float:
         """Return :meth:`cost`, but for rounding, in less time where α is that of the last one but for a parameter."""
         tried, blocks = self._tried, self._blocks(alpha, slopes=False)
         with np.errstate(invalid="ignore", over="ignore"):
             tried.update(self._places, blocks, self._target_beside(blocks))
-            return self._left(tried.columns, tried.gram, tried.right, tried.target)
-
-    def _left(self, columns: Array, gram: Array, right: Array, target: Array) -> float:
-        residual = target - self._solve(gram, right) @ columns
-        cost = float(residual @ residual)
-        return cost if np.isfinite(cost) else float("inf")
+            return _square(tried.target - self._solve(tried.gram, tried.right) @ tried.columns)
 
     @cached_property
     def _scanned(self) -> Array:
@@ -358,6 +371,19 @@ class Projection:
         gram[:n, n:] = gram[n:, :n].T
         normal = NormalEquations.of(self._without_noise(gram), columns @ residual)
         return Solution(theta, alpha, columns, residual, normal, 0, True)
+
+
+def ranked(costs: Array) -> tuple[int, float]:
+    """Return which of several costs is least, and how many times as much the next one is."""
+    best = int(np.argmax(costs <= (1.0 + _EQUAL) * costs.min()))
+    others = np.delete(costs, best)
+    return best, float(others.min() / costs[best]) if costs[best] > 0.0 else math.inf
+
+
+def _square(residual: Array) -> float:
+    with np.errstate(invalid="ignore", over="ignore"):
+        cost = float(residual @ residual)
+    return cost if math.isfinite(cost) else math.inf
 
 
 def _with_bounds(constraints: Array, limits: Array, bounds: Array) -> tuple[Array, Array]:
