@@ -87,8 +87,7 @@ class Policy:
     driving_friction: float = _rule(
         0.05,
         "share of the work that the friction takes",
-        "An effect that is a part of the friction is refused if the friction that is fitted with it drives the joint "
-        "by more than this.",
+        "A part of the friction is refused if the friction that is fitted with it drives the joint by more than this.",
         "Physical: friction drives by nothing; the rest is for errors of the estimate. Of 45 rough drives with such an "
         "effect in the last model the share is zero in all.",
         off=_INF,

@@ -121,8 +121,8 @@ def filtered_torque_error(
             limits = drive.sticking_interval(one, values, states=[state[part] for state in states])
             less, more = about_reversals(one.velocity, share_before_zero(one.velocity), *limits)
             least, greatest = least + less, greatest + more
-            rate[part] = _window_means((np.diff(one.torque) / np.diff(one.time))[None], one.time, width)[0]
-        balance, lower, upper = _window_means(np.array([needed, least, greatest]), one.time, width)
+            (rate[part],) = _window_means([np.diff(one.torque) / np.diff(one.time)], one.time, width)
+        balance, lower, upper = _window_means([needed, least, greatest], one.time, width)
         error[part] = balance - np.clip(balance, lower, upper)
     return without_shift(error, np.where(error == 0.0, 0.0, rate), recording.interval)[0] if beyond_sampling else error
 
@@ -244,15 +244,15 @@ def share_before_zero(velocity: Array) -> Array:
     return share
 
 
-def _window_means(errors: Array, time: Array, half_width: int) -> Array:
+def _window_means(errors: Sequence[Array], time: Array, half_width: int) -> list[Array]:
     """Average errors over the intervals of each sample's window with the weights of Lanczos's differentiator.
 
     Args:
-        errors: of each interval, shape (k, N − 1).
+        errors: each of shape (N − 1,), of each interval.
         time, half_width: shape (N,), and h.
 
     Returns:
-        Shape (k, N).
+        Each of shape (N,).
     """
     from fricmodels.kernels.windows import window_means
     from fricmodels.signals import is_even
@@ -260,15 +260,15 @@ def _window_means(errors: Array, time: Array, half_width: int) -> Array:
     samples = len(time)
     width = min(half_width, (samples - 1) // 2)
     if width < 1:
-        return np.concatenate([errors, errors[:, -1:]], axis=1)
+        return [np.append(error, error[-1]) for error in errors]
+    at = np.clip(np.arange(samples) - width, 0, samples - 2 * width - 1)
     if is_even(time):
         offset = np.arange(2 * width) + 0.5 - width
         weight = (width + 0.5) ** 2 - offset**2
-        inner = np.array([np.convolve(error, weight / weight.sum(), mode="valid") for error in errors])
-    else:
-        inner = np.empty((len(errors), samples - 2 * width))
-        window_means(np.ascontiguousarray(time, dtype=float), np.ascontiguousarray(errors), width, inner)
-    return np.asarray(inner[:, np.clip(np.arange(samples) - width, 0, inner.shape[1] - 1)])
+        return [np.convolve(error, weight / weight.sum(), mode="valid")[at] for error in errors]
+    inner = np.empty((len(errors), samples - 2 * width))
+    window_means(np.ascontiguousarray(time, dtype=float), np.array(errors), width, inner)
+    return [row[at] for row in inner]
 
 
 def sliding_half_width(recording: Recording, largest: int = 256) -> int:

@@ -12,9 +12,10 @@ from fricmodels.drive import Drive, DriveParameter
 from fricmodels.recording import Recording
 from fricmodels.weakform.cases import with_or_without_shift
 from fricmodels.weakform.hidden import drowned, lost_in_noise, sign_is_hidden
+from fricmodels.weakform.inference import is_contradicted
 from fricmodels.weakform.nonlinear import Nonlinear, nonlinear_search
 from fricmodels.weakform.separable import separable
-from fricmodels.weakform.solve import Solved, is_contradicted
+from fricmodels.weakform.solve import Solved
 
 Array = NDArray[np.float64]
 
@@ -32,10 +33,10 @@ def identified(found: Solved) -> Solved:
     """Return the fit with what the recording does not determine named, and held at nothing where that costs nothing.
 
     One parameter after the other is held, the least determined first, as long as all that are held may together be what
-    they are held at (Wald test at 5 %), and the rows do not contradict it. So two that stand for one another are not
-    both dropped. Nor is an amplitude of which the interval contains zero since it trades with a speed that was sought
-    with it, and without which far more is left. Where only a combination is determined the last of its members is held:
-    what the model has without it stays what it is.
+    they are held at (Wald test at 5 %). So two that stand for one another are not both dropped. Where something is
+    nonlinear, the rows must not contradict it either: an interval may contain zero since an amplitude trades with a
+    speed that was sought with it, and without it far more is left. Where only a combination is determined the last of
+    its members is held: what the model has without it stays what it is.
 
     Args:
         found: the fit with nothing held.
@@ -67,7 +68,7 @@ def identified(found: Solved) -> Solved:
             refused.add(key)
             continue
         smaller = with_or_without_shift(found, plan)
-        if key != loose and is_contradicted(_more_without(smaller, now), now):
+        if key != loose and _contradict(now, smaller):
             refused.add(key)
             continue
         held[key] = f"{reasons[key]}; held at {value:.3g}"
@@ -78,9 +79,12 @@ def identified(found: Solved) -> Solved:
             now = with_or_without_shift(found, replace(plan, held={**plan.held, **idle}))
 
 
-def _more_without(smaller: Solved, larger: Solved) -> float:
-    """Return by which share more is left of the same rows with a parameter held than with it free."""
-    return smaller.solution.cost / larger.solution.cost - 1.0
+def _contradict(larger: Solved, smaller: Solved) -> bool:
+    """Whether the rows contradict a fit with one parameter more held; of a linear model the Wald test says it all."""
+    if all(p.linear for p in larger.problem.drive.parameters):
+        return False
+    more = smaller.solution.cost / larger.solution.cost - 1.0
+    return is_contradicted(more, len(larger.values), larger.problem.independent)
 
 
 def _may_be(free: Solved, values: Mapping[str, float]) -> bool:

@@ -12,8 +12,26 @@ Array = NDArray[np.float64]
 _WITHIN, _POWERS, _SHORTEST_BLOCK = 0.5, 14, 8
 """Phase by which a cosine may move from the middle of a block to its end, the powers that then reach the last digit
 (0.5^14/14! = 7e-16), and samples of a block with which that is less work than a transform."""
+_UNLIKELY = 0.01
+"""Probability below which rows contradict a fit. The one that then stays is less certain, but as true."""
 _IN_BLOCK, _FEWEST, _MOST = 8.0, 8, 24
 """Independent equations that a block of a jackknife has at least, and how many blocks there are."""
+
+
+def is_contradicted(more: float, count: int, independent: float) -> bool:
+    """Whether so much more than a fit leaves of its rows, as a share, is more than chance explains (F test at 1 %).
+
+    Rows that are certain enough to tell a held torque are certain enough for that, too.
+
+    Args:
+        more: what another fit leaves of them, over what this one leaves, less 1.
+        count: parameters of this one.
+        independent: about how many of the rows are independent.
+    """
+    from scipy.special import fdtrc
+
+    free = independent - count
+    return free > 0.0 and bool(fdtrc(count, free, max(more, 0.0) * free / count) < _UNLIKELY)
 
 
 def long_run_covariance(scores: Array, independent: float) -> tuple[Array, int]:

@@ -19,10 +19,11 @@ from fricmodels.weakform.cases import as_held
 from fricmodels.weakform.equations import projection
 from fricmodels.weakform.feedback import feedback
 from fricmodels.weakform.hidden import drowned, sign_is_hidden
+from fricmodels.weakform.inference import is_contradicted
 from fricmodels.weakform.nonlinear import Plan
 from fricmodels.weakform.predicted_velocity import ModelVelocity, both_ways, model_velocity, risk, sought
 from fricmodels.weakform.row_noise import FEWEST_WHERE_ALL_COUNT, NOISE_SHARE_WHERE_ALL_COUNT, bump_width
-from fricmodels.weakform.solve import STRONG, Solved, is_contradicted, solve
+from fricmodels.weakform.solve import STRONG, Solved, solve
 from fricmodels.weakform.tangent import tangents
 
 Array = NDArray[np.float64]
@@ -79,7 +80,8 @@ def at_model_velocity(found: Solved, *, widen: bool = True) -> Solved:
     if best.with_shift.log_odds_of_a_shift() > STRONG:
         return at_smooth
     more = _left_by(best.values, found) / found.solution.cost - 1.0
-    if more > _CONTRADICTED - 1.0 or (found is not at_smooth and is_contradicted(more, found)):
+    contradicted = found is not at_smooth and is_contradicted(more, len(found.values), found.problem.independent)
+    if more > _CONTRADICTED - 1.0 or contradicted:
         return at_smooth  # what the rows at the measured velocity contradict is not more certain than they are
     if predicted is None or _risk_of(predicted, recording) > smooth:
         return at_smooth

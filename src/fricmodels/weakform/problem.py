@@ -13,9 +13,8 @@ from functools import cached_property, lru_cache
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from fricmodels.arrays import Array, Mask
+from fricmodels.arrays import Array, Index, Mask
 from fricmodels.dimension import FORCE, INERTIA, Motion
 from fricmodels.drive import Drive, rest_width
 from fricmodels.memory import Memory
@@ -227,8 +226,7 @@ class WeakFormProblem:
     @cached_property
     def torque_noise(self) -> float:
         """Sum of squares that noise of the motor torque adds to :attr:`driving`."""
-        rows = torque_noise(self.bumps, self.quadrature, self.recording)
-        return float(rows @ rows)
+        return float(np.sum(torque_noise(self.bumps, self.quadrature, self.recording) ** 2))
 
     def noise_within(self, regression: Regression, columns: Array, perturbed: Array) -> Array:
         """Return what noise makes of columns freed of the base directions, shape (k, rows).
@@ -277,12 +275,10 @@ class WeakFormProblem:
         return self.driving if self.drive.inertia is None else self.driving - self.drive.inertia * self.momentum
 
     @cached_property
-    def centre(self) -> NDArray[np.int64]:
+    def centre(self) -> Index:
         """Index of the sample at the middle of each bump."""
-        index = np.arange(len(self.recording), dtype=float)
-        ones = self.bumps.integrals(np.ones((1, len(index))))[0]
-        middle: NDArray[np.int64] = np.rint(self.bumps.integrals(index[None])[0] / ones).astype(np.int64)
-        return middle
+        index, ones = self.bumps.integrals(np.vstack([np.arange(len(self.recording)), np.ones(len(self.recording))]))
+        return np.asarray(np.rint(index / ones), dtype=np.int64)
 
     def integrals(self, rows: Array) -> Array:
         """Return ∫φ f dt of rows evaluated at the quadrature's samples, shape (k, rows)."""
@@ -350,7 +346,7 @@ class WeakFormProblem:
         return lru_cache(_MEMORIES)(lambda model: Drive(model, None, self.drive.motion).memory(whole, width))
 
     @cached_property
-    def _places(self) -> NDArray[np.int64]:
+    def _places(self) -> Index:
         """Sample of the whole motion whose internal states are those of each sample of the quadrature."""
         cell, origin = self.quadrature.cell, self.recording.origin
         places = np.concatenate([np.arange(len(self.recording)), cell, cell + 1])

@@ -41,8 +41,6 @@ STRONG = 3.0
 """Logarithm of 20 to 1: strong evidence on the scale of Kass and Raftery (1995)."""
 WITHIN = 0.999
 """Share of a sample up to which a shift is within its bound."""
-UNLIKELY = 0.01
-"""Probability below which rows contradict a fit. The one that then stays is less certain, but as true."""
 _NO_FRICTION = 1e-9
 """A Coulomb torque of less than this share of the largest torque is none."""
 _TRUE_TO, _HELD_TO = 0.025, 0.005
@@ -325,18 +323,6 @@ def solve(problem: WeakFormProblem, plan: Plan, *, timing: bool = True) -> Solve
     else:
         solution = least_squares.solve(search)
     return Solved(problem, plan, solution, timing)
-
-
-def is_contradicted(more: float, found: Solved) -> bool:
-    """Whether so much more than a fit leaves of its rows, as a share, is more than chance explains (F test).
-
-    Rows that are certain enough to tell a held torque are certain enough for that, too.
-    """
-    from scipy.special import fdtrc
-
-    count = len(found.values)
-    free = found.problem.independent - count
-    return free > 0.0 and bool(fdtrc(count, free, max(more, 0.0) * free / count) < UNLIKELY)
 
 
 def begins_where(problem: WeakFormProblem, plan: Plan, found: Solved) -> bool:
