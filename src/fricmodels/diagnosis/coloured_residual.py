@@ -121,7 +121,7 @@ def _is_stationary(result: CandidateTests) -> bool:
             values = points[name][centre]
             turn = np.pi * (values - values.min()) / (float(np.ptp(values)) or 1.0)
             groups.append(np.cos(np.arange(1, 4)[:, None] * turn))
-    flat = Regression(np.ones((1, len(square))), square, problem.independent, problem.strokes)
+    flat = Regression(np.ones((1, len(square))), square, problem.independent)
     for columns in groups:
         seen = flat.visible(columns)
         if np.any(seen) and flat.test(columns[seen]).p_value * len(groups) < result.policy.significance:

@@ -30,7 +30,6 @@ from fricmodels.weakform.regression import Regression
 from fricmodels.weakform.remembered import INTEGRALS, Part, Remembered
 from fricmodels.weakform.row_noise import bump_width, momentum_noise, noise_in_columns, noisier, torque_noise
 from fricmodels.weakform.smoothed import smoothed
-from fricmodels.weakform.stretches import strokes
 from fricmodels.weakform.test_functions import HOPS, TestFunctions, mean_velocity
 from fricmodels.weakform.unclear import creeping, direction_unclear
 
@@ -196,11 +195,6 @@ class WeakFormProblem:
     def independent(self) -> float:
         """About how many of the rows are independent: two to a bump width."""
         return 2.0 * self.rows / (HOPS * self.bumps.each)
-
-    @cached_property
-    def strokes(self) -> int:
-        """How often the drive went one way, from one reversal to the next or to the end of a run."""
-        return strokes(self.smooth, self.recording.run)
 
     @cached_property
     def momentum(self) -> Array:

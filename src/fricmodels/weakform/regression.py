@@ -3,12 +3,10 @@ r"""Statistics that hold for autocorrelated rows.
 A candidate's columns Z are freed of everything that the base model could itself take up: :math:`\tilde Z = Z - X
 X^+Z`. Its coefficients are then :math:`\hat\theta = (\tilde Z'\tilde Z)^{-1}\tilde Z'y`, and their covariance is the
 sandwich around the long-run variance of the scores :math:`\tilde z_t e_t`, estimated by ν equal-weighted cosines; the
-Wald statistic follows :math:`F(q, \nu-q+1)`. There are 0.4 T^(2/3) of them, as is right for scores that last, or as
-many more as the scores and the strokes of the motion allow, see :func:`score_terms`: with eight no effect of four
-columns in fifty independent rows could be proved, whatever it explained.
+Wald statistic follows :math:`F(q, \nu-q+1)`.
 
 Source: E. Lazarus, D. J. Lewis, J. H. Stock, M. W. Watson, "HAR inference: recommendations for practice", J. Bus. Econ.
-Stat. 36 (2018).
+Stat. 36 (2018), with ν = 0.4 T^(2/3).
 """
 
 from __future__ import annotations
@@ -31,12 +29,6 @@ _SEEN = 1e-5
 LEAST_P = 1e-20
 """The least p-value that is given. The distribution of a statistic is not known farther out, and what stood there would
 change with the last digits of a sample."""
-
-_LASTS = 0.95
-"""Correlation from one bump width to the next that is taken at most."""
-_SHARE, _EACH, _ENOUGH = 0.25, 4, 64
-"""Cosines at most: for each independent row, since rows that overlap have a spectrum of their own beyond that; for each
-stroke, which has about so many parts of its own; and in all, since more hardly change a p-value."""
 
 unwarned = np.errstate(invalid="ignore", over="ignore")
 """A column that is not finite is not visible; its products need no warning."""
@@ -157,11 +149,9 @@ class Regression:
         base: base directions, shape (k, M).
         target: shape (M,).
         independent: about how many of the M rows are independent.
-        strokes: from one reversal to the next, that the rows are of. What acts beside the model goes its own way within
-            each, and so do all columns: only another stroke tells whether they go together.
     """
 
-    def __init__(self, base: Array, target: Array, independent: float, strokes: float = math.inf) -> None:
+    def __init__(self, base: Array, target: Array, independent: float) -> None:
         size = np.linalg.norm(base, axis=1)
         self.base = base[size > 0] / size[size > 0, None]
         self.target = target
@@ -171,7 +161,6 @@ class Regression:
         # Rows that the base directions leave free are all there is to learn a variance from.
         free = max(int(independent) - self._basis.shape[1], 1)
         self.terms = min(cosine_terms(independent, len(target)), free)
-        self._most_terms = int(min(free, _SHARE * independent, _EACH * strokes, _ENOUGH))
         self.residual = self.project_out(target[None])[0]
         self._edges = np.linspace(0, len(target), FOLDS + 1).astype(int)
         self.loss = self.residual**2
@@ -272,16 +261,14 @@ class Regression:
         q = len(columns)
         # What was fitted took its share of the residual: as many degrees of freedom of the independent rows.
         gone = min(self._basis.shape[1] + q, 0.75 * self._independent)
-        scores = directions * left
-        terms = max(self.terms, min(score_terms(scores, self._independent), self._most_terms))
-        variance = long_run_sum(scores, terms) * (self._independent / (self._independent - gone))
+        variance = long_run_sum(directions * left, self.terms) * (self._independent / (self._independent - gone))
         theta = turn @ along
         from scipy.special import fdtrc  # the upper tail of F
 
-        freedom, p_value = terms - q + 1, 1.0  # more columns than that prove nothing, whatever they explain
+        freedom, p_value = self.terms - q + 1, 1.0  # more columns than that prove nothing, whatever they explain
         if freedom > 0:
             statistic = float(along @ np.linalg.pinv(variance, rcond=1e-12, hermitian=True) @ along)
-            p_value = float(fdtrc(q, freedom, max(statistic * freedom / (terms * q), 0.0)))
+            p_value = float(fdtrc(q, freedom, max(statistic * freedom / (self.terms * q), 0.0)))
         loss = self.held_out(free) ** 2
         gain, gain_p = compare(without.loss, loss, self.terms)
         # Where one event decides, the mean difference has no variance to be told by. A prediction of it, made from the
@@ -305,38 +292,9 @@ def cosine_terms(independent: float, rows: int) -> int:
     return int(min(max(round(0.4 * independent ** (2 / 3)), min(8, rows - 1)), rows - 1))
 
 
-def score_terms(scores: Array, independent: float) -> int:
-    r"""Return the number ν of cosines with which the long-run variance of scores has the least error.
-
-    They are correlated by ρ from one bump width to the next, of which there are n. As of a first-order process, the
-    mean of the spectrum over ν half periods has the relative bias and the relative variance
-
-    .. math:: -B\,(\nu/n)^2, \quad B = \frac{\pi^2}6\,\frac{2\rho}{(1-\rho)^2}, \qquad \text{and} \quad 2/\nu,
-
-    so that its squared error is least at :math:`\nu = (n^4 / 2B^2)^{1/5}`. Of several scores the one that lasts longest
-    counts, and ρ is taken larger by its standard error.
-
-    Source: P. C. B. Phillips, "HAC estimation by automated regression", Econometric Theory 21 (2005), for cosines.
-
-    Args:
-        scores: shape (q, rows), in the order of time.
-        independent: about how many of the rows are independent, two to a bump width.
-    """
-    widths = 0.5 * independent
-    apart = max(round(scores.shape[1] / widths), 1) if widths > 0 else scores.shape[1]
-    if apart >= scores.shape[1]:
-        return 1
-    later, before = scores[:, apart:], scores[:, :-apart]
-    size = np.sqrt(np.einsum("ij,ij->i", later, later) * np.einsum("ij,ij->i", before, before))
-    alike = np.divide(np.einsum("ij,ij->i", later, before), size, out=np.zeros_like(size), where=size > 0)
-    rho = min(max(float(np.max(alike, initial=0.0)), 0.0) + 1.0 / math.sqrt(widths), _LASTS)
-    bias = math.pi**2 / 3 * rho / (1.0 - rho) ** 2
-    return int((widths**4 / (2.0 * bias**2)) ** 0.2)
-
-
 def long_run_sum(series: Array, terms: int) -> Array:
     """Return the covariance of the sum over time of series, shape (q, M) → (q, q), by ν equal-weighted cosines."""
-    projected = series @ _cosines(series.shape[1], max(terms, min(_ENOUGH, series.shape[1] - 1)))[:, :terms]
+    projected = series @ _cosines(series.shape[1], terms)
     return np.asarray(2.0 * projected @ projected.T / terms)
 
 

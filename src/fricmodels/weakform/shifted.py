@@ -8,7 +8,6 @@ A larger shift than a sample is an effect of its own, whose parameter is a delay
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 
 import numpy as np
@@ -31,20 +30,11 @@ class ShiftedRegression(Regression):
         independent: about how many of the M rows are independent.
         direction: what a shift by a second adds, shape (M,).
         most: largest shift [s].
-        strokes: see :class:`~.regression.Regression`.
     """
 
-    def __init__(
-        self,
-        base: Array,
-        target: Array,
-        independent: float,
-        direction: Array,
-        most: float,
-        strokes: float = math.inf,
-    ) -> None:
+    def __init__(self, base: Array, target: Array, independent: float, direction: Array, most: float) -> None:
         self._direction, self._most = direction, most
-        self._unshifted = Regression(base, target, independent, strokes)
+        self._unshifted = Regression(base, target, independent)
         own = self._unshifted.project_out(direction[None])[0]
         size = float(own @ own)
         self._residual_and_own = np.column_stack([self._unshifted.residual, own])
@@ -127,6 +117,6 @@ def regression_of(
     delayed = problem.drive.model.delay is not None or (added is not None and any(p.delay for p in added.parameters))
     base = np.vstack([base, problem.sign_change[None]])
     if delayed:
-        return Regression(base, problem.target, problem.independent, problem.strokes)
+        return Regression(base, problem.target, problem.independent)
     direction, most = problem.torque_rate, problem.recording.interval
-    return ShiftedRegression(base, problem.target, problem.independent, direction, most, problem.strokes)
+    return ShiftedRegression(base, problem.target, problem.independent, direction, most)

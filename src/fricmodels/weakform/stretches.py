@@ -1,4 +1,4 @@
-"""Stretches of a recording without a gap, and strokes of its motion."""
+"""Stretches of a recording without a gap."""
 
 from __future__ import annotations
 
@@ -6,12 +6,9 @@ import itertools
 
 import numpy as np
 
-from fricmodels.arrays import Array, Index, Mask
+from fricmodels.arrays import Array, Mask
 from fricmodels.recording import Recording
 from fricmodels.signals.rest import once
-
-_NO_WAY = 0.1
-"""Share of the RMS speed below which a velocity is in no direction: there noise may turn it."""
 
 
 def segments(recording: Recording) -> list[slice]:
@@ -30,16 +27,3 @@ def stretches_of(recording: Recording) -> tuple[list[slice], Array, Mask]:
     for piece in found:
         joined[piece.start : piece.stop - 1] = True
     return found, np.where(joined, step, 0.0), joined
-
-
-def strokes(velocity: Array, run: Index) -> int:
-    """Return how often a drive went one way, from one reversal to the next or to the end of a run.
-
-    Args:
-        velocity: freed of noise, shape (N,).
-        run: number of the run of every sample, shape (N,).
-    """
-    speed = float(np.sqrt(np.mean(velocity**2)))
-    moving = np.flatnonzero(np.abs(velocity) > _NO_WAY * speed)
-    begun = (np.diff(np.sign(velocity[moving])) != 0) | (np.diff(run[moving]) != 0)
-    return 1 + int(np.sum(begun)) if len(moving) else 0
