@@ -193,12 +193,16 @@ def test_what_the_rows_see_as_too_small_is_named_if_the_error_falls_far(seed: in
 def test_an_effect_that_comes_out_as_nothing_is_not_what_lowers_the_error(
     stiff: Comparison, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Where its coefficients are zero the rest of the model was fitted better, and that is no sign of the effect."""
+    """Where its coefficients are zero the rest of the model was fitted better, and that is no sign of the effect.
+
+    Nor is it where the recording determines none of them.
+    """
     (tested,) = candidate_tests(replace(stiff.problem), stiff.estimate.parameters, only=["torque-offset"]).tested
     fitted = with_effect(stiff, tested.effect, tested.parameters)
-    for offset, stays in ((0.3, True), (0.0, False)):
+    for offset, known, stays in ((0.3, True, True), (0.0, True, False), (0.3, False, False)):
         values = {**fitted.estimate.parameters, "torque-offset.tau_0": offset}
-        given = replace(fitted, estimate=replace(fitted.estimate, parameters=values))
+        unknown = {} if known else {"torque-offset.tau_0": "its 95 % interval contains zero"}
+        given = replace(fitted, estimate=replace(fitted.estimate, parameters=values, not_identified=unknown))
         monkeypatch.setattr(refits, "with_effect", lambda *_, given=given: given)
         assert (Refits(stiff, POLICY).with_effect(tested) is not None) is stays
 

@@ -11,7 +11,7 @@ from fricmodels.diagnosis.diagnose import Diagnosis, Finding, examine, is_predic
 from fricmodels.diagnosis.look_alikes import separated_by
 from fricmodels.diagnosis.necessity import necessity
 from fricmodels.diagnosis.policy import POLICY, Policy
-from fricmodels.diagnosis.refits import Refits, is_nothing
+from fricmodels.diagnosis.refits import Refits, is_nothing, is_undetermined
 from fricmodels.display import Displayed
 from fricmodels.model import Model
 from fricmodels.progress import Cancelled, Token, Watcher, stage, watched
@@ -300,7 +300,7 @@ class _Search:
             smaller = self._without(here, name) if chosen else here
             for tested in chosen:
                 other = refitted(smaller, smaller.drive.model.plus(tested.effect), here.estimate.parameters)
-                if self._may_replace(other, smaller):
+                if self._may_replace(other, smaller) and not is_undetermined(other, tested.name):
                     self._replace(name, smaller, Rung(other, added=tested.name), step)
                     changed = True
                     break

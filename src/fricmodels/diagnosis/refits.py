@@ -33,7 +33,8 @@ class Refits:
         """Return the model with an effect, fitted from the estimate of it.
 
         ``None`` where that fails, or where the effect comes out as nothing, or as a slow change that is over at once: a
-        smaller error is then not its doing. Nor is a friction that drives what it says it is.
+        smaller error is then not its doing. Nor is a friction that drives what it says it is, and of a model in which
+        none of its torques is determined nothing can be used.
         """
         key = _key(tested)
         if key not in self._found:
@@ -43,7 +44,7 @@ class Refits:
             except FricmodelsError:
                 self._found[key] = None
             else:
-                useless = is_nothing(fitted, tested.name) or _is_over_at_once(fitted, tested.effect)
+                useless = is_undetermined(fitted, tested.name) or _is_over_at_once(fitted, tested.effect)
                 self._found[key] = None if useless or self._drives(fitted, tested.effect) else fitted
         return self._found[key]
 
@@ -84,13 +85,26 @@ class Refits:
 
 def is_nothing(fitted: Comparison, name: str) -> bool:
     """Whether an effect of a fitted model has no torque: all coefficients that it is linear in are zero."""
-    model, values = fitted.drive.model, fitted.estimate.parameters
-    own = [
-        values[p.key]
-        for p, linear in zip(model.parameters, model.linear, strict=True)
-        if linear and p.key.startswith(f"{name}.")
-    ]
+    values = fitted.estimate.parameters
+    own = [values[key] for key in _linear_in(fitted, name)]
     return bool(own) and not any(own)
+
+
+def is_undetermined(fitted: Comparison, name: str) -> bool:
+    """Whether the recording determines none of the coefficients that an effect is linear in, or they are zero.
+
+    Together they may still be needed, as two that stand for one another are.
+    """
+    values, unknown = fitted.estimate.parameters, fitted.estimate.not_identified
+    own = _linear_in(fitted, name)
+    return bool(own) and all(values[key] == 0.0 or key in unknown for key in own)
+
+
+def _linear_in(fitted: Comparison, name: str) -> list[str]:
+    """Return the keys of the coefficients that an effect of a fitted model is linear in."""
+    model = fitted.drive.model
+    pairs = zip(model.parameters, model.linear, strict=True)
+    return [p.key for p, linear in pairs if linear and p.key.startswith(f"{name}.")]
 
 
 def _is_over_at_once(fitted: Comparison, effect: Effect) -> bool:
