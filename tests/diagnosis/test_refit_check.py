@@ -197,14 +197,24 @@ def test_an_effect_that_comes_out_as_nothing_is_not_what_lowers_the_error(
 
     Nor is it where the recording determines none of them.
     """
-    (tested,) = candidate_tests(replace(stiff.problem), stiff.estimate.parameters, only=["torque-offset"]).tested
-    fitted = with_effect(stiff, tested.effect, tested.parameters)
-    for offset, known, stays in ((0.3, True, True), (0.0, True, False), (0.3, False, False)):
-        values = {**fitted.estimate.parameters, "torque-offset.tau_0": offset}
-        unknown = {} if known else {"torque-offset.tau_0": "its 95 % interval contains zero"}
+    result = candidate_tests(replace(stiff.problem), stiff.estimate.parameters, only=["torque-offset", "asymmetry"])
+    why = "its 95 % interval contains zero"
+    cases: list[tuple[str, dict[str, float], list[str], bool]] = [
+        ("torque-offset", {"tau_0": 0.3}, [], True),
+        ("torque-offset", {"tau_0": 0.0}, [], False),
+        ("torque-offset", {"tau_0": 0.3}, ["tau_0"], True),  # the size of a single one may be uncertain
+        ("asymmetry", {"c": 0.03, "d": 0.01}, ["d"], True),
+        ("asymmetry", {"c": 0.03, "d": 0.01}, ["c", "d"], False),
+    ]
+    for name, own, doubtful, stays in cases:
+        tested = next(t for t in result.tested if t.name == name)
+        fitted = with_effect(stiff, tested.effect, tested.parameters)
+        values = {**fitted.estimate.parameters, **{f"{name}.{symbol}": value for symbol, value in own.items()}}
+        unknown = {f"{name}.{symbol}": why for symbol in doubtful}
         given = replace(fitted, estimate=replace(fitted.estimate, parameters=values, not_identified=unknown))
         monkeypatch.setattr(refits, "with_effect", lambda *_, given=given: given)
         assert (Refits(stiff, POLICY).with_effect(tested) is not None) is stays
+        monkeypatch.undo()
 
 
 @pytest.mark.parametrize(("samples", "names"), [(1.0, []), (1.03, ["sensor-delay"]), (1.2, ["sensor-delay"])])

@@ -13,12 +13,13 @@ from fricmodels.drive import Drive
 from fricmodels.effects.drift import Drift
 from fricmodels.effects.frictional_lag import FrictionalLag
 from fricmodels.effects.joint_compliance import JointCompliance
+from fricmodels.effects.stribeck import Stribeck
 from fricmodels.model import Model
 from fricmodels.recording import Recording
 from fricmodels.weakform.candidate import within_recording
 from fricmodels.weakform.estimate import estimate
 from fricmodels.weakform.prepared import ready
-from fricmodels.weakform.ranges import angular_frequency, within_motion
+from fricmodels.weakform.ranges import angular_frequency, turning, within_motion
 
 
 def swinging(frequency: float, noise: float = 0.0) -> Recording:
@@ -56,3 +57,30 @@ def test_a_drift_that_is_sought_lasts_for_a_tenth_of_the_record(made: Made) -> N
     problem, _ = estimate(Drive(Model.parse("coulomb-viscous"), INERTIA), recording)
     assert within_recording(problem, Drift.T).lower == pytest.approx(0.1 * float(np.ptp(recording.time)))
     assert within_motion(recording, FrictionalLag.T).lower == pytest.approx(2 * recording.interval)
+
+
+@pytest.mark.parametrize("frequency", [0.5, 2.0])
+@pytest.mark.parametrize("noise", [0.0, 0.02])
+def test_a_sine_turns_with_its_greatest_acceleration(frequency: float, noise: float) -> None:
+    assert turning(swinging(frequency, noise)) == pytest.approx(2 * np.pi * frequency, rel=0.15)
+
+
+def test_a_slower_turn_is_what_tells_of_low_speeds() -> None:
+    """Fast and slow reversals, with rests and slow stretches between, which pass no speed."""
+    time = np.arange(4000) / 200.0
+    velocity = np.interp(time, [0, 5, 5.1, 10, 12, 14, 16, 20], [1, 1, -1, -1, 0, 0, 1, 1])
+    channels = {"time": time, "torque": velocity, "velocity": velocity}
+    recording = Recording("turns", Motion.ROTARY, channels, np.zeros(len(time), dtype=np.int64))
+    assert turning(recording) == pytest.approx(0.5, rel=0.2)
+
+
+def test_friction_differs_below_no_speed_that_is_passed_between_two_samples() -> None:
+    """The drive is slower than that speed for two samples at least as it turns; in any unit of the velocity."""
+    recording = swinging(2.0)
+    least = 4 * np.pi / 200.0
+    for parameter in (Stribeck.omega_s, FrictionalLag.omega_s):
+        assert within_motion(recording, parameter).lower == pytest.approx(least, rel=0.1)
+    scaled = recording.with_channels(velocity=1e3 * recording.velocity)
+    assert within_motion(scaled, Stribeck.omega_s).lower == pytest.approx(1e3 * least, rel=0.1)
+    steady = recording.with_channels(velocity=2.0 + recording.velocity)
+    assert within_motion(steady, Stribeck.omega_s).lower == Stribeck.omega_s.lower

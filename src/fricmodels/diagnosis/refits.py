@@ -33,8 +33,8 @@ class Refits:
         """Return the model with an effect, fitted from the estimate of it.
 
         ``None`` where that fails, or where the effect comes out as nothing, or as a slow change that is over at once: a
-        smaller error is then not its doing. Nor is a friction that drives what it says it is, and of a model in which
-        none of its torques is determined nothing can be used.
+        smaller error is then not its doing. Nor is a friction that drives what it says it is, and of one of
+        whose torques none is determined the form is not known.
         """
         key = _key(tested)
         if key not in self._found:
@@ -91,13 +91,13 @@ def is_nothing(fitted: Comparison, name: str) -> bool:
 
 
 def is_undetermined(fitted: Comparison, name: str) -> bool:
-    """Whether the recording determines none of the coefficients that an effect is linear in, or they are zero.
+    """Whether an effect has no torque, or several of which the recording determines none: its form is not known then.
 
-    Together they may still be needed, as two that stand for one another are.
+    A single one that the rows need is there, though its size may trade with a speed that was sought with it.
     """
     values, unknown = fitted.estimate.parameters, fitted.estimate.not_identified
     own = _linear_in(fitted, name)
-    return bool(own) and all(values[key] == 0.0 or key in unknown for key in own)
+    return is_nothing(fitted, name) or (len(own) > 1 and all(values[key] == 0.0 or key in unknown for key in own))
 
 
 def _linear_in(fitted: Comparison, name: str) -> list[str]:

@@ -6,13 +6,17 @@ from dataclasses import replace
 
 import numpy as np
 
-from fricmodels.dimension import TIME, Dimension
+from fricmodels.dimension import TIME, VELOCITY, Dimension
 from fricmodels.parameter import Parameter
 from fricmodels.recording import Recording
+from fricmodels.signals.lanczos import lanczos_value
 from fricmodels.signals.rest import once, smoothed_velocity
 
 _SHORTEST = 2.0
 """The shortest duration that can be told, in sampling intervals: sampling alone delays by part of one."""
+_LOW, _SLOWER, _WIDTH = 0.2, 0.25, 2
+"""Share of the RMS speed that is low; share of what is passed at low speed that is passed more slowly than by the usual
+acceleration; samples to either side of one from which its acceleration is told."""
 _RECORD = 20_000
 """Samples of a record in which a time of the drive's own is counted."""
 
@@ -62,11 +66,14 @@ def within_motion(recording: Recording, parameter: Parameter) -> Parameter:
     """Return a parameter with the bounds that the motion sets; most have none.
 
     A place lies within the travel. A duration is no less than two samples: a shorter one says when samples were taken.
+    So is a speed below which friction differs: the drive is slower than it for no less than that, as it turns.
     A part on a spring follows the drive only if it would swing faster than the drive goes back and forth.
     """
     lower, upper = parameter.lower, parameter.upper
     if parameter.dimension == TIME and not (parameter.instant or parameter.delay):
         lower = min(max(lower, _SHORTEST * recording.interval), upper)
+    elif parameter.dimension == VELOCITY:
+        lower = min(max(lower, 0.5 * _SHORTEST * recording.interval * turning(recording)), upper)
     elif parameter.resonance:
         lower = min(max(lower, angular_frequency(recording)), upper)
     elif parameter.place and "position" in recording:
@@ -75,6 +82,23 @@ def within_motion(recording: Recording, parameter: Parameter) -> Parameter:
     if lower > upper or (lower, upper) == (parameter.lower, parameter.upper):
         return parameter
     return replace(parameter, lower=lower, upper=upper, initial=min(max(parameter.initial, lower), upper))
+
+
+@once
+def turning(recording: Recording) -> float:
+    """Return the acceleration with which the drive passes standstill, at the slower of its passages.
+
+    Where the speed is low but certain. Each sample counts by the change of speed that it stands for: a rest, or a slow
+    stretch at constant speed, passes nothing.
+    """
+    velocity, error = smoothed_velocity(recording)
+    speed = np.abs(velocity)
+    low = (speed > 3.0 * error) & (speed <= _LOW * float(np.sqrt(np.mean(velocity**2))))
+    if not low.any():
+        return 0.0
+    rate = np.sort(np.abs(lanczos_value(recording.time, velocity, _WIDTH, recording.run, order=1))[low])
+    passed = np.cumsum(rate)
+    return float(rate[np.searchsorted(passed, _SLOWER * passed[-1])])
 
 
 @once
