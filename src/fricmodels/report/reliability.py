@@ -23,15 +23,15 @@ RECORDS: Mapping[str, Record] = {
     "missing-effect": Record(
         "Where the truth was known, the right effect did not come first on 2 of 154 drives with one hidden effect "
         "(docs/hidden_effects.md), and 5 of 192 names were wrong with several on rough drives (docs/rough_drives.md); "
-        "where the true effect was not on the list, a name was given on 17 of 154 and 5 of 91.",
+        "where the true effect was not on the list, a name was given on 16 of 154 and 10 of 119.",
         {
             "hidden_effects.md": (
                 "| right class named first | ≥ 97 % | 44 of 44 | 43 of 44 | 65 of 66 | 152 of 154 |",
-                "| off the list: no wrong name | ≥ 90 % | 39 of 44 | 38 of 44 | 60 of 66 | 137 of 154 |",
+                "| off the list: no wrong name | ≥ 90 % | 39 of 44 | 38 of 44 | 61 of 66 | 138 of 154 |",
             ),
             "rough_drives.md": (
                 "| several: names given that are there | ≥ 95 % | 32 of 34 | 87 of 88 | 68 of 70 | 187 of 192 |",
-                "| only unlisted: a wrong name | ≤ 5 % | 0 of 7 | 1 of 28 | 4 of 56 | 5 of 91 | 6 of 84 |",
+                "With seed 701 wrong names of unlisted causes are 10 of 119.",
             ),
         },
     ),
