@@ -84,3 +84,5 @@ def test_friction_differs_below_no_speed_that_is_passed_between_two_samples() ->
     assert within_motion(scaled, Stribeck.omega_s).lower == pytest.approx(1e3 * least, rel=0.1)
     steady = recording.with_channels(velocity=2.0 + recording.velocity)
     assert within_motion(steady, Stribeck.omega_s).lower == Stribeck.omega_s.lower
+    part = replace(Stribeck.omega_s, lower=-np.inf)  # such as the speed at 0 °C of one that rises with temperature
+    assert within_motion(recording, part) is part

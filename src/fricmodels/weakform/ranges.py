@@ -66,13 +66,14 @@ def within_motion(recording: Recording, parameter: Parameter) -> Parameter:
     """Return a parameter with the bounds that the motion sets; most have none.
 
     A place lies within the travel. A duration is no less than two samples: a shorter one says when samples were taken.
-    So is a speed below which friction differs: the drive is slower than it for no less than that, as it turns.
+    So is a speed below which friction differs: the drive is slower than it for no less than that, as it turns. (One
+    that may be negative is a part of such a speed.)
     A part on a spring follows the drive only if it would swing faster than the drive goes back and forth.
     """
     lower, upper = parameter.lower, parameter.upper
     if parameter.dimension == TIME and not (parameter.instant or parameter.delay):
         lower = min(max(lower, _SHORTEST * recording.interval), upper)
-    elif parameter.dimension == VELOCITY:
+    elif parameter.dimension == VELOCITY and lower >= 0.0:
         lower = min(max(lower, 0.5 * _SHORTEST * recording.interval * turning(recording)), upper)
     elif parameter.resonance:
         lower = min(max(lower, angular_frequency(recording)), upper)
