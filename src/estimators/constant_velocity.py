@@ -89,7 +89,7 @@ class ConstantVelocity(Estimator):
         natural = Scales(force=rms, displacement=peak_speed(kept) / omega, time=1 / omega)
         size = np.array([natural.of(p.declared.dimension) for p in linear])
         columns = design * size[:, None] / rms
-        right = found.samples.torque - found.samples.load_torque - inertia * found.samples["acceleration"] - offset
+        right = found.samples.driving_torque - inertia * found.samples["acceleration"] - offset
         theta, errors, smallest = clustered_least_squares(columns, right / rms, found.number)
         if smallest < _SINGULAR:
             reason = f"the {count} {method} do not differ enough in speed and direction to separate {', '.join(keys)}"
@@ -182,6 +182,6 @@ def _inertia(drive: Drive, recording: Recording, values: dict[str, float]) -> fl
     """Return the inertia from what friction leaves of the torque where the drive accelerates."""
     moving = np.abs(recording.velocity) > _MOVING * peak_speed(recording)
     used = recording.select(moving)
-    remaining = used.torque - used.load_torque - drive.friction(used, values)
+    remaining = used.driving_torque - drive.friction(used, values)
     acceleration = used["acceleration"]
     return float(acceleration @ remaining) / float(acceleration @ acceleration)

@@ -68,7 +68,7 @@ class Design:
         velocity, acceleration = smooth(run.time, run.velocity, self.smoothing)
         middle = run.select(inner).with_channels(velocity=velocity, acceleration=acceleration)
         columns, offset = self.drive.regressors(middle, self.nonlinear)
-        values = np.concatenate([columns, [middle.torque - middle.load_torque - offset, velocity]])
+        values = np.concatenate([columns, [middle.driving_torque - offset, velocity]])
         rows[self.length - 1 :] = self.rows(middle.time, run.velocity[inner], values)
         return rows
 

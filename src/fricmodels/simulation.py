@@ -266,7 +266,7 @@ def width_of_rest(driven: Recording, inertia: float) -> float:
 @once
 def _step_and_push(driven: Recording) -> tuple[float, float]:
     """Return the median sampling interval and the largest torque that drives."""
-    return float(np.median(np.diff(driven.time))), float(np.max(np.abs(driven.torque - driven.load_torque)))
+    return float(np.median(np.diff(driven.time))), float(np.max(np.abs(driven.driving_torque)))
 
 
 def advanced(

@@ -52,7 +52,7 @@ def derivative_equations(drive: Drive, recording: Recording, preparation: Prepar
     def states(model: Model, parameters: Array) -> Sequence[Array]:
         return Drive(model, None, drive.motion).states(filtered, parameters)
 
-    driving = seen((filtered.torque - filtered.load_torque)[None])[0]
+    driving = seen(filtered.driving_torque[None])[0]
     acceleration = seen(filtered["acceleration"][None])[0]
     target = driving if drive.inertia is None else driving - drive.inertia * acceleration
     fixed = seen(split.fixed_rows(filtered))

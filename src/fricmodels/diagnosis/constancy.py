@@ -75,7 +75,7 @@ def _parts(problem: WeakFormProblem) -> Iterator[Array]:
         np.arange(len(at), dtype=float),
         np.abs(recording.velocity[at]),
         np.abs(recording["acceleration"][at]),
-        np.abs((recording.torque - recording.load_torque)[at]),
+        np.abs(recording.driving_torque[at]),
     ]
     if "position" in recording:
         channels.append(recording["position"][at])

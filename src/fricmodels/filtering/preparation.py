@@ -91,7 +91,7 @@ def inertia_guess(drive: Drive, recording: Recording) -> float:
     speed = recording.velocity
     moving = (np.abs(speed) > 0.05 * peak_speed(recording)) & ordinary(recording, acceleration)
     design = np.stack([acceleration, speed, np.sign(speed), np.ones_like(speed)])[:, moving]
-    torque = (recording.torque - recording.load_torque)[moving]
+    torque = recording.driving_torque[moving]
     size = np.sqrt(np.mean(design**2, axis=1, keepdims=True))
     size[size == 0] = 1.0
     solution = np.linalg.lstsq((design / size).T, torque, rcond=None)[0] / size[:, 0]
@@ -164,7 +164,7 @@ def scanned_guess(drive: Drive, recording: Recording) -> Guess:
         rows = np.flatnonzero(moving)
         part = part.select(rows[:: max(1, len(rows) // 4000)])
         moving = np.ones(len(part), dtype=bool)
-    torque = part.torque - part.load_torque - inertia * part["acceleration"]
+    torque = part.driving_torque - inertia * part["acceleration"]
     names = [p.key for p, linear in zip(parameters, drive.model.linear, strict=True) if linear]
     declared_linear = [p for p, linear in zip(parameters, drive.model.linear, strict=True) if linear]
     lower = np.array([p.declared.lower for p in declared_linear])

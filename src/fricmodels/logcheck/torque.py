@@ -38,7 +38,7 @@ def sign(log: Log, found: Balance) -> Iterator[Finding]:
     negative as a whole (a speed loop that fights cogging has a torque that falls with the speed, but still drives).
     """
     short = log.short
-    pushing = short.recording.torque - short.recording.load_torque
+    pushing = short.recording.driving_torque
     chance = significance(found.power, CLUSTERS)
     if found.power >= 0.0 or chance >= PROBABLE or certain(found.ratio({"J": 1.0}), CLUSTERS):
         return

@@ -172,7 +172,7 @@ def balances(drive: Drive, values: Mapping[str, float], prepared: Recording) -> 
     for part in _parts(prepared):
         one = moving.select(part)
         memory = [state[part] for state in states]
-        applied = one.torque - one.load_torque
+        applied = one.driving_torque
         found = friction_moments(drive, values, one, memory, rest[part], doubtful[part])
         friction = _in_balance(found, np.diff(one.time), of)
         balance = _balance(part, one.time, applied, inertia * prepared[of][part], friction, of)

@@ -136,7 +136,7 @@ def _means(prepared: Recording) -> tuple[Array, Array]:
         inside = slice(part.start, part.start + count * size)
         velocity, side, torque = (
             values[inside].reshape(count, size).mean(axis=1)
-            for values in (prepared.velocity, np.sign(prepared.velocity), prepared.torque - prepared.load_torque)
+            for values in (prepared.velocity, np.sign(prepared.velocity), prepared.driving_torque)
         )
         both = [0.5 * (values[1:] + values[:-1]) for values in (torque, side, velocity)]
         rows.append(np.stack([np.diff(velocity) / (size * prepared.interval), *both, np.ones(count - 1)]))

@@ -42,7 +42,7 @@ def torque_error(drive: Drive, values: Mapping[str, float], prepared: Recording)
     """
     prepared, values = drive.timed(prepared, values)
     inertia, _ = drive.split(values)
-    needed = prepared.torque - prepared.load_torque - inertia * prepared["acceleration"]
+    needed = prepared.driving_torque - inertia * prepared["acceleration"]
     return needed - _friction(drive, values, prepared, needed)
 
 
@@ -111,7 +111,7 @@ def filtered_torque_error(
         one = moving.select(part)
         if len(one) < 2:
             continue
-        needed = _mean(one.torque - one.load_torque) - inertia * np.diff(recording.velocity[part]) / np.diff(one.time)
+        needed = _mean(one.driving_torque) - inertia * np.diff(recording.velocity[part]) / np.diff(one.time)
         least, greatest = np.empty((2, len(needed)))
         for some, low, high in friction_moments(
             drive, values, one, [state[part] for state in states], rest[part], doubtful[part]
@@ -201,7 +201,7 @@ def _moments_of(
     at = drive.friction(one, values, states=states)
     below, above = drive.sticking_interval(one, values, states=states)
     low, high = np.where(velocity == 0, below, at), np.where(velocity == 0, above, at)
-    applied = one.torque - one.load_torque
+    applied = one.driving_torque
     holding = np.clip(applied, below, above)
     first, last = velocity[:-1], velocity[1:]
     passes = (first * last < 0) & ~rest[:-1] & ~rest[1:]

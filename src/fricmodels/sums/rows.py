@@ -111,7 +111,7 @@ def block_rows(plan: Plan, channels: Mapping[str, Array], first: int, until: int
     bumps = TestFunctions(recording, plan.width, unclear | elsewhere, least_moving=1.0, over_cells=over_cells)
     points = _as_planned(quadrature.recording, plan)
     design, offset = plan.drive.regressors(points)
-    push = bumps.driving(quadrature, points.torque - points.load_torque)
+    push = bumps.driving(quadrature, points.driving_torque)
     integrals = bumps.torques(quadrature, np.vstack([offset[None], design]))
     velocity = mean_velocity(recording, recording["position"]) if over_cells else recording.velocity
     turns = np.zeros(len(recording))

@@ -48,6 +48,6 @@ def residual_rms(
     size = np.where(size > 0, size, 1.0)
     solved = np.linalg.lstsq((stacked / size[:, None]).T, problem.target - integrated[-1], rcond=1e-10)[0] / size
     points = problem.quadrature.recording
-    left = points.torque - points.load_torque - (given or 0.0) * acceleration - offset - solved[: len(design)] @ design
+    left = points.driving_torque - (given or 0.0) * acceleration - offset - solved[: len(design)] @ design
     moving = ~problem.resting
     return float(np.sqrt(np.mean(left[: len(moving)][moving] ** 2)))

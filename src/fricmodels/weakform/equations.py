@@ -92,4 +92,4 @@ def _constraints(drive: Drive, delay: float, largest_push: float) -> tuple[Array
 @once
 def _largest_push(recording: Recording) -> float:
     """Return the largest torque that drives [N m or N]."""
-    return float(np.max(np.abs(recording.torque - recording.load_torque)))
+    return float(np.max(np.abs(recording.driving_torque)))

@@ -100,7 +100,7 @@ def estimate(
     Raises:
         InputError: when the recording moves too little to fit the model.
     """
-    rows, found = _estimated(drive, recording, start, width=width, model_velocity=model_velocity)
+    rows, found = _estimated(drive, recording, start or {}, width, model_velocity=model_velocity)
     if model_velocity:
         _known_fits(recording)[_asked(drive, start, width)] = _Fit(ref(rows), dict(rows.made_for), rows.shift, found)
     return rows, found
@@ -159,19 +159,14 @@ def _of_smaller(
 
 
 def _estimated(
-    drive: Drive,
-    recording: Recording,
-    start: Mapping[str, float] | None = None,
-    *,
-    width: int | None = None,
-    model_velocity: bool = True,
+    drive: Drive, recording: Recording, start: Mapping[str, float], width: int | None, *, model_velocity: bool
 ) -> tuple[WeakFormProblem, Estimate]:
-    """Return :func:`estimate`."""
+    """Return :func:`estimate`, which keeps what was found."""
 
     def left(found: Solved) -> float:
         return _left(drive, recording, found.parameters)
 
-    start = _started(drive, recording, start or {})
+    start = _started(drive, recording, start)
     first = WeakFormProblem.of(drive, recording, _guess(drive, recording, start), width)
     carriers = carriers_of(first, start)
     found = _solved(first.carrying(carriers), start)
@@ -317,6 +312,6 @@ def _rough_inertia(recording: Recording) -> float:
     """Return the inertia that goes with a coarse acceleration beside Coulomb and viscous friction."""
     acceleration = np.gradient(recording.velocity, recording.time)
     coarse = np.convolve(acceleration, np.ones(9) / 9, "same")
-    force = np.convolve(recording.torque - recording.load_torque, np.ones(9) / 9, "same")
+    force = np.convolve(recording.driving_torque, np.ones(9) / 9, "same")
     base = np.array([coarse, np.sign(recording.velocity), recording.velocity])
     return max(float(NormalEquations.of(base @ base.T, base @ force).solved[0]), 1e-12)

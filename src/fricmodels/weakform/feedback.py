@@ -72,7 +72,7 @@ def _left_by(found: Solved, changes: Array) -> Array:
     drive, points, cell = problem.drive, problem.points, problem.quadrature.cell
     count, cells = len(problem.recording), len(problem.quadrature.cell)
     torque, by_velocity, _, _ = drive.linearised(points, found.parameters)
-    net = points.torque - points.load_torque - torque
+    net = points.driving_torque - torque
     everywhere = np.concatenate([changes, changes[:, cell], changes[:, cell + 1]], axis=1)
     inertia, _ = drive.split(found.parameters)
     moving = inertia * ~problem.resting

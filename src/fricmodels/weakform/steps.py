@@ -40,7 +40,7 @@ class Steps:
         theta = np.array([0.0 if p.declared.delay else parameters[p.key] for p, linear in pairs if linear])
         design, offset = problem.evaluate(drive, nonlinear)
         points = problem.quadrature.recording
-        left = points.torque - points.load_torque - theta @ design - offset
+        left = points.driving_torque - theta @ design - offset
         impulses = at_steps(problem.quadrature.impulses(left[None]), bumps.over_cells)[0]
         inertia, _ = drive.split(parameters)
         velocity = problem.cell_velocity

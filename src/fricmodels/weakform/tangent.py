@@ -39,7 +39,7 @@ def tangents(drive: Drive, values: Mapping[str, float], recording: Recording, si
         recording.with_channels(velocity=simulated), values
     )
     whole = inertia + by_acceleration
-    rate = (recording.torque - recording.load_torque - torque) / inertia
+    rate = (recording.driving_torque - torque) / inertia
     push = -by_parameters / whole
     if drive.inertia is None:
         push = np.vstack([-rate / whole, push])

@@ -185,7 +185,7 @@ class Samples:
         if self.resting.any():
             still = self.resting
             least, greatest = (limit[still] for limit in drive.sticking_interval(moving, self.parameters))
-            friction[still] = np.clip((moving.torque - moving.load_torque)[still], least, greatest)
+            friction[still] = np.clip(moving.driving_torque[still], least, greatest)
         return friction
 
     @property
