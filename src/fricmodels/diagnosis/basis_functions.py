@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from fricmodels.diagnosis.history import MotionHistory
 from fricmodels.diagnosis.places import ALONG, Place
 from fricmodels.diagnosis.policy import Policy
+from fricmodels.diagnosis.sought_functions import jump, stretch
 from fricmodels.recording import OTHER, RATE
 from fricmodels.signals import noise
 from fricmodels.weakform.problem import WeakFormProblem
@@ -30,18 +31,19 @@ OF_WAVES = frozenset({FINELY, FINELY_ALONG, FINELY_TORQUE})
 _SLOWLY = "position", "position, along the motion", "position and motor torque"
 OF_POSITION = OF_WAVES.union(_SLOWLY)
 """Sets of what any torque over position may be."""
+JUMP = "time, in one jump"
+STRETCH, STRETCH_ALONG = "position, in one stretch", "position, in one stretch, along the motion"
 OF_TIME = frozenset(
     {
         "time, along the motion",
         "time, finely, along the motion",
         "time, along the motion, and speed",
-        "time, in one jump",
+        JUMP,
     }
 )
 """Sets of what friction that goes with the time itself may be."""
 _HATS = 8
 _PLACES = 32
-_INSTANTS = 31
 _WAVES, _FINER = 6, 12
 _FINE_WAVES = 3
 _EARLIER = 16
@@ -61,10 +63,19 @@ def basis_functions(problem: WeakFormProblem, regression: Regression, policy: Po
     found: dict[str, Callable[[], Array]] = {
         name: partial(problem.integrated, name, partial(_integrals, problem, build)) for name, build in lasting.items()
     }
-    found["time, in one jump"] = partial(_jump, problem, regression)
+    found[JUMP] = partial(jump, problem, regression)
+    if "position" in problem.recording:
+        found[STRETCH] = partial(stretch, problem, regression, along=False)
+        found[STRETCH_ALONG] = partial(stretch, problem, regression, along=True)
     for name, build in _periodic(problem, regression).items():
         found[name] = partial(_integrals, problem, build)
     return found
+
+
+def terms(name: str, columns: Array) -> int:
+    """Return the number of a set's columns, and of the instants or wave numbers that were sought beside them."""
+    waves = (len(columns) + 1) // 2 if name in OF_WAVES else 0
+    return len(columns) + waves + (name == JUMP)
 
 
 def hats_within(problem: WeakFormProblem, place: Place) -> Array:
@@ -129,21 +140,6 @@ def _of_motion(problem: WeakFormProblem) -> Sets:
             [warm, side * warm, velocity * warm, side * warm**2, velocity * warm**2]
         )
     return found
-
-
-def _jump(problem: WeakFormProblem, regression: Regression) -> Array:
-    """Return a jump along the motion and with speed, at the one of evenly spaced instants that explains most."""
-    points = problem.quadrature.recording
-    time, side = points.time, np.sign(points.velocity)
-    instants = np.linspace(np.min(time), np.max(time), _INSTANTS + 2)[1:-1]
-    limit = np.full(2, np.inf)
-
-    def jump(instant: float) -> Array:
-        return problem.integrals(np.vstack([side, points.velocity]) * (time >= instant))
-
-    every = [problem.integrated(("jump", t), partial(jump, t)) for t in instants.tolist()]
-    gains = [regression.explained(columns, -limit, limit)[0] for columns in every]
-    return every[int(np.argmax(gains))]
 
 
 def _of_position(problem: WeakFormProblem) -> Sets:

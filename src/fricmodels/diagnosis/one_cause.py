@@ -67,9 +67,11 @@ def _is_one_cause(
         before = float(np.sum(base.loss))
         falls = (before - float(np.sum(r.loss)) for r in (channel, alone, together))
         theirs, own, all_own = credited(result, before, *falls)
+        effects = np.vstack([member.columns, *(other.columns for other in taken)])
+        if predictor.terms < len(effects) and theirs >= policy.of_channel * all_own:
+            return True
         if all_own >= policy.of_channel * theirs:
-            effects = np.vstack([member.columns, *(other.columns for other in taken)])
-            few = len(effects) < policy.fewer_terms * len(predictor.columns)
+            few = len(effects) < policy.fewer_terms * predictor.terms
             adds = predicts_beside(result, together, predictor.columns, predictor.tried)
             if few or (not adds and predicts_beside(result, channel, effects)):
                 continue
@@ -97,7 +99,7 @@ def is_simpler(
 
     Not if it is several waves itself: these are what several effects are.
     """
-    if len(predictor.columns) >= len(together) or predictor.channels in OF_WAVES:
+    if predictor.terms >= len(together) or predictor.channels in OF_WAVES:
         return False
     all_of_them = regression_of(result.problem, result.parameters, np.vstack([beside, together]))
     before = float(np.sum(alone.loss))

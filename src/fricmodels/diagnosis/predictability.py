@@ -13,7 +13,7 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from fricmodels.diagnosis.basis_functions import TORQUE_PAST, TORQUE_RATE, basis_functions
+from fricmodels.diagnosis.basis_functions import TORQUE_PAST, TORQUE_RATE, basis_functions, terms
 from fricmodels.diagnosis.candidate_tests import CandidateTests, beside_inertia, is_noise
 from fricmodels.progress import each
 from fricmodels.weakform.problem import WeakFormProblem
@@ -45,6 +45,11 @@ class ChannelPredictor:
     p_value: float
     columns: Array
     tried: int = 1
+
+    @property
+    def terms(self) -> int:
+        """Number of coefficients, and of instants or wave numbers that were sought beside them."""
+        return terms(self.channels, self.columns)
 
 
 def channel_predictors(result: CandidateTests) -> list[ChannelPredictor]:

@@ -30,7 +30,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from fricmodels.diagnosis.basis_functions import OF_POSITION, OF_TIME, OF_WAVES
+from fricmodels.diagnosis.basis_functions import OF_POSITION, OF_TIME, OF_WAVES, terms
 from fricmodels.diagnosis.candidate_tests import CandidateTest, CandidateTests
 from fricmodels.diagnosis.constancy import gain_of_own_sizes
 from fricmodels.diagnosis.effect_set import (
@@ -205,7 +205,10 @@ def _support(result: CandidateTests, member: Member, others: list[Member], rest:
     names = (*rest.channels, *[""] * len(rest.parts))  # effects at their search bounds come last, and have none
     taking = {i: names[i] for i, part in enumerate(rest.parts) if in_its_place(part)}
     instead = _Instead(
-        np.vstack([nothing(result), *(rest.parts[i] for i in taking)]), frozenset(taking.values()), rest.tried
+        np.vstack([nothing(result), *(rest.parts[i] for i in taking)]),
+        frozenset(taking.values()),
+        rest.tried,
+        sum(terms(name, rest.parts[i]) for i, name in taking.items()),
     )
     # An effect of the time itself beside one course of time could be any other: such a part describes no other cause.
     same = {i for i, name in enumerate(names) if member.effect.depends_on_time and name in OF_TIME}
@@ -232,11 +235,13 @@ class _Instead:
         columns: shape (k, rows); none where nothing is.
         channels: names of the channels that they are of.
         tried: number of predictors among which these were chosen.
+        terms: number of their coefficients, and of what was sought beside these.
     """
 
     columns: Array
     channels: frozenset[str]
     tried: int
+    terms: int
 
 
 @dataclass(frozen=True)
@@ -262,7 +267,7 @@ def _support_of(result: CandidateTests, member: Member, place: _Place) -> Suppor
         other = regression_of(result.problem, result.parameters, np.vstack([place.base, instead.columns]))
         of_instead = described.before - float(np.sum(other.loss))
         ours, theirs = credited(result, described.before, described.fall, of_instead)
-        if theirs > ours and _is_better(result, described, ours / theirs, other, other.loss, instead):
+        if theirs > ours and _is_better(result, member.found.first, described, ours / theirs, other, other.loss, instead):
             of_rest = ours / theirs
     lasting = place.lasting
     full = gain_of(result, np.vstack([place.base, lasting]), member) if len(lasting) else described
@@ -286,17 +291,25 @@ def _support_of(result: CandidateTests, member: Member, place: _Place) -> Suppor
 
 
 def _is_better(
-    result: CandidateTests, gain: Gain, ratio: float, other: Regression, loss: Array, instead: _Instead
+    result: CandidateTests,
+    effect: CandidateTest,
+    gain: Gain,
+    ratio: float,
+    other: Regression,
+    loss: Array,
+    instead: _Instead,
 ) -> bool:
     """Whether what is in the place of an effect predicts clearly more than it.
 
-    It does if the errors, compared as those of two forecasts, say so (Diebold and Mariano 1995). It also does if it
+    It does if it has no more terms: of two such forms the one that explains more is the better one, and no chance is to
+    be allowed for. Otherwise it does if the errors, compared as those of two forecasts, say so (Diebold and Mariano 1995). It also does if it
     predicts what the effect leaves, and the effect nothing of what it leaves (Chong and Hendry 1986): where an effect
     lies within what a channel can be, that is the test of its form, of which the two errors tell little. Not so of
     waves at numbers that were sought: of several in one channel one may be the effect's, and the next another cause's.
 
     Args:
         result: the residual.
+        effect: with its nonlinear parameters, each of which is a term.
         gain: what the effect does.
         ratio: of what it explains to what is explained in its place.
         other: the regression with that in its place.
@@ -304,6 +317,8 @@ def _is_better(
         instead: what is in its place.
     """
     policy = result.policy
+    if instead.terms <= len(effect.found.columns) + len(effect.found.nonlinear):
+        return True
     _, p_more = compare(gain.regression.loss, loss, gain.without.terms)
     if p_more * instead.tried <= policy.outpredicted_significance:
         return True
@@ -345,7 +360,8 @@ def _against_channels(
         if kept >= policy.kept * gain.fall or own / theirs >= least:
             continue
         other = regression_of(result.problem, result.parameters, np.vstack([beside, predictor.columns]))
-        instead = _Instead(predictor.columns, frozenset({predictor.channels}), predictor.tried)
-        if _is_better(result, gain, own / theirs, other, predictor.evidence.loss, instead):
+        channels = frozenset({predictor.channels})
+        instead = _Instead(predictor.columns, channels, predictor.tried, predictor.terms)
+        if _is_better(result, first, gain, own / theirs, other, predictor.evidence.loss, instead):
             least, rival = own / theirs, predictor.channels
     return least, rival

@@ -1,0 +1,77 @@
+"""Basis functions at an instant or a place that is sought: where they explain most of a residual.
+
+They are the plainest other forms that an effect of the time or of the position may be taken for: a friction that
+changes at once, not steadily, and a torque or a friction that is there in one stretch of the way, and not as a wave.
+"""
+
+from __future__ import annotations
+
+from functools import partial
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fricmodels.weakform.problem import WeakFormProblem
+from fricmodels.weakform.regression import Regression
+
+Array = NDArray[np.float64]
+
+_INSTANTS = 31
+_KNOTS = 24
+"""Places over the way at which a stretch may begin or end, as many samples between each two."""
+_LEAST_LEFT = 1e-6
+"""Squared share of a column, of what the model leaves of it, below which it is in the model."""
+
+
+def jump(problem: WeakFormProblem, regression: Regression) -> Array:
+    """Return a jump along the motion and with speed, at the one of evenly spaced instants that explains most."""
+    points = problem.quadrature.recording
+    time, side = points.time, np.sign(points.velocity)
+    instants = np.linspace(np.min(time), np.max(time), _INSTANTS + 2)[1:-1]
+    limit = np.full(2, np.inf)
+
+    def at(instant: float) -> Array:
+        return problem.integrals(np.vstack([side, points.velocity]) * (time >= instant))
+
+    every = [problem.integrated(("jump", t), partial(at, t)) for t in instants.tolist()]
+    gains = [regression.explained(columns, -limit, limit)[0] for columns in every]
+    return every[int(np.argmax(gains))]
+
+
+def stretch(problem: WeakFormProblem, regression: Regression, *, along: bool) -> Array:
+    r"""Return one torque in the stretch of the way that explains most, and its two ends apart, shape (3, rows).
+
+    With hats :math:`h_1 \dots h_K` over the position the torque of a stretch is :math:`h_i + \dots + h_j`: one inside,
+    and falling to nothing between two knots at either end. Hats at the ends have coefficients of their own, so that an
+    end may lie between knots. All stretches are compared at once: the products of their columns with each other and
+    with the residual are differences of running sums of those of the hats.
+
+    Args:
+        problem: the rows, of a recording with positions.
+        regression: whose residual is to be explained.
+        along: whether the torque is a friction, with the sign of the motion.
+    """
+    hats = problem.integrated(("hats over the way", along), partial(_hats, problem, along))
+    knots = len(hats)
+    products = regression.projected_gram(hats)
+    gram = np.zeros((knots + 1, knots + 1))
+    gram[1:, 1:] = np.cumsum(np.cumsum(products.gram, axis=0), axis=1)
+    right = np.concatenate([[0.0], np.cumsum(hats @ regression.residual)])
+    square = np.diag(gram)
+    power = square[None] + square[:, None] - gram - gram.T  # of the stretch from knot i to knot j - 1
+    inside = np.concatenate([[0.0], np.cumsum(np.sqrt(products.power))])
+    enough = power > _LEAST_LEFT * (inside[None] - inside[:, None]) ** 2
+    possible = np.triu(enough, 1)
+    gain = np.where(possible, (right[None] - right[:, None]) ** 2 / np.where(possible, power, 1.0), 0.0)
+    first, last = np.unravel_index(int(np.argmax(gain)), gain.shape)
+    part = hats[first:last]
+    return np.vstack([part[1:-1].sum(axis=0, keepdims=True), part[:1], part[1:][-1:]])
+
+
+def _hats(problem: WeakFormProblem, along: bool) -> Array:
+    points = problem.quadrature.recording
+    position = points["position"]
+    knots = np.unique(np.quantile(position, np.linspace(0, 1, _KNOTS)))
+    side = np.sign(points.velocity) if along else 1.0
+    rows = np.array([side * np.interp(position, knots, heights) for heights in np.eye(len(knots))])
+    return problem.integrals(rows)
