@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import lru_cache
 from typing import Any
 
@@ -23,7 +23,8 @@ _GAMMA = 1 - 1 / math.sqrt(2)
 class Memory:
     r"""The internal states of a model along one motion, for whatever parameters.
 
-    Every run starts from the declared initial states. With rates f, their derivative F by the states and the step h,
+    Every run starts from the declared initial states, or from those that its first sample tells
+    (:meth:`fricmodels.term.Term.first_states`). With rates f, their derivative F by the states and the step h,
     a step is the second-order Rosenbrock formula
 
     .. math::
@@ -46,13 +47,10 @@ class Memory:
 
     def __init__(self, model: Model, signals: Mapping[str, ArrayLike], time: Array, run: Index, width: float) -> None:
         self._scan, self._width = _scan(model), width
-        self._first = [state.initial for state in model.states]
+        self._count, self._first = len(model.states), _first(model)
         needed = _needed(model)
-        self._rows = np.empty((len(time) - 1, 1 + 2 * len(needed)))
-        self._rows[:, 0] = np.diff(time)
-        for i, name in enumerate(needed, start=1):
-            values = np.broadcast_to(signals[name], time.shape)
-            self._rows[:, i], self._rows[:, i + len(needed)] = values[:-1], values[1:]
+        self._signals = np.array([np.broadcast_to(signals[name], time.shape) for name in needed]).reshape(-1, len(time))
+        self._rows = np.column_stack([np.diff(time), self._signals[:, :-1].T, self._signals[:, 1:].T])
         self._edges = [0, *(np.flatnonzero(np.diff(run)) + 1).tolist(), len(time)]
         self._past = Past(signals, time, self._edges)
         self._from_recording = list(_from_recording(model))
@@ -63,13 +61,13 @@ class Memory:
         Args:
             parameters: all of the model's parameters, in order.
         """
-        states = np.empty((self._edges[-1], len(self._first)))
+        states = np.empty((self._edges[-1], self._count))
         values = np.asarray(parameters, dtype=float)
-        if sum(len(term.states) for term, _, _ in self._from_recording) < len(self._first):
+        if sum(len(term.states) for term, _, _ in self._from_recording) < self._count:
             constants = [*values, self._width]
             for begin, end in itertools.pairwise(self._edges):
-                states[begin] = self._first
-                self._scan(self._first, self._rows[begin : end - 1], constants, outputs=states[begin + 1 : end])
+                states[begin] = first = self._first(self._signals[:, begin], values)
+                self._scan(first, self._rows[begin : end - 1], constants, outputs=states[begin + 1 : end])
         for term, first_parameter, first_state in self._from_recording:
             symbols = [p.symbol for p in term.parameters]
             own = values[first_parameter : first_parameter + len(symbols)].tolist()
@@ -90,6 +88,20 @@ def _from_recording(model: Model) -> Iterator[tuple[Term, int, int]]:
 
 def _needed(model: Model) -> list[str]:
     return [name for name in model.signals if name in model.needs]
+
+
+@lru_cache(maxsize=64)
+def _first(model: Model) -> Callable[[Array, Array], Array]:
+    """Return what gives the states of a model at the first sample of a run, from the signals there and parameters."""
+    import casadi
+
+    e = model.expression()
+    signals = casadi.vertcat(*(e.signals[name] for name in _needed(model)))
+    if not casadi.depends_on(e.first, casadi.vertcat(signals, e.parameters)):
+        declared = np.array([state.initial for state in model.states])
+        return lambda signals, parameters: declared
+    at_first = casadi.Function("first", [signals, e.parameters], [e.first])
+    return lambda signals, parameters: np.array(at_first(signals, parameters)).ravel()
 
 
 @lru_cache(maxsize=64)

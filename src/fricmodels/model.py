@@ -27,6 +27,7 @@ class ModelExpression:
         states: column of all internal states, in the order of :attr:`Model.states`.
         width: the width of rest [velocity].
         torque: the friction torque τ_F.
+        first: column of the states at the first sample of a run; they depend on the signals there.
         rates: column of d/dt of the states.
         discrete_step: by index into the states, those that have a formula for a time ``step`` later; they depend on the
             signals, the states and the signals at the end of the step, ``later``.
@@ -39,6 +40,7 @@ class ModelExpression:
     states: Expression
     width: Expression
     torque: Expression
+    first: Expression
     rates: Expression
     later: Mapping[str, Expression]
     step: Expression
@@ -250,6 +252,7 @@ def _build(terms: tuple[Term, ...], smooth: bool) -> ModelExpression:
     discrete_step: dict[int, Any] = {}
     parameters: list[Any] = []
     states: list[Any] = []
+    first: list[Any] = []
     rates: list[Any] = []
     torque = casadi.SX(0)
     touched: set[str] = set()
@@ -266,6 +269,8 @@ def _build(terms: tuple[Term, ...], smooth: bool) -> ModelExpression:
                 if missing:
                     raise InputError(f"'{term.name}' gives no rate for its state '{sorted(missing)[0]}'")
                 rates.extend(changes[symbol] for symbol in memory)
+                begun = term.first_states(s, p)
+                first.extend(begun.get(z.symbol, z.initial) for z in term.states)
                 end = Signals(later, {})
                 following = term.discrete_step(s, end, step, p)
                 if following and set(following) != set(memory):
@@ -284,6 +289,7 @@ def _build(terms: tuple[Term, ...], smooth: bool) -> ModelExpression:
         casadi.vertcat(*states),
         width,
         torque,
+        casadi.vertcat(*first),
         casadi.vertcat(*rates),
         later,
         step,

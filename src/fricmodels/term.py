@@ -162,6 +162,18 @@ class Term(ABC):
         """
         return {}
 
+    def first_states(self, s: Signals, p: Parameters) -> Mapping[str, Expression]:
+        """Return states at the first sample of a run, by symbol; of those left out, the declared initial values.
+
+        Override it where a drive that was in motion before its run began, as in a recording cut out of a longer one,
+        has states that its first sample tells: a part on a spring lags behind the acceleration from the first sample
+        on. Begun from rest it would swing as if it had been struck.
+
+        Args:
+            s: the signals at the first sample; p: the parameters.
+        """
+        return {}
+
     def states_from_recording(self, past: Past, parameters: Mapping[str, float]) -> Mapping[str, NDArray[np.float64]]:
         """Return every declared state at every sample of a recorded motion, by symbol; by default nothing.
 

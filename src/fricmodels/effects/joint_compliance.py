@@ -52,3 +52,7 @@ class JointCompliance(Effect):
         """Return the rates of twist."""
         spring = p.omega_n**2 * s.x + 2 * p.zeta * p.omega_n * s.v
         return {"x": s.v, "v": s.acceleration - spring}
+
+    def first_states(self, s: Signals, p: Parameters) -> Mapping[str, Expression]:
+        """Return the twist with which the link follows a lasting acceleration: x = (dω/dt)/ω_n²."""
+        return {"x": s.acceleration / p.omega_n**2}
