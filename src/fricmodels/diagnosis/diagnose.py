@@ -21,7 +21,7 @@ from fricmodels.diagnosis.power import Visibility, visibility
 from fricmodels.diagnosis.predictability import AUTOREGRESSIVE, ChannelPredictor
 from fricmodels.diagnosis.refit_check import refit_check
 from fricmodels.diagnosis.refits import Refits
-from fricmodels.diagnosis.remaining import Remaining, remaining
+from fricmodels.diagnosis.remaining import Remaining, place_of_stretch, remaining
 from fricmodels.diagnosis.ripple import FastRipple, fast_ripple
 from fricmodels.diagnosis.supported import Judgement, judge
 from fricmodels.diagnosis.verdict import LookAlikes, passing_all_gates, select_effect, torque_share
@@ -65,7 +65,8 @@ class Diagnosis(Displayed):
         visibility: for every effect that was not found, the smallest that would have been, or what is missing.
         passing: every effect that passes the gates by itself, best first; most only resemble the first.
         policy: the constants that decided.
-        place: where along a channel the residual has a mean of its own, if nothing was named.
+        place: where along a channel the residual has a mean of its own, or in which stretch of the way one torque
+            predicts it best, if nothing was named.
         refits: fits of the model with one effect more, as far as they were asked for.
         refused: an effect that would have been named, but with which the test error does not fall.
         result: every candidate that was tested.
@@ -169,6 +170,7 @@ def examine(comparison: Comparison, *, leave_out: Iterable[str] = (), policy: Po
         verdict = "missing-effect" if len(everything[0].names) == 1 else "undecided"
     elif _is_seen(result, comparison, view) or place is not None or is_far_above_noise(comparison, policy):
         verdict = "unknown-effect"
+        place = (None if view is None else place_of_stretch(result, view)) or place
     passing = tuple(passing_all_gates(result)) if found is not None else ()
     seen = visibility(result, {name for one in everything[:1] for name in one.names})
     refused = found.first if found is not None and named is None else None

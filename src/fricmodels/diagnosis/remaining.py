@@ -7,10 +7,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fricmodels.diagnosis.candidate_tests import CandidateTest
+from fricmodels.diagnosis.basis_functions import STRETCH, STRETCH_ALONG
+from fricmodels.diagnosis.candidate_tests import CandidateTest, CandidateTests
 from fricmodels.diagnosis.comparison import Comparison
-from fricmodels.diagnosis.places import Place
+from fricmodels.diagnosis.places import ALONG, Place
+from fricmodels.diagnosis.predictability import ChannelPredictor
 from fricmodels.diagnosis.refits import Refits
+from fricmodels.diagnosis.sought_functions import ends_of_stretch
 from fricmodels.diagnosis.where import in_words
 from fricmodels.dimension import Motion
 
@@ -81,6 +84,28 @@ def remaining(
         where = at_place(place, comparison.drive.motion)
         channel = channel or place.channel.replace("_", " ")
     return Remaining(percent, size, channel, where, place, tuple(near))
+
+
+def place_of_stretch(result: CandidateTests, predictor: ChannelPredictor) -> Place | None:
+    """Return the stretch of the way in which a predictor has one torque; ``None`` if it is of another channel."""
+    if predictor.channels not in (STRETCH, STRETCH_ALONG):
+        return None
+    along = predictor.channels == STRETCH_ALONG
+    problem = result.problem
+    low, high = ends_of_stretch(problem, result.regression, along=along)
+    position = problem.recording["position"]
+    inside = (position >= low) & (position <= high)
+    passes = np.count_nonzero(np.diff(np.concatenate([[False], inside]).astype(int)) == 1)
+    return Place(
+        "position",
+        ALONG if along else "both",
+        low,
+        high,
+        float(predictor.evidence.coefficients[0]),
+        int(passes),
+        predictor.p_value,
+        predictor.evidence.explained,
+    )
 
 
 def at_place(place: Place, motion: Motion) -> str:

@@ -51,6 +51,21 @@ def stretch(problem: WeakFormProblem, regression: Regression, *, along: bool) ->
         regression: whose residual is to be explained.
         along: whether the torque is a friction, with the sign of the motion.
     """
+    hats, first, last = _best_stretch(problem, regression, along)
+    part = hats[first:last]
+    return np.vstack([part[1:-1].sum(axis=0, keepdims=True), part[:1], part[1:][-1:]])
+
+
+def ends_of_stretch(problem: WeakFormProblem, regression: Regression, *, along: bool) -> tuple[float, float]:
+    """Return where the stretch of :func:`stretch` begins and ends, half-way down to nothing [rad or m]."""
+    _, first, last = _best_stretch(problem, regression, along)
+    knots = _knots(problem.quadrature.recording["position"])
+    middle = np.concatenate([knots[:1], 0.5 * (knots[1:] + knots[:-1]), knots[-1:]])
+    return float(middle[first]), float(middle[last])
+
+
+def _best_stretch(problem: WeakFormProblem, regression: Regression, along: bool) -> tuple[Array, int, int]:
+    """Return hats over the way as integrals, shape (k, rows), and the first of the stretch and the one after it."""
     hats = problem.integrated(("hats over the way", along), partial(_hats, problem, along))
     knots = len(hats)
     products = regression.projected_gram(hats)
@@ -64,14 +79,17 @@ def stretch(problem: WeakFormProblem, regression: Regression, *, along: bool) ->
     possible = np.triu(enough, 1)
     gain = np.where(possible, (right[None] - right[:, None]) ** 2 / np.where(possible, power, 1.0), 0.0)
     first, last = np.unravel_index(int(np.argmax(gain)), gain.shape)
-    part = hats[first:last]
-    return np.vstack([part[1:-1].sum(axis=0, keepdims=True), part[:1], part[1:][-1:]])
+    return hats, int(first), int(last)
+
+
+def _knots(position: Array) -> Array:
+    return np.unique(np.quantile(position, np.linspace(0, 1, _KNOTS)))
 
 
 def _hats(problem: WeakFormProblem, along: bool) -> Array:
     points = problem.quadrature.recording
     position = points["position"]
-    knots = np.unique(np.quantile(position, np.linspace(0, 1, _KNOTS)))
+    knots = _knots(position)
     side = np.sign(points.velocity) if along else 1.0
     rows = np.array([side * np.interp(position, knots, heights) for heights in np.eye(len(knots))])
     return problem.integrals(rows)

@@ -267,7 +267,8 @@ def _support_of(result: CandidateTests, member: Member, place: _Place) -> Suppor
         other = regression_of(result.problem, result.parameters, np.vstack([place.base, instead.columns]))
         of_instead = described.before - float(np.sum(other.loss))
         ours, theirs = credited(result, described.before, described.fall, of_instead)
-        if theirs > ours and _is_better(result, member.found.first, described, ours / theirs, other, other.loss, instead):
+        first = member.found.first
+        if theirs > ours and _is_better(result, first, described, ours / theirs, other, other.loss, instead):
             of_rest = ours / theirs
     lasting = place.lasting
     full = gain_of(result, np.vstack([place.base, lasting]), member) if len(lasting) else described
@@ -302,10 +303,11 @@ def _is_better(
     """Whether what is in the place of an effect predicts clearly more than it.
 
     It does if it has no more terms: of two such forms the one that explains more is the better one, and no chance is to
-    be allowed for. Otherwise it does if the errors, compared as those of two forecasts, say so (Diebold and Mariano 1995). It also does if it
-    predicts what the effect leaves, and the effect nothing of what it leaves (Chong and Hendry 1986): where an effect
-    lies within what a channel can be, that is the test of its form, of which the two errors tell little. Not so of
-    waves at numbers that were sought: of several in one channel one may be the effect's, and the next another cause's.
+    be allowed for. Otherwise it does if the errors, compared as those of two forecasts, say so (Diebold and Mariano
+    1995). It also does if it predicts what the effect leaves, and the effect nothing of what it leaves (Chong and
+    Hendry 1986): where an effect lies within what a channel can be, that is the test of its form, of which the errors tell
+    little. Not so of waves at numbers that were sought: of several in one channel one may be the effect's, and the next
+    another cause's.
 
     Args:
         result: the residual.
