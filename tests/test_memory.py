@@ -174,6 +174,14 @@ def test_a_compliant_joint_resonates_where_and_as_much_as_the_textbook_says() ->
             )
 
 
+def test_a_part_on_a_spring_is_not_struck_where_a_record_begins() -> None:
+    """A run that begins while the drive speeds up evenly leaves the twist at a/ω_n²; begun from 0 it would swing."""
+    time = np.linspace(0, 3, 3001)
+    x, v = states("joint-compliance", {"omega_n": 50.0, "zeta": 0.02}, time, acceleration=np.full(3001, 7.0))
+    np.testing.assert_allclose(x, 7.0 / 50.0**2, rtol=1e-9)
+    np.testing.assert_allclose(v, 0.0, atol=1e-12)
+
+
 @pytest.mark.parametrize("x_s", [1e-3, 1e-5, 1e-8, 1e-12])
 def test_a_contact_that_settles_within_a_sample_does_not_ring(x_s: float) -> None:
     """L-stable: after a reversal z is at its new end after a few samples, and stays there."""

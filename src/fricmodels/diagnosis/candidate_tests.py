@@ -246,11 +246,7 @@ def beside_inertia(problem: WeakFormProblem, regression: Regression, columns: Ar
     smoothed = problem.integrals(problem.quadrature.recording["acceleration"][None])
     own = regression.project_out(smoothed)[0]
     size = float(own @ own)
-    if not size:
-        return columns
-    left = columns - np.outer(columns @ own / size, smoothed[0])
-    left[np.sum(left**2, axis=1) <= _ROUNDING * np.sum(columns**2, axis=1)] = 0.0  # the acceleration itself
-    return left
+    return columns - np.outer(columns @ own / size, own) if size > 0 else columns
 
 
 def is_noise(share: float, explained: float, policy: Policy) -> bool:

@@ -66,11 +66,12 @@ def each_predictor(result: CandidateTests, first: Sequence[str] = ()) -> Iterato
     most = max(1, regression.terms // 2)
     ordered = [*dict.fromkeys([*(name for name in first if name in every), *every])]
     for channels in each(f"looking for what predicts the error of {problem.drive.model.name}", ordered):
-        columns = beside_inertia(problem, regression, every[channels]())
+        whole = every[channels]()
+        columns = beside_inertia(problem, regression, whole)
         chosen = np.flatnonzero(regression.visible(columns))[:most]
         if len(chosen):
             evidence = regression.test(columns[chosen])
-            if channels in lasting and _is_only_noise(result, channels, columns[chosen], chosen, evidence):
+            if channels in lasting and _is_only_noise(result, channels, whole[chosen], chosen, evidence):
                 continue
             shift = result.policy.within_sampling * problem.recording.interval
             if channels == TORQUE_RATE and np.all(np.abs(evidence.coefficients) <= shift):  # these are times
@@ -87,7 +88,10 @@ def each_predictor(result: CandidateTests, first: Sequence[str] = ()) -> Iterato
 def _is_only_noise(
     result: CandidateTests, channels: str, columns: Array, chosen: NDArray[np.int64], evidence: Evidence
 ) -> bool:
-    """Whether what a channel explains may be noise of the velocity, which is in the channel and in the rows alike."""
+    """Whether what a channel explains may be noise of the velocity, which is in the channel and in the rows alike.
+
+    Its columns are given whole: the acceleration that :func:`beside_inertia` takes out of them has noise of its own.
+    """
     problem, regression, policy = result.problem, result.regression, result.policy
     if evidence.gain <= policy.least_gain:
         return False  # it passes no gate
@@ -96,7 +100,7 @@ def _is_only_noise(
         return False
     weights = evidence.coefficients[None]
     noise = problem.noise_within(regression, weights @ columns, weights @ perturbed()[chosen])
-    signal = regression.project_out(weights @ columns)
+    signal = regression.project_out(weights @ beside_inertia(problem, regression, columns))
     return is_noise(float(np.sum(noise**2) / np.sum(signal**2)), evidence.explained, policy)
 
 

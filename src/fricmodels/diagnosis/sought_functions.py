@@ -17,8 +17,9 @@ from fricmodels.weakform.regression import Regression
 Array = NDArray[np.float64]
 
 _INSTANTS = 31
-_KNOTS = 24
+_KNOTS = 48
 """Places over the way at which a stretch may begin or end, as many samples between each two."""
+_AS_GOOD = 1.0 - 1e-6
 _LEAST_LEFT = 1e-6
 """Squared share of a column, of what the model leaves of it, below which it is in the model."""
 
@@ -78,8 +79,9 @@ def _best_stretch(problem: WeakFormProblem, regression: Regression, along: bool)
     enough = power > _LEAST_LEFT * (inside[None] - inside[:, None]) ** 2
     possible = np.triu(enough, 1)
     gain = np.where(possible, (right[None] - right[:, None]) ** 2 / np.where(possible, power, 1.0), 0.0)
-    first, last = np.unravel_index(int(np.argmax(gain)), gain.shape)
-    return hats, int(first), int(last)
+    first, last = np.nonzero(gain >= _AS_GOOD * np.max(gain))
+    shortest = int(np.argmin(last - first))  # all the rest of the way with the other sign may be the same
+    return hats, int(first[shortest]), int(last[shortest])
 
 
 def _knots(position: Array) -> Array:
