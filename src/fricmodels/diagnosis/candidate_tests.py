@@ -119,8 +119,6 @@ def candidate_tests(
         several: kinds of effects of which another one is considered where one is there; all by default.
         policy: decides how much noise a column may hold, and what passes.
     """
-    from scipy.stats import false_discovery_control
-
     model = problem.drive.model
     there = {*(effect.name for effect in model.effects), *found}
     regression = regression_of(problem, parameters, also)
@@ -147,10 +145,24 @@ def candidate_tests(
             else:
                 tested.append(outcome)
                 rival = max(rival, outcome.evidence.explained * total)
-    adjusted = false_discovery_control([t.p_value for t in tested], method="by")  # under any dependence
-    ranked = [replace(t, adjusted=max(float(p), LEAST_P)) for t, p in zip(tested, adjusted, strict=True)]
+    adjusted = corrected(np.array([t.p_value for t in tested]))
+    ranked = [replace(t, adjusted=max(p, LEAST_P)) for t, p in zip(tested, adjusted.tolist(), strict=True)]
     ranked.sort(key=lambda t: t.evidence.left)
     return CandidateTests(problem, regression, parameters, tuple(ranked), untested, policy)
+
+
+def corrected(p_values: Array) -> Array:
+    r"""Return p-values corrected for how many there are, shape (m,), whatever the dependence between the tests.
+
+    Below a level α they say that the chance of any false one among them is at most α (Holm 1979):
+
+    .. math:: \tilde p_{(i)} = \max_{j \le i} \min\{1, (m - j + 1)\, p_{(j)}\}, \qquad p_{(1)} \le \dots \le p_{(m)}
+    """
+    order = np.argsort(p_values, kind="stable")
+    raised = np.minimum(p_values[order] * np.arange(len(order), 0, -1), 1.0)
+    result = np.empty(len(order))
+    result[order] = np.maximum.accumulate(raised)
+    return result
 
 
 def not_yet(

@@ -152,7 +152,7 @@ def examine(comparison: Comparison, *, leave_out: Iterable[str] = (), policy: Po
     judgement = judge(result, out, best) if best is not None or predictors else None
     together = [] if judgement is None else judgement.supported(policy)
     found = refit_check(refits, result, out, together[0] if together else None)
-    named = _confirmed(refits, found, result, out)
+    named = _confirmed(refits, found, result, out, together)
     place = _noticed_place(result, comparison) if named is None else None
     noise = None if place is not None else _noise(comparison, result, named, predictors)
     view = next((p for p in predictors if p.channels not in AUTOREGRESSIVE), predictors[0] if predictors else None)
@@ -224,25 +224,39 @@ def seems_missing(comparison: Comparison, leave_out: Iterable[str], policy: Poli
 
 
 def _confirmed(
-    refits: Refits, found: LookAlikes | None, result: CandidateTests, leave_out: set[str]
+    refits: Refits,
+    found: LookAlikes | None,
+    result: CandidateTests,
+    leave_out: set[str],
+    together: list[LookAlikes],
 ) -> LookAlikes | None:
-    """Return what was found if the test error falls with it, or else the passing effect with which it falls furthest.
+    """Return what was found if the test error falls with it, or else another effect with which it falls furthest.
 
-    Nothing is said to be missing that does not lower the error on data that took no part in finding it, nor what has
-    another form than that, or explains far less of the rows than what was found.
+    Of several that are there ``together`` the first may be nothing by itself, as it stands for the others too; then
+    another one of them comes first. Else it is one that passes by itself. Nothing is said to be missing that does not
+    lower the error on data that took no part in finding it, nor what has another form than that, or explains far less
+    of the rows than what was found.
     """
     if found is None or refits.lowers_test_error(found.first):
         return found
+    there = [one for one in together if one.first.name not in found.names and refits.lowers_test_error(one.first)]
+    if there:
+        return min(there, key=lambda one: _test_error(refits, one.first))
     most = result.policy.far_worse**2 * float(np.sum(found.first.evidence.loss))
     near = [t for t in passing_all_gates(result) if t.name != found.first.name and np.sum(t.evidence.loss) <= most]
     others = near[: result.policy.step_trials - 1]
-    helpful = [(refits.with_effect(t), t) for t in others if refits.lowers_test_error(t)]
-    errors = [(other.sliding.held_out_percent, i) for i, (other, _) in enumerate(helpful) if other is not None]
-    for _, i in sorted(errors):
-        best = LookAlikes(helpful[i][1], (helpful[i][1],))
+    helpful = [t for t in others if refits.lowers_test_error(t)]
+    for tested in sorted(helpful, key=lambda t: _test_error(refits, t)):
+        best = LookAlikes(tested, (tested,))
         if not judge(result, leave_out, best).contradicts(best.first, result.policy):
             return best
     return None
+
+
+def _test_error(refits: Refits, tested: CandidateTest) -> float:
+    """Return the test error of the decisions with an effect [%]; infinite where it cannot be fitted."""
+    fitted = refits.with_effect(tested)
+    return float("inf") if fitted is None else fitted.sliding.held_out_percent
 
 
 def _within_sampling(result: CandidateTests, tested: CandidateTest) -> bool:
@@ -255,7 +269,8 @@ def _within_sampling(result: CandidateTests, tested: CandidateTest) -> bool:
 def _all_together(refits: Refits, first: LookAlikes, together: list[LookAlikes]) -> list[LookAlikes]:
     """Return the first effect, and the others that are there beside it if the test error falls further with them."""
     others = [one for one in together if one.first.name not in first.names]
-    further = refits.beside(first.first) if others and {*together[0].names} == {*first.names} else None
+    there = any({*one.names} == {*first.names} for one in together)
+    further = refits.beside(first.first) if others and there else None
     found = [first]
     for other in others:
         if further is not None and further.lowers_test_error(other.first):

@@ -31,7 +31,7 @@ class Policy:
         0.01,
         "probability",
         "An effect or a channel predictor passes only with a corrected p-value below this.",
-        "Statistic: the chance of any false name in one diagnosis (Benjamini and Yekutieli 2001).",
+        "Statistic: the chance of any false name in one diagnosis (Holm 1979).",
         off=1.1,
     )
     least_gain: float = _rule(
