@@ -8,9 +8,11 @@ from types import ModuleType
 import numpy as np
 import pytest
 
-from fricmodels.diagnosis import Diagnosis, diagnose
+from fricmodels.diagnosis import Diagnosis, compare, diagnose
 from fricmodels.diagnosis.document import document
 from fricmodels.diagnosis.explain import explain
+from fricmodels.dimension import Motion
+from fricmodels.recording import Recording
 
 INERTIA = 2.0
 
@@ -97,3 +99,31 @@ def test_the_wave_is_told_in_words(benchmark: ModuleType) -> None:
     assert found.ripple is not None
     assert "a wave over position: k = " in explain(found)
     assert "a turn" in explain(found)
+
+
+def test_gravity_on_a_spindle_that_turns_within_a_few_samples_is_gravity() -> None:
+    """Once a turn is once a turn, however fast: it is named, and a model that has it explains it."""
+    fine, rate, seconds = 20, 50.0, 60.0
+    time = (np.arange(int(seconds * rate * fine)) + 0.5) / (rate * fine)
+    angles = 2 * np.pi * np.outer([0.23, 0.61, 1.07], time) + np.array([0.3, 1.1, 2.0])[:, None]
+    amplitudes, omega = np.array([60.0, 40.0, 20.0]), 2 * np.pi * np.array([0.23, 0.61, 1.07])
+    velocity, acceleration = amplitudes @ np.sin(angles), (amplitudes * omega) @ np.cos(angles)
+    position = -(amplitudes / omega) @ np.cos(angles)
+    gravity = 0.1 * np.cos(position) - 0.2 * np.sin(position)
+    torque = 0.007 * acceleration + 1.3 * np.sign(velocity) + 0.001 * velocity + gravity
+    middle = slice(fine // 2, None, fine)
+    rng = np.random.default_rng(3)
+    measured = torque.reshape(-1, fine).mean(axis=1)
+    channels = {
+        "time": time[middle],
+        "velocity": velocity[middle],
+        "position": position[middle],
+        "torque": measured + 0.005 * rng.standard_normal(len(measured)),
+    }
+    recording = Recording("spindle", Motion.ROTARY, channels, np.zeros(len(measured), dtype=np.int64))
+    diagnosis = diagnose(recording, "coulomb-viscous", 0.007)
+    assert diagnosis.findings[0].names[0] == "gravity"
+    fitted = compare(recording, "coulomb-viscous+gravity", 0.007)
+    assert fitted.errors.held_out_percent < 0.5 * diagnosis.comparison.errors.held_out_percent
+    found = fitted.estimate.parameters
+    assert (found["gravity.a"], found["gravity.b"]) == pytest.approx((0.1, -0.2), abs=0.03)

@@ -25,7 +25,7 @@ def necessity(comparison: Comparison, effect: str) -> Evidence:
     delay = 0.0
     if alone.model.delay:  # its own problem has the record without the delay
         problem, delay = WeakFormProblem.of(smaller, comparison.train, parameters), problem.delay
-    carriers = carriers_of(problem, {key: x for key, x in parameters.items() if key.startswith(f"{effect}.")})
+    carriers = carriers_of(problem, parameters, [effect])
     if carriers:
         problem = carriers_alone(problem, carriers)
     rest = base_directions(replace(problem, drive=smaller), parameters)

@@ -60,24 +60,28 @@ def fast_ripple(
     tested = _tested(rows, regression, waves, set(leave_out))
     if not tested:
         return FastRipple(waves, None)
-    first = tested[0]
-    if _is_outpredicted(rows, regression, first, policy):
+    best = tested[0]
+    if _is_outpredicted(rows, regression, best, waves.k, policy):
         return FastRipple(waves, None)
 
     def is_alike(other: CandidateTest) -> bool:
-        return compare(other.evidence.loss, first.evidence.loss, regression.terms)[1] > policy.alike_significance
+        return compare(other.evidence.loss, best.evidence.loss, regression.terms)[1] > policy.alike_significance
 
-    return FastRipple(waves, LookAlikes(first, (first, *filter(is_alike, tested[1:]))))
+    alike = [best, *filter(is_alike, tested[1:])]
+    first = min(alike, key=lambda t: len(t.effect.parameters))  # the simplest
+    return FastRipple(waves, LookAlikes(first, (first, *(t for t in alike if t is not first))))
 
 
-def _is_outpredicted(rows: WeakFormProblem, regression: Regression, first: CandidateTest, policy: Policy) -> bool:
+def _is_outpredicted(
+    rows: WeakFormProblem, regression: Regression, first: CandidateTest, k: float, policy: Policy
+) -> bool:
     """Whether a wave that goes with anything at all predicts clearly more, and the best effect is too little of it.
 
     Cosine and sine of the wave and of its double: each as it is, with the direction, and with the motor torque. A cause
     that is not on the list is imitated by the others. A real wave goes a little with all of them.
     """
     points = rows.quadrature.recording
-    (k,) = first.found.nonlinear
+    k = first.found.nonlinear[0] if first.found.nonlinear else k
     waves = [wave(m * k * points["position"]) for m in (1.0, 2.0) for wave in (np.cos, np.sin)]
     factors = np.ones(len(points)), np.sign(points.velocity), rows.motor_torque
     columns = rows.integrals(np.stack([wave * factor for factor in factors for wave in waves]))
@@ -91,14 +95,18 @@ def _is_outpredicted(rows: WeakFormProblem, regression: Regression, first: Candi
 
 
 def _tested(rows: WeakFormProblem, regression: Regression, waves: Waves, leave_out: set[str]) -> list[CandidateTest]:
-    """Return the tests of all effects whose one nonlinear parameter is a wave number, the least residual first."""
+    """Return the tests of all effects whose one nonlinear parameter is a wave number, the least residual first.
+
+    Beside them stand those in the angle itself, whose wave number is 1, where the wave may be theirs.
+    """
     tested = []
     registered, there = plugins.load().effects, {effect.name for effect in rows.drive.model.effects}
     for name in registered:
         for effect in not_yet(registered[name].candidates(rows.recording), there):
             alone = rows.alone(effect)
             nonlinear = [p for p, linear in zip(effect.parameters, alone.model.linear, strict=True) if not linear]
-            if effect.name in leave_out or [p.periodic for p in nonlinear] != [True] or alone.model.states:
+            is_wave = [p.periodic for p in nonlinear] == [True] or (effect.angular and not nonlinear)
+            if effect.name in leave_out or not is_wave or alone.model.states:
                 continue
             found = of_waves(rows, regression, effect, alone, waves)
             if found is not None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -65,8 +65,8 @@ def fast_waves(
         return None
     white = Whitened(Steps.of(problem, parameters))
     # What is left of a wave that the model has is how well the samples show it, not another one.
-    periodic = [parameters[p.key] for p in problem.drive.model_parameters if p.declared.periodic]
-    white = white.with_residual(white.without([m * k for k in periodic for m in (1.0, 2.0) if m * k < band[1]]))
+    known = [k for effect in problem.drive.model.effects for k in wave_numbers(effect, parameters) if k < band[1]]
+    white = white.with_residual(white.without(known))
     lines, white = fast_lines(white, band, significance, least)
     if not lines:
         return None
@@ -131,11 +131,14 @@ def of_waves(
 
     Args:
         problem, regression: rows with carriers.
-        effect: a candidate whose one nonlinear parameter is a wave number.
+        effect: a candidate whose one nonlinear parameter is a wave number, or one in the angle itself, without any.
         alone: a drive with nothing but the effect.
         waves: what was found.
     """
     candidate = Candidate(problem, regression, effect, alone)
+    if not candidate.nonlinear:
+        found = candidate.found((), waves.independent) if abs(waves.k - 1.0) < waves.resolution else None
+        return found if found is not None and np.any(found.kept) else None
     bounds = [(max(p.lower, waves.k - waves.resolution), waves.k + waves.resolution) for p in candidate.nonlinear]
     spacing = [-0.25 * waves.resolution]
     point = coordinate_search(candidate.explained, (waves.k,), bounds, spacing)
@@ -144,13 +147,29 @@ def of_waves(
     return found if np.any(found.kept) else None
 
 
-def carriers_of(problem: WeakFormProblem, start: Mapping[str, float]) -> tuple[float, ...]:
-    """Return the wave numbers of a drive's periodic effects, and their doubles, that are too fast for the rows.
+def carriers_of(
+    problem: WeakFormProblem, start: Mapping[str, float], effects: Collection[str] | None = None
+) -> tuple[float, ...]:
+    """Return the wave numbers of a drive's effects over position that are too fast for the rows.
 
     Args:
         problem: rows without carriers.
         start: values of nonlinear parameters by key.
+        effects: names of the effects that count; all if not given.
     """
-    periodic = [p for p in problem.drive.model_parameters if p.declared.periodic and p.key in start]
-    limit = averaged_from(problem) if periodic else np.inf
-    return tuple(m * start[p.key] for p in periodic for m in (1.0, 2.0) if m * start[p.key] > limit)
+    chosen = [e for e in problem.drive.model.effects if effects is None or e.name in effects]
+    waves = [k for effect in chosen for k in wave_numbers(effect, start)]
+    limit = averaged_from(problem) if waves else np.inf
+    return tuple(k for k in waves if k > limit)
+
+
+def wave_numbers(effect: Effect, values: Mapping[str, float]) -> tuple[float, ...]:
+    """Return the wave numbers at which an effect has a torque over position: of one in the angle itself 1.
+
+    Args:
+        effect: a periodic one has its wave number, and twice that.
+        values: of parameters by key; one that has none there has no wave number yet.
+    """
+    keys = [f"{effect.name}.{p.symbol}" for p in effect.parameters if p.periodic]
+    known = [m * values[key] for key in keys if key in values for m in (1.0, 2.0)]
+    return (1.0, *known) if effect.angular else tuple(known)
