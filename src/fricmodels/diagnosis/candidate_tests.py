@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -145,21 +145,22 @@ def candidate_tests(
             else:
                 tested.append(outcome)
                 rival = max(rival, outcome.evidence.explained * total)
-    adjusted = corrected(np.array([t.p_value for t in tested]))
+    adjusted = corrected([t.p_value for t in tested])
     ranked = [replace(t, adjusted=max(p, LEAST_P)) for t, p in zip(tested, adjusted.tolist(), strict=True)]
     ranked.sort(key=lambda t: t.evidence.left)
     return CandidateTests(problem, regression, parameters, tuple(ranked), untested, policy)
 
 
-def corrected(p_values: Array) -> Array:
+def corrected(p_values: Sequence[float]) -> Array:
     r"""Return p-values corrected for how many there are, shape (m,), whatever the dependence between the tests.
 
     Below a level α they say that the chance of any false one among them is at most α (Holm 1979):
 
     .. math:: \tilde p_{(i)} = \max_{j \le i} \min\{1, (m - j + 1)\, p_{(j)}\}, \qquad p_{(1)} \le \dots \le p_{(m)}
     """
-    order = np.argsort(p_values, kind="stable")
-    raised = np.minimum(p_values[order] * np.arange(len(order), 0, -1), 1.0)
+    values = np.asarray(p_values, dtype=float)
+    order = np.argsort(values, kind="stable")
+    raised = np.minimum(values[order] * np.arange(len(order), 0, -1), 1.0)
     result = np.empty(len(order))
     result[order] = np.maximum.accumulate(raised)
     return result

@@ -20,7 +20,7 @@ from fricmodels.diagnosis.policy import POLICY, Policy
 from fricmodels.diagnosis.power import Visibility, visibility
 from fricmodels.diagnosis.predictability import AUTOREGRESSIVE, ChannelPredictor
 from fricmodels.diagnosis.refit_check import refit_check
-from fricmodels.diagnosis.refits import Refits
+from fricmodels.diagnosis.refits import Refits, falls_from
 from fricmodels.diagnosis.remaining import Remaining, place_of_stretch, remaining
 from fricmodels.diagnosis.ripple import FastRipple, fast_ripple
 from fricmodels.diagnosis.supported import Judgement, judge
@@ -149,7 +149,8 @@ def examine(comparison: Comparison, *, leave_out: Iterable[str] = (), policy: Po
     if _is_larger(ripple, result, best) and _fast(refits, [], ripple):
         return _beside_ripple(refits, ripple, out, policy)
     predictors = passing_predictors(result)
-    judgement = judge(result, out, best) if best is not None or predictors else None
+    is_left = best is not None or predictors or is_far_above_noise(comparison, policy)
+    judgement = judge(result, out, best) if is_left else None
     together = [] if judgement is None else judgement.supported(policy)
     found = refit_check(refits, result, out, together[0] if together else None)
     named = _confirmed(refits, found, result, out, together)
@@ -160,7 +161,9 @@ def examine(comparison: Comparison, *, leave_out: Iterable[str] = (), policy: Po
         view = None
     elif best is not None and found is None and not _within_sampling(result, best.first):
         view = view or as_predictor(result, best.first)
-    everything = [] if named is None else _all_together(refits, named, together)
+    everything = _as_a_whole(refits, together) if named is None else _all_together(refits, named, together)
+    if judgement is not None and judgement.together and len(everything) == 1:
+        everything = []  # it showed beside another one only, with which the error does not fall
     if everything:
         ripple = _beside(refits, everything, out, policy)
     everything += _fast(refits, everything, ripple)
@@ -173,7 +176,7 @@ def examine(comparison: Comparison, *, leave_out: Iterable[str] = (), policy: Po
         place = (None if view is None else place_of_stretch(result, view)) or place
     passing = tuple(passing_all_gates(result)) if found is not None else ()
     seen = visibility(result, {name for one in everything[:1] for name in one.names})
-    refused = found.first if found is not None and named is None else None
+    refused = found.first if found is not None and not everything else None
     return Diagnosis(
         comparison,
         verdict,
@@ -277,6 +280,28 @@ def _all_together(refits: Refits, first: LookAlikes, together: list[LookAlikes])
             further = further.beside(other.first)
             found.append(other)
     return found
+
+
+def _as_a_whole(refits: Refits, together: list[LookAlikes]) -> list[LookAlikes]:
+    """Return effects that are there together if the test error falls with all of them, though it does with none alone.
+
+    Each is added where the fit error falls most with it: by itself it may stand for others, and fit nothing.
+    """
+    here, found, left = refits, list[LookAlikes](), [*together]
+    while left:
+        errors = {i: _fit_error(here, one.first) for i, one in enumerate(left)}
+        best = left.pop(min(errors, key=lambda i: errors[i]))
+        further = here.beside(best.first)
+        if further is None:
+            break
+        here, found = further, [*found, best]
+    return found if len(found) > 1 and falls_from(refits.comparison, here.comparison) else []
+
+
+def _fit_error(refits: Refits, tested: CandidateTest) -> float:
+    """Return the fit error of the decisions with an effect [%]; infinite where it cannot be fitted."""
+    fitted = refits.with_effect(tested)
+    return float("inf") if fitted is None else fitted.sliding.percent
 
 
 def _is_larger(ripple: FastRipple | None, result: CandidateTests, best: LookAlikes | None) -> TypeGuard[FastRipple]:

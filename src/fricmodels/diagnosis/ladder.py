@@ -165,11 +165,15 @@ class _Search:
     def _lowering(self, step: list[tuple[Diagnosis, Rung]]) -> list[tuple[Diagnosis, Rung]]:
         """Return the rungs, fitted as `compare` fits them, up to the one with the lowest printed test error.
 
-        The effect after it is not considered again; what was found with it may be found once more.
+        The effect after it is not considered again; what was found with it may be found once more. Of effects that
+        show only beside each other none is added by itself.
         """
         fitted = [(diagnosis, replace(rung, comparison=from_scratch(rung.comparison))) for diagnosis, rung in step]
         errors = [c.errors.held_out_percent for c in (self._here, *(rung.comparison for _, rung in fitted))]
         kept = errors.index(min(errors))
+        judgement = self.diagnosis.judgement
+        if kept == 1 and judgement is not None and judgement.together:
+            kept = 0
         if kept < len(fitted):
             name = fitted[kept][1].added
             self._superfluous.add(name)

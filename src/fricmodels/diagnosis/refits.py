@@ -60,15 +60,9 @@ class Refits:
         return effect.friction and driving_share(fitted) > self.policy.driving_friction
 
     def lowers_test_error(self, tested: CandidateTest) -> bool:
-        """Whether the test error falls with an effect: that of the decisions, and that of some window that is printed.
-
-        What rings fast shows in single samples, what is slow in wide windows.
-        """
-        other, here = self.with_effect(tested), self.comparison
-        if other is None or other.sliding.held_out_percent >= here.sliding.held_out_percent:
-            return False
-        pairs = zip(other.errors.bands, here.errors.bands, strict=True)
-        return any(after.held_out_percent < before.held_out_percent for after, before in pairs)
+        """Whether the test error falls with an effect, see :func:`falls_from`."""
+        other = self.with_effect(tested)
+        return other is not None and falls_from(self.comparison, other)
 
     def lowers_error_within(self, tested: CandidateTest, window_ms: float) -> bool:
         """Whether the test error of single samples falls with an effect, or that of a window no wider than some time.
@@ -81,6 +75,17 @@ class Refits:
         pairs = [*zip(other.errors.bands, here.errors.bands, strict=True)]
         seen = [pair for pair in pairs if pair[0].window_ms <= window_ms] or pairs[:1]
         return any(after.held_out_percent < before.held_out_percent for after, before in seen)
+
+
+def falls_from(here: Comparison, other: Comparison) -> bool:
+    """Whether the test error falls from a model to another: that of the decisions, and that of some printed window.
+
+    What rings fast shows in single samples, what is slow in wide windows.
+    """
+    if other.sliding.held_out_percent >= here.sliding.held_out_percent:
+        return False
+    pairs = zip(other.errors.bands, here.errors.bands, strict=True)
+    return any(after.held_out_percent < before.held_out_percent for after, before in pairs)
 
 
 def is_nothing(fitted: Comparison, name: str) -> bool:

@@ -50,6 +50,7 @@ from fricmodels.diagnosis.effect_set import (
     without_tangents,
 )
 from fricmodels.diagnosis.floor import floor, share_explained
+from fricmodels.diagnosis.look_ahead import set_ahead
 from fricmodels.diagnosis.one_cause import credited, is_drawn, is_simpler, predicts_beside, that_are_one_cause
 from fricmodels.diagnosis.policy import Policy
 from fricmodels.diagnosis.predictability import AUTOREGRESSIVE
@@ -70,6 +71,7 @@ class Judgement:
         members: each effect with its look-alikes, and what speaks for it; that which was found first comes first.
         one_cause: those that only imitate one unknown cause together.
         described_by: the channels that describe what the set leaves.
+        together: whether none of the effects showed by itself: each is there only if another one is.
         floor, unpredicted: RMS torques that noise and sampling leave, and that nothing predicts, over the RMS torque.
     """
 
@@ -78,6 +80,7 @@ class Judgement:
     described_by: tuple[str, ...]
     floor: float
     unpredicted: float
+    together: bool = False
 
     def supported(self, policy: Policy) -> list[LookAlikes]:
         """Return the effects that are there."""
@@ -112,6 +115,10 @@ def judge(result: CandidateTests, leave_out: Iterable[str], first: LookAlikes | 
     firsts = replace(result, tested=tuple(t for t in result.tested if not _is_further(t)))
     best = first if len(firsts.tested) == len(result.tested) else select_effect(firsts)
     judgement = _judged(firsts, *_set_of(firsts, out, best, set()))
+    if not judgement.supported(result.policy):  # each may show only once the others are there
+        ahead = set_ahead(firsts, out, set())
+        joint = _judged(firsts, ahead, Rest.of(firsts, ahead)) if ahead else judgement
+        judgement = replace(joint, together=True) if len(joint.supported(result.policy)) > 1 else judgement
     several = _kinds([*drive.model.effects, *(found.first.effect for found in judgement.supported(result.policy))])
     if not several:
         return judgement
