@@ -114,7 +114,7 @@ def judge(result: CandidateTests, leave_out: Iterable[str], first: LookAlikes | 
     # Several of a kind imitate anything together, as waves do a bump: others are sought once the first one stands.
     firsts = replace(result, tested=tuple(t for t in result.tested if not _is_further(t)))
     best = first if len(firsts.tested) == len(result.tested) else select_effect(firsts)
-    judgement = _judged(firsts, *_set_of(firsts, out, best, set()))
+    judgement = _thinned(firsts, *_set_of(firsts, out, best, set()))
     if not judgement.supported(result.policy):  # each may show only once the others are there
         ahead = set_ahead(firsts, out, set())
         joint = _judged(firsts, ahead, Rest.of(firsts, ahead)) if ahead else judgement
@@ -147,6 +147,19 @@ def _set_of(
         members = found_in_turn(result, out, members, rest.parts[0], several)
         rest = Rest.of(result, members)
     return renumbered(result, pruned(result, members)), rest
+
+
+def _thinned(result: CandidateTests, members: list[Member], rest: Rest) -> Judgement:
+    """Judge a set; where none of it stands, judge it without its weakest, until one does.
+
+    Two that resemble each other, a drift and what warms up, each take from the other what would be its own.
+    """
+    judgement = whole = _judged(result, members, rest)
+    while len(members) > 1 and not judgement.supported(result.policy):
+        shares = {id(found): support.own_share for found, support in judgement.members}
+        members = without(members, min(members, key=lambda m: shares.get(id(m.found), 0.0)))
+        judgement = _judged(result, members, Rest.of(result, members))
+    return judgement if judgement.supported(result.policy) else whole
 
 
 def _judged(result: CandidateTests, members: list[Member], rest: Rest) -> Judgement:
@@ -310,11 +323,11 @@ def _is_better(
     """Whether what is in the place of an effect predicts clearly more than it.
 
     It does if it has no more terms: of two such forms the one that explains more is the better one, and no chance is to
-    be allowed for. Otherwise it does if the errors, compared as those of two forecasts, say so (Diebold and Mariano
-    1995). It also does if it predicts what the effect leaves, and the effect nothing of what it leaves (Chong and
-    Hendry 1986): where an effect lies within what a channel can be, that is the test of its form, of which the errors
-    tell little. Not so of waves at numbers that were sought: of several in one channel one may be the effect's, and the
-    next another cause's.
+    be allowed for. (The past of the residual or of the torque is no form.) Otherwise it does if the errors, compared as
+    those of two forecasts, say so (Diebold and Mariano 1995). It also does if it predicts what the effect leaves, and
+    the effect nothing of what it leaves (Chong and Hendry 1986): where an effect lies within what a channel can be,
+    that is the test of its form, of which the errors tell little. Not so of waves at numbers that were sought: of
+    several in one channel one may be the effect's, and the next another cause's.
 
     Args:
         result: the residual.
@@ -326,7 +339,8 @@ def _is_better(
         instead: what is in its place.
     """
     policy = result.policy
-    if instead.terms <= len(effect.found.columns) + len(effect.found.nonlinear):
+    simple = instead.terms <= len(effect.found.columns) + len(effect.found.nonlinear)
+    if simple and not instead.channels & AUTOREGRESSIVE:
         return True
     _, p_more = compare(gain.regression.loss, loss, gain.without.terms)
     if p_more * instead.tried <= policy.outpredicted_significance:
