@@ -114,7 +114,7 @@ def judge(result: CandidateTests, leave_out: Iterable[str], first: LookAlikes | 
     # Several of a kind imitate anything together, as waves do a bump: others are sought once the first one stands.
     firsts = replace(result, tested=tuple(t for t in result.tested if not _is_further(t)))
     best = first if len(firsts.tested) == len(result.tested) else select_effect(firsts)
-    judgement = _thinned(firsts, *_set_of(firsts, out, best, set()))
+    judgement = _judged(firsts, *_set_of(firsts, out, best, set()))
     if not judgement.supported(result.policy):  # each may show only once the others are there
         ahead = set_ahead(firsts, out, set())
         joint = _judged(firsts, ahead, Rest.of(firsts, ahead)) if ahead else judgement
@@ -147,19 +147,6 @@ def _set_of(
         members = found_in_turn(result, out, members, rest.parts[0], several)
         rest = Rest.of(result, members)
     return renumbered(result, pruned(result, members)), rest
-
-
-def _thinned(result: CandidateTests, members: list[Member], rest: Rest) -> Judgement:
-    """Judge a set; where none of it stands, judge it without its weakest, until one does.
-
-    Two that resemble each other, a drift and what warms up, each take from the other what would be its own.
-    """
-    judgement = whole = _judged(result, members, rest)
-    while len(members) > 1 and not judgement.supported(result.policy):
-        shares = {id(found): support.own_share for found, support in judgement.members}
-        members = without(members, min(members, key=lambda m: shares.get(id(m.found), 0.0)))
-        judgement = _judged(result, members, Rest.of(result, members))
-    return judgement if judgement.supported(result.policy) else whole
 
 
 def _judged(result: CandidateTests, members: list[Member], rest: Rest) -> Judgement:
