@@ -93,15 +93,11 @@ def _needed(model: Model) -> list[str]:
 @lru_cache(maxsize=64)
 def _first(model: Model) -> Callable[[Array, Array], Array]:
     """Return what gives the states of a model at the first sample of a run, from the signals there and parameters."""
-    import casadi
-
-    e = model.expression()
-    signals = casadi.vertcat(*(e.signals[name] for name in _needed(model)))
-    if not casadi.depends_on(e.first, casadi.vertcat(signals, e.parameters)):
-        declared = np.array([state.initial for state in model.states])
+    function = first_states(model)
+    if function is None:
+        declared = np.array([state.initial for state in model.states], dtype=float)
         return lambda signals, parameters: declared
-    at_first = casadi.Function("first", [signals, e.parameters], [e.first])
-    return lambda signals, parameters: np.array(at_first(signals, parameters)).ravel()
+    return lambda signals, parameters: np.array(function(signals, parameters), dtype=float).ravel()
 
 
 @lru_cache(maxsize=64)
@@ -117,9 +113,14 @@ class MemoryStep:
 
     def __init__(self, model: Model, width: float) -> None:
         self.needs = tuple(_needed(model))
-        self.initial = tuple(state.initial for state in model.states)
+        self._first = _first(model)
         self.approximate = tuple(term.name for term, _, _ in _from_recording(model))
         self._scan, self._width = _scan(model), width
+
+    def first(self, signals: Mapping[str, float], parameters: Sequence[float] | Array) -> tuple[float, ...]:
+        """Return the states at the first sample of a motion: those declared, or those that its signals tell."""
+        given = np.array([signals[name] for name in self.needs])
+        return tuple(self._first(given, np.asarray(parameters, dtype=float)).tolist())
 
     def __call__(
         self,
@@ -138,6 +139,21 @@ class MemoryStep:
         row = [interval, *(begin[name] for name in self.needs), *(end[name] for name in self.needs)]
         following, _, _ = self._scan(states, [row], [*parameters, self._width])
         return tuple(following.tolist())
+
+
+def first_states(model: Model) -> Any | None:
+    """Build the states at the first sample of a motion as a CasADi function; ``None`` where they are as declared.
+
+    Inputs: the signals there that the model needs, in the order of :attr:`fricmodels.model.Model.signals`, and the
+    parameters.
+    """
+    import casadi
+
+    e = model.expression()
+    signals = casadi.vertcat(*(e.signals[name] for name in _needed(model)))
+    if not casadi.depends_on(e.first, casadi.vertcat(signals, e.parameters)):
+        return None
+    return casadi.Function("first", [signals, e.parameters], [e.first], {"cse": True})
 
 
 def memory_step(model: Model) -> Any:

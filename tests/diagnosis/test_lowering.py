@@ -39,7 +39,7 @@ def fitted(error: float) -> Any:
 )
 def test_up_to_the_lowest_error(errors: list[float], kept: str, left_out: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(ladder, "from_scratch", lambda comparison: comparison)
-    first: Any = SimpleNamespace(comparison=fitted(10.0))
+    first: Any = SimpleNamespace(comparison=fitted(10.0), judgement=None)
     search = ladder._Search(set(), set(), ladder.POLICY, first)
     step: Any = [(first, Rung(fitted(error), added=name)) for name, error in zip("abc", errors, strict=False)]
     assert "".join(rung.added for _, rung in search._lowering(step)) == kept
@@ -72,5 +72,5 @@ def test_what_has_another_form_is_not_taken_for_its_test_error(
     other = next(t for t in first.result.tested if t.name == "joint-compliance")
     monkeypatch.setattr(Refits, "lowers_test_error", lambda self, tested: tested.name == "inertia-error")
     confirmed = importlib.import_module("fricmodels.diagnosis.diagnose")._confirmed
-    taken = confirmed(first.refits, LookAlikes(other, (other,)), first.result, set())
+    taken = confirmed(first.refits, LookAlikes(other, (other,)), first.result, set(), [])
     assert (taken.first.name if taken else "") == expected

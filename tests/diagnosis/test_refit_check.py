@@ -93,7 +93,7 @@ def test_without_it_no_other_one_takes_its_place(bent: Comparison) -> None:
 
 @pytest.mark.parametrize(
     ("name", "helps"),
-    [("joint-compliance", False), ("presliding", True)],
+    [("backlash", False), ("presliding", True)],
 )
 def test_what_the_rows_name_stands_only_if_the_error_falls_with_it(bent: Comparison, name: str, helps: bool) -> None:
     result = candidate_tests(replace(bent.problem), bent.estimate.parameters, only=[name])

@@ -54,7 +54,7 @@ def along(
             raise InputError(f"'{model.name}' needs the signal '{name}' at every sample; give it as {name}=…")
         present.setdefault(name, 0.0)
     if before is None or not model.states:
-        states = memory.initial
+        states = memory.first(present, parameters)
     elif not interval > 0:
         raise InputError(f"the interval since the last sample must be positive, got {interval}")
     else:

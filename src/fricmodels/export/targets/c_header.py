@@ -14,7 +14,7 @@ from fricmodels.export.targets.c_windowed import c_windowed
 from fricmodels.filtering.problem import FilterProblem
 from fricmodels.filtering.windowed import WindowedRegression
 from fricmodels.kernels.c_source import c_lines, literal
-from fricmodels.memory import memory_step
+from fricmodels.memory import first_states, memory_step
 from fricmodels.recording import channel_of
 from fricmodels.saved import FittedModel
 from fricmodels.saved.words import error_in_words
@@ -176,6 +176,18 @@ class _Header:
             ]
         )
 
+    def _first(self, signals: list[str], parameters: list[str]) -> list[str]:
+        """Return what sets the states at the first sample; nothing where they are as declared."""
+        function = first_states(self.model.model)
+        if function is None:
+            return []
+        body = c_lines(
+            function,
+            [lambda i: signals[i], lambda i: f"p->{parameters[i]}"],
+            [lambda i: f"state->z[{i}]"],
+        )
+        return ["    } else {", *(f"        {line}" for line in body)]
+
     def _follow(self) -> str:
         model = self.model.model
         needed = [s for s in model.signals if s in model.needs]
@@ -195,7 +207,8 @@ class _Header:
             [lambda i: f"following[{i}]"],
         )
         size = len(model.states)
-        unused = [name for name in ("interval", "p") if not _mentions(body, name)]
+        begun = self._first([f"s->{self.signals[name]}" for name in needed], fields)
+        unused = [name for name in ("interval", "p") if not _mentions([*body, *begun], name)]
         return "\n".join(
             [
                 "/* The friction torque at the next sample of a motion, an interval [s] after the last one. */",
@@ -205,6 +218,7 @@ class _Header:
                 f"        double following[{size}];",
                 *(f"        {line}" for line in body),
                 *(f"        state->z[{i}] = following[{i}];" for i in range(size)),
+                *begun,
                 "    }",
                 *(f"    (void){name};" for name in unused),
                 "    state->last = *s;",
