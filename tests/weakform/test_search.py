@@ -20,7 +20,7 @@ from fricmodels.plugins import load
 from fricmodels.recording import Recording
 from fricmodels.weakform.candidate import Candidate, within_recording
 from fricmodels.weakform.estimate import estimate
-from fricmodels.weakform.ranges import both_ways, natural_size, scan_size
+from fricmodels.weakform.ranges import between_strokes, natural_size, scan_size
 from fricmodels.weakform.search import is_at_an_end, search, starting_points
 
 Made = Callable[..., Recording]
@@ -365,14 +365,22 @@ def test_friction_that_lags_is_doubtful_at_the_end_of_its_delay_only(made: Made,
     assert is_at_an_end(nonlinear, point, [3.0, 2.0]) is (symbol == "T")
 
 
-def test_a_jump_is_sought_between_the_first_and_the_last_reversal(made: Made) -> None:
-    """Before and after both directions must be seen; where that leaves nothing, within the record."""
+def test_a_jump_is_sought_where_a_stroke_of_one_direction_lies_on_either_side(made: Made) -> None:
+    """Within the first or last stroke an offset does as much; where that leaves nothing, within the record."""
     recording = made("coulomb-viscous", {})
-    first, last = both_ways(recording)
-    signs = np.sign(recording.velocity)
-    assert recording.time[0] < first < last < recording.time[-1]
-    for part in (recording.time <= first, recording.time >= last):
-        assert {-1.0, 1.0} <= set(signs[part])
+    first, last = between_strokes(recording)
+    reversals = recording.time[1:][np.diff(np.sign(recording.velocity)) != 0]
+    assert (first, last) == pytest.approx((reversals[0], reversals[-1]), abs=3 * recording.interval)
     channels = {"time": recording.time, "torque": recording.torque, "velocity": np.abs(recording.velocity) + 1.0}
     forward = Recording("forward", recording.motion, channels, recording.run)
-    assert both_ways(forward) == (recording.time[0], recording.time[-1])
+    assert between_strokes(forward) == (recording.time[0], recording.time[-1])
+
+
+def test_a_jump_may_lie_after_the_last_reversal_between_strokes_of_one_direction() -> None:
+    """Forward once, then backward again and again with rests: each backward stroke tells whether it has jumped."""
+    time = np.arange(4000) / 200.0
+    strokes = [(0.5, 2.0, 1.0), (3.0, 5.0, -1.0), (7.0, 9.0, -1.0), (12.0, 15.0, -1.0), (17.0, 19.0, -1.0)]
+    velocity = np.sum([side * ((time >= begin) & (time < end)) for begin, end, side in strokes], axis=0)
+    channels = {"time": time, "torque": velocity, "velocity": velocity}
+    found = between_strokes(Recording("strokes", Motion.ROTARY, channels, np.zeros(4000, dtype=np.int64)))
+    assert found == pytest.approx((5.0, 17.0), abs=0.1)

@@ -115,16 +115,20 @@ def angular_frequency(recording: Recording) -> float:
     return float(np.pi * reversals / (len(recording) * recording.interval))
 
 
-def both_ways(recording: Recording) -> tuple[float, float]:
-    """Return the instants [s] before and after which the drive moves in both directions; else the record's ends.
+def between_strokes(recording: Recording) -> tuple[float, float]:
+    """Return the instants [s] between which a jump has a whole stroke of one direction on either side.
 
-    What jumps before the first reversal, or after the last one, cannot be told from an offset and a single stroke.
+    What jumps within the first stroke of a direction, or within the last, cannot be told from an offset and a single
+    stroke. Where no direction has two strokes these are the record's ends.
     """
     velocity, error = smoothed_velocity(recording)
     time, moving = recording.time, np.abs(velocity) > 3.0 * error
-    strokes = [np.flatnonzero(moving & (side * velocity > 0.0)) for side in (1.0, -1.0)]
-    if all(len(stroke) for stroke in strokes):
-        first, last = max(stroke[0] for stroke in strokes), min(stroke[-1] for stroke in strokes)
-        if first < last:
-            return float(time[first]), float(time[last])
-    return float(np.min(time)), float(np.max(time))
+    found = []
+    for side in (1.0, -1.0):
+        on = moving & (side * velocity > 0.0)
+        joined = on[1:] & on[:-1] & (np.diff(recording.run) == 0)
+        begins, ends = (np.flatnonzero(on & ~before) for before in (np.r_[False, joined], np.r_[joined, False]))
+        if len(begins) > 1:
+            found.append((float(time[ends[0]]), float(time[begins[-1]])))
+    first, last = min((one[0] for one in found), default=0.0), max((one[1] for one in found), default=0.0)
+    return (first, last) if first < last else (float(np.min(time)), float(np.max(time)))

@@ -19,7 +19,7 @@ from fricmodels.term import Effect
 from fricmodels.weakform.candidate import Candidate, NonlinearOptimum, Point
 from fricmodels.weakform.optimise import coordinate_search, multistart_nelder_mead, refine
 from fricmodels.weakform.problem import WeakFormProblem
-from fricmodels.weakform.ranges import both_ways, scan_size, scan_values
+from fricmodels.weakform.ranges import between_strokes, scan_size, scan_values
 from fricmodels.weakform.regression import Regression
 
 Array = NDArray[np.float64]
@@ -184,7 +184,7 @@ def starting_points(
             bounded.append(replace(parameter, lower=lower, initial=max(parameter.initial, lower)))
             continue
         if parameter.instant:
-            first, last = both_ways(problem.recording)
+            first, last = between_strokes(problem.recording)
             first, last = max(parameter.lower, first), min(parameter.upper, last)
             parameter = replace(parameter, lower=first, upper=last, initial=min(max(parameter.initial, first), last))
         bounded.append(parameter)
