@@ -14,6 +14,7 @@ from scipy.integrate import solve_ivp
 from fricmodels.dimension import Motion
 from fricmodels.drive import Drive
 from fricmodels.effects import Presliding
+from fricmodels.errors import InputError
 from fricmodels.expressions import maximum, minimum, sign, where
 from fricmodels.laws import CoulombViscous
 from fricmodels.memory import Memory
@@ -180,6 +181,24 @@ def test_a_part_on_a_spring_is_not_struck_where_a_record_begins() -> None:
     x, v = states("joint-compliance", {"omega_n": 50.0, "zeta": 0.02}, time, acceleration=np.full(3001, 7.0))
     np.testing.assert_allclose(x, 7.0 / 50.0**2, rtol=1e-9)
     np.testing.assert_allclose(v, 0.0, atol=1e-12)
+
+
+def test_a_first_value_of_no_state_is_refused() -> None:
+    class Lost(Effect):
+        name = "lost"
+        z = State("z")
+
+        def torque(self, s: Any, p: Any) -> Any:
+            return s.z
+
+        def rates(self, s: Any, p: Any) -> Mapping[str, Any]:
+            return {"z": s.velocity}
+
+        def first_states(self, s: Any, p: Any) -> Mapping[str, Any]:
+            return {"y": s.velocity}
+
+    with pytest.raises(InputError, match="'lost' gives a first value of 'y'"):
+        Model(CoulombViscous(), [Lost()]).expression()
 
 
 @pytest.mark.parametrize("x_s", [1e-3, 1e-5, 1e-8, 1e-12])

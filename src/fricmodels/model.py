@@ -270,6 +270,9 @@ def _build(terms: tuple[Term, ...], smooth: bool) -> ModelExpression:
                     raise InputError(f"'{term.name}' gives no rate for its state '{sorted(missing)[0]}'")
                 rates.extend(changes[symbol] for symbol in memory)
                 begun = term.first_states(s, p)
+                if not begun.keys() <= memory.keys():
+                    unknown = min(begun.keys() - memory.keys())
+                    raise InputError(f"'{term.name}' gives a first value of '{unknown}', which is none of its states")
                 first.extend(begun.get(z.symbol, z.initial) for z in term.states)
                 end = Signals(later, {})
                 following = term.discrete_step(s, end, step, p)
