@@ -8,6 +8,7 @@ from fricmodels.diagnosis.passive import driving_share
 from fricmodels.diagnosis.policy import Policy
 from fricmodels.errors import FricmodelsError
 from fricmodels.progress import stage
+from fricmodels.results.words import NORMAL_95
 from fricmodels.term import Effect
 from fricmodels.weakform.candidate import within_recording
 
@@ -98,11 +99,18 @@ def is_nothing(fitted: Comparison, name: str) -> bool:
 def is_undetermined(fitted: Comparison, name: str) -> bool:
     """Whether an effect has no torque, or several of which the recording determines none: its form is not known then.
 
-    A single one that the rows need is there, though its size may trade with a speed that was sought with it.
+    A single one that the rows need is there, though its size may trade with a speed that was sought with it. Nor is one
+    unknown of which the recording tells only the sum with another one of the effect: with that held at 0 its interval
+    is clear of zero.
     """
-    values, unknown = fitted.estimate.parameters, fitted.estimate.not_identified
+    estimate = fitted.estimate
+    values, unknown, errors = estimate.parameters, estimate.not_identified, estimate.standard_errors
     own = _linear_in(fitted, name)
-    return is_nothing(fitted, name) or (len(own) > 1 and all(values[key] == 0.0 or key in unknown for key in own))
+
+    def may_be_nothing(key: str) -> bool:
+        return values[key] == 0.0 or (key in unknown and abs(values[key]) < NORMAL_95 * errors.get(key, float("inf")))
+
+    return is_nothing(fitted, name) or (len(own) > 1 and all(may_be_nothing(key) for key in own))
 
 
 def _linear_in(fitted: Comparison, name: str) -> list[str]:
