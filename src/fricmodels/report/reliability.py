@@ -22,16 +22,16 @@ class Record:
 RECORDS: Mapping[str, Record] = {
     "missing-effect": Record(
         "Where the truth was known, the right effect did not come first on 2 of 154 drives with one hidden effect "
-        "(docs/hidden_effects.md), and 5 of 192 names were wrong with several on rough drives (docs/rough_drives.md); "
-        "where the true effect was not on the list, a name was given on 16 of 154 and 10 of 119.",
+        "(docs/hidden_effects.md), and 5 of 91 names were wrong with several on rough drives (docs/rough_drives.md); "
+        "where the true effect was not on the list, a name was given on 16 of 154 and 6 of 70.",
         {
             "hidden_effects.md": (
                 "| right class named first | ≥ 97 % | 44 of 44 | 43 of 44 | 65 of 66 | 152 of 154 |",
                 "| off the list: no wrong name | ≥ 90 % | 39 of 44 | 38 of 44 | 61 of 66 | 138 of 154 |",
             ),
             "rough_drives.md": (
-                "| several: names given that are there | ≥ 95 % | 32 of 34 | 87 of 88 | 68 of 70 | 187 of 192 |",
-                "With seed 701 wrong names of unlisted causes are 10 of 119.",
+                "| several: names given that are there | ≥ 95 % | 47 of 50 | 39 of 41 | | 86 of 91 |",
+                "| only unlisted: a wrong name | ≤ 5 % | 2 of 35 | 4 of 35 | | 6 of 70 |",
             ),
         },
     ),
@@ -45,26 +45,24 @@ RECORDS: Mapping[str, Record] = {
         },
     ),
     "unknown-effect": Record(
-        "Of 140 simulated drives with nothing hidden none was called so (docs/hidden_effects.md); of 399 rough drives "
+        "Of 140 simulated drives with nothing hidden none was called so (docs/hidden_effects.md); of 430 rough drives "
         "with nothing hidden six were (docs/rough_drives.md).",
         {
             "hidden_effects.md": ("| nothing hidden: “unknown effect” | | 0 of 40 | 0 of 40 | 0 of 60 | 0 of 140 |",),
-            "rough_drives.md": (
-                "| nothing hidden: “unknown” | ≤ 3 % | 1 of 99 | 4 of 200 | 1 of 100 | 6 of 399 | 5 of 300 |",
-            ),
+            "rough_drives.md": ("| nothing hidden: “unknown” | ≤ 3 % | 0 of 60 | 2 of 120 | 4 of 250 | 6 of 430 |",),
         },
     ),
     "adequate": Record(
-        "Of 154 simulated drives with a hidden effect two had no right name (docs/hidden_effects.md), and of 128 "
-        "rough drives with one that matters 10 (docs/rough_drives.md); six of these were called adequate. An effect "
+        "Of 154 simulated drives with a hidden effect two had no right name (docs/hidden_effects.md), and of 81 "
+        "rough drives with one that matters 8 (docs/rough_drives.md); four of these were called adequate. An effect "
         "that this recording could not show is not excluded.",
         {
             "hidden_effects.md": (
                 "| right class named first | ≥ 97 % | 44 of 44 | 43 of 44 | 65 of 66 | 152 of 154 |",
             ),
             "rough_drives.md": (
-                "effect that matters: right class first | ≥ 97 % | 32 of 34 | 54 of 59 | 32 of 35 | 118 of 128 |",
-                "Ten are missed. Six are called adequate",
+                "effect that matters: right class first | ≥ 97 % | 26 of 29 | 47 of 52 | | 73 of 81 |",
+                "Of eight that are missed four are called adequate",
             ),
         },
     ),
