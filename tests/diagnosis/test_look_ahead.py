@@ -31,7 +31,7 @@ def test_effects_that_show_only_beside_each_other_are_found(short: Recording) ->
     assert names == {"gravity", "position-friction", "torque-offset"}
     diagnosis = diagnose(short, "coulomb-viscous", INERTIA)
     assert diagnosis.judgement is not None
-    assert diagnosis.judgement.together
+    assert diagnosis.judgement.only_jointly
     assert {finding.tested.name for finding in diagnosis.findings} == names
 
 

@@ -47,6 +47,17 @@ def test_up_to_the_lowest_error(errors: list[float], kept: str, left_out: str, m
     assert (left_out != "") == ("does not fall" in search.note)
 
 
+@pytest.mark.parametrize(("jointly", "kept"), [(False, "a"), (True, "")])
+def test_of_effects_that_show_only_jointly_none_is_added_alone(
+    jointly: bool, kept: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(ladder, "from_scratch", lambda comparison: comparison)
+    first: Any = SimpleNamespace(comparison=fitted(10.0), judgement=SimpleNamespace(only_jointly=jointly))
+    search = ladder._Search(set(), set(), ladder.POLICY, first)
+    step: Any = [(first, Rung(fitted(error), added=name)) for name, error in zip("ab", [5.0, 7.0], strict=True)]
+    assert "".join(rung.added for _, rung in search._lowering(step)) == kept
+
+
 def test_what_the_ladder_gives_up_is_not_missing(made: Made, monkeypatch: pytest.MonkeyPatch) -> None:
     recording = made("coulomb-viscous+gravity", {"gravity.a": 1.0, "gravity.b": 0.5})
     monkeypatch.setattr(ladder._Search, "_lowering", lambda self, step: self._superfluous.add("gravity") or [])

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from fricmodels.diagnosis.history import MotionHistory
 from fricmodels.diagnosis.places import ALONG, Place
 from fricmodels.diagnosis.policy import Policy
-from fricmodels.diagnosis.sought_functions import jump, stretch
+from fricmodels.diagnosis.sought_functions import jump, stretch, tents
 from fricmodels.recording import OTHER, RATE
 from fricmodels.signals import noise
 from fricmodels.weakform.problem import WeakFormProblem
@@ -106,7 +106,7 @@ def _hats_of(problem: WeakFormProblem, place: Place) -> Array:
     values = np.abs(points.velocity) if place.channel == "speed" else points[place.channel]
     knots = np.unique(np.quantile(values, np.linspace(0, 1, _PLACES)))
     reach = np.r_[knots[1:], knots[-1]] >= place.low
-    hats = _tents(values, knots)[reach & (np.r_[knots[0], knots[:-1]] <= place.high)]
+    hats = tents(values, knots)[reach & (np.r_[knots[0], knots[:-1]] <= place.high)]
     if place.direction in ("forward", "backward"):
         return np.asarray(hats * (side == (1.0 if place.direction == "forward" else -1.0)))
     return np.asarray(side * hats if place.channel == "speed" or place.direction == ALONG else hats)
@@ -259,7 +259,7 @@ def _either_way(values: Array, side: Array) -> Array:
 
 
 def _hats(values: Array, count: int) -> Array:
-    return _tents(values, np.quantile(values, np.linspace(0, 1, count)))
+    return tents(values, np.quantile(values, np.linspace(0, 1, count)))
 
 
 def _log_hats(values: Array, count: int) -> Array:
@@ -268,17 +268,7 @@ def _log_hats(values: Array, count: int) -> Array:
     if not len(positive):
         return np.zeros((1, len(values)))
     largest, smallest = np.quantile(positive, [0.9, 0.01])
-    return _tents(values, np.concatenate([[0.0], np.geomspace(smallest, largest, count - 1)]))
-
-
-def _tents(values: Array, knots: Array) -> Array:
-    knots = np.unique(knots)
-    if len(knots) < 2:
-        return np.zeros((1, len(values)))
-    rows = np.empty((len(knots), len(values)))
-    for row, heights in zip(rows, np.eye(len(knots)), strict=True):
-        row[:] = np.interp(values, knots, heights)
-    return rows
+    return tents(values, np.concatenate([[0.0], np.geomspace(smallest, largest, count - 1)]))
 
 
 def _turned(factor: Array, rows: Array) -> Array:

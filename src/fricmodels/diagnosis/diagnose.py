@@ -162,7 +162,7 @@ def examine(comparison: Comparison, *, leave_out: Iterable[str] = (), policy: Po
     elif best is not None and found is None and not _within_sampling(result, best.first):
         view = view or as_predictor(result, best.first)
     everything = _as_a_whole(refits, together) if named is None else _all_together(refits, named, together)
-    if judgement is not None and judgement.together and len(everything) == 1:
+    if judgement is not None and judgement.only_jointly and len(everything) == 1:
         everything = []  # it showed beside another one only, with which the error does not fall
     if everything:
         ripple = _beside(refits, everything, out, policy)
@@ -244,22 +244,16 @@ def _confirmed(
         return found
     there = [one for one in together if one.first.name not in found.names and refits.lowers_test_error(one.first)]
     if there:
-        return min(there, key=lambda one: _test_error(refits, one.first))
+        return min(there, key=lambda one: refits.test_error(one.first))
     most = result.policy.far_worse**2 * float(np.sum(found.first.evidence.loss))
     near = [t for t in passing_all_gates(result) if t.name != found.first.name and np.sum(t.evidence.loss) <= most]
     others = near[: result.policy.step_trials - 1]
     helpful = [t for t in others if refits.lowers_test_error(t)]
-    for tested in sorted(helpful, key=lambda t: _test_error(refits, t)):
+    for tested in sorted(helpful, key=refits.test_error):
         best = LookAlikes(tested, (tested,))
         if not judge(result, leave_out, best).contradicts(best.first, result.policy):
             return best
     return None
-
-
-def _test_error(refits: Refits, tested: CandidateTest) -> float:
-    """Return the test error of the decisions with an effect [%]; infinite where it cannot be fitted."""
-    fitted = refits.with_effect(tested)
-    return float("inf") if fitted is None else fitted.sliding.held_out_percent
 
 
 def _within_sampling(result: CandidateTests, tested: CandidateTest) -> bool:
@@ -289,19 +283,13 @@ def _as_a_whole(refits: Refits, together: list[LookAlikes]) -> list[LookAlikes]:
     """
     here, found, left = refits, list[LookAlikes](), [*together]
     while left:
-        errors = {i: _fit_error(here, one.first) for i, one in enumerate(left)}
+        errors = {i: here.fit_error(one.first) for i, one in enumerate(left)}
         best = left.pop(min(errors, key=lambda i: errors[i]))
         further = here.beside(best.first)
         if further is None:
             break
         here, found = further, [*found, best]
     return found if len(found) > 1 and falls_from(refits.comparison, here.comparison) else []
-
-
-def _fit_error(refits: Refits, tested: CandidateTest) -> float:
-    """Return the fit error of the decisions with an effect [%]; infinite where it cannot be fitted."""
-    fitted = refits.with_effect(tested)
-    return float("inf") if fitted is None else fitted.sliding.percent
 
 
 def _is_larger(ripple: FastRipple | None, result: CandidateTests, best: LookAlikes | None) -> TypeGuard[FastRipple]:

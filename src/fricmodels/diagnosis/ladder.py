@@ -172,7 +172,7 @@ class _Search:
         errors = [c.errors.held_out_percent for c in (self._here, *(rung.comparison for _, rung in fitted))]
         kept = errors.index(min(errors))
         judgement = self.diagnosis.judgement
-        if kept == 1 and judgement is not None and judgement.together:
+        if kept == 1 and judgement is not None and judgement.only_jointly:
             kept = 0
         if kept < len(fitted):
             name = fitted[kept][1].added

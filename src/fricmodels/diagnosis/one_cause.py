@@ -36,10 +36,11 @@ def _is_one_cause(
 ) -> bool:
     """Whether one channel does by itself what several effects do together: then these imitate one unknown cause.
 
-    Against the channel stand the effect and those others whose place the channel takes. They are several causes all the
-    same if they explain as much with far fewer terms, or encompass it (Chong and Hendry 1986): beside them
-    it predicts nothing that counts, and beside it they do. Load torque and direction hold friction of the load and an
-    asymmetry both, but know neither's form; a channel of the position is all that two waves over it can be.
+    Against the channel stand the effect and those others whose place it takes. They are one cause if it does as
+    much with fewer terms than they have. Else they are several causes if they explain as much with far fewer terms, or
+    encompass it (Chong and Hendry 1986): beside them it predicts nothing that counts, and beside it they do. Load
+    torque and direction hold friction of the load and an asymmetry both, but know neither's form; a channel of the
+    position is all that two waves over it can be.
     """
     policy = result.policy
     lasting = AUTOREGRESSIVE if not member.effect.states else frozenset()

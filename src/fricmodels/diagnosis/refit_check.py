@@ -74,9 +74,9 @@ def _led_by_fit(refits: Refits, named: LookAlikes, policy: Policy) -> LookAlikes
         return named
     first, *others = possible
     members = (*possible, *named.members[len(tried) :])
-    least = _test_error(refits.with_effect(first))
+    least = refits.test_error(first)
     for other in others:
-        error, simple = _test_error(refits.with_effect(other)), _parameters(other) <= _parameters(first)
+        error, simple = refits.test_error(other), _parameters(other) <= _parameters(first)
         repeats = simple and first.effect.depends_on_time and not other.effect.depends_on_time
         margin = 1 + policy.exchange_margin if repeats else 1 - policy.exchange_margin if simple else policy.refit_share
         if error <= margin * least:
@@ -86,11 +86,6 @@ def _led_by_fit(refits: Refits, named: LookAlikes, policy: Policy) -> LookAlikes
 
 def _parameters(tested: CandidateTest) -> int:
     return len(tested.effect.parameters)
-
-
-def _test_error(comparison: Comparison | None) -> float:
-    """Return the test error of the decisions [%]; infinite where there is no model."""
-    return float("inf") if comparison is None else comparison.sliding.held_out_percent
 
 
 def _helps(refits: Refits, tested: CandidateTest, policy: Policy) -> bool:

@@ -60,6 +60,16 @@ class Refits:
         """Whether an effect that is a part of the friction makes of it one that drives."""
         return effect.friction and driving_share(fitted) > self.policy.driving_friction
 
+    def test_error(self, tested: CandidateTest) -> float:
+        """Return the test error of the decisions with an effect [%]; infinite where it cannot be fitted."""
+        fitted = self.with_effect(tested)
+        return float("inf") if fitted is None else fitted.sliding.held_out_percent
+
+    def fit_error(self, tested: CandidateTest) -> float:
+        """Return the fit error of the decisions with an effect [%]; infinite where it cannot be fitted."""
+        fitted = self.with_effect(tested)
+        return float("inf") if fitted is None else fitted.sliding.percent
+
     def lowers_test_error(self, tested: CandidateTest) -> bool:
         """Whether the test error falls with an effect, see :func:`falls_from`."""
         other = self.with_effect(tested)

@@ -24,6 +24,17 @@ _LEAST_LEFT = 1e-6
 """Squared share of a column, of what the model leaves of it, below which it is in the model."""
 
 
+def tents(values: Array, knots: Array) -> Array:
+    """Return a hat about each knot at given values, shape (knots, N); one row of zeros where there is but one knot."""
+    knots = np.unique(knots)
+    if len(knots) < 2:
+        return np.zeros((1, len(values)))
+    rows = np.empty((len(knots), len(values)))
+    for row, heights in zip(rows, np.eye(len(knots)), strict=True):
+        row[:] = np.interp(values, knots, heights)
+    return rows
+
+
 def jump(problem: WeakFormProblem, regression: Regression) -> Array:
     """Return a jump along the motion and with speed, at the one of evenly spaced instants that explains most."""
     points = problem.quadrature.recording
@@ -79,7 +90,9 @@ def _best_stretch(problem: WeakFormProblem, regression: Regression, along: bool)
     enough = power > _LEAST_LEFT * (inside[None] - inside[:, None]) ** 2
     possible = np.triu(enough, 1)
     gain = np.where(possible, (right[None] - right[:, None]) ** 2 / np.where(possible, power, 1.0), 0.0)
-    first, last = np.nonzero(gain >= _AS_GOOD * np.max(gain))
+    first, last = np.nonzero(possible & (gain >= _AS_GOOD * np.max(gain)))
+    if not len(first):
+        return hats, 0, 0
     shortest = int(np.argmin(last - first))  # all the rest of the way with the other sign may be the same
     return hats, int(first[shortest]), int(last[shortest])
 
@@ -93,5 +106,4 @@ def _hats(problem: WeakFormProblem, along: bool) -> Array:
     position = points["position"]
     knots = _knots(position)
     side = np.sign(points.velocity) if along else 1.0
-    rows = np.array([side * np.interp(position, knots, heights) for heights in np.eye(len(knots))])
-    return problem.integrals(rows)
+    return problem.integrals(side * tents(position, knots))

@@ -71,7 +71,7 @@ class Judgement:
         members: each effect with its look-alikes, and what speaks for it; that which was found first comes first.
         one_cause: those that only imitate one unknown cause together.
         described_by: the channels that describe what the set leaves.
-        together: whether none of the effects showed by itself: each is there only if another one is.
+        only_jointly: whether none of the effects showed by itself: each is there only if another one is.
         floor, unpredicted: RMS torques that noise and sampling leave, and that nothing predicts, over the RMS torque.
     """
 
@@ -80,7 +80,7 @@ class Judgement:
     described_by: tuple[str, ...]
     floor: float
     unpredicted: float
-    together: bool = False
+    only_jointly: bool = False
 
     def supported(self, policy: Policy) -> list[LookAlikes]:
         """Return the effects that are there."""
@@ -118,7 +118,7 @@ def judge(result: CandidateTests, leave_out: Iterable[str], first: LookAlikes | 
     if not judgement.supported(result.policy):  # each may show only once the others are there
         ahead = set_ahead(firsts, out, set())
         joint = _judged(firsts, ahead, Rest.of(firsts, ahead)) if ahead else judgement
-        judgement = replace(joint, together=True) if len(joint.supported(result.policy)) > 1 else judgement
+        judgement = replace(joint, only_jointly=True) if len(joint.supported(result.policy)) > 1 else judgement
     several = _kinds([*drive.model.effects, *(found.first.effect for found in judgement.supported(result.policy))])
     if not several:
         return judgement
