@@ -4,17 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
 
 import fricmodels.diagnosis.floor as errors_floor
 from fricmodels.diagnosis import candidate_tests as surveys
-from fricmodels.diagnosis import compare, diagnose, examine, improve
+from fricmodels.diagnosis import compare, diagnose, examine, improve, supported
 from fricmodels.diagnosis.candidate_tests import CandidateTests, candidate_tests
 from fricmodels.diagnosis.comparison import SlidingErrors
 from fricmodels.diagnosis.effect_set import as_predictor
-from fricmodels.diagnosis.predictability import channel_predictors
+from fricmodels.diagnosis.policy import POLICY
+from fricmodels.diagnosis.predictability import OWN_PAST, channel_predictors
 from fricmodels.diagnosis.supported import judge
 from fricmodels.diagnosis.verdict import select_effect
 from fricmodels.dimension import Motion
@@ -312,3 +315,23 @@ def test_a_delay_is_named_though_the_past_of_the_torque_can_be_all_of_it(samples
     (finding,) = diagnosis.findings
     assert finding.names == ("sensor-delay",)
     assert finding.tested.parameters["T"] == pytest.approx((samples + 0.5) / 100, rel=0.02)
+
+
+@pytest.mark.parametrize(
+    ("channels", "terms", "better"),
+    [("position, in one stretch", 3, True), ("position, in one stretch", 4, False), (OWN_PAST, 3, False)],
+)
+def test_of_two_equally_simple_forms_the_better_one_is_better_without_a_test(
+    monkeypatch: pytest.MonkeyPatch, channels: str, terms: int, better: bool
+) -> None:
+    """An effect of two torques and a wave number has three terms; a rival that no test prefers may have no more."""
+    monkeypatch.setattr(supported, "compare", lambda *_: (0.0, 1.0))
+    monkeypatch.setattr(supported, "predicts_beside", lambda *_: False)
+    loss = np.ones(5)
+    effect: Any = SimpleNamespace(found=SimpleNamespace(columns=np.ones((2, 5)), nonlinear=(7.0,)))
+    regression = SimpleNamespace(loss=loss, terms=8)
+    gain: Any = SimpleNamespace(regression=regression, without=regression, columns=np.ones((2, 5)))
+    result: Any = SimpleNamespace(policy=POLICY)
+    instead = supported._Instead(np.ones((terms, 5)), frozenset({channels}), 30, terms)
+    other: Any = regression
+    assert supported._is_better(result, effect, gain, 0.9, other, loss, instead) is better
