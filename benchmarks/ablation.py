@@ -1,9 +1,11 @@
-"""What each rule of the diagnosis is worth: every one is switched off in turn, on both challenges and real recordings.
+"""What each rule of the diagnosis is worth: every one is switched off, on both challenges and real recordings.
 
 Drives of the rig with an effect on the list of candidates and off it, with two, and with nothing hidden; rough drives;
 and the real recordings beside the project, where they are. The rules of the ladder are switched off in ``improve``, all
-others in a first diagnosis. Rows go to a JSONL file as they come; running again does only what is missing.
-``--report`` writes docs/ablation.md.
+others in a first diagnosis. Those that change many answers are switched off one by one. The others are switched off
+together, and only where the answer changes by halves, until those are found by which it does (group testing, Dorfman
+1943): two rules whose changes undo each other are not seen. Rows go to a JSONL file as they come; running again does
+only what is missing. ``--report`` writes docs/ablation.md.
 
     python benchmarks/ablation.py [--seed N] [--jobs 2] [--report]
 """
@@ -12,12 +14,13 @@ from __future__ import annotations
 
 import argparse
 import datetime
+import functools
 import json
 import multiprocessing
 import os
 import sys
 import time
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -25,16 +28,18 @@ ROOT = Path(__file__).resolve().parent.parent
 Row = dict[str, Any]
 LADDER = ("superfluous_gain", "removal_loss", "exchange_margin", "exchange_for_adequate")
 """Rules that are used between the rungs of a ladder only."""
+ONE_BY_ONE = ("significance", "of_channel", "kept", "outpredicted_significance", "own_share", "least_torque")
+"""Rules that change many answers: a group with one of them would always have to be halved."""
 COUNTS = {
-    "rig:null": 10,
+    "rig:null": 40,
     "rig:listed": 1,
     "rig:unlisted": 1,
-    "rig:pair": 4,
-    "rough:null": 20,
-    "rough:single": 1,
-    "rough:several": 12,
-    "rough:beside": 1,
-    "rough:unlisted": 1,
+    "rig:pair": 6,
+    "rough:null": 250,
+    "rough:single": 3,
+    "rough:several": 16,
+    "rough:beside": 3,
+    "rough:unlisted": 5,
 }
 SEVERAL = ("pair", "several", "beside")
 """Kinds of recordings in which rules of the ladder are switched off as well."""
@@ -48,6 +53,7 @@ def ablated(key: str, seed: int) -> Row:
     from fricmodels.diagnosis.ladder import added
     from fricmodels.diagnosis.policy import POLICY, Policy
 
+    Answer = Callable[[Case, Policy], Row]
     used: set[str] = set()
 
     class Watched(Policy):
@@ -68,11 +74,23 @@ def ablated(key: str, seed: int) -> Row:
     began, of = time.process_time(), case(key, seed)
     row: Row = {"matter": list(of.matter)}
     several = key.split(":")[1] in SEVERAL
-    for part, answer in {"first": first, **({"last": last} if several else {})}.items():
+    parts: dict[str, Answer] = {"first": first, **({"last": last} if several else {})}
+    for part, answer in parts.items():
         used.clear()
         told = {"": answer(of, Watched())}
-        rules = [r for r in sorted(used.intersection(rules_off())) if (r in LADDER) == (part == "last")]
-        told |= {rule: answer(of, POLICY.without(rule)) for rule in rules}
+        rules = [r for r in rules_off() if r in used and (r in LADDER) == (part == "last")]
+
+        def differing(group: Sequence[str], answer: Answer = answer, told: dict[str, Row] = told) -> dict[str, Row]:
+            """Return the answers without each rule of a group by which they differ."""
+            said = answer(of, functools.reduce(Policy.without, group, POLICY)) if group else told[""]
+            if said == told[""] or len(group) < 2:
+                return dict.fromkeys(group, said)
+            half = len(group) // 2
+            return differing(group[:half]) | differing(group[half:])
+
+        for rule in ONE_BY_ONE:
+            told |= differing([rule] if rule in rules else [])
+        told |= differing([rule for rule in rules if rule not in ONE_BY_ONE])
         for said in told.values():
             said["right"] = [of.is_right(names) for names in said["names"]]
             said["found"] = [m for m in of.matter if any(m in names for names in said["names"])]

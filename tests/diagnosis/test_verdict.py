@@ -192,3 +192,20 @@ def test_a_rival_is_tested_at_the_level_of_the_effect(diagnosed: Callable[..., D
     assert doubtful.name in {t.name for t in passing_all_gates(replace(result, tested=(doubtful,)))}
     assert not predicts(result, doubtful.evidence, doubtful.adjusted)
     assert predicts(result, doubtful.evidence, doubtful.adjusted, as_rival=True)
+
+
+def test_which_of_two_it_is_is_one_question_and_not_one_of_many(made: Made) -> None:
+    """A jump that a drift resembles: the drift passes, and the jump, which explains more, only but for the others."""
+    values = {"step-change.c": 0.6, "step-change.d": 0.0, "step-change.t_0": 6.3}
+    problem, found = estimate(Drive(LAW, 2.0), made("coulomb-viscous+step-change", values))
+    result = candidate_tests(problem, found.parameters, only=["step-change", "drift"])
+    jump, drift = (next(t for t in result.tested if t.name == name) for name in ("step-change", "drift"))
+    for by_itself, names in ((0.5 * POLICY.significance, ["drift", "step-change"]), (0.5, ["drift"])):
+        doubtful = replace(jump, p_value=by_itself, adjusted=max(by_itself, 2 * POLICY.significance))
+        best = select_effect(replace(result, tested=(doubtful, drift)))
+        assert best is not None
+        assert best.names == names
+    unlikely = replace(drift, p_value=0.5 * POLICY.significance, adjusted=2 * POLICY.significance)
+    best = select_effect(replace(result, tested=(jump, unlikely)))
+    assert best is not None
+    assert best.names == ["step-change"]

@@ -37,7 +37,7 @@ class Policy:
     least_gain: float = _rule(
         0.05,
         "share of the residual",
-        "It must lower the residual by this share on blocks that were not used for fitting it.",
+        "It must lower the residual, an effect what noise leaves of it, by this share on blocks that are kept back.",
         "Judgement: what an effect must be worth to have a place in a model.",
         off=-_INF,
     )

@@ -9,6 +9,7 @@ import numpy as np
 
 from fricmodels import plugins
 from fricmodels.diagnosis.candidate_tests import CandidateTest, CandidateTests
+from fricmodels.diagnosis.floor import above_noise
 from fricmodels.signals.order_spectrum import LEAST_PERIODS
 from fricmodels.weakform.lines import Whitened, fast_band, smallest_line
 from fricmodels.weakform.search import fastest_in_rows
@@ -52,14 +53,14 @@ def visibility(result: CandidateTests, found: Iterable[str]) -> dict[str, Visibi
 def _smallest(result: CandidateTests, tested: CandidateTest) -> Visibility:
     """Return the RMS torque at which both gates would be passed in half of all recordings like this one.
 
-    First gate: the Wald statistic reaches its critical value. Second gate: the residual falls by the least gain,
-    which takes a part of it of relative size √(1 − (1 − g)²) beyond what noise leaves.
+    First gate: the Wald statistic reaches its critical value. Second gate: the residual, but for what noise leaves of
+    it, falls by the least gain g: an effect takes √(1/(1 − g)² − 1) times as much torque for it as is left without it.
     """
     from scipy.stats import f as fisher
 
     problem, regression, policy = result.problem, result.regression, result.policy
     reference = float(np.sqrt(np.mean(problem.driving**2)))
-    residual = float(np.sqrt(np.mean(regression.residual**2)))
+    residual = float(np.sqrt(above_noise(problem, float(np.sum(regression.residual**2)), policy) / problem.rows))
     columns = tested.found.columns
     gain_needed = residual * float(np.sqrt(max(1 / (1 - policy.least_gain) ** 2 - 1, 0.0)))
     if not len(columns):
@@ -67,9 +68,7 @@ def _smallest(result: CandidateTests, tested: CandidateTest) -> Visibility:
     else:
         q = len(columns)
         freedom = max(regression.terms - q + 1, 1)
-        candidates = max(len(result.tested), 1)
-        harmonic = float(np.sum(1 / np.arange(1, candidates + 1)))
-        level = policy.significance / (tested.found.trials * candidates * harmonic)
+        level = policy.significance / (tested.found.trials * max(len(result.tested), 1))
         critical = float(fisher.isf(max(level, 1e-300), q, freedom)) * regression.terms * q / freedom
         free = regression.project_out(columns)
         # A coefficient vector of Wald statistic equal to the critical one, along its least certain direction.

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fricmodels.diagnosis.candidate_tests import CandidateTest, CandidateTests
+from fricmodels.diagnosis.floor import gain_above_noise
 from fricmodels.weakform.all_motion import residual_rms
 from fricmodels.weakform.regression import Evidence, Regression, compare
 
@@ -74,13 +75,15 @@ def predicts(result: CandidateTests, evidence: Evidence, p_value: float, *, as_r
     """
     policy = result.policy
     level = policy.effect_gain_significance if as_rival else policy.predictor_gain_significance
-    sure = _is_sure(result, evidence, p_value, level)
+    sure = _is_sure(result, evidence, p_value, level) and (as_rival or evidence.gain > policy.least_gain)
     return sure and torque_share(result, evidence) > policy.least_torque
 
 
 def _is_sure(result: CandidateTests, evidence: Evidence, p_value: float, gain_level: float) -> bool:
     policy = result.policy
-    return p_value < policy.significance and evidence.gain > policy.least_gain and evidence.gain_p_value < gain_level
+    if p_value >= policy.significance or evidence.gain_p_value >= gain_level or evidence.gain <= 0.0:
+        return False
+    return gain_above_noise(result.problem, result.regression, evidence, policy) > policy.least_gain
 
 
 def _is_large_over_all_motion(result: CandidateTests, tested: CandidateTest) -> bool:
@@ -110,7 +113,7 @@ def select_effect(result: CandidateTests) -> LookAlikes | None:
     members = [first]
     best = _rms(result, first)
     near = max(policy.alike_of_effect * best, policy.alike_of_model * float(np.sqrt(np.mean(result.regression.loss))))
-    for other in passing[passing.index(first) + 1 :]:
+    for other in (*passing[passing.index(first) + 1 :], *_better_but_for_their_number(result, first)):
         _, p_worse = compare(other.evidence.loss, first.evidence.loss, result.regression.terms)
         not_worse = p_worse > policy.alike_significance and _rms(result, other) < policy.far_worse * best
         if not (_rms(result, other) - best < near or not_worse):
@@ -120,6 +123,24 @@ def select_effect(result: CandidateTests) -> LookAlikes | None:
         if not _spoils(result, other, before):
             members.append(other)
     return LookAlikes(first, tuple(members))
+
+
+def _better_but_for_their_number(result: CandidateTests, first: CandidateTest) -> list[CandidateTest]:
+    """Return candidates that would come before the first effect, and fail only as so many effects were tried.
+
+    That any effect is there is one question of many, and the first one has answered it. Whether it is this one or the
+    other is a question of its own.
+    """
+    policy, least = result.policy, _cost(result, first)
+    return [
+        t
+        for t in result.tested
+        if t.p_value < policy.significance <= t.adjusted
+        and not t.found.at_search_bound
+        and _cost(result, t) < least
+        and _is_sure(result, t.evidence, t.p_value, policy.effect_gain_significance)
+        and torque_share(result, t.evidence) > policy.least_torque
+    ]
 
 
 def _spoils(result: CandidateTests, tested: CandidateTest, before: float) -> bool:

@@ -17,6 +17,8 @@ _SHORTEST = 2.0
 _LOW, _SLOWER, _WIDTH = 0.2, 0.25, 2
 """Share of the RMS speed that is low; share of what is passed at low speed that is passed more slowly than by the usual
 acceleration; samples to either side of one from which its acceleration is told."""
+_STROKE = 0.01
+"""Share of the longest stroke that another one goes at least."""
 _RECORD = 20_000
 """Samples of a record in which a time of the drive's own is counted."""
 
@@ -119,16 +121,29 @@ def between_strokes(recording: Recording) -> tuple[float, float]:
     """Return the instants [s] between which a jump has a whole stroke of one direction on either side.
 
     What jumps within the first stroke of a direction, or within the last, cannot be told from an offset and a single
-    stroke. Where no direction has two strokes these are the record's ends.
+    stroke. Where each direction has but one stroke, no jump can be told, and the first instant is after the last; with
+    one direction these are the record's ends. Noise breaks a slow motion into pieces: what goes less far than a
+    hundredth of the longest stroke is none.
     """
+    strokes, ends = _strokes(recording), (float(np.min(recording.time)), float(np.max(recording.time)))
+    found = [(side[0][1], side[-1][0]) for side in strokes if len(side) > 1]
+    if found:
+        return min(first for first, _ in found), max(last for _, last in found)
+    return ends[::-1] if all(strokes) else ends
+
+
+def _strokes(recording: Recording) -> list[list[tuple[float, float]]]:
+    """Return when the strokes of each direction begin and end [s], forward and backward."""
     velocity, error = smoothed_velocity(recording)
     time, moving = recording.time, np.abs(velocity) > 3.0 * error
-    found = []
+    travelled = np.concatenate([[0.0], np.cumsum(np.abs(velocity[1:]) * np.diff(time))])
+    pieces = []
     for side in (1.0, -1.0):
         on = moving & (side * velocity > 0.0)
         joined = on[1:] & on[:-1] & (np.diff(recording.run) == 0)
-        begins, ends = (np.flatnonzero(on & ~before) for before in (np.r_[False, joined], np.r_[joined, False]))
-        if len(begins) > 1:
-            found.append((float(time[ends[0]]), float(time[begins[-1]])))
-    first, last = min((one[0] for one in found), default=0.0), max((one[1] for one in found), default=0.0)
-    return (first, last) if first < last else (float(np.min(time)), float(np.max(time)))
+        pieces.append([np.flatnonzero(on & ~beside) for beside in (np.r_[False, joined], np.r_[joined, False])])
+    least = _STROKE * max(float(np.max(travelled[end] - travelled[begin], initial=0.0)) for begin, end in pieces)
+    return [
+        [(float(time[i]), float(time[j])) for i, j in zip(*piece, strict=True) if travelled[j] - travelled[i] >= least]
+        for piece in pieces
+    ]

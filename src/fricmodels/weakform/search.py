@@ -168,7 +168,8 @@ def starting_points(
     """Return starting points, the spacing of each parameter (a ratio if positive, else a difference, as of
     :func:`fricmodels.weakform.optimise.multistart_nelder_mead`), and the trials.
 
-    The parameters come back with the bounds that this recording sets: a period must be passed as a whole.
+    The parameters come back with the bounds that this recording sets: a period must be passed as a whole. There are no
+    points where it could not tell an instant.
     """
     choices: list[list[float]] = []
     spacing: list[float] = []
@@ -186,6 +187,8 @@ def starting_points(
         if parameter.instant:
             first, last = between_strokes(problem.recording)
             first, last = max(parameter.lower, first), min(parameter.upper, last)
+            if first > last:
+                return [], [], 0.0, []
             parameter = replace(parameter, lower=first, upper=last, initial=min(max(parameter.initial, first), last))
         bounded.append(parameter)
         size = scan_size(problem.recording, parameter)
