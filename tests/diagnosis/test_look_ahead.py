@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 from tests.conftest import INERTIA, Made
 
 from fricmodels.diagnosis import compare, diagnose, improve
 from fricmodels.diagnosis.candidate_tests import candidate_tests, corrected
-from fricmodels.diagnosis.look_ahead import set_ahead
+from fricmodels.diagnosis.effect_set import Rest, nothing
+from fricmodels.diagnosis.look_ahead import set_ahead, set_beside
+from fricmodels.diagnosis.sought_functions import stretch
 from fricmodels.diagnosis.verdict import select_effect
 from fricmodels.recording import Recording
 
@@ -65,3 +68,16 @@ def test_p_values_are_corrected_as_holm_says() -> None:
     assert corrected([0.04, 0.01, 0.03]) == pytest.approx([0.06, 0.03, 0.06])
     assert corrected([0.5, 0.6]) == pytest.approx([1.0, 1.0])
     assert len(corrected([])) == 0
+
+
+def test_an_effect_beside_a_zone_is_sought_beside_the_zone(made: Made) -> None:
+    """A wave stands for a zone of friction; without it, and beside the zone, the spring alone is left."""
+    recording = made("coulomb-viscous+stiffness", {"stiffness.k": 0.3})
+    inside = (recording["position"] > 0.0) & (recording["position"] < 1.0)
+    zone = 2.0 * np.sign(recording.velocity) * inside
+    comparison = compare(recording.with_channels(torque=recording.torque + zone), "coulomb-viscous", INERTIA)
+    result = candidate_tests(comparison.problem, comparison.estimate.parameters)
+    mimics = {"position-friction", "torque-ripple"}
+    rest = Rest((stretch(result.problem, result.regression, along=True),), nothing(result))
+    assert [member.effect.name for member in set_beside(result, mimics, rest)] == ["stiffness"]
+    assert set_beside(result, mimics, Rest((), nothing(result))) == []

@@ -41,3 +41,16 @@ def test_several_waves_that_were_sought_are_no_one_cause_of_several_waves(
     monkeypatch.setattr(one_cause, "passing_beside", lambda *_, **__: [predictor])
     found = one_cause.that_are_one_cause(result, members, members)
     assert {m.found.first.name for m in found} == names
+
+
+def test_an_effect_that_does_all_of_it_needs_no_other(made: Made, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A spring and a small wave: four terms that hold the spring too are no simpler form of it than its own two."""
+    values = {"stiffness.k": 1.0, "cogging.a": 0.1, "cogging.k": 2.6}
+    comparison = compare(made("coulomb-viscous+stiffness+cogging", values), "coulomb-viscous", INERTIA)
+    result = candidate_tests(comparison.problem, comparison.estimate.parameters, only=["cogging", "stiffness"])
+    members = {t.name: member_of(result, LookAlikes(t, (t,))) for t in result.tested}
+    columns = np.vstack([members["stiffness"].columns, members["cogging"].columns[:2]])
+    predictor = ChannelPredictor("position", result.regression.test(columns), 1e-20, columns, 20)
+    monkeypatch.setattr(one_cause, "passing_beside", lambda *_, **__: [predictor])
+    found = one_cause.that_are_one_cause(result, list(members.values()), list(members.values()))
+    assert [m.found.first.name for m in found] == ["cogging"]

@@ -1,4 +1,4 @@
-"""Effects of which each shows only once the others are there.
+"""Effects that show only once more is there: each of several others, or a description of another cause.
 
 Where several causes are missing none need be significant by itself: each is tested against a residual that holds all
 the others, too. So one that explains most, however uncertain, is taken to be there, others are sought beside it, and
@@ -13,6 +13,7 @@ import numpy as np
 from fricmodels.diagnosis.candidate_tests import CandidateTest, CandidateTests, candidate_tests
 from fricmodels.diagnosis.effect_set import (
     Member,
+    Rest,
     found_in_turn,
     member_of,
     nothing,
@@ -38,6 +39,21 @@ def set_ahead(result: CandidateTests, out: set[str], several: set[str]) -> list[
     seeds = [t for t in result.tested if _explains(t, result) and not t.found.at_search_bound]
     sets = [_around(result, seed, out, several) for seed in seeds[:_SEEDS]]
     return min((found for found in sets if len(found) > 1), key=lambda found: _left(result, found), default=[])
+
+
+def set_beside(result: CandidateTests, out: set[str], rest: Rest) -> list[Member]:
+    """Return the set of effects beside a description of another cause; none where there is no description.
+
+    An effect of another form than that cause stood for it, and those found after it for what it left.
+
+    Args:
+        result: the tests of all candidates.
+        out: effects that are not considered, such as those that stood for the other cause.
+        rest: the description.
+    """
+    return (
+        renumbered(result, pruned(result, found_in_turn(result, out, [], np.vstack(rest.parts)))) if rest.parts else []
+    )
 
 
 def _explains(test: CandidateTest, result: CandidateTests) -> bool:

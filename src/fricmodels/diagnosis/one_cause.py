@@ -36,8 +36,9 @@ def _is_one_cause(
 ) -> bool:
     """Whether one channel does by itself what several effects do together: then these imitate one unknown cause.
 
-    Against the channel stand the effect and those others whose place it takes. They are one cause if it does as
-    much with fewer terms than they have. Else they are several causes if they explain as much with far fewer terms, or
+    Against the channel stand the effect and those others whose place it takes. If the effect does as much by itself,
+    with fewer terms, it needs none of them. They are one cause if the channel does as much with fewer terms than they
+    have. Else they are several causes if they explain as much with far fewer terms, or
     encompass it (Chong and Hendry 1986): beside them it predicts nothing that counts, and beside it they do. Load
     torque and direction hold friction of the load and an asymmetry both, but know neither's form; a channel of the
     position is all that two waves over it can be.
@@ -68,6 +69,8 @@ def _is_one_cause(
         before = float(np.sum(base.loss))
         falls = (before - float(np.sum(r.loss)) for r in (channel, alone, together))
         theirs, own, all_own = credited(result, before, *falls)
+        if len(member.columns) < predictor.terms and own >= policy.of_channel * theirs:
+            continue  # it needs no other effect to do what the channel does
         effects = np.vstack([member.columns, *(other.columns for other in taken)])
         if predictor.terms < len(effects) and theirs >= policy.of_channel * all_own:
             return True

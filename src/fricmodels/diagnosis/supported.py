@@ -50,7 +50,7 @@ from fricmodels.diagnosis.effect_set import (
     without_tangents,
 )
 from fricmodels.diagnosis.floor import floor, share_explained
-from fricmodels.diagnosis.look_ahead import set_ahead
+from fricmodels.diagnosis.look_ahead import set_ahead, set_beside
 from fricmodels.diagnosis.one_cause import credited, is_drawn, is_simpler, predicts_beside, that_are_one_cause
 from fricmodels.diagnosis.policy import Policy
 from fricmodels.diagnosis.predictability import AUTOREGRESSIVE
@@ -114,16 +114,32 @@ def judge(result: CandidateTests, leave_out: Iterable[str], first: LookAlikes | 
     # Several of a kind imitate anything together, as waves do a bump: others are sought once the first one stands.
     firsts = replace(result, tested=tuple(t for t in result.tested if not _is_further(t)))
     best = first if len(firsts.tested) == len(result.tested) else select_effect(firsts)
-    judgement = _judged(firsts, *_set_of(firsts, out, best, set()))
-    if not judgement.supported(result.policy):  # each may show only once the others are there
-        ahead = set_ahead(firsts, out, set())
-        joint = _judged(firsts, ahead, Rest.of(firsts, ahead)) if ahead else judgement
-        judgement = replace(joint, only_jointly=True) if len(joint.supported(result.policy)) > 1 else judgement
+    members, rest = _set_of(firsts, out, best, set())
+    judgement = _judged(firsts, members, rest)
+    if not judgement.supported(result.policy):
+        judgement = _looked_ahead(firsts, out, judgement, rest)
     several = _kinds([*drive.model.effects, *(found.first.effect for found in judgement.supported(result.policy))])
     if not several:
         return judgement
     further = _judged(result, *_set_of(result, out, first, several))
     return further if any(_is_further(found.first) for found in further.supported(result.policy)) else judgement
+
+
+def _looked_ahead(result: CandidateTests, out: set[str], judgement: Judgement, rest: Rest) -> Judgement:
+    """Return the judgement of a set that shows only once more is there; the given one where there is no such set.
+
+    Effects may show beside the description of the rest, where it contradicts those that took its place in the set, or
+    beside each other.
+    """
+    policy = result.policy
+    contradicted = {found.first.name for found, _ in judgement.members if judgement.contradicts(found.first, policy)}
+    beside = set_beside(result, out | contradicted, rest) if contradicted else []
+    found = _judged(result, beside, rest) if beside else judgement
+    if found.supported(policy):
+        return found
+    ahead = set_ahead(result, out, set())
+    joint = _judged(result, ahead, Rest.of(result, ahead)) if ahead else judgement
+    return replace(joint, only_jointly=True) if len(joint.supported(policy)) > 1 else judgement
 
 
 def _kinds(effects: Iterable[Effect]) -> set[str]:
