@@ -65,7 +65,7 @@ def test_without_the_rules_of_support_a_wrong_name_is_given(made: Made) -> None:
     recording = made("coulomb-viscous+asymmetry", {"asymmetry.c": 0.3, "asymmetry.d": -0.2})
     found = diagnose(recording, LAW, 2.0, leave_out=["asymmetry"])
     assert (found.verdict, found.findings) == ("unknown-effect", ())
-    lax = POLICY.without("own_share").without("of_channel").without("own_sizes")
+    lax = POLICY.without("own_share").without("of_channel")
     wrong = diagnose(recording, LAW, 2.0, leave_out=["asymmetry"], policy=lax)
     assert wrong.findings[0].names == ("torque-offset",)
 

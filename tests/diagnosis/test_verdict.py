@@ -209,3 +209,14 @@ def test_which_of_two_it_is_is_one_question_and_not_one_of_many(made: Made) -> N
     best = select_effect(replace(result, tested=(jump, unlikely)))
     assert best is not None
     assert best.names == ["step-change"]
+
+
+def test_what_is_certain_beneath_loud_noise_is_an_effect(made: Made) -> None:
+    """An offset that takes a hundredth of rows that are nearly all noise; a channel that does as little is no cause."""
+    recording = made("coulomb-viscous+torque-offset", {"torque-offset.tau_0": 0.3}, noise=10.0)
+    problem, found = estimate(Drive(LAW, 2.0), recording)
+    result = candidate_tests(problem, found.parameters, only=["torque-offset"])
+    (offset,) = passing_all_gates(result)
+    assert 0.0 < offset.evidence.gain < POLICY.least_gain
+    assert predicts(result, offset.evidence, offset.adjusted, as_rival=True)
+    assert not predicts(result, offset.evidence, offset.adjusted)

@@ -37,8 +37,8 @@ class Policy:
     least_gain: float = _rule(
         0.05,
         "share of the residual",
-        "It must lower the residual, an effect what noise leaves of it, by this share on blocks that are kept back.",
-        "Judgement: what an effect must be worth to have a place in a model.",
+        "A channel makes a drive unknown only if it lowers the residual by this share on blocks that are kept back.",
+        "Judgement: what is worth a word. An effect need not: noise may be nearly all of a residual.",
         off=-_INF,
     )
     effect_gain_significance: float = _rule(
@@ -61,13 +61,6 @@ class Policy:
         "It must explain this torque. So much is also counted as floor beside the noise of the velocity.",
         "Found on our rig: with nothing hidden, sampling and differentiation leave 0.0003 to 0.003.",
         off=0.0,
-    )
-    least_torque_all_motion: float = _rule(
-        0.04,
-        "share of the RMS torque",
-        "An effect below least_torque passes if it takes away this much over all motion, standstill included.",
-        "Found on our rig: on 250 drives with nothing hidden an effect takes away up to 0.034.",
-        off=_INF,
     )
     noise_share: float = _rule(
         0.05,
@@ -101,13 +94,6 @@ class Policy:
         "Judgement (Occam): half of least_gain.",
         off=0.0,
     )
-    worse_over_all_motion: float = _rule(
-        2.0,
-        "factor of the RMS torque left",
-        "An effect is dropped if the model with it leaves so many times as much over all motion.",
-        "Judgement: standstill is known roughly only, so that nothing less than a doubling counts.",
-        off=_INF,
-    )
     sampling_leaves: float = _rule(
         0.0003,
         "share of the RMS torque",
@@ -139,8 +125,8 @@ class Policy:
     far_worse: float = _rule(
         1.5,
         "factor of the residual",
-        "No effect with so many times the residual of the best one is a look-alike, passes over all motion only, or "
-        "stands in for one with which the test error does not fall.",
+        "No effect with so many times the residual of the best one is a look-alike, or stands in for one with which "
+        "the test error does not fall.",
         "Judgement: with little data no test tells even such a difference.",
         off=_INF,
     )
@@ -159,16 +145,6 @@ class Policy:
         "A channel predictor is better than an effect at this level, corrected for how many there are (Diebold and "
         "Mariano 1995).",
         "Statistic, twice alike_significance: a wrong name is worse than none.",
-        off=-1.0,
-    )
-    form_significance: float = _rule(
-        0.01,
-        "probability",
-        "Or if it predicts at this level what the effect leaves, and the effect nothing of what it leaves (Chong and "
-        "Hendry 1986); not of waves at numbers that were sought.",
-        "Statistic, equal to significance. Without it, and with tangents, 8 of 66 effects off the list got a wrong "
-        "name on our rig, on which it was found, with it 5; on 850 rough drives six wrong names and six right ones "
-        "are fewer (docs/decisions/unknown.md).",
         off=-1.0,
     )
     own_share: float = _rule(
@@ -195,15 +171,6 @@ class Policy:
         "Effects that explain as much as a channel with fewer terms than this are several causes, not one.",
         "Judgement (Occam). Without it an asymmetry and gravity are one cause: 12 terms of a position hold both.",
         off=0.0,
-    )
-    own_sizes: float = _rule(
-        0.2,
-        "share of the squared residual that the effect explains",
-        "With a size of its own in each third of the motion (by time, direction, speed, acceleration, torque, place) "
-        "an effect may explain so much more at most.",
-        "Found on 110 rough drives: true effects gain up to 0.02, beside an unlisted cause up to 0.14; an offset that "
-        "stands for a torque of |acceleration| gains 0.14 to 0.47, three of five above 0.2.",
-        off=_INF,
     )
     description_gain: float = _rule(
         0.05,
@@ -234,28 +201,6 @@ class Policy:
     )
 
     # ---- The check by a refit, for effects with memory ------------------------------------------------------------
-    residual_shows_error: float = _rule(
-        0.5,
-        "share of the RMS torque error",
-        "An effect with memory stands without a refit if it explains this much of the error in the weak form.",
-        "Judgement: then its evidence is about most of the error.",
-        off=-1.0,
-    )
-    replacement: float = _rule(
-        0.75,
-        "factor of the RMS torque error",
-        "If a refit leaves more than this share of the error, another effect replaces the named one where it leaves "
-        "less than this share of what the named one leaves.",
-        "Judgement.",
-        off=0.0,
-    )
-    refit_gain: float = _rule(
-        0.05,
-        "share of the RMS torque error",
-        "Where the error is far above noise, a refit with the named effect must lower it by this share.",
-        "Judgement: equal to least_gain.",
-        off=0.0,
-    )
     within_sampling: float = _rule(
         2.0,
         "samples",

@@ -93,7 +93,7 @@ def _is_only_noise(
     Its columns are given whole: the acceleration that :func:`beside_inertia` takes out of them has noise of its own.
     """
     problem, regression, policy = result.problem, result.regression, result.policy
-    if evidence.gain <= policy.least_gain:
+    if evidence.gain <= 0.0:
         return False  # it passes no gate
     perturbed = basis_functions(problem.perturbed, regression, policy).get(channels)
     if perturbed is None:

@@ -16,10 +16,8 @@ still does beside a description of the rest that assumes no physics:
    L is the sum of squared residuals, L_0 what noise and sampling leave. What e explains is what its equation can
    be, without the tangents of its nonlinear parameters.
 
-4. It has one size all over the motion, see :mod:`.constancy`.
-
-A mimic fails one of these: what it explained is taken by R, a channel predicts more, or it acts in a part of the motion
-only. A true effect beside an unknown cause passes: R takes the unknown part, and little remains but the effect's own.
+A mimic fails one of these: what it explained is taken by R, or a channel predicts more. A true effect beside an unknown
+cause passes: R takes the unknown part, and little remains but the effect's own.
 """
 
 from __future__ import annotations
@@ -30,9 +28,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from fricmodels.diagnosis.basis_functions import OF_POSITION, OF_TIME, OF_WAVES, terms
+from fricmodels.diagnosis.basis_functions import OF_POSITION, OF_TIME, terms
 from fricmodels.diagnosis.candidate_tests import CandidateTest, CandidateTests
-from fricmodels.diagnosis.constancy import gain_of_own_sizes
 from fricmodels.diagnosis.effect_set import (
     Gain,
     Member,
@@ -51,13 +48,13 @@ from fricmodels.diagnosis.effect_set import (
 )
 from fricmodels.diagnosis.floor import floor, share_explained
 from fricmodels.diagnosis.look_ahead import set_ahead, set_beside
-from fricmodels.diagnosis.one_cause import credited, is_drawn, is_simpler, predicts_beside, that_are_one_cause
+from fricmodels.diagnosis.one_cause import credited, is_drawn, is_simpler, that_are_one_cause
 from fricmodels.diagnosis.policy import Policy
 from fricmodels.diagnosis.predictability import AUTOREGRESSIVE
 from fricmodels.diagnosis.verdict import LookAlikes, select_effect
 from fricmodels.progress import each
 from fricmodels.term import Effect
-from fricmodels.weakform.regression import Regression, compare
+from fricmodels.weakform.regression import compare
 from fricmodels.weakform.shifted import regression_of
 
 Array = NDArray[np.float64]
@@ -94,12 +91,12 @@ class Judgement:
         return bool(own) and own[0].suffices(policy) and not imitates
 
     def contradicts(self, tested: CandidateTest, policy: Policy) -> bool:
-        """Whether an effect of the set has another form than what is missing: a channel, or sizes of its own, say so.
+        """Whether an effect of the set has another form than what is missing: a channel says so.
 
         A small share of what is left is no such thing: more may be missing.
         """
         own = [support for found, support in self.members if found.first is tested]
-        return any(s.of_channel < policy.of_channel or s.of_own_sizes > policy.own_sizes for s in own)
+        return any(s.of_channel < policy.of_channel for s in own)
 
 
 def judge(result: CandidateTests, leave_out: Iterable[str], first: LookAlikes | None) -> Judgement:
@@ -198,7 +195,6 @@ class Support:
         torque: RMS torque that only it explains, over the RMS torque.
         p_value: of the Wald test of its columns.
         rival: that channel; empty where none predicts clearly more.
-        of_own_sizes: share more that it explains with a size of its own in each part of the motion.
     """
 
     own_share: float
@@ -206,7 +202,6 @@ class Support:
     torque: float
     p_value: float
     rival: str = ""
-    of_own_sizes: float = 0.0
 
     def suffices(self, policy: Policy) -> bool:
         """Whether the effect may be named, if it is large enough."""
@@ -214,7 +209,6 @@ class Support:
             self.p_value < policy.significance
             and self.own_share >= policy.own_share
             and self.of_channel >= policy.of_channel
-            and self.of_own_sizes <= policy.own_sizes
         )
 
 
@@ -291,7 +285,7 @@ def _support_of(result: CandidateTests, member: Member, place: _Place) -> Suppor
         of_instead = described.before - float(np.sum(other.loss))
         ours, theirs = credited(result, described.before, described.fall, of_instead)
         first = member.found.first
-        if theirs > ours and _is_better(result, first, described, ours / theirs, other, other.loss, instead):
+        if theirs > ours and _is_better(result, first, described, other.loss, instead):
             of_rest = ours / theirs
     lasting = place.lasting
     full = gain_of(result, np.vstack([place.base, lasting]), member) if len(lasting) else described
@@ -304,7 +298,6 @@ def _support_of(result: CandidateTests, member: Member, place: _Place) -> Suppor
     )
     if not found.suffices(result.policy):
         return found  # no channel need be asked
-    found = replace(found, of_own_sizes=gain_of_own_sizes(result, member.found.first, place.named))
     rivals = [_against_channels(result, described, member.found.first, place.base)]
     if len(place.base) > len(place.named):
         together = np.vstack([place.base, member.columns])[len(place.named) :]
@@ -314,44 +307,25 @@ def _support_of(result: CandidateTests, member: Member, place: _Place) -> Suppor
     return replace(found, of_channel=of_channel, rival=rival) if of_channel < of_rest else found
 
 
-def _is_better(
-    result: CandidateTests,
-    effect: CandidateTest,
-    gain: Gain,
-    ratio: float,
-    other: Regression,
-    loss: Array,
-    instead: _Instead,
-) -> bool:
-    """Whether what is in the place of an effect predicts clearly more than it.
+def _is_better(result: CandidateTests, effect: CandidateTest, gain: Gain, loss: Array, instead: _Instead) -> bool:
+    """Whether what is in the place of an effect, and predicts more than it, predicts clearly more.
 
     It does if it has no more terms: of two such forms the one that explains more is the better one, and no chance is to
     be allowed for. (The past of the residual or of the torque is no form.) Otherwise it does if the errors, compared as
-    those of two forecasts, say so (Diebold and Mariano 1995). It also does if it predicts what the effect leaves, and
-    the effect nothing of what it leaves (Chong and Hendry 1986): where an effect lies within what a channel can be,
-    that is the test of its form, of which the errors tell little. Not so of waves at numbers that were sought: of
-    several in one channel one may be the effect's, and the next another cause's.
+    those of two forecasts, say so (Diebold and Mariano 1995).
 
     Args:
         result: the residual.
         effect: with its nonlinear parameters, each of which is a term.
         gain: what the effect does.
-        ratio: of what it explains to what is explained in its place.
-        other: the regression with that in its place.
-        loss: its squared residuals, shape (rows,).
+        loss: squared residuals with the other in its place, shape (rows,).
         instead: what is in its place.
     """
-    policy = result.policy
     simple = instead.terms <= len(effect.found.columns) + len(effect.found.nonlinear)
     if simple and not instead.channels & AUTOREGRESSIVE:
         return True
     _, p_more = compare(gain.regression.loss, loss, gain.without.terms)
-    if p_more * instead.tried <= policy.outpredicted_significance:
-        return True
-    if ratio >= policy.of_channel or instead.channels & OF_WAVES:
-        return False
-    adds = predicts_beside(result, gain.regression, instead.columns, instead.tried, policy.form_significance)
-    return adds and not predicts_beside(result, other, gain.columns)
+    return p_more * instead.tried <= result.policy.outpredicted_significance
 
 
 def _against_channels(
@@ -385,9 +359,8 @@ def _against_channels(
         kept = float(np.sum(predictor.evidence.loss)) - float(np.sum(both.loss))
         if kept >= policy.kept * gain.fall or own / theirs >= least:
             continue
-        other = regression_of(result.problem, result.parameters, np.vstack([beside, predictor.columns]))
         channels = frozenset({predictor.channels})
         instead = _Instead(predictor.columns, channels, predictor.tried, predictor.terms)
-        if _is_better(result, first, gain, own / theirs, other, predictor.evidence.loss, instead):
+        if _is_better(result, first, gain, predictor.evidence.loss, instead):
             least, rival = own / theirs, predictor.channels
     return least, rival

@@ -8,8 +8,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fricmodels.diagnosis.candidate_tests import CandidateTest, CandidateTests
-from fricmodels.diagnosis.floor import gain_above_noise
-from fricmodels.weakform.all_motion import residual_rms
 from fricmodels.weakform.regression import Evidence, Regression, compare
 
 Array = NDArray[np.float64]
@@ -29,38 +27,14 @@ class LookAlikes:
 
 
 def passing_all_gates(result: CandidateTests) -> list[CandidateTest]:
-    """Return the candidates that are significant, gain, and are large enough in the weak form or over all motion.
-
-    Size over all motion counts only for an effect whose residual comes near the best one in the weak form.
-    """
-    passing = passing_significance(result)
-    nearest = result.policy.far_worse * min(
-        (_rms(result, t) for t in passing if not t.found.at_search_bound), default=np.inf
-    )
-    return [
-        t
-        for t in passing
-        if torque_share(result, t.evidence) > result.policy.least_torque
-        or (_rms(result, t) < nearest and _is_large_over_all_motion(result, t))
-    ]
+    """Return the candidates that are significant, gain, and are large enough."""
+    least = result.policy.least_torque
+    return [t for t in passing_significance(result) if torque_share(result, t.evidence) > least]
 
 
 def passing_significance(result: CandidateTests) -> list[CandidateTest]:
     """Return the candidates that are significant and gain on held-out blocks, however small they are."""
-    level = result.policy.effect_gain_significance
-    return [t for t in result.tested if _is_sure(result, t.evidence, t.adjusted, level)]
-
-
-def significant(result: CandidateTests) -> list[CandidateTest]:
-    """Return the candidates that are significant, and gain on held-out blocks by whatever share of the residual."""
-    policy = result.policy
-    return [
-        t
-        for t in result.tested
-        if t.adjusted < policy.significance
-        and t.evidence.gain > 0.0
-        and t.evidence.gain_p_value < policy.effect_gain_significance
-    ]
+    return [t for t in result.tested if _is_sure(result, t.evidence, t.adjusted)]
 
 
 def predicts(result: CandidateTests, evidence: Evidence, p_value: float, *, as_rival: bool = False) -> bool:
@@ -70,29 +44,19 @@ def predicts(result: CandidateTests, evidence: Evidence, p_value: float, *, as_r
         result: the residual.
         evidence: of the channel's basis functions.
         p_value: corrected for the number of channels.
-        as_rival: whether it stands against an effect. Then its gain counts at the level at which the effect's does:
-            where few events hold the gain of both, neither may win by a stricter test of the other.
+        as_rival: whether it stands against an effect. Then its gain counts as the effect's does: where few events hold
+            the gain of both, neither may win by a stricter test of the other.
     """
     policy = result.policy
-    level = policy.effect_gain_significance if as_rival else policy.predictor_gain_significance
-    sure = _is_sure(result, evidence, p_value, level) and (as_rival or evidence.gain > policy.least_gain)
-    return sure and torque_share(result, evidence) > policy.least_torque
+    sure = _is_sure(result, evidence, p_value) and torque_share(result, evidence) > policy.least_torque
+    by_much = evidence.gain > policy.least_gain and evidence.gain_p_value < policy.predictor_gain_significance
+    return sure and (as_rival or by_much)
 
 
-def _is_sure(result: CandidateTests, evidence: Evidence, p_value: float, gain_level: float) -> bool:
+def _is_sure(result: CandidateTests, evidence: Evidence, p_value: float) -> bool:
     policy = result.policy
-    if p_value >= policy.significance or evidence.gain_p_value >= gain_level or evidence.gain <= 0.0:
-        return False
-    return gain_above_noise(result.problem, result.regression, evidence, policy) > policy.least_gain
-
-
-def _is_large_over_all_motion(result: CandidateTests, tested: CandidateTest) -> bool:
-    if not _can_be_judged_by_samples(result, tested):
-        return False
-    problem = result.problem
-    power = float(np.mean(problem.recording.torque[~problem.resting] ** 2))
-    fall = residual_rms(problem) ** 2 - _left_over_all_motion(result, tested) ** 2
-    return fall > result.policy.least_torque_all_motion**2 * power
+    gains = evidence.gain > 0.0 and evidence.gain_p_value < policy.effect_gain_significance
+    return gains and p_value < policy.significance
 
 
 def torque_share(result: CandidateTests, evidence: Evidence) -> float:
@@ -106,22 +70,20 @@ def select_effect(result: CandidateTests) -> LookAlikes | None:
     policy = result.policy
     # An effect at its search bound only resembles what is missing; any other that passes is more likely.
     passing = sorted(passing_all_gates(result), key=lambda t: (t.found.at_search_bound, _cost(result, t)))
-    before = residual_rms(result.problem) if passing else 0.0
-    first = next((t for t in passing if not _spoils(result, t, before)), None)
-    if first is None:
+    if not passing:
         return None
+    first, *others = passing
     members = [first]
     best = _rms(result, first)
     near = max(policy.alike_of_effect * best, policy.alike_of_model * float(np.sqrt(np.mean(result.regression.loss))))
-    for other in (*passing[passing.index(first) + 1 :], *_better_but_for_their_number(result, first)):
+    for other in (*others, *_better_but_for_their_number(result, first)):
         _, p_worse = compare(other.evidence.loss, first.evidence.loss, result.regression.terms)
         not_worse = p_worse > policy.alike_significance and _rms(result, other) < policy.far_worse * best
         if not (_rms(result, other) - best < near or not_worse):
             continue
         if _contains(result, other, first) and first.name not in other.effect.distinct_from:
             continue
-        if not _spoils(result, other, before):
-            members.append(other)
+        members.append(other)
     return LookAlikes(first, tuple(members))
 
 
@@ -138,27 +100,9 @@ def _better_but_for_their_number(result: CandidateTests, first: CandidateTest) -
         if t.p_value < policy.significance <= t.adjusted
         and not t.found.at_search_bound
         and _cost(result, t) < least
-        and _is_sure(result, t.evidence, t.p_value, policy.effect_gain_significance)
+        and _is_sure(result, t.evidence, t.p_value)
         and torque_share(result, t.evidence) > policy.least_torque
     ]
-
-
-def _spoils(result: CandidateTests, tested: CandidateTest, before: float) -> bool:
-    """Whether an effect makes far worse what a model leaves over all motion [N m or N]."""
-    if not _can_be_judged_by_samples(result, tested):
-        return False
-    return _left_over_all_motion(result, tested) > result.policy.worse_over_all_motion * before
-
-
-def _can_be_judged_by_samples(result: CandidateTests, tested: CandidateTest) -> bool:
-    """Whether the residual of single samples says anything of an effect; of a rate of the torque it does not."""
-    return "motor_torque_rate" not in result.problem.alone(tested.effect).model.needs
-
-
-def _left_over_all_motion(result: CandidateTests, tested: CandidateTest) -> float:
-    """Return the RMS torque that an effect leaves over all motion [N m or N]."""
-    alone = result.problem.alone(tested.effect)
-    return residual_rms(result.problem, alone, tested.found.nonlinear, tested.found.kept)
 
 
 def _rms(result: CandidateTests, tested: CandidateTest) -> float:
