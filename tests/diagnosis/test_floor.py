@@ -7,7 +7,8 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from fricmodels.diagnosis.floor import creditable, floor, share_explained
+from fricmodels.diagnosis.candidate_tests import candidate_tests
+from fricmodels.diagnosis.floor import creditable, floor, gain_above_noise, share_explained
 from fricmodels.diagnosis.policy import POLICY
 from fricmodels.drive import Drive
 from fricmodels.model import Model
@@ -54,3 +55,16 @@ def test_what_lies_under_the_floor_is_nobodys_to_explain(made: Made) -> None:
     assert creditable(problem, 5 * least, 2 * least) == 2 * least
     assert creditable(problem, 5 * least, 4.5 * least) == creditable(problem, 5 * least, 5 * least) == 4 * least
     assert creditable(problem, 0.5 * least, 0.4 * least) == 0.0
+
+
+def test_a_gain_is_that_of_what_noise_leaves(made: Made) -> None:
+    """An offset that is certain, and a small part of what is mostly noise; without noise it is nearly all there is."""
+    gains = {}
+    for noise in (0.0, 10.0):
+        recording = made("coulomb-viscous+torque-offset", {"torque-offset.tau_0": 0.3}, noise=noise)
+        problem, found = estimate(Drive(LAW, 2.0), recording)
+        result = candidate_tests(problem, found.parameters, only=["torque-offset"])
+        evidence = result.tested[0].evidence
+        gains[noise] = evidence.gain, gain_above_noise(problem, result.regression, evidence, POLICY)
+    assert gains[0.0] == pytest.approx((gains[0.0][1],) * 2, rel=0.02)
+    assert gains[10.0][0] < POLICY.least_gain < 0.2 < gains[10.0][1]

@@ -18,8 +18,8 @@ from fricmodels.diagnosis.refits import Refits
 from fricmodels.diagnosis.verdict import (
     LookAlikes,
     passing_all_gates,
-    passing_significance,
     select_effect,
+    significant,
     torque_share,
 )
 from fricmodels.effects.presliding import Presliding
@@ -224,7 +224,7 @@ def test_what_is_small_in_the_rows_is_named_where_the_error_falls_far(
     diagnosis = examine(comparison)
     assert diagnosis.result is not None
     assert [name for finding in diagnosis.findings for name in finding.names] == names
-    small = [t for t in passing_significance(diagnosis.result) if t not in passing_all_gates(diagnosis.result)]
+    small = [t for t in significant(diagnosis.result) if t not in passing_all_gates(diagnosis.result)]
     assert ("sensor-delay" in [t.name for t in small]) == (samples == 1.03)
     if names:
         found = diagnosis.findings[0].tested

@@ -10,6 +10,7 @@ from fricmodels.recording import Recording
 from fricmodels.score.torque import filtered_torque_error, sliding_half_width
 from fricmodels.score.zeroed import zeroed
 from fricmodels.weakform.problem import WeakFormProblem
+from fricmodels.weakform.regression import Evidence, Regression
 
 _DRAWS, _CERTAIN = 12, 3.0
 """How often noise is drawn to see by how much its mean square varies, and so many standard deviations are chance."""
@@ -34,18 +35,40 @@ def creditable(problem: WeakFormProblem, before: float, fall: float, policy: Pol
     return min(fall, max(before - floor(problem, policy), 0.0))
 
 
-def share_explained(problem: WeakFormProblem, before: float, left: float, policy: Policy = POLICY) -> float:
-    """Return which share of a sum of squares above the floor, and above noise of the motor torque, is explained.
+def above_noise(problem: WeakFormProblem, left: float, policy: Policy = POLICY) -> float:
+    """Return what a sum of squares has above the floor, and above noise of the motor torque [(N m)² or N²].
 
     That noise is what alternates too fast for anything else, and no floor for the search: an effect explains beside it.
+    """
+    return max(left - floor(problem, policy) - problem.torque_noise, 0.0)
+
+
+def share_explained(problem: WeakFormProblem, before: float, left: float, policy: Policy = POLICY) -> float:
+    """Return which share of a sum of squares is explained, of what lies above noise.
 
     Args:
         problem: the fitted model and its rows.
         before, left: sum of squared residuals that is to be explained, and what is left of it [(N m)² or N²].
         policy: decides on the floor.
     """
-    above = before - floor(problem, policy) - problem.torque_noise
+    above = above_noise(problem, before, policy)
     return (before - left) / above if above > before - left else 1.0
+
+
+def gain_above_noise(problem: WeakFormProblem, regression: Regression, evidence: Evidence, policy: Policy) -> float:
+    """Return by which share columns lower the RMS of a residual on held-out blocks, but for what noise leaves of it.
+
+    Where noise is nearly all of it no effect could lower it by much, however certain it is.
+
+    Args:
+        problem: the fitted model and its rows.
+        regression: without the columns.
+        evidence: for them.
+        policy: decides on the floor.
+    """
+    before = float(np.sum(regression.loss))
+    share = share_explained(problem, before, (1.0 - evidence.gain) ** 2 * before, policy)
+    return 1.0 - float(np.sqrt(max(1.0 - share, 0.0)))
 
 
 def is_above_noise(comparison: Comparison, policy: Policy = POLICY) -> bool:

@@ -37,8 +37,8 @@ class Policy:
     least_gain: float = _rule(
         0.05,
         "share of the residual",
-        "A channel makes a drive unknown only if it lowers the residual by this share on blocks that are kept back.",
-        "Judgement: what is worth a word. An effect need not: noise may be nearly all of a residual.",
+        "It must lower the residual, an effect what noise leaves of it, by this share on blocks that are kept back.",
+        "Judgement: what an effect must be worth to have a place in a model.",
         off=-_INF,
     )
     effect_gain_significance: float = _rule(

@@ -9,6 +9,7 @@ import numpy as np
 
 from fricmodels import plugins
 from fricmodels.diagnosis.candidate_tests import CandidateTest, CandidateTests
+from fricmodels.diagnosis.floor import above_noise
 from fricmodels.signals.order_spectrum import LEAST_PERIODS
 from fricmodels.weakform.lines import Whitened, fast_band, smallest_line
 from fricmodels.weakform.search import fastest_in_rows
@@ -50,13 +51,21 @@ def visibility(result: CandidateTests, found: Iterable[str]) -> dict[str, Visibi
 
 
 def _smallest(result: CandidateTests, tested: CandidateTest) -> Visibility:
-    """Return the RMS torque at which the Wald statistic is critical in half of all recordings like this one."""
+    """Return the RMS torque at which both gates would be passed in half of all recordings like this one.
+
+    First gate: the Wald statistic reaches its critical value. Second gate: the residual, but for what noise leaves of
+    it, falls by the least gain g: an effect takes √(1/(1 − g)² − 1) times as much torque for it as is left without it.
+    """
     from scipy.stats import f as fisher
 
     problem, regression, policy = result.problem, result.regression, result.policy
     reference = float(np.sqrt(np.mean(problem.driving**2)))
-    columns, needed = tested.found.columns, 0.0
-    if len(columns):
+    residual = float(np.sqrt(above_noise(problem, float(np.sum(regression.residual**2)), policy) / problem.rows))
+    columns = tested.found.columns
+    gain_needed = residual * float(np.sqrt(max(1 / (1 - policy.least_gain) ** 2 - 1, 0.0)))
+    if not len(columns):
+        needed = gain_needed
+    else:
         q = len(columns)
         freedom = max(regression.terms - q + 1, 1)
         level = policy.significance / (tested.found.trials * max(len(result.tested), 1))
@@ -65,7 +74,7 @@ def _smallest(result: CandidateTests, tested: CandidateTest) -> Visibility:
         # A coefficient vector of Wald statistic equal to the critical one, along its least certain direction.
         spread, directions = np.linalg.eigh(tested.evidence.covariance)
         theta = directions[:, -1] * np.sqrt(critical * max(spread[-1], 0.0))
-        needed = float(np.sqrt(np.mean((theta @ free) ** 2)))
+        needed = max(gain_needed, float(np.sqrt(np.mean((theta @ free) ** 2))))
     share = max(needed / reference, policy.least_torque) if reference > 0 else float("nan")
     torque = share * float(np.sqrt(np.mean(problem.recording.torque**2)))
     return Visibility(100 * share, torque, "")

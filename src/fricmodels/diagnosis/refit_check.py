@@ -23,7 +23,7 @@ from fricmodels.diagnosis.comparison import Comparison
 from fricmodels.diagnosis.policy import Policy
 from fricmodels.diagnosis.refits import Refits
 from fricmodels.diagnosis.supported import judge
-from fricmodels.diagnosis.verdict import LookAlikes, passing_all_gates, passing_significance
+from fricmodels.diagnosis.verdict import LookAlikes, passing_all_gates, passing_significance, significant
 from fricmodels.weakform.problem import WeakFormProblem
 
 
@@ -41,7 +41,7 @@ def refit_check(
     if named is not None:
         return _led_by_fit(refits, named, result.policy)
     out, before = set(leave_out), _error(refits.comparison)
-    small = [] if passing_all_gates(result) else passing_significance(result)
+    small = [] if passing_all_gates(result) else significant(result)
     return _best(refits, result, small, out, before) or _on_all_motion(refits, out, before, result.policy)
 
 

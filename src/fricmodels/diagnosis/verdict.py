@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fricmodels.diagnosis.candidate_tests import CandidateTest, CandidateTests
+from fricmodels.diagnosis.floor import gain_above_noise
 from fricmodels.weakform.regression import Evidence, Regression, compare
 
 Array = NDArray[np.float64]
@@ -34,7 +35,20 @@ def passing_all_gates(result: CandidateTests) -> list[CandidateTest]:
 
 def passing_significance(result: CandidateTests) -> list[CandidateTest]:
     """Return the candidates that are significant and gain on held-out blocks, however small they are."""
-    return [t for t in result.tested if _is_sure(result, t.evidence, t.adjusted)]
+    level = result.policy.effect_gain_significance
+    return [t for t in result.tested if _is_sure(result, t.evidence, t.adjusted, level)]
+
+
+def significant(result: CandidateTests) -> list[CandidateTest]:
+    """Return the candidates that are significant, and gain on held-out blocks by whatever share of the residual."""
+    policy = result.policy
+    return [
+        t
+        for t in result.tested
+        if t.adjusted < policy.significance
+        and t.evidence.gain > 0.0
+        and t.evidence.gain_p_value < policy.effect_gain_significance
+    ]
 
 
 def predicts(result: CandidateTests, evidence: Evidence, p_value: float, *, as_rival: bool = False) -> bool:
@@ -44,19 +58,20 @@ def predicts(result: CandidateTests, evidence: Evidence, p_value: float, *, as_r
         result: the residual.
         evidence: of the channel's basis functions.
         p_value: corrected for the number of channels.
-        as_rival: whether it stands against an effect. Then its gain counts as the effect's does: where few events hold
-            the gain of both, neither may win by a stricter test of the other.
+        as_rival: whether it stands against an effect. Then its gain counts at the level at which the effect's does:
+            where few events hold the gain of both, neither may win by a stricter test of the other.
     """
     policy = result.policy
-    sure = _is_sure(result, evidence, p_value) and torque_share(result, evidence) > policy.least_torque
-    by_much = evidence.gain > policy.least_gain and evidence.gain_p_value < policy.predictor_gain_significance
-    return sure and (as_rival or by_much)
+    level = policy.effect_gain_significance if as_rival else policy.predictor_gain_significance
+    sure = _is_sure(result, evidence, p_value, level) and (as_rival or evidence.gain > policy.least_gain)
+    return sure and torque_share(result, evidence) > policy.least_torque
 
 
-def _is_sure(result: CandidateTests, evidence: Evidence, p_value: float) -> bool:
+def _is_sure(result: CandidateTests, evidence: Evidence, p_value: float, gain_level: float) -> bool:
     policy = result.policy
-    gains = evidence.gain > 0.0 and evidence.gain_p_value < policy.effect_gain_significance
-    return gains and p_value < policy.significance
+    if p_value >= policy.significance or evidence.gain_p_value >= gain_level or evidence.gain <= 0.0:
+        return False
+    return gain_above_noise(result.problem, result.regression, evidence, policy) > policy.least_gain
 
 
 def torque_share(result: CandidateTests, evidence: Evidence) -> float:
@@ -100,7 +115,7 @@ def _better_but_for_their_number(result: CandidateTests, first: CandidateTest) -
         if t.p_value < policy.significance <= t.adjusted
         and not t.found.at_search_bound
         and _cost(result, t) < least
-        and _is_sure(result, t.evidence, t.p_value)
+        and _is_sure(result, t.evidence, t.p_value, policy.effect_gain_significance)
         and torque_share(result, t.evidence) > policy.least_torque
     ]
 
