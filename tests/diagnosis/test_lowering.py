@@ -47,15 +47,19 @@ def test_up_to_the_lowest_error(errors: list[float], kept: str, left_out: str, m
     assert (left_out != "") == ("does not fall" in search.note)
 
 
-@pytest.mark.parametrize(("jointly", "kept"), [(False, "a"), (True, "")])
-def test_of_effects_that_show_only_jointly_none_is_added_alone(
-    jointly: bool, kept: str, monkeypatch: pytest.MonkeyPatch
+@pytest.mark.parametrize(
+    ("errors", "alone", "jointly"),
+    [([5.0, 7.0], "a", ""), ([5.0, 4.0, 7.0], "ab", ""), ([5.0, 4.0, 3.0], "abc", "abc")],
+)
+@pytest.mark.parametrize("only_jointly", [False, True])
+def test_of_effects_that_show_only_jointly_all_are_added_or_none(
+    errors: list[float], alone: str, jointly: str, only_jointly: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(ladder, "from_scratch", lambda comparison: comparison)
-    first: Any = SimpleNamespace(comparison=fitted(10.0), judgement=SimpleNamespace(only_jointly=jointly))
+    first: Any = SimpleNamespace(comparison=fitted(10.0), judgement=SimpleNamespace(only_jointly=only_jointly))
     search = ladder._Search(set(), set(), ladder.POLICY, first)
-    step: Any = [(first, Rung(fitted(error), added=name)) for name, error in zip("ab", [5.0, 7.0], strict=True)]
-    assert "".join(rung.added for _, rung in search._lowering(step)) == kept
+    step: Any = [(first, Rung(fitted(error), added=name)) for name, error in zip("abc", errors, strict=False)]
+    assert "".join(rung.added for _, rung in search._lowering(step)) == (jointly if only_jointly else alone)
 
 
 def test_what_the_ladder_gives_up_is_not_missing(made: Made, monkeypatch: pytest.MonkeyPatch) -> None:

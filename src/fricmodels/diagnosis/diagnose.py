@@ -162,8 +162,8 @@ def examine(comparison: Comparison, *, leave_out: Iterable[str] = (), policy: Po
     elif best is not None and found is None and not _within_sampling(result, best.first):
         view = view or as_predictor(result, best.first)
     everything = _as_a_whole(refits, together) if named is None else _all_together(refits, named, together)
-    if judgement is not None and judgement.only_jointly and len(everything) == 1:
-        everything = []  # it showed beside another one only, with which the error does not fall
+    if judgement is not None and judgement.only_jointly and len(everything) < len(together):
+        everything = []  # each showed beside all the others only, and with one of them the error does not fall
     if everything:
         ripple = _beside(refits, everything, out, policy)
     everything += _fast(refits, everything, ripple)

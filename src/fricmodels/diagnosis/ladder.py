@@ -166,13 +166,13 @@ class _Search:
         """Return the rungs, fitted as `compare` fits them, up to the one with the lowest printed test error.
 
         The effect after it is not considered again; what was found with it may be found once more. Of effects that
-        show only beside each other none is added by itself.
+        show only beside each other all are added, or none.
         """
         fitted = [(diagnosis, replace(rung, comparison=from_scratch(rung.comparison))) for diagnosis, rung in step]
         errors = [c.errors.held_out_percent for c in (self._here, *(rung.comparison for _, rung in fitted))]
         kept = errors.index(min(errors))
         judgement = self.diagnosis.judgement
-        if kept == 1 and judgement is not None and judgement.only_jointly:
+        if kept < len(fitted) and judgement is not None and judgement.only_jointly:
             kept = 0
         if kept < len(fitted):
             name = fitted[kept][1].added

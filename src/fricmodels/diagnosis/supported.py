@@ -68,7 +68,7 @@ class Judgement:
         members: each effect with its look-alikes, and what speaks for it; that which was found first comes first.
         one_cause: those that only imitate one unknown cause together.
         described_by: the channels that describe what the set leaves.
-        only_jointly: whether none of the effects showed by itself: each is there only if another one is.
+        only_jointly: whether none of the effects showed by itself: each is there only if the others are.
         floor, unpredicted: RMS torques that noise and sampling leave, and that nothing predicts, over the RMS torque.
     """
 
