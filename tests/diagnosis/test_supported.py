@@ -326,10 +326,12 @@ def test_of_two_equally_simple_forms_the_better_one_is_better_without_a_test(
 ) -> None:
     """An effect of two torques and a wave number has three terms; a rival that no test prefers may have no more."""
     monkeypatch.setattr(supported, "compare", lambda *_: (0.0, 1.0))
+    monkeypatch.setattr(supported, "predicts_beside", lambda *_: False)
     loss = np.ones(5)
     effect: Any = SimpleNamespace(found=SimpleNamespace(columns=np.ones((2, 5)), nonlinear=(7.0,)))
     regression = SimpleNamespace(loss=loss, terms=8)
     gain: Any = SimpleNamespace(regression=regression, without=regression, columns=np.ones((2, 5)))
     result: Any = SimpleNamespace(policy=POLICY)
     instead = supported._Instead(np.ones((terms, 5)), frozenset({channels}), 30, terms)
-    assert supported._is_better(result, effect, gain, loss, instead) is better
+    other: Any = regression
+    assert supported._is_better(result, effect, gain, 0.9, other, loss, instead) is better

@@ -28,7 +28,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from fricmodels.diagnosis.basis_functions import OF_POSITION, OF_TIME, terms
+from fricmodels.diagnosis.basis_functions import OF_POSITION, OF_TIME, OF_WAVES, terms
 from fricmodels.diagnosis.candidate_tests import CandidateTest, CandidateTests
 from fricmodels.diagnosis.effect_set import (
     Gain,
@@ -48,13 +48,13 @@ from fricmodels.diagnosis.effect_set import (
 )
 from fricmodels.diagnosis.floor import floor, share_explained
 from fricmodels.diagnosis.look_ahead import set_ahead, set_beside
-from fricmodels.diagnosis.one_cause import credited, is_drawn, is_simpler, that_are_one_cause
+from fricmodels.diagnosis.one_cause import credited, is_drawn, is_simpler, predicts_beside, that_are_one_cause
 from fricmodels.diagnosis.policy import Policy
 from fricmodels.diagnosis.predictability import AUTOREGRESSIVE
 from fricmodels.diagnosis.verdict import LookAlikes, select_effect
 from fricmodels.progress import each
 from fricmodels.term import Effect
-from fricmodels.weakform.regression import compare
+from fricmodels.weakform.regression import Regression, compare
 from fricmodels.weakform.shifted import regression_of
 
 Array = NDArray[np.float64]
@@ -285,7 +285,7 @@ def _support_of(result: CandidateTests, member: Member, place: _Place) -> Suppor
         of_instead = described.before - float(np.sum(other.loss))
         ours, theirs = credited(result, described.before, described.fall, of_instead)
         first = member.found.first
-        if theirs > ours and _is_better(result, first, described, other.loss, instead):
+        if theirs > ours and _is_better(result, first, described, ours / theirs, other, other.loss, instead):
             of_rest = ours / theirs
     lasting = place.lasting
     full = gain_of(result, np.vstack([place.base, lasting]), member) if len(lasting) else described
@@ -307,25 +307,44 @@ def _support_of(result: CandidateTests, member: Member, place: _Place) -> Suppor
     return replace(found, of_channel=of_channel, rival=rival) if of_channel < of_rest else found
 
 
-def _is_better(result: CandidateTests, effect: CandidateTest, gain: Gain, loss: Array, instead: _Instead) -> bool:
-    """Whether what is in the place of an effect, and predicts more than it, predicts clearly more.
+def _is_better(
+    result: CandidateTests,
+    effect: CandidateTest,
+    gain: Gain,
+    ratio: float,
+    other: Regression,
+    loss: Array,
+    instead: _Instead,
+) -> bool:
+    """Whether what is in the place of an effect predicts clearly more than it.
 
     It does if it has no more terms: of two such forms the one that explains more is the better one, and no chance is to
     be allowed for. (The past of the residual or of the torque is no form.) Otherwise it does if the errors, compared as
-    those of two forecasts, say so (Diebold and Mariano 1995).
+    those of two forecasts, say so (Diebold and Mariano 1995). It also does if it predicts what the effect leaves, and
+    the effect nothing of what it leaves (Chong and Hendry 1986): where an effect lies within what a channel can be,
+    that is the test of its form, of which the errors tell little. Not so of waves at numbers that were sought: of
+    several in one channel one may be the effect's, and the next another cause's.
 
     Args:
         result: the residual.
         effect: with its nonlinear parameters, each of which is a term.
         gain: what the effect does.
-        loss: squared residuals with the other in its place, shape (rows,).
+        ratio: of what it explains to what is explained in its place.
+        other: the regression with that in its place.
+        loss: its squared residuals, shape (rows,).
         instead: what is in its place.
     """
+    policy = result.policy
     simple = instead.terms <= len(effect.found.columns) + len(effect.found.nonlinear)
     if simple and not instead.channels & AUTOREGRESSIVE:
         return True
     _, p_more = compare(gain.regression.loss, loss, gain.without.terms)
-    return p_more * instead.tried <= result.policy.outpredicted_significance
+    if p_more * instead.tried <= policy.outpredicted_significance:
+        return True
+    if ratio >= policy.of_channel or instead.channels & OF_WAVES:
+        return False
+    adds = predicts_beside(result, gain.regression, instead.columns, instead.tried, policy.form_significance)
+    return adds and not predicts_beside(result, other, gain.columns)
 
 
 def _against_channels(
@@ -359,8 +378,9 @@ def _against_channels(
         kept = float(np.sum(predictor.evidence.loss)) - float(np.sum(both.loss))
         if kept >= policy.kept * gain.fall or own / theirs >= least:
             continue
+        other = regression_of(result.problem, result.parameters, np.vstack([beside, predictor.columns]))
         channels = frozenset({predictor.channels})
         instead = _Instead(predictor.columns, channels, predictor.tried, predictor.terms)
-        if _is_better(result, first, gain, predictor.evidence.loss, instead):
+        if _is_better(result, first, gain, own / theirs, other, predictor.evidence.loss, instead):
             least, rival = own / theirs, predictor.channels
     return least, rival
