@@ -34,7 +34,7 @@ they begin before the drive has come to rest, and seem to show a larger noise.""
 _ENOUGH = 100
 """Samples from which noise can be told."""
 _WIDER = (2.0, 4.0, 8.0)
-"""Bands about zero in which rests are sought again, in those of white noise."""
+"""Bands about zero in which rests are sought again, in those of the noise that shows beside motion."""
 _MORE, _AS_LARGE = 1.25, 0.5
 """Rests are more if they are longer by a quarter; noise in them is as large as supposed if it is half of that."""
 _CLEARLY = 1.5
@@ -211,7 +211,7 @@ def _at_rest(recording: Recording, resting: Mask) -> Noise | None:
 
 
 def _in_wider_bands(recording: Recording, found: _Motion) -> Noise:
-    """Return white noise as it is, or lasting noise that changes as fast, if rests show that.
+    """Return noise that does not last as it is, or lasting noise that changes as fast, if rests show that.
 
     Where noise lasts as long as the rests, its band seems narrow and rests fall into pieces. In a band twice as wide
     they are whole, and the noise in them is as large as was supposed. A drive that rests in white noise shows no more
@@ -219,7 +219,7 @@ def _in_wider_bands(recording: Recording, found: _Motion) -> Noise:
     """
     noise, best = found.noise, found
     for factor in _WIDER:
-        lasting = factor * noise.white
+        lasting = factor * noise.deviation
         # The fourth differences of a random walk are those of white noise if its steps have 3.5 times the variance.
         supposed = Noise(0.0, noise.difference, lasting, max(2.0 * factor**2 / 3.5, 1.0))
         if not may_be_there(supposed, _parts(recording)):
