@@ -19,6 +19,7 @@ from fricmodels.signals import (
     resting,
     velocity_noise,
 )
+from fricmodels.signals import rest as rests_of
 from fricmodels.signals.lanczos import even_weights
 
 Array = NDArray[np.float64]
@@ -168,6 +169,18 @@ def test_rests_between_strokes_are_found_whose_motion_hides_the_noise(lasts: flo
     assert np.mean(found[rests]) > 0.85
     assert np.mean(found[~rests]) < 0.1
     assert velocity_noise(recording).deviation == pytest.approx(0.02, rel=0.4)
+
+
+@pytest.mark.parametrize("seed", [3, 4, 5])
+def test_wider_bands_are_those_of_all_the_noise_that_shows(seed: int) -> None:
+    """Hardly any of it is white here, and a few times that is no band in which this drive rests."""
+    rng = np.random.default_rng(seed + 10)
+    shown = 0.0012 * rng.standard_normal(3000) + 0.0035 * np.diff(rng.standard_normal(3001))
+    recording, rests = strokes(250.0, 0.02 * lasting(9.0, seed=seed, count=3000) + shown)
+    noise = Noise(0.0012, 0.0035)
+    found = rests_of._in_wider_bands(recording, rests_of._seen(recording, noise))
+    assert found.lasting == pytest.approx(0.02, rel=0.3)
+    assert np.mean(rests_of._seen(recording, found).resting[rests]) > 0.95
 
 
 def slow_motion(seed: int, noise: float) -> Recording:
