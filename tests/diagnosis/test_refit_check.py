@@ -97,6 +97,20 @@ def test_without_it_no_other_one_takes_its_place(bent: Comparison) -> None:
     assert not examine(bent, leave_out=["presliding"]).findings
 
 
+@pytest.mark.parametrize(
+    ("name", "helps"),
+    [("backlash", False), ("presliding", True)],
+)
+def test_what_the_rows_name_stands_only_if_the_error_falls_with_it(bent: Comparison, name: str, helps: bool) -> None:
+    result = candidate_tests(replace(bent.problem), bent.estimate.parameters, only=[name])
+    (tested,) = result.tested
+    assert torque_share(result, tested.evidence) < 0.2 * bent.sliding.held_out_percent / 100
+    with_it = with_effect(bent, tested.effect, tested.parameters)
+    assert (with_it.sliding.held_out_percent < (1 - POLICY.least_gain) * bent.sliding.held_out_percent) is helps
+    found = refit_check(Refits(bent, POLICY), result, ["presliding"], LookAlikes(tested, (tested,)))
+    assert (found is not None) is helps
+
+
 def test_an_effect_without_memory_is_left_as_the_rows_name_it(stiff: Comparison) -> None:
     result = candidate_tests(replace(stiff.problem), stiff.estimate.parameters, only=["torque-offset"])
     named = LookAlikes(result.tested[0], result.tested)

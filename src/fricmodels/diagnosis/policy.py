@@ -211,6 +211,28 @@ class Policy:
     )
 
     # ---- The check by a refit, for effects with memory ------------------------------------------------------------
+    residual_shows_error: float = _rule(
+        0.5,
+        "share of the RMS torque error",
+        "An effect with memory stands without a refit if it explains this much of the error in the weak form.",
+        "Judgement: then its evidence is about most of the error.",
+        off=-1.0,
+    )
+    replacement: float = _rule(
+        0.75,
+        "factor of the RMS torque error",
+        "If a refit leaves more than this share of the error, another effect replaces the named one where it leaves "
+        "less than this share of what the named one leaves.",
+        "Judgement.",
+        off=0.0,
+    )
+    refit_gain: float = _rule(
+        0.05,
+        "share of the RMS torque error",
+        "Where the error is far above noise, a refit with the named effect must lower it by this share.",
+        "Judgement: equal to least_gain.",
+        off=0.0,
+    )
     within_sampling: float = _rule(
         2.0,
         "samples",

@@ -6,8 +6,9 @@ where nothing is large enough in the rows, what is significant there is fitted, 
 
 The weak form also leaves out where a drive may have stuck, or turned twice, between two samples. An effect with memory
 may do nearly all that it does there: a contact bends and a gap is crossed within a few samples of standstill. So where
-the weak form names nothing, effects with memory are tested on all motion. There sampling alone may look like one of
-them. One counts only if the model that is fitted with it leaves far less of the whole recording.
+the weak form names nothing, or an effect with which the error hardly falls, effects with memory are tested on all
+motion. There sampling alone may look like one of them. One counts only if the model that is fitted with it leaves far
+less of the whole recording.
 """
 
 from __future__ import annotations
@@ -20,10 +21,11 @@ import numpy as np
 from fricmodels import plugins
 from fricmodels.diagnosis.candidate_tests import CandidateTest, CandidateTests, candidate_tests
 from fricmodels.diagnosis.comparison import Comparison
+from fricmodels.diagnosis.floor import is_above_noise
 from fricmodels.diagnosis.policy import Policy
 from fricmodels.diagnosis.refits import Refits
 from fricmodels.diagnosis.supported import judge
-from fricmodels.diagnosis.verdict import LookAlikes, passing_all_gates, passing_significance, significant
+from fricmodels.diagnosis.verdict import LookAlikes, passing_all_gates, passing_significance, significant, torque_share
 from fricmodels.weakform.problem import WeakFormProblem
 
 
@@ -32,17 +34,28 @@ def refit_check(
 ) -> LookAlikes | None:
     """Return what the weak form names, or the effect with which the error falls far, or ``None``.
 
+    An effect with memory that explains only a small part of the error in the weak form is named only if the error of
+    the fitted model falls with it, the test error too.
+
     Args:
         refits: fits of the model with one effect more.
         result: the tests on its residual.
         leave_out: effects that are not considered.
         named: what the weak form names; ``None`` if nothing.
     """
-    if named is not None:
-        return _led_by_fit(refits, named, result.policy)
-    out, before = set(leave_out), _error(refits.comparison)
-    small = [] if passing_all_gates(result) else significant(result)
-    return _best(refits, result, small, out, before) or _on_all_motion(refits, out, before, result.policy)
+    comparison, policy, out = refits.comparison, result.policy, set(leave_out)
+    before = _error(comparison)
+    if named is None:
+        small = [] if passing_all_gates(result) else significant(result)
+        return _best(refits, result, small, out, before) or _on_all_motion(refits, out, before, policy)
+    named = _led_by_fit(refits, named, policy)
+    in_rows = 100 * torque_share(result, named.first.evidence)
+    if not named.first.effect.states or in_rows > policy.residual_shows_error * before:
+        return named
+    helps, after = _helps(refits, named.first, policy), min(before, _error(refits.with_effect(named.first)))
+    if helps and after < policy.replacement * before:
+        return named
+    return _on_all_motion(refits, out, policy.replacement * after, policy) or (named if helps else None)
 
 
 def _led_by_fit(refits: Refits, named: LookAlikes, policy: Policy) -> LookAlikes:
@@ -73,6 +86,16 @@ def _led_by_fit(refits: Refits, named: LookAlikes, policy: Policy) -> LookAlikes
 
 def _parameters(tested: CandidateTest) -> int:
     return len(tested.effect.parameters)
+
+
+def _helps(refits: Refits, tested: CandidateTest, policy: Policy) -> bool:
+    """Whether an effect lowers the test error, and the error by a fair part where it is far above noise."""
+    comparison, fitted = refits.comparison, refits.with_effect(tested)
+    if fitted is None:
+        return False
+    falls = fitted.sliding.held_out_percent < comparison.sliding.held_out_percent
+    part = 1 - policy.refit_gain if is_above_noise(comparison, policy) else 1.0
+    return falls and _error(fitted) < part * _error(comparison)
 
 
 def _on_all_motion(refits: Refits, leave_out: set[str], bound: float, policy: Policy) -> LookAlikes | None:
