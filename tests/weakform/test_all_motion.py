@@ -1,15 +1,17 @@
-"""An effect of the reversals alone, about which the rows say little, is named for what it does to the error."""
+"""What is left over all motion tells effects that were fitted to the rows alone from those that hold everywhere."""
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 
 from fricmodels.diagnosis import examine
 from fricmodels.diagnosis.candidate_tests import candidate_tests
 from fricmodels.diagnosis.comparison import Comparison, compare
 from fricmodels.diagnosis.policy import POLICY
-from fricmodels.diagnosis.verdict import torque_share
+from fricmodels.diagnosis.verdict import select_effect, torque_share
 from fricmodels.rig import Rig
+from fricmodels.weakform.all_motion import residual_rms
 
 PLAY = {
     "name": "backlash",
@@ -59,6 +61,31 @@ def test_play_under_a_load_is_named() -> None:
 def test_a_tight_joint_has_no_play() -> None:
     found = examine(compare(rig().simulate(), "coulomb-viscous", 2.0))
     assert "backlash" not in [name for finding in found.findings for name in finding.names]
+
+
+def test_the_true_effect_leaves_less_over_all_motion(played: Comparison) -> None:
+    problem = played.problem
+    (tested,) = candidate_tests(problem, played.estimate.parameters, only=["backlash"]).tested
+    after = residual_rms(problem, problem.alone(tested.effect), tested.found.nonlinear, tested.found.kept)
+    assert after < 0.8 * residual_rms(problem)
+
+
+def test_what_is_left_counts_in_units_of_torque_and_with_a_free_inertia_too(played: Comparison) -> None:
+    free = compare(rig(PLAY).simulate(), "coulomb-viscous")
+    assert residual_rms(free.problem) == pytest.approx(residual_rms(played.problem), rel=0.1)
+    moving = ~played.problem.resting
+    assert residual_rms(played.problem) < np.sqrt(np.mean(played.problem.recording.torque[moving] ** 2))
+
+
+def test_an_effect_that_says_nonsense_where_the_rows_are_silent_is_not_named(played: Comparison) -> None:
+    """Of two effects of equal rows the one that multiplies what is left over all motion is refused."""
+    result = candidate_tests(played.problem, played.estimate.parameters)
+    best = select_effect(result)
+    assert best is not None
+    before = residual_rms(played.problem)
+    for tested in best.members:
+        alone = played.problem.alone(tested.effect)
+        assert residual_rms(played.problem, alone, tested.found.nonlinear, tested.found.kept) <= 2 * before
 
 
 @pytest.mark.parametrize(("gap", "names"), [(4e-4, [("backlash",)]), (0.0, [])])

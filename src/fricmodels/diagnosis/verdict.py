@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from fricmodels.diagnosis.candidate_tests import CandidateTest, CandidateTests
 from fricmodels.diagnosis.floor import gain_above_noise
+from fricmodels.weakform.all_motion import residual_rms
 from fricmodels.weakform.regression import Evidence, Regression, compare
 
 Array = NDArray[np.float64]
@@ -28,9 +29,20 @@ class LookAlikes:
 
 
 def passing_all_gates(result: CandidateTests) -> list[CandidateTest]:
-    """Return the candidates that are significant, gain, and are large enough."""
-    least = result.policy.least_torque
-    return [t for t in passing_significance(result) if torque_share(result, t.evidence) > least]
+    """Return the candidates that are significant, gain, and are large enough in the weak form or over all motion.
+
+    Size over all motion counts only for an effect whose residual comes near the best one in the weak form.
+    """
+    passing = passing_significance(result)
+    nearest = result.policy.far_worse * min(
+        (_rms(result, t) for t in passing if not t.found.at_search_bound), default=np.inf
+    )
+    return [
+        t
+        for t in passing
+        if torque_share(result, t.evidence) > result.policy.least_torque
+        or (_rms(result, t) < nearest and _is_large_over_all_motion(result, t))
+    ]
 
 
 def passing_significance(result: CandidateTests) -> list[CandidateTest]:
@@ -74,6 +86,15 @@ def _is_sure(result: CandidateTests, evidence: Evidence, p_value: float, gain_le
     return gain_above_noise(result.problem, result.regression, evidence, policy) > policy.least_gain
 
 
+def _is_large_over_all_motion(result: CandidateTests, tested: CandidateTest) -> bool:
+    if not _can_be_judged_by_samples(result, tested):
+        return False
+    problem = result.problem
+    power = float(np.mean(problem.recording.torque[~problem.resting] ** 2))
+    fall = residual_rms(problem) ** 2 - _left_over_all_motion(result, tested) ** 2
+    return fall > result.policy.least_torque_all_motion**2 * power
+
+
 def torque_share(result: CandidateTests, evidence: Evidence) -> float:
     """Return the RMS torque that columns explain beyond the base model, over the RMS torque."""
     explained = evidence.explained * float(np.mean(result.regression.residual**2))
@@ -85,20 +106,22 @@ def select_effect(result: CandidateTests) -> LookAlikes | None:
     policy = result.policy
     # An effect at its search bound only resembles what is missing; any other that passes is more likely.
     passing = sorted(passing_all_gates(result), key=lambda t: (t.found.at_search_bound, _cost(result, t)))
-    if not passing:
+    before = residual_rms(result.problem) if passing else 0.0
+    first = next((t for t in passing if not _spoils(result, t, before)), None)
+    if first is None:
         return None
-    first, *others = passing
     members = [first]
     best = _rms(result, first)
     near = max(policy.alike_of_effect * best, policy.alike_of_model * float(np.sqrt(np.mean(result.regression.loss))))
-    for other in (*others, *_better_but_for_their_number(result, first)):
+    for other in (*passing[passing.index(first) + 1 :], *_better_but_for_their_number(result, first)):
         _, p_worse = compare(other.evidence.loss, first.evidence.loss, result.regression.terms)
         not_worse = p_worse > policy.alike_significance and _rms(result, other) < policy.far_worse * best
         if not (_rms(result, other) - best < near or not_worse):
             continue
         if _contains(result, other, first) and first.name not in other.effect.distinct_from:
             continue
-        members.append(other)
+        if not _spoils(result, other, before):
+            members.append(other)
     return LookAlikes(first, tuple(members))
 
 
@@ -118,6 +141,24 @@ def _better_but_for_their_number(result: CandidateTests, first: CandidateTest) -
         and _is_sure(result, t.evidence, t.p_value, policy.effect_gain_significance)
         and torque_share(result, t.evidence) > policy.least_torque
     ]
+
+
+def _spoils(result: CandidateTests, tested: CandidateTest, before: float) -> bool:
+    """Whether an effect makes far worse what a model leaves over all motion [N m or N]."""
+    if not _can_be_judged_by_samples(result, tested):
+        return False
+    return _left_over_all_motion(result, tested) > result.policy.worse_over_all_motion * before
+
+
+def _can_be_judged_by_samples(result: CandidateTests, tested: CandidateTest) -> bool:
+    """Whether the residual of single samples says anything of an effect; of a rate of the torque it does not."""
+    return "motor_torque_rate" not in result.problem.alone(tested.effect).model.needs
+
+
+def _left_over_all_motion(result: CandidateTests, tested: CandidateTest) -> float:
+    """Return the RMS torque that an effect leaves over all motion [N m or N]."""
+    alone = result.problem.alone(tested.effect)
+    return residual_rms(result.problem, alone, tested.found.nonlinear, tested.found.kept)
 
 
 def _rms(result: CandidateTests, tested: CandidateTest) -> float:

@@ -25,9 +25,8 @@ FEWEST, FEWEST_WHERE_ALL_COUNT = 40, 20
 """Widths that the shortest run has at least, so that some are clear of what is uncertain; and where none need be."""
 _DERIVED = 6
 """A bump spans at least so many half widths of the derivation of the velocity, at which friction is evaluated."""
-_FEWEST_OF_NOISY, _LOUD, _OF_MOMENTUM = 8, 2.0, 0.01
-"""Widths that it has at least where noise adds so many times as much to a row as it may, or would make an estimated
-inertia too small by more than this share."""
+_FEWEST_FOR_INERTIA, _OF_MOMENTUM = 8, 0.01
+"""Widths that it has at least where noise would make an estimated inertia too small by more than this share."""
 NOISE_SHARE, NOISE_SHARE_WHERE_ALL_COUNT = 0.01, 0.005
 """The bump is widened until the noise of the velocity adds less than this share of the RMS torque to a row. Where no
 row need be clear of uncertain motion, a wide bump loses no rows, and it is widened until that is half as much."""
@@ -133,9 +132,8 @@ def bump_width(
 ) -> int:
     r"""Return the least width at which velocity noise adds less than the stated share of the RMS torque to a row.
 
-    A bump is no wider than leaves the shortest run many, unless noise is loud: few rows say more then. And an inertia
-    that is estimated is too small by the share λ of noise in the squared momentum, whatever it is. Then a bump is
-    widened until that is less than a hundredth.
+    An inertia that is estimated is too small by the share λ of noise in the squared momentum, whatever it is. Then a
+    bump is widened, beyond what leaves the shortest run many, until that is less than a hundredth.
 
     Args:
         recording: with velocity and torque.
@@ -151,11 +149,10 @@ def bump_width(
     half = narrow and shortest >= fewest * _NARROWEST
     usual, narrowest = (max(width, least) for width in (_NARROWEST, _NARROWEST // 2 if half else _NARROWEST))
     widest = max(usual, min(WIDEST, shortest // fewest // HOPS * HOPS))
-    most = max(widest, min(WIDEST, shortest // _FEWEST_OF_NOISY // HOPS * HOPS))
+    most = max(widest, min(WIDEST, shortest // _FEWEST_FOR_INERTIA // HOPS * HOPS)) if estimated else widest
     for width in range(narrowest, most, HOPS):
         count, squares, momentum = _momentum(recording, width)
-        enough = _LOUD * wanted if width >= widest else wanted
-        quiet = not count or inertia * math.sqrt(squares / count) <= enough
+        quiet = width >= widest or not count or inertia * math.sqrt(squares / count) <= wanted
         if quiet and not (estimated and squares > _OF_MOMENTUM * momentum):
             return width
     return most

@@ -1,0 +1,53 @@
+"""What a model leaves over all motion, the stretches included that the rows leave out.
+
+Around standstill it is not known for certain how a drive moved, so the rows have no part in it. An effect that is
+fitted to the rows alone may say anything there. What it says is judged roughly: sample by sample, by its size.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fricmodels.drive import Drive
+from fricmodels.weakform.problem import WeakFormProblem
+
+Array = NDArray[np.float64]
+
+
+def residual_rms(
+    problem: WeakFormProblem,
+    effect: Drive | None = None,
+    nonlinear: Sequence[float] = (),
+    kept: NDArray[np.bool_] | None = None,
+) -> float:
+    """Return the RMS torque [N m or N] that a model leaves at all moving samples, with an effect or without.
+
+    Args:
+        problem: the fitted model and its rows.
+        effect: a drive with nothing but the effect; without it, the model alone.
+        nonlinear: the effect's nonlinear parameters.
+        kept: which of its linear ones are free; all by default.
+    """
+    model, estimated = problem.drive.model, problem.estimated or {}
+    own = [estimated[p.key] for p, linear in zip(model.parameters, model.linear, strict=True) if not linear]
+    design, offset = problem.evaluate(problem.drive, own)
+    acceleration = problem.quadrature.recording["acceleration"]
+    if effect is not None:
+        more, _ = problem.evaluate(effect, nonlinear)
+        design = np.vstack([design, more if kept is None else more[kept]])
+    integrated = problem.integrals(np.vstack([design, offset[None]]))
+    columns, nuisances = integrated[:-1], np.vstack([problem.sign_change, problem.torque_rate])
+    given = problem.drive.inertia
+    if given is None:
+        design, columns = np.vstack([design, acceleration]), np.vstack([columns, problem.momentum])
+    stacked = np.vstack([columns, nuisances])
+    size = np.linalg.norm(stacked, axis=1)
+    size = np.where(size > 0, size, 1.0)
+    solved = np.linalg.lstsq((stacked / size[:, None]).T, problem.target - integrated[-1], rcond=1e-10)[0] / size
+    points = problem.quadrature.recording
+    left = points.driving_torque - (given or 0.0) * acceleration - offset - solved[: len(design)] @ design
+    moving = ~problem.resting
+    return float(np.sqrt(np.mean(left[: len(moving)][moving] ** 2)))
