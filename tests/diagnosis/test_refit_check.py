@@ -15,13 +15,7 @@ from fricmodels.diagnosis.comparison import Comparison, compare, with_effect
 from fricmodels.diagnosis.policy import POLICY
 from fricmodels.diagnosis.refit_check import _falls_far, _led_by_fit, _share_in_rows, refit_check
 from fricmodels.diagnosis.refits import Refits
-from fricmodels.diagnosis.verdict import (
-    LookAlikes,
-    passing_all_gates,
-    select_effect,
-    significant,
-    torque_share,
-)
+from fricmodels.diagnosis.verdict import LookAlikes, passing_all_gates, select_effect, significant, torque_share
 from fricmodels.effects.presliding import Presliding
 from fricmodels.recording import Recording
 from fricmodels.rig import Rig

@@ -51,9 +51,10 @@ def set_beside(result: CandidateTests, out: set[str], rest: Rest) -> list[Member
         out: effects that are not considered, such as those that stood for the other cause.
         rest: the description.
     """
-    return (
-        renumbered(result, pruned(result, found_in_turn(result, out, [], np.vstack(rest.parts)))) if rest.parts else []
-    )
+    if not rest.parts:
+        return []
+    members = found_in_turn(result, out, [], np.vstack(rest.parts))
+    return renumbered(result, pruned(result, members))
 
 
 def _explains(test: CandidateTest, result: CandidateTests) -> bool:

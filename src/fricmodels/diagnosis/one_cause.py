@@ -38,10 +38,10 @@ def _is_one_cause(
 
     Against the channel stand the effect and those others whose place it takes. If the effect does as much by itself,
     with fewer terms, it needs none of them. They are one cause if the channel does as much with fewer terms than they
-    have. Else they are several causes if they explain as much with far fewer terms, or
-    encompass it (Chong and Hendry 1986): beside them it predicts nothing that counts, and beside it they do. Load
-    torque and direction hold friction of the load and an asymmetry both, but know neither's form; a channel of the
-    position is all that two waves over it can be.
+    have. Else they are several causes if they explain as much with far fewer terms, or encompass it (Chong and Hendry
+    1986): beside them it predicts nothing that counts, and beside it they do. Load torque and direction hold friction
+    of the load and an asymmetry both, but know neither's form; a channel of the position is all that two waves over it
+    can be.
     """
     policy = result.policy
     lasting = AUTOREGRESSIVE if not member.effect.states else frozenset()

@@ -37,7 +37,8 @@ class Policy:
     least_gain: float = _rule(
         0.05,
         "share of the residual",
-        "It must lower the residual, an effect what noise leaves of it, by this share on blocks that are kept back.",
+        "On blocks that are kept back an effect must lower by this share what the residual has above noise; a channel "
+        "that is to make a drive unknown, the residual itself.",
         "Judgement: what an effect must be worth to have a place in a model.",
         off=-_INF,
     )
