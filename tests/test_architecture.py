@@ -34,7 +34,7 @@ LAYERS = (
     {"expressions", "parameter"},
     {"hookspecs", "past", "term", "recording"},
     {"plugins", "kernels"},
-    {"memory", "model"},
+    {"beginning", "memory", "model", "state_space"},
     {"drive"},
     {"fit"},
     {"signals", "loop", "simulation", "stick_slip", "readers", "split", "laws", "effects", "rig"},

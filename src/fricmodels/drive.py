@@ -11,16 +11,23 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from fricmodels.arrays import Array
+from fricmodels.arrays import Array, Mask
 from fricmodels.dimension import INERTIA, Dimension, Motion, Scales
 from fricmodels.errors import InputError
+from fricmodels.expressions import constant_slopes
 from fricmodels.kernels import ArrayFunction
 from fricmodels.model import Model
 from fricmodels.parameter import Parameter
 from fricmodels.recording import Recording
+from fricmodels.state_space import StateSpace
 
 if TYPE_CHECKING:
+    from fricmodels.beginning import Balance
     from fricmodels.memory import Memory
+
+
+_SURELY_MOVING = 0.01
+"""Share of the peak speed above which a drive does not stick."""
 
 
 @dataclass(frozen=True)
@@ -32,24 +39,6 @@ class DriveParameter:
     declared: Parameter
     at_least: str | None
     linear: bool
-
-
-@dataclass(frozen=True)
-class StateSpace:
-    """The drive as ``dx/dt = g(x, u)``, ``y = h(x)``, for filters and simulation (CasADi ``SX``).
-
-    ``x`` is velocity, then position if it was asked for, then the model's internal states, then the parameters, whose
-    rates are zero; ``u`` holds the signals named in :attr:`inputs`.
-    """
-
-    x: Any
-    u: Any
-    width: Any
-    rate: Any
-    output: Any
-    inputs: tuple[str, ...]
-    states: tuple[str, ...]
-    parameters: tuple[str, ...]
 
 
 class Drive:
@@ -193,20 +182,46 @@ class Drive:
         """
         if not self.model.states:
             return ()
-        along = self.memory(recording.whole(), rest_width(recording))(parameters)
+        whole, width = recording.whole(), rest_width(recording)
+        balance = self.balance(whole, parameters) if self.model.beginning_unknown else None
+        along = self.memory(whole, width, balance)(parameters)
         return along if recording.origin is None else tuple(state[recording.origin.index] for state in along)
 
-    def memory(self, recording: Recording, width: float) -> Memory:
+    def memory(self, recording: Recording, width: float, balance: Balance | None = None) -> Memory:
         """Return what integrates the model's internal states along a motion, for whatever parameters.
 
         Args:
-            recording: gives the signals.
-            width: width of rest [velocity].
+            recording: gives the signals; width: of rest [velocity].
+            balance: what the torque is seen in, where first states are to be found from it.
         """
         from fricmodels.memory import Memory
 
         signals = dict(zip(self.model.signals, self._signals(recording, None), strict=True))
-        return Memory(self.model, signals, recording.time, recording.run, width)
+        return Memory(self.model, signals, recording.time, recording.run, width, balance)
+
+    def balance(
+        self, recording: Recording, parameters: Sequence[float] | Array, moving: Mask | None = None
+    ) -> Balance | None:
+        """Return what the terms without memory leave of the torque; ``None`` where the acceleration is not known.
+
+        Args:
+            recording: with ``velocity``; parameters: the model's, of which no linear one is used.
+            moving: samples at which the torque is a function of the motion; those not slow by default.
+        """
+        from fricmodels.beginning import Balance
+
+        if "acceleration" not in recording:
+            return None
+        known = Drive(self.model.without_memory(), None, self.motion)
+        values = dict(zip([p.key for p in self.model.parameters], parameters, strict=True))
+        pairs = zip(known.model.parameters, known.model.linear, strict=True)
+        columns, offset = known.regressors(recording, [values[p.key] for p, linear in pairs if not linear])
+        acceleration = recording["acceleration"]
+        needed = recording.driving_torque - offset - (self.inertia or 0.0) * acceleration
+        columns = columns if self.inertia else np.vstack([columns, acceleration])
+        if moving is None:
+            moving = np.abs(recording.velocity) > _SURELY_MOVING * recording.peak_speed
+        return Balance(needed, columns, moving)
 
     def sticking_interval(
         self, recording: Recording, values: Mapping[str, float], *, states: Sequence[Array] | None = None
@@ -309,6 +324,12 @@ class Drive:
         return ArrayFunction(self.linear_function)
 
     @cached_property
+    def linear_by_acceleration(self) -> Array:
+        """Constant derivative by the acceleration of each linear column, then of the rest; 0 where it is none."""
+        given = self.linear_function.sx_in()
+        return constant_slopes(self.linear_function(*given), given[self.model.signals.index("acceleration")])
+
+    @cached_property
     def linear_function(self) -> Any:
         """The linear part of τ_F as a CasADi function.
 
@@ -361,11 +382,8 @@ class Drive:
         names.extend(state.symbol for state in self.model.states)
         parameters = casadi.vertcat(inertia, e.parameters) if self.inertia is None else e.parameters
         needed = self.model.needs | {"motor_torque", "load_torque"}
-        inputs = tuple(
-            n
-            for n in self.model.signals
-            if n in needed and n not in ("velocity", "acceleration", *(["position"] * with_position))
-        )
+        own = ("velocity", "acceleration", *(["position"] * with_position))
+        inputs = tuple(n for n in self.model.signals if n in needed and n not in own)
         x = casadi.vertcat(*states, parameters)
         rate = casadi.vertcat(*rates, casadi.SX.zeros(parameters.numel(), 1))
         u = casadi.vertcat(*(e.signals[name] for name in inputs))

@@ -13,11 +13,14 @@ Two questions have no answer in plain calculus and are settled here for every te
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass
 from typing import Any, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
 
 Expression: TypeAlias = Any
 """A CasADi ``SX`` scalar, or a number."""
@@ -137,3 +140,12 @@ def minimum(x: Expression, y: Expression) -> Expression:
 def where(condition: Expression, yes: Expression, no: Expression) -> Expression:
     """Return ``yes`` where the condition holds, else ``no``."""
     return _casadi().if_else(condition, yes, no)
+
+
+def constant_slopes(rows: Sequence[Any], by: Any) -> NDArray[np.float64]:
+    """Return the derivative of each row of CasADi expressions by a symbol where it is a number; 0 where it is none."""
+    import casadi
+
+    slopes = casadi.jacobian(casadi.vertcat(*rows), by)
+    each = [slopes[i] for i in range(slopes.numel())]
+    return np.array([float(slope) if slope.is_constant() else 0.0 for slope in each])

@@ -12,20 +12,26 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from fricmodels.arrays import Array, Index
+from fricmodels.beginning import Balance, Beginning, UnitTorque, unknown_beginnings
 from fricmodels.kernels import Scan
 from fricmodels.model import Model
 from fricmodels.past import Past
 from fricmodels.term import Term
 
 _GAMMA = 1 - 1 / math.sqrt(2)
+_FADES_WITHIN = 512
+"""Samples in which a beginning is looked for first."""
+_FADED, _LASTS = 1e-3, 1e-2
+"""Share of its torque below which a beginning is gone, and above which it lasts: what lasts all through a run is no
+beginning. Between the two less and less of it counts."""
 
 
 class Memory:
     r"""The internal states of a model along one motion, for whatever parameters.
 
     Every run starts from the declared initial states, or from those that its first sample tells
-    (:meth:`fricmodels.term.Term.first_states`). With rates f, their derivative F by the states and the step h,
-    a step is the second-order Rosenbrock formula
+    (:meth:`fricmodels.term.Term.first_states`) or its torque (:mod:`fricmodels.beginning`). With rates f, their
+    derivative F by the states and the step h, a step is the second-order Rosenbrock formula
 
     .. math::
         (I - \gamma h F) k_1 &= f(z_n, t_n) + \gamma\,[f(z_n, t_{n+1}) - f(z_n, t_n)] \\
@@ -41,11 +47,20 @@ class Memory:
         signals: value or array of shape (N,) of each signal that the model needs.
         time: sample times [s]; run: run number of each sample.
         width: width of rest.
+        balance: what the torque is seen in, where first states are to be found from it.
 
     Source: J. G. Verwer et al., "A second-order Rosenbrock method", SIAM J. Sci. Comput. 20 (1999).
     """
 
-    def __init__(self, model: Model, signals: Mapping[str, ArrayLike], time: Array, run: Index, width: float) -> None:
+    def __init__(
+        self,
+        model: Model,
+        signals: Mapping[str, ArrayLike],
+        time: Array,
+        run: Index,
+        width: float,
+        balance: Balance | None = None,
+    ) -> None:
         self._scan, self._width = _scan(model), width
         self._count, self._first = len(model.states), _first(model)
         needed = _needed(model)
@@ -54,6 +69,13 @@ class Memory:
         self._edges = [0, *(np.flatnonzero(np.diff(run)) + 1).tolist(), len(time)]
         self._past = Past(signals, time, self._edges)
         self._from_recording = list(_from_recording(model))
+        self._begun: list[tuple[slice, slice, UnitTorque, list[Beginning]]] = []
+        if balance is not None:
+            parts = [slice(*ends) for ends in itertools.pairwise(self._edges)]
+            given = dict(zip(needed, self._signals, strict=True))
+            for term, own, places in unknown_beginnings(model):
+                found = [Beginning(balance, part) for part in parts]
+                self._begun.append((own, places, UnitTorque(term, given, width), found))
 
     def __call__(self, parameters: ArrayLike) -> tuple[Array, ...]:
         """Return each state at every sample, one array of shape (N,) for each.
@@ -65,9 +87,12 @@ class Memory:
         values = np.asarray(parameters, dtype=float)
         if sum(len(term.states) for term, _, _ in self._from_recording) < self._count:
             constants = [*values, self._width]
-            for begin, end in itertools.pairwise(self._edges):
+            for number, (begin, end) in enumerate(itertools.pairwise(self._edges)):
                 states[begin] = first = self._first(self._signals[:, begin], values)
                 self._scan(first, self._rows[begin : end - 1], constants, outputs=states[begin + 1 : end])
+                for own, places, torque, runs in self._begun:
+                    unit = torque(values[own], slice(begin, end))
+                    self._begin(runs[number], unit, states[begin:end], places, begin, constants)
         for term, first_parameter, first_state in self._from_recording:
             symbols = [p.symbol for p in term.parameters]
             own = values[first_parameter : first_parameter + len(symbols)].tolist()
@@ -75,6 +100,49 @@ class Memory:
             for i, state in enumerate(term.states, start=first_state):
                 states[:, i] = found[state.symbol]
         return tuple(states.T)
+
+    def _begin(
+        self,
+        beginning: Beginning,
+        unit: tuple[Array, Array],
+        states: Array,
+        places: slice,
+        first_row: int,
+        constants: Sequence[float],
+    ) -> None:
+        """Add to the states of a run what the beginning of a term leaves that the motion does not tell."""
+        without, slope = unit
+        forced = states[:, places]
+        length = min(_FADES_WITHIN, len(states))
+        while True:
+            left = np.array([self._left(states[:length], i, places, first_row, constants) for i in _all(places)])
+            torque = np.einsum("q...,iq...->i...", slope[:, :length], left)
+            lasting = _lasting(torque)
+            if length == len(states) or lasting < _FADED:
+                break
+            length = min(4 * length, len(states))
+        if lasting < _LASTS:
+            first = beginning(without, np.einsum("q...,...q->...", slope, forced), torque)
+            first *= min(math.log(_LASTS / lasting) / math.log(_LASTS / _FADED), 1.0) if lasting > 0.0 else 1.0
+            states[:length, places] += np.tensordot(first, left, 1).T
+
+    def _left(self, states: Array, i: int, places: slice, first_row: int, constants: Sequence[float]) -> Array:
+        """Return what a unit more of the first value of state i leaves of those of its term, shape (q, n)."""
+        moved = np.empty_like(states)
+        moved[0] = states[0]
+        moved[0, i] += 1.0
+        self._scan(moved[0], self._rows[first_row : first_row + len(states) - 1], constants, outputs=moved[1:])
+        return np.asarray((moved - states)[:, places].T)
+
+
+def _all(places: slice) -> range:
+    return range(places.start, places.stop)
+
+
+def _lasting(torque: Array) -> float:
+    """Return the share of all that is left, shape (q, n), that there still is in its last eighth."""
+    size = np.abs(torque)
+    return float(np.max(size[:, -max(size.shape[1] // 8, 1) :])) / (float(np.max(size)) or 1.0)
 
 
 def _from_recording(model: Model) -> Iterator[tuple[Term, int, int]]:

@@ -133,6 +133,11 @@ class Model:
         """Return this model with one effect more."""
         return Model(self.law, (*self.effects, effect))
 
+    def without_memory(self) -> Model:
+        """Return the model of the terms that have no internal states."""
+        law = NoFriction() if self.law.states else self.law
+        return Model(law, [effect for effect in self.effects if not effect.states])
+
     def minus(self, effect_name: str) -> Model:
         """Return this model without the named effect."""
         return Model(self.law, [effect for effect in self.effects if effect.name != effect_name])
@@ -170,6 +175,11 @@ class Model:
     def states(self) -> tuple[State, ...]:
         """All internal states, the law's first."""
         return tuple(state for term in self.terms for state in term.states)
+
+    @cached_property
+    def beginning_unknown(self) -> bool:
+        """Whether first states of a term are to be found from the torque, see :mod:`fricmodels.beginning`."""
+        return any(term.beginning_unknown for term in self.terms)
 
     @cached_property
     def needs(self) -> frozenset[str]:

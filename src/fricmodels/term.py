@@ -106,6 +106,8 @@ class Term(ABC):
             is reversed too; ``even``, it stays; ``None``, neither.
         depends_on_time: whether it touches the time itself, so that a record that starts later has other parameters.
         angular: whether the position enters as an angle in rad (``sin q``), which no rescaling may change.
+        beginning_unknown: whether its states at the beginning of a run are to be found from the torque; the term then
+            has one linear parameter, and torque and rates that are linear in its states. See :mod:`.beginning`.
         optional: signals that are zero where a recording does not have them; only a load torque can be.
         same_as: terms that have the same equation under another name, on purpose.
         exam: what the exam of this class needs beside the class, such as ``{"truth": {"q_0": 3.0}}``; see
@@ -121,6 +123,7 @@ class Term(ABC):
     symmetry: ClassVar[Literal["odd", "even"] | None] = None
     depends_on_time: ClassVar[bool] = False
     angular: ClassVar[bool] = False
+    beginning_unknown: ClassVar[bool] = False
     optional: ClassVar[frozenset[str]] = frozenset()
     same_as: ClassVar[frozenset[str]] = frozenset()
     exam: ClassVar[Mapping[str, Any]] = {}

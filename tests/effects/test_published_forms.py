@@ -195,7 +195,7 @@ def test_a_compliant_joint_far_below_its_resonance_is_rigid() -> None:
     """Nothing is left but J_l ω²/ω_n² of the inertia torque."""
     time = np.linspace(0, 20, 40_001)
     acceleration = np.sin(time)
-    part = recorded(40_001, time=time, acceleration=acceleration)
+    part = recorded(40_001, time=time, velocity=-np.cos(time), acceleration=acceleration)
     found = torque("joint-compliance", {"J_l": 1.0, "omega_n": 50.0, "zeta": 0.3}, part)
     late = time > 5
     np.testing.assert_allclose(found[late], acceleration[late] / (50.0**2 - 1), atol=3e-5)

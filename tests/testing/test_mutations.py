@@ -256,6 +256,11 @@ EFFECTS: dict[str, tuple[dict[str, Any], str, str]] = {
         "discrete_step",
         "over a short discrete_step()",
     ),
+    "an unknown beginning of what is not linear": (
+        {"beginning_unknown": True, "torque": lambda self, s, p: p.F * s.z * absolute(s.z)},
+        "beginning",
+        "linear in the states",
+    ),
     "a state without its rate": ({"rates": lambda self, s, p: {}}, "torque_is_an_expression", "no rate for the state"),
     "wrong unit of a rate": (
         {"rates": lambda self, s, p: {"z": (s.velocity - absolute(s.velocity) * s.z) * p.x_s}},

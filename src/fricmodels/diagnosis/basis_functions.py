@@ -219,7 +219,7 @@ def _of_history(problem: WeakFormProblem, regression: Regression, policy: Policy
         "acceleration shortly before": lambda: _earlier(problem, recording["acceleration"], apart + 2 * lags),
     }
     # With an estimated inertia, clean torques give back what the momentum would be without noise, and so the noise.
-    tells_noise = problem.drive.inertia is None and problem.inertia_is_noisy
+    tells_noise = problem.drive.inertia is None and _inertia_is_noisy(problem)
     if not tells_noise and _torque_noise(problem) < policy.clean_torque * float(
         np.sqrt(np.mean(regression.residual**2))
     ):
@@ -308,6 +308,15 @@ def _earlier(problem: WeakFormProblem, values: Array, lags: NDArray[np.int64]) -
         after = index[np.minimum(cell + 1, len(run) - 1)]
         row[:] = values[np.concatenate([index, index[cell], after])]
     return rows
+
+
+def _inertia_is_noisy(problem: WeakFormProblem) -> bool:
+    """Whether noise of the momentum makes an inertia fitted to it too small by a tenth of its standard error.
+
+    By least squares it is too small by the share λ of noise in the squared momentum; its standard error is no less than
+    √(λ/n) of it, with n independent rows.
+    """
+    return problem.momentum_noise * problem.independent > 0.01 * float(problem.momentum @ problem.momentum)
 
 
 def _torque_noise(problem: WeakFormProblem) -> float:

@@ -289,7 +289,7 @@ def _as_a_whole(refits: Refits, together: list[LookAlikes]) -> list[LookAlikes]:
         if further is None:
             break
         here, found = further, [*found, best]
-    return found if len(found) > 1 and falls_from(refits.comparison, here.comparison) else []
+    return found if len(found) > 1 and falls_from(refits.comparison, here.comparison, refits.policy) else []
 
 
 def _is_larger(ripple: FastRipple | None, result: CandidateTests, best: LookAlikes | None) -> TypeGuard[FastRipple]:

@@ -20,7 +20,7 @@ import numpy as np
 
 from fricmodels import plugins
 from fricmodels.diagnosis.candidate_tests import CandidateTest, CandidateTests, candidate_tests
-from fricmodels.diagnosis.comparison import Comparison
+from fricmodels.diagnosis.comparison import AS_GOOD, Comparison
 from fricmodels.diagnosis.floor import is_above_noise
 from fricmodels.diagnosis.policy import Policy
 from fricmodels.diagnosis.refits import Refits
@@ -125,17 +125,16 @@ def _best(
         leave_out: effects that are not considered.
         bound: the error must be at most this [% of the RMS torque].
     """
-    policy, before = result.policy, _error(refits.comparison)
+    policy, before, samples = result.policy, _error(refits.comparison), _error_per_sample(refits.comparison)
     chosen = [t for t in passing if not t.found.at_search_bound][: policy.refit_trials]
     trials = sorted((_error(refits.with_effect(t)), i, t) for i, t in enumerate(chosen))
-    if not trials:
-        return None
-    error, _, first = trials[0]
-    # What rings faster than the window of the decisions shows in single samples.
-    samples, after = (_error_per_sample(one) for one in (refits.comparison, refits.with_effect(first)))
-    if not (error <= bound and _falls_far(before, error, policy)) and not (
-        error <= before and _falls_far(samples, after, policy)
-    ):
+    for error, _, first in trials:
+        after = _error_per_sample(refits.with_effect(first))
+        # What rings faster than the window of the decisions shows in single samples.
+        rings = error <= AS_GOOD * before and _falls_far(samples, after, policy)
+        if rings or (error <= bound and _falls_far(before, error, policy)):
+            break
+    else:
         return None
     if not judge(result, leave_out, LookAlikes(first, (first,))).stands(first, policy):
         return None

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from fricmodels.diagnosis.candidate_tests import CandidateTest
-from fricmodels.diagnosis.comparison import Comparison, with_effect
+from fricmodels.diagnosis.comparison import AS_GOOD, Comparison, with_effect
 from fricmodels.diagnosis.passive import driving_share
 from fricmodels.diagnosis.policy import Policy
 from fricmodels.errors import FricmodelsError
@@ -73,7 +73,7 @@ class Refits:
     def lowers_test_error(self, tested: CandidateTest) -> bool:
         """Whether the test error falls with an effect, see :func:`falls_from`."""
         other = self.with_effect(tested)
-        return other is not None and falls_from(self.comparison, other)
+        return other is not None and falls_from(self.comparison, other, self.policy)
 
     def lowers_error_within(self, tested: CandidateTest, window_ms: float) -> bool:
         """Whether the test error of single samples falls with an effect, or that of a window no wider than some time.
@@ -88,13 +88,15 @@ class Refits:
         return any(after.held_out_percent < before.held_out_percent for after, before in seen)
 
 
-def falls_from(here: Comparison, other: Comparison) -> bool:
+def falls_from(here: Comparison, other: Comparison, policy: Policy) -> bool:
     """Whether the test error falls from a model to another: that of the decisions, and that of some printed window.
 
-    What rings fast shows in single samples, what is slow in wide windows.
+    What rings fast shows in single samples, what is slow in wide windows. Where the error of the decisions is as good
+    as before, since its window averages a ring away, the printed one must fall far.
     """
     if other.sliding.held_out_percent >= here.sliding.held_out_percent:
-        return False
+        as_good = other.sliding.held_out_percent <= AS_GOOD * here.sliding.held_out_percent
+        return as_good and other.errors.held_out_percent <= policy.refit_share * here.errors.held_out_percent
     pairs = zip(other.errors.bands, here.errors.bands, strict=True)
     return any(after.held_out_percent < before.held_out_percent for after, before in pairs)
 

@@ -5,9 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from fricmodels.effects.experiments import SEVERAL_FREQUENCIES, SMALL_REVERSALS
-from fricmodels.expressions import Expression
+from fricmodels.expressions import Expression, absolute, cos, exp, maximum, sin, sqrt, where
 from fricmodels.parameter import Parameter, State
 from fricmodels.term import Effect, Parameters, Signals
+
+_LEAST = 1e-12
+"""Distance from critical damping, of 1 − ζ², below which there is no difference."""
 
 
 class JointCompliance(Effect):
@@ -24,6 +27,7 @@ class JointCompliance(Effect):
     formula = "τ = −J_l·dv/dt;  dx/dt = v;  dv/dt = dω/dt − ω_n²·x − 2·ζ·ω_n·v"
     signature = "a resonance"
     needs_motion = "acceleration up to the resonance"
+    beginning_unknown = True
     separated_from = {
         **dict.fromkeys(("inertia-error", "frictional-lag"), SEVERAL_FREQUENCIES),
         "backlash": SMALL_REVERSALS,
@@ -52,6 +56,20 @@ class JointCompliance(Effect):
         """Return the rates of twist."""
         spring = p.omega_n**2 * s.x + 2 * p.zeta * p.omega_n * s.v
         return {"x": s.v, "v": s.acceleration - spring}
+
+    def discrete_step(self, s: Signals, later: Signals, h: Expression, p: Parameters) -> Mapping[str, Expression]:
+        """Return the twist after a step in which the velocity changes linearly, exactly."""
+        fading, turning = p.zeta * p.omega_n, p.omega_n * sqrt(maximum(absolute(1 - p.zeta**2), _LEAST))
+        slow, fast = exp((turning - fading) * h), exp(-(turning + fading) * h)
+        swings = p.zeta < 1
+        cosine = where(swings, exp(-fading * h) * cos(turning * h), (slow + fast) / 2)
+        sine = where(swings, exp(-fading * h) * sin(turning * h), (slow - fast) / 2) / turning
+        lasting = (later.velocity - s.velocity) / h / p.omega_n**2
+        away = s.x - lasting
+        return {
+            "x": lasting + (cosine + fading * sine) * away + sine * s.v,
+            "v": (cosine - fading * sine) * s.v - p.omega_n**2 * sine * away,
+        }
 
     def first_states(self, s: Signals, p: Parameters) -> Mapping[str, Expression]:
         """Return the twist with which the link follows a lasting acceleration: x = (dω/dt)/ω_n²."""

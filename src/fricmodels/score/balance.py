@@ -38,7 +38,7 @@ from numpy.typing import NDArray
 from fricmodels.drive import Drive
 from fricmodels.recording import Recording
 from fricmodels.score.noise import noise_like
-from fricmodels.score.torque import friction_moments, moments, torque_error
+from fricmodels.score.torque import friction_moments, moments, of_acceleration, torque_error
 
 Array: TypeAlias = NDArray[np.float64]
 Source: TypeAlias = Literal["acceleration", "velocity", "position"]
@@ -168,6 +168,7 @@ def balances(drive: Drive, values: Mapping[str, float], prepared: Recording) -> 
     recording, values = drive.timed(prepared, values)
     moving = recording.with_channels(velocity=velocity)
     inertia, parameters = drive.split(values)
+    inertia += of_acceleration(drive, values)
     states = drive.states(moving, parameters)
     for part in _parts(prepared):
         one = moving.select(part)

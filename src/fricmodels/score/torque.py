@@ -106,6 +106,7 @@ def filtered_torque_error(
         doubtful = doubtful | (np.abs(moving.velocity) <= slowest_certain(drive, values, moving))
     error, rate = np.zeros(len(recording)), np.zeros(len(recording) if beyond_sampling else 0)
     inertia, parameters = drive.split(values)
+    inertia += of_acceleration(drive, values)
     states = drive.states(moving, parameters)
     for part in stretches(recording.time, recording.run):
         one = moving.select(part)
@@ -125,6 +126,21 @@ def filtered_torque_error(
         balance, lower, upper = _window_means([needed, least, greatest], one.time, width)
         error[part] = balance - np.clip(balance, lower, upper)
     return without_shift(error, np.where(error == 0.0, 0.0, rate), recording.interval)[0] if beyond_sampling else error
+
+
+def of_acceleration(drive: Drive, values: Mapping[str, float]) -> float:
+    """Return the torque per acceleration that terms of a model have everywhere, as an inertia has [kg m² or kg].
+
+    It belongs to the balance of momentum, where a change of velocity needs no derivative; :func:`friction_moments` is
+    without it.
+
+    Args:
+        drive: model and inertia. values: parameters by key.
+    """
+    if "acceleration" not in drive.model.needs:
+        return 0.0
+    pairs = zip(drive.model.parameters, drive.model.linear, strict=True)
+    return float(drive.linear_by_acceleration @ [*(values[p.key] for p, linear in pairs if linear), 1.0])
 
 
 def _smoothed(recording: Recording, half_width: int) -> tuple[Recording, Mask, Mask]:
@@ -171,7 +187,8 @@ def friction_moments(
     """Yield :func:`moments` of the least and the greatest friction torque of some intervals after the other.
 
     They are equal while sliding. Where the velocity is zero, though not long enough for a rest, the friction lies
-    anywhere in the sticking interval.
+    anywhere in the sticking interval. What goes with the acceleration everywhere is left out, see
+    :func:`of_acceleration`.
 
     Yields:
         Which intervals they are, and the moments, shape (2, intervals) each.
@@ -200,6 +217,9 @@ def _moments_of(
     velocity = one.velocity
     at = drive.friction(one, values, states=states)
     below, above = drive.sticking_interval(one, values, states=states)
+    inertial = of_acceleration(drive, values)
+    if inertial:
+        at, below, above = (torque - inertial * one["acceleration"] for torque in (at, below, above))
     low, high = np.where(velocity == 0, below, at), np.where(velocity == 0, above, at)
     applied = one.driving_torque
     holding = np.clip(applied, below, above)

@@ -128,6 +128,10 @@ class TermExam(Declared):
         """States with a discrete step: a short one agrees with the rates."""
         term_checks.check_discrete_step(self.subject)
 
+    def test_beginning(self) -> None:
+        """First states that are found from the torque: what they are found by is linear in them."""
+        term_checks.check_beginning(self.subject)
+
     def test_identifiable(self) -> None:
         """A rich motion determines every parameter."""
         check_identifiable(self.subject, self.truth)

@@ -305,6 +305,26 @@ def check_discrete_step(s: Subject) -> None:
             )
 
 
+def check_beginning(s: Subject) -> None:
+    """First states that are to be found from the torque: one linear parameter, and all linear in the states."""
+    import casadi
+
+    if not s.term.beginning_unknown:
+        raise SkipTest("no first state is to be found from the torque")
+    e, linear = s.model.expression(), sum(s.model.linear)
+    if not s.term.states or linear != 1:
+        raise Fault(
+            f"beginning_unknown needs states and one linear parameter, found {len(s.term.states)} and {linear}: the "
+            "states are found in units of that one torque; leave beginning_unknown out"
+        )
+    both = casadi.vertcat(e.torque, e.rates, *e.discrete_step.values())
+    if casadi.depends_on(casadi.jacobian(both, e.states), e.states):
+        raise Fault(
+            "beginning_unknown needs torque(), rates() and discrete_step() linear in the states: what a beginning "
+            "leaves is added to them; leave beginning_unknown out"
+        )
+
+
 def check_needs(s: Subject) -> None:
     """A law is built on the velocity, and nobody uses what an estimator cannot give."""
     import casadi

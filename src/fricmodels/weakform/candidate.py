@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from fricmodels.dimension import DIMENSIONLESS, DISPLACEMENT
+from fricmodels.dimension import DIMENSIONLESS, DISPLACEMENT, FORCE, INERTIA
 from fricmodels.drive import Drive
 from fricmodels.parameter import Parameter
 from fricmodels.term import Effect
@@ -99,7 +99,7 @@ class Candidate:
 
     @cached_property
     def _declared(self) -> Array:
-        return np.array([self.problem.upper_bound(p) for p in self.linear])
+        return np.array([upper_bound(self.problem, p) for p in self.linear])
 
     @cached_property
     def _peak(self) -> float:
@@ -112,6 +112,15 @@ class Candidate:
         given = {p.symbol: x for p, x in zip(self.nonlinear, point, strict=True)} | {p.symbol: 0.0 for p in self.linear}
         each = np.array([self.effect.own_friction(self._peak, given | {p.symbol: 1.0}) for p in self.linear])
         return np.asarray(np.minimum(self._declared, self.problem.friction_limits[1] / np.maximum(each, 1e-300)))
+
+
+def upper_bound(problem: WeakFormProblem, parameter: Parameter) -> float:
+    """Return the most that a linear coefficient may be: of a share of the drive, all that this is known to have."""
+    if not parameter.part_of_drive:
+        return parameter.upper
+    if parameter.dimension == INERTIA:
+        return problem.drive.inertia or parameter.upper
+    return problem.friction_limits[parameter.dimension == FORCE]
 
 
 def within_recording(problem: WeakFormProblem, parameter: Parameter) -> Parameter:

@@ -33,11 +33,16 @@ def equations(problem: WeakFormProblem, *, timing: bool) -> Equations:
         def rows(term: SeparableTerm, own: tuple[float, ...]) -> Array:
             def compute() -> Array:
                 distinct = term.distinct_rows(points, np.array(own), problem.states_of, slopes=slopes)
-                return term.completed(problem.integrals(distinct), slopes=slopes)
+                by_acceleration = term.distinct_by_acceleration(len(distinct))
+                return term.completed(problem.integrals(distinct, by_acceleration), slopes=slopes)
 
             return problem.integrated((term.model, own, slopes), compute)
 
         return split.moving_blocks(alpha, rows)
+
+    def fixed_rows() -> Array:
+        by_acceleration = np.concatenate([term.fixed_by_acceleration for term in split.terms])
+        return problem.integrals(split.fixed_rows(points), by_acceleration)
 
     nuisances, limits = timing_nuisances(problem) if timing else (np.zeros((0, problem.rows)), np.zeros((0, 2)))
     return Equations(
@@ -45,7 +50,7 @@ def equations(problem: WeakFormProblem, *, timing: bool) -> Equations:
         problem.driving,
         problem.target,
         problem.momentum if problem.drive.inertia is None else None,
-        problem.integrated((problem.drive.model,), lambda: problem.integrals(split.fixed_rows(points))),
+        problem.integrated((problem.drive.model,), fixed_rows),
         moving,
         nuisances,
         limits,

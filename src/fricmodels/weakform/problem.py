@@ -7,7 +7,7 @@ testing an effect is a question of linear regression, whatever the effect is.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
 from typing import Any
@@ -15,20 +15,26 @@ from typing import Any
 import numpy as np
 
 from fricmodels.arrays import Array, Index, Mask
-from fricmodels.dimension import FORCE, INERTIA, Motion
-from fricmodels.drive import Drive, rest_width
-from fricmodels.memory import Memory
+from fricmodels.dimension import Motion
+from fricmodels.drive import Drive
 from fricmodels.model import Model
-from fricmodels.parameter import Parameter
 from fricmodels.recording import Recording
 from fricmodels.term import Effect
 from fricmodels.weakform.carriers import CarrierFunctions
 from fricmodels.weakform.explained import explained_torque
 from fricmodels.weakform.friction_limits import limits_of_friction
+from fricmodels.weakform.motion_states import MotionStates
 from fricmodels.weakform.quadrature import Quadrature
 from fricmodels.weakform.regression import Regression
 from fricmodels.weakform.remembered import INTEGRALS, Part, Remembered
-from fricmodels.weakform.row_noise import bump_width, momentum_noise, noise_in_columns, noisier, torque_noise
+from fricmodels.weakform.row_noise import (
+    beyond_noise,
+    bump_width,
+    momentum_noise,
+    noise_in_columns,
+    noisier,
+    torque_noise,
+)
 from fricmodels.weakform.smoothed import smoothed
 from fricmodels.weakform.test_functions import HOPS, TestFunctions, mean_velocity
 from fricmodels.weakform.unclear import creeping, direction_unclear
@@ -37,8 +43,6 @@ _OF_ROWS = {"momentum", "noise_of_momentum", "driving", "torque_rate", "sign_cha
 """What is computed once for the same rows."""
 _FEW = 16.0
 """Independent rows below which a variance hardly has the eight cosines that it is estimated from: two to each."""
-_MEMORIES = 2
-"""Models of which it is kept how their internal states are integrated along a motion."""
 
 
 @dataclass(frozen=True)
@@ -125,24 +129,22 @@ class WeakFormProblem:
         other.__dict__.update({name: self.__dict__[name] for name in same & self.__dict__.keys()})
         return other
 
-    def upper_bound(self, parameter: Parameter) -> float:
-        """Return the most that a linear coefficient may be: of a share of the drive, all that this is known to have."""
-        if not parameter.part_of_drive:
-            return parameter.upper
-        if parameter.dimension == INERTIA:
-            return self.drive.inertia or parameter.upper
-        return self.friction_limits[parameter.dimension == FORCE]
-
     @cached_property
     def perturbed(self) -> WeakFormProblem:
         """The same problem with as much noise again on the velocity, and nothing else changed.
 
         What a column differs by between the two is what noise makes of it.
         """
-        velocity, acceleration = noisier(self.recording, self.smooth, self.half_width)
+        velocity, acceleration = self._noisier
         changed = self.recording.with_channels(acceleration=acceleration)
         at = self.quadrature.at_velocity(velocity, acceleration)
-        return replace(self, recording=changed, smooth=velocity, quadrature=at)
+        other = replace(self, recording=changed, smooth=velocity, quadrature=at)
+        other.__dict__["derived_too_little"] = self._beyond_derivative[1]
+        return other
+
+    @cached_property
+    def _noisier(self) -> tuple[Array, Array]:
+        return noisier(self.recording, self.smooth, self.half_width)
 
     @cached_property
     def including_uncertain_motion(self) -> WeakFormProblem:
@@ -274,16 +276,40 @@ class WeakFormProblem:
         index, ones = self.bumps.integrals(np.vstack([np.arange(len(self.recording)), np.ones(len(self.recording))]))
         return np.asarray(np.rint(index / ones), dtype=np.int64)
 
-    def integrals(self, rows: Array) -> Array:
-        """Return ∫φ f dt of rows evaluated at the quadrature's samples, shape (k, rows)."""
-        return self.bumps.torques(self.quadrature, rows)
+    def integrals(self, rows: Array, by_acceleration: Array | None = None) -> Array:
+        """Return ∫φ f dt of rows evaluated at the quadrature's samples, shape (k, rows).
+
+        Args:
+            rows: shape (k, samples).
+            by_acceleration: constant derivative of each row by the acceleration, shape (k,). Of it the integral is the
+                momentum, which needs no derivative of a measured velocity.
+        """
+        found = self.bumps.torques(self.quadrature, rows)
+        if by_acceleration is not None and np.any(by_acceleration):
+            found = found + by_acceleration[:, None] * self.derived_too_little
+        return found
+
+    @cached_property
+    def derived_too_little(self) -> Array:
+        """What the momentum has beyond the integral of the derived acceleration, shape (rows,), as far as not noise."""
+        return self._beyond_derivative[0]
+
+    @cached_property
+    def _beyond_derivative(self) -> tuple[Array, Array]:
+        """:attr:`derived_too_little`, and the same with as much noise again."""
+        again = self.quadrature.at_velocity(self.smooth, self._noisier[1])
+        return beyond_noise(self.momentum, self.noise_of_momentum, self._derived(self.quadrature), self._derived(again))
+
+    def _derived(self, quadrature: Quadrature) -> Array:
+        return np.asarray(self.bumps.torques(quadrature, quadrature.recording["acceleration"][None])[0])
 
     def columns(self, drive: Drive, nonlinear: Sequence[float] = (), delay: float = 0.0) -> tuple[Array, Array]:
         """Return the integrals of a drive's linear columns, shape (k, rows), and of the rest of its torque, (rows,)."""
 
         def compute() -> Array:
             design, offset = self.evaluate(drive, nonlinear, delay)
-            return self.integrals(np.vstack([design, offset[None]]) if np.any(offset) else design)
+            rows = np.vstack([design, offset[None]]) if np.any(offset) else design
+            return self.integrals(rows, drive.linear_by_acceleration[: len(rows)])
 
         rows = self.integrated((drive, tuple(nonlinear), delay), compute)
         linear = sum(drive.model.linear)
@@ -314,37 +340,26 @@ class WeakFormProblem:
         points = self.quadrature.recording
         return points.with_channels(torque=self.motor_torque) if "motor_torque" in self.drive.model.needs else points
 
-    def states_of(self, model: Model, parameters: Array) -> list[Array]:
+    def states_of(self, model: Model, parameters: Sequence[float] | Array) -> list[Array]:
         """Return the internal states of a model at the quadrature's samples.
 
         Args:
             model: the whole one, or a term of it.
             parameters: all of the model's, in order.
         """
-        return [state[self._places] for state in self._memory(model)(parameters)]
+        return self._motion_states(model, parameters)
+
+    @cached_property
+    def _motion_states(self) -> MotionStates:
+        known = self.estimated or self.made_for
+        return MotionStates(self.drive, known, self.recording, self.smooth, self.resting, self.quadrature.cell)
 
     def _regressors(self, drive: Drive, nonlinear: Sequence[float], points: Recording) -> tuple[Array, Array]:
         if not drive.model.states:
             return drive.regressors(points, nonlinear)
         given = iter(nonlinear)
         parameters = [0.0 if is_linear else next(given) for is_linear in drive.model.linear]
-        states = [state[self._places] for state in self._memory(drive.model)(parameters)]
-        return drive.regressors(points, nonlinear, states=states)
-
-    @cached_property
-    def _memory(self) -> Callable[[Model], Memory]:
-        """What integrates a model's internal states along the smooth motion, or the whole of which it is a part."""
-        moved = np.where(self.resting, 0.0, self.smooth)  # at rest there is only noise, which a state would gather
-        along = replace(self.recording, channels={**self.recording.channels, "velocity": moved})
-        whole, width = along.whole(), rest_width(along)
-        return lru_cache(_MEMORIES)(lambda model: Drive(model, None, self.drive.motion).memory(whole, width))
-
-    @cached_property
-    def _places(self) -> Index:
-        """Sample of the whole motion whose internal states are those of each sample of the quadrature."""
-        cell, origin = self.quadrature.cell, self.recording.origin
-        places = np.concatenate([np.arange(len(self.recording)), cell, cell + 1])
-        return places if origin is None else origin.index[places]
+        return drive.regressors(points, nonlinear, states=self.states_of(drive.model, parameters))
 
     @cached_property
     def motor_torque(self) -> Array:
@@ -369,15 +384,6 @@ class WeakFormProblem:
         inertia, _ = self.drive.split(self.estimated)
         unmoved = points.load_torque + inertia * points["acceleration"]
         return explained_torque(unmoved, points.torque, friction)
-
-    @cached_property
-    def inertia_is_noisy(self) -> bool:
-        """Whether noise of the momentum makes an inertia fitted to it too small by a tenth of its standard error.
-
-        By least squares it is too small by the share λ of noise in the squared momentum; its standard error is no less
-        than √(λ/n) of it, with n independent rows.
-        """
-        return self.momentum_noise * self.independent > 0.01 * float(self.momentum @ self.momentum)
 
     def alone(self, effect: Effect) -> Drive:
         """Return a drive with nothing but the effect."""

@@ -21,6 +21,8 @@ _STROKE = 0.01
 """Share of the longest stroke that another one goes at least. On four joints of a KR300 noise makes pieces of up to
 0.0001 of it; without this bound one of them had a jump after the first such piece. Strokes of a thousandth, which are
 there too, tell little of a friction."""
+_FOLLOWS = 2.0**0.5
+"""Least ratio of a part's natural frequency to that of the motion: by 1/(1 − 1/ratio²) it swings farther than that."""
 _RECORD = 20_000
 """Samples of a record in which a time of the drive's own is counted."""
 
@@ -72,7 +74,8 @@ def within_motion(recording: Recording, parameter: Parameter) -> Parameter:
     A place lies within the travel. A duration is no less than two samples: a shorter one says when samples were taken.
     So is a speed below which friction differs: the drive is slower than it for no less than that, as it turns. (One
     that may be negative is a part of such a speed.)
-    A part on a spring follows the drive only if it would swing faster than the drive goes back and forth.
+    A part on a spring follows the drive only if it would swing faster than the drive goes back and forth: √2 times as
+    fast it moves, undamped, twice as far as the drive.
     """
     lower, upper = parameter.lower, parameter.upper
     if parameter.dimension == TIME and not (parameter.instant or parameter.delay):
@@ -80,7 +83,7 @@ def within_motion(recording: Recording, parameter: Parameter) -> Parameter:
     elif parameter.dimension == VELOCITY and lower >= 0.0:
         lower = min(max(lower, 0.5 * _SHORTEST * recording.interval * turning(recording)), upper)
     elif parameter.resonance:
-        lower = min(max(lower, angular_frequency(recording)), upper)
+        lower = min(max(lower, _FOLLOWS * angular_frequency(recording)), upper)
     elif parameter.place and "position" in recording:
         position = recording["position"]
         lower, upper = max(lower, float(position.min())), min(upper, float(position.max()))

@@ -74,6 +74,22 @@ def _noise_of_cells(recording: Recording) -> Array:
     return mean_velocity(recording, motion_noise(recording).like(len(recording), rng))
 
 
+def beyond_noise(momentum: Array, noise: Array, derived: Array, derived_again: Array) -> tuple[Array, Array]:
+    """Return what the momentum has beyond the integral of a derived acceleration, and the same with noise again.
+
+    A derivative is too small by what its filter takes away, and has less noise than the momentum for the same reason.
+    Of the difference d that share counts that is not noise n, 1 − n'n/d'd, as of any signal in noise (Wiener).
+
+    Args:
+        momentum, noise: the momentum, and what noise alone makes of it, shape (rows,).
+        derived, derived_again: integral of the derived acceleration, and the same with that noise in the velocity.
+    """
+    own, again = momentum - derived, momentum + noise - derived_again
+    size, change = float(own @ own), again - own
+    share = max(1.0 - float(change @ change) / size, 0.0) if size > 0.0 else 0.0
+    return share * own, share * again
+
+
 def torque_noise(bumps: TestFunctions, quadrature: Quadrature, recording: Recording) -> Array:
     """Return what noise of the motor torque alone would drive in the rows, shape (rows,)."""
     drawn = noise.noise_like(recording, "torque", np.random.default_rng(0))

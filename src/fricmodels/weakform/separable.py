@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fricmodels.drive import rest_width
+from fricmodels.expressions import constant_slopes
 from fricmodels.kernels import ArrayFunction
 from fricmodels.model import Model
 from fricmodels.recording import Recording
@@ -44,6 +45,10 @@ class SeparableTerm:
     """Each moving row, then each slope: which distinct one it is, and its sign."""
     _distinct: int
     """How many of the moving rows are distinct."""
+    fixed_by_acceleration: Array
+    """Constant derivative of each fixed row by the acceleration; 0 where it is none."""
+    _by_acceleration: Array
+    """The same of each distinct moving row, then of each distinct slope."""
     _fixed: ArrayFunction
     _moving: ArrayFunction
     """Distinct moving rows, then distinct slopes."""
@@ -92,6 +97,13 @@ class SeparableTerm:
             moved[j] += 1e-4 * (abs(alpha[j]) or 1.0)
             found.append((self._remembered(recording, moved, memory) - here) / (moved[j] - alpha[j]))
         return np.concatenate(found)
+
+    def distinct_by_acceleration(self, count: int) -> Array:
+        """Return the constant derivative of each of :meth:`distinct_rows` by the acceleration; 0 where it is none."""
+        found = np.zeros(count)
+        known = self._by_acceleration[:count]
+        found[: len(known)] = known
+        return found
 
     def _remembered(self, recording: Recording, alpha: Array, memory: Memory) -> Array:
         parameters = np.zeros(len(self.model.parameters))
@@ -248,6 +260,8 @@ def _split(model: Model, flags: Sequence[bool], rows: Sequence[int], alphas: Seq
         tuple((rows[row], alphas[j]) for row, j in slopes),
         tuple(likeness),
         len(values),
+        constant_slopes([every[row] for row in fixed], e.signals["acceleration"]),
+        constant_slopes([*values, *derivatives], e.signals["acceleration"]),
         function("fixed", [*e.signals.values(), e.states, e.width], [every[row] for row in fixed]),
         function("moving", inputs, [*values, *derivatives]),
     )
