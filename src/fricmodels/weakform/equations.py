@@ -91,7 +91,7 @@ def projection(problem: WeakFormProblem, plan: Plan, *, timing: bool) -> tuple[P
 @lru_cache(maxsize=64)
 def _constraints(drive: Drive, delay: float, largest_push: float) -> tuple[Array, Array]:
     """Return :func:`linear_constraints` of a drive, found once for all sets of rows."""
-    return linear_constraints([p for p in drive.parameters if p.linear], delay, largest_push)
+    return linear_constraints([p for p in drive.parameters if p.linear], delay, largest_push, drive.inertia)
 
 
 @once

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from fricmodels.dimension import FORCE
+from fricmodels.dimension import FORCE, INERTIA
 from fricmodels.drive import Drive, DriveParameter
 from fricmodels.errors import InputError, suggestion
 from fricmodels.recording import Recording
@@ -41,19 +41,25 @@ class Outcome:
 
 
 def linear_constraints(
-    parameters: Sequence[DriveParameter], delay: float = 0.0, largest_push: float = np.inf
+    parameters: Sequence[DriveParameter],
+    delay: float = 0.0,
+    largest_push: float = np.inf,
+    inertia: float | None = None,
 ) -> tuple[Array, Array]:
     """Return G and h with ``G θ ≥ h``: bounds of the linear parameters, and which is at least which other.
 
     A stick torque, which is at least the slip torque, is no larger than what has pushed the drive out of rest. Else,
-    where hardly a sample is slow enough to see it, it could be anything.
+    where hardly a sample is slow enough to see it, it could be anything. A part of the drive has no more inertia than
+    all of it.
 
     Args:
         parameters: the linear ones.
         delay: time [s] by which the recording was shifted already; what is fitted of a delay comes on top of it.
         largest_push: largest torque that pushed the drive [N m or N].
+        inertia: of the whole drive, where it is known and not one of them.
     """
     keys = [p.key for p in parameters]
+    whole = [i for i, p in enumerate(parameters) if p.dimension == INERTIA and "." not in p.key]
     rows, limits = [], []
     for i, p in enumerate(parameters):
         row = np.zeros(len(keys))
@@ -69,6 +75,11 @@ def linear_constraints(
         if bounded_by_another and p.dimension == FORCE and np.isfinite(largest_push):
             rows.append(-row)
             limits.append(-largest_push)
+        if p.declared.part_of_drive and p.dimension == INERTIA and (whole or inertia is not None):
+            least = -row
+            least[whole] = 1.0
+            rows.append(least)
+            limits.append(-(inertia or 0.0))
         if bounded_by_another:
             row = row.copy()
             row[keys.index(str(p.at_least))] = -1.0

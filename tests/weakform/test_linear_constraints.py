@@ -1,4 +1,4 @@
-"""A stick torque is no larger than what has pushed the drive out of rest, however few samples show it."""
+"""Bounds of linear parameters: a stick torque is no larger than what pushed the drive, a part than the whole."""
 
 from __future__ import annotations
 
@@ -35,3 +35,20 @@ def test_it_is_kept_where_the_rows_would_take_anything(from_benchmarks: Callable
     plain = compare(recording, "coulomb-viscous", rig.inertia)
     assert free.estimate.parameters["K_c"] <= float(np.max(np.abs(recording.torque))) * (1 + 1e-9)
     assert free.errors.held_out_percent < 1.5 * plain.errors.held_out_percent
+
+
+def test_a_part_of_a_drive_has_no_more_inertia_than_all_of_it() -> None:
+    """Whether the inertia is known or estimated: J_l ≤ J. What is wrong of the inertia itself has no such bound."""
+    model = Model.parse("coulomb-viscous+joint-compliance+inertia-error")
+    for inertia in (None, 2.0):
+        linear = [p for p in Drive(model, inertia).parameters if p.linear]
+        keys = [p.key for p in linear]
+        rows, limits = linear_constraints(linear, inertia=inertia)
+        found = [
+            ({key: weight for key, weight in zip(keys, row, strict=True) if weight}, limit)
+            for row, limit in zip(rows, limits, strict=True)
+            if row[keys.index("joint-compliance.J_l")] < 0
+        ]
+        whole = {"J": 1.0} if inertia is None else {}
+        assert found == [({**whole, "joint-compliance.J_l": -1.0}, -(inertia or 0.0))]
+        assert not any(row[keys.index("inertia-error.dJ")] < 0 for row in rows)
