@@ -16,6 +16,7 @@ PIECE = re.compile(r"(?:<!-- (file|class): (\S+) -->\n)?```(python|sh)\n(.*?)```
 TEN_MINUTES = 600.0
 
 
+@pytest.mark.long
 def test_the_tutorial(environment: Any, tmp_path: Path) -> None:
     begin = time.monotonic()
     written = 0
