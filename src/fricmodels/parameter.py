@@ -35,8 +35,8 @@ class Parameter:
             ``scan`` counts it in durations of no more than 20 000 samples.
         slow: whether it is the time of a change all along the record: no shorter than the least that ``scan`` tries.
             What ends sooner is how the record began.
-        resonance: whether it is the angular frequency of a part that the drive carries along on a spring. What swings
-            more slowly than the drive goes back and forth does not follow it, and is no part of it.
+        resonance: whether it is the angular frequency of a part that the drive carries along on a spring. Its
+            natural frequency is at least √2 times that of the motion: below, it would swing twice as far as the drive.
         periodic: whether it is a wave number in position, to be searched for in the spectrum over position.
         not_between: two values between which a rotary drive's effect is another one, and is not sought: a wave of about
             one period a turn is gravity.

@@ -250,9 +250,9 @@ def is_taken_up(problem: WeakFormProblem, regression: Regression, columns: Array
 def beside_inertia(problem: WeakFormProblem, regression: Regression, columns: Array) -> Array:
     """Return columns, shape (k, rows), without their part that an estimated inertia can do.
 
-    The inertia torque of the model comes from the velocities at the ends of each row, that of a column from an
-    acceleration which was smoothed. What lies between the two is how derivatives are taken, in the column and in the
-    residual alike, and belongs to no cause.
+    The inertia torque of the model comes from the changes of the velocity. So does that of a column, but for the part
+    in which noise hides the difference from a smoothed acceleration. What is left between the two is how derivatives
+    are taken, in the column and in the residual alike, and belongs to no cause.
     """
     if problem.drive.inertia is not None:
         return columns

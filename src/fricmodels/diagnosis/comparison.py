@@ -33,7 +33,7 @@ from fricmodels.weakform.row_noise import noise_like
 
 Array = NDArray[np.float64]
 
-AS_GOOD = 1.01
+_AS_GOOD = 1.01
 """Errors that differ by less than a hundredth are those of one optimum."""
 
 
@@ -158,7 +158,7 @@ def from_scratch(comparison: Comparison) -> Comparison:
         other = compare_model(comparison.train, comparison.test, comparison.drive)
     except InputError:  # a search without a start may end where the drive would not move
         return comparison
-    return other if other.sliding.percent <= AS_GOOD * comparison.sliding.percent else comparison
+    return other if other.sliding.percent <= _AS_GOOD * comparison.sliding.percent else comparison
 
 
 def compare_fit(

@@ -20,7 +20,7 @@ import numpy as np
 
 from fricmodels import plugins
 from fricmodels.diagnosis.candidate_tests import CandidateTest, CandidateTests, candidate_tests
-from fricmodels.diagnosis.comparison import AS_GOOD, Comparison
+from fricmodels.diagnosis.comparison import Comparison
 from fricmodels.diagnosis.floor import is_above_noise
 from fricmodels.diagnosis.policy import Policy
 from fricmodels.diagnosis.refits import Refits
@@ -131,7 +131,7 @@ def _best(
     for error, _, first in trials:
         after = _error_per_sample(refits.with_effect(first))
         # What rings faster than the window of the decisions shows in single samples.
-        rings = error <= AS_GOOD * before and _falls_far(samples, after, policy)
+        rings = error <= policy.window_may_rise * before and _falls_far(samples, after, policy)
         if rings or (error <= bound and _falls_far(before, error, policy)):
             break
     else:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from fricmodels.diagnosis.candidate_tests import CandidateTest
-from fricmodels.diagnosis.comparison import AS_GOOD, Comparison, with_effect
+from fricmodels.diagnosis.comparison import Comparison, with_effect
 from fricmodels.diagnosis.passive import driving_share
 from fricmodels.diagnosis.policy import Policy
 from fricmodels.errors import FricmodelsError
@@ -95,7 +95,7 @@ def falls_from(here: Comparison, other: Comparison, policy: Policy) -> bool:
     as before, since its window averages a ring away, the printed one must fall far.
     """
     if other.sliding.held_out_percent >= here.sliding.held_out_percent:
-        as_good = other.sliding.held_out_percent <= AS_GOOD * here.sliding.held_out_percent
+        as_good = other.sliding.held_out_percent <= policy.window_may_rise * here.sliding.held_out_percent
         return as_good and other.errors.held_out_percent <= policy.refit_share * here.errors.held_out_percent
     pairs = zip(other.errors.bands, here.errors.bands, strict=True)
     return any(after.held_out_percent < before.held_out_percent for after, before in pairs)

@@ -22,7 +22,8 @@ _STROKE = 0.01
 0.0001 of it; without this bound one of them had a jump after the first such piece. Strokes of a thousandth, which are
 there too, tell little of a friction."""
 _FOLLOWS = 2.0**0.5
-"""Least ratio of a part's natural frequency to that of the motion: by 1/(1 − 1/ratio²) it swings farther than that."""
+"""Least ratio r of a part's natural frequency to that of the motion. Undamped, the part swings r²/(r² − 1) times as far
+as the drive: twice as far at √2."""
 _RECORD = 20_000
 """Samples of a record in which a time of the drive's own is counted."""
 
@@ -74,8 +75,8 @@ def within_motion(recording: Recording, parameter: Parameter) -> Parameter:
     A place lies within the travel. A duration is no less than two samples: a shorter one says when samples were taken.
     So is a speed below which friction differs: the drive is slower than it for no less than that, as it turns. (One
     that may be negative is a part of such a speed.)
-    A part on a spring follows the drive only if it would swing faster than the drive goes back and forth: √2 times as
-    fast it moves, undamped, twice as far as the drive.
+    A part on a spring swings, undamped, at most twice as far as the drive: its natural frequency is at least √2 times
+    that of the motion.
     """
     lower, upper = parameter.lower, parameter.upper
     if parameter.dimension == TIME and not (parameter.instant or parameter.delay):
