@@ -12,7 +12,7 @@ import pytest
 
 import fricmodels.diagnosis.floor as errors_floor
 from fricmodels.diagnosis import candidate_tests as surveys
-from fricmodels.diagnosis import compare, diagnose, examine, improve, supported
+from fricmodels.diagnosis import compare, diagnose, examine, improve, rivals
 from fricmodels.diagnosis.candidate_tests import CandidateTests, candidate_tests
 from fricmodels.diagnosis.comparison import SlidingErrors
 from fricmodels.diagnosis.effect_set import as_predictor
@@ -325,13 +325,13 @@ def test_of_two_equally_simple_forms_the_better_one_is_better_without_a_test(
     monkeypatch: pytest.MonkeyPatch, channels: str, terms: int, better: bool
 ) -> None:
     """An effect of two torques and a wave number has three terms; a rival that no test prefers may have no more."""
-    monkeypatch.setattr(supported, "compare", lambda *_: (0.0, 1.0))
-    monkeypatch.setattr(supported, "predicts_beside", lambda *_: False)
+    monkeypatch.setattr(rivals, "compare", lambda *_: (0.0, 1.0))
+    monkeypatch.setattr(rivals, "predicts_beside", lambda *_: False)
     loss = np.ones(5)
     effect: Any = SimpleNamespace(found=SimpleNamespace(columns=np.ones((2, 5)), nonlinear=(7.0,)))
     regression = SimpleNamespace(loss=loss, terms=8)
     gain: Any = SimpleNamespace(regression=regression, without=regression, columns=np.ones((2, 5)))
     result: Any = SimpleNamespace(policy=POLICY)
-    instead = supported._Instead(np.ones((terms, 5)), frozenset({channels}), 30, terms)
+    instead = rivals.Instead(np.ones((terms, 5)), frozenset({channels}), 30, terms)
     other: Any = regression
-    assert supported._is_better(result, effect, gain, 0.9, other, loss, instead) is better
+    assert rivals.is_better(result, effect, gain, 0.9, other, loss, instead) is better

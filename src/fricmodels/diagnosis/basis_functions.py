@@ -127,7 +127,7 @@ def _of_motion(problem: WeakFormProblem) -> Sets:
         "time, along the motion, and speed": lambda: np.vstack([side * _slow(time), velocity * _slow(time)]),
         "time, finely, along the motion": lambda: side * _slow(time, _FINER),
         "time, the same in both directions": lambda: _slow(time),
-        "motor torque": lambda: _powers(problem.motor_torque),
+        "motor torque": lambda: _characteristic(problem.motor_torque),
         "motor torque, along the motion": lambda: side * np.abs(_powers(problem.motor_torque)),
         TORQUE_RATE: lambda: np.vstack([points["torque_rate"], side * np.abs(points["torque_rate"])]),
         "acceleration": lambda: _either_way(points["acceleration"], side),
@@ -279,6 +279,12 @@ def _turned(factor: Array, rows: Array) -> Array:
 def _powers(values: Array) -> Array:
     scale = float(np.max(np.abs(values))) or 1.0
     return np.vstack([values / scale, (values / scale) ** 2, (values / scale) ** 3])
+
+
+def _characteristic(values: Array) -> Array:
+    """Return powers and the signed square: a torque that falls short of the current is odd in it, and no cubic."""
+    first, second, third = _powers(values)
+    return np.vstack([first, second, np.sign(values) * second, third])
 
 
 def _slow(time: Array, count: int = _WAVES) -> Array:

@@ -97,13 +97,19 @@ def is_drawn(result: CandidateTests, members: list[Member], member: Member) -> b
 
 
 def is_simpler(
-    result: CandidateTests, alone: Regression, beside: Array, together: Array, predictor: ChannelPredictor
+    result: CandidateTests,
+    alone: Regression,
+    beside: Array,
+    together: Array,
+    predictor: ChannelPredictor,
+    most: int | None = None,
 ) -> bool:
     """Whether a channel explains as much as columns, shape (k, rows), do together beside others, with fewer terms.
 
-    Not if it is several waves itself: these are what several effects are.
+    Not if it is several waves itself: these are what several effects are. ``most`` is how many terms it may have, if
+    not fewer than there are columns.
     """
-    if predictor.terms >= len(together) or predictor.channels in OF_WAVES:
+    if predictor.terms > (len(together) - 1 if most is None else most) or predictor.channels in OF_WAVES:
         return False
     all_of_them = regression_of(result.problem, result.parameters, np.vstack([beside, together]))
     before = float(np.sum(alone.loss))

@@ -1,4 +1,4 @@
-"""Whether a fitted friction only ever takes energy from the drive."""
+"""Whether a fitted friction only ever takes energy from the drive, and whether an effect is larger than the drive."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ import numpy as np
 from fricmodels.diagnosis.comparison import Comparison
 from fricmodels.drive import Drive
 from fricmodels.model import Model
+from fricmodels.term import Effect
 
 
 def driving_share(comparison: Comparison) -> float:
@@ -26,3 +27,18 @@ def driving_share(comparison: Comparison) -> float:
     weight = np.gradient(recording.time)
     driven, taken = float(weight @ np.maximum(-power, 0.0)), float(weight @ np.maximum(power, 0.0))
     return driven / taken if taken > 0.0 else float(np.inf if driven > 0.0 else 0.0)
+
+
+def own_torque(comparison: Comparison, effect: Effect) -> float:
+    """Return the RMS torque of one effect of a fitted model, over the RMS motor torque, as the rows see both.
+
+    It may be more than 1 where another torque balances it, as a spring balances gravity. Two waves of nearly one wave
+    number may have any size with opposite signs: of such the recording tells the sum only.
+    """
+    problem, values = comparison.problem, comparison.estimate.parameters
+    alone = problem.alone(effect)
+    linear = np.array(alone.model.linear)
+    fitted = np.array([values[parameter.key] for parameter in alone.model.parameters])
+    columns, rest = problem.columns(alone, fitted[~linear].tolist())
+    torque = fitted[linear] @ columns + rest
+    return float(np.sqrt(np.sum(torque**2) / np.sum(problem.driving**2)))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from fricmodels.diagnosis.candidate_tests import CandidateTest
 from fricmodels.diagnosis.comparison import Comparison, with_effect
-from fricmodels.diagnosis.passive import driving_share
+from fricmodels.diagnosis.passive import driving_share, own_torque
 from fricmodels.diagnosis.policy import Policy
 from fricmodels.errors import FricmodelsError
 from fricmodels.progress import stage
@@ -35,7 +35,7 @@ class Refits:
 
         ``None`` where that fails, or where the effect comes out as nothing, or as a slow change that is over at once: a
         smaller error is then not its doing. Nor is a friction that drives what it says it is, and of one of
-        whose torques none is determined the form is not known.
+        whose torques none is determined the form is not known; nor of one so large that only another cancels it.
         """
         key = _key(tested)
         if key not in self._found:
@@ -46,7 +46,7 @@ class Refits:
                 self._found[key] = None
             else:
                 useless = is_undetermined(fitted, tested.name) or _is_over_at_once(fitted, tested.effect)
-                self._found[key] = None if useless or self._drives(fitted, tested.effect) else fitted
+                self._found[key] = None if useless or self._is_unphysical(fitted, tested.effect) else fitted
         return self._found[key]
 
     def beside(self, tested: CandidateTest) -> Refits | None:
@@ -56,9 +56,10 @@ class Refits:
             self._beside[key] = Refits(model, self.policy)
         return self._beside.get(key)
 
-    def _drives(self, fitted: Comparison, effect: Effect) -> bool:
-        """Whether an effect that is a part of the friction makes of it one that drives."""
-        return effect.friction and driving_share(fitted) > self.policy.driving_friction
+    def _is_unphysical(self, fitted: Comparison, effect: Effect) -> bool:
+        """Whether an effect that is a part of the friction makes of it one that drives, or is too large to be there."""
+        drives = effect.friction and driving_share(fitted) > self.policy.driving_friction
+        return drives or own_torque(fitted, effect) > self.policy.own_torque
 
     def test_error(self, tested: CandidateTest) -> float:
         """Return the test error of the decisions with an effect [%]; infinite where it cannot be fitted."""

@@ -14,7 +14,8 @@ still does beside a description of the rest that assumes no physics:
    and if neither R nor any channel explains clearly more in the place of e. What does is in its place if e loses most
    of what it explains beside it; R then describes no other cause, and is left out of the formula.
    L is the sum of squared residuals, L_0 what noise and sampling leave. What e explains is what its equation can
-   be, without the tangents of its nonlinear parameters.
+   be, without the tangents of its nonlinear parameters. Or e explains most of what S and all of R leave, L_0
+   included: then both are there.
 
 A mimic fails one of these: what it explained is taken by R, or a channel predicts more. A true effect beside an unknown
 cause passes: R takes the unknown part, and little remains but the effect's own.
@@ -28,10 +29,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from fricmodels.diagnosis.basis_functions import OF_POSITION, OF_TIME, OF_WAVES, terms
+from fricmodels.diagnosis.basis_functions import OF_POSITION, OF_TIME, terms
 from fricmodels.diagnosis.candidate_tests import CandidateTest, CandidateTests
 from fricmodels.diagnosis.effect_set import (
-    Gain,
     Member,
     Rest,
     found_in_turn,
@@ -48,13 +48,13 @@ from fricmodels.diagnosis.effect_set import (
 )
 from fricmodels.diagnosis.floor import floor, share_explained
 from fricmodels.diagnosis.look_ahead import set_ahead, set_beside
-from fricmodels.diagnosis.one_cause import credited, is_drawn, is_simpler, predicts_beside, that_are_one_cause
+from fricmodels.diagnosis.one_cause import credited, is_drawn, is_simpler, that_are_one_cause
 from fricmodels.diagnosis.policy import Policy
 from fricmodels.diagnosis.predictability import AUTOREGRESSIVE
-from fricmodels.diagnosis.verdict import LookAlikes, select_effect
+from fricmodels.diagnosis.rivals import Instead, against_channels, is_better
+from fricmodels.diagnosis.verdict import LookAlikes, outside, select_effect
 from fricmodels.progress import each
 from fricmodels.term import Effect
-from fricmodels.weakform.regression import Regression, compare
 from fricmodels.weakform.shifted import regression_of
 
 Array = NDArray[np.float64]
@@ -221,7 +221,7 @@ def _support(result: CandidateTests, member: Member, others: list[Member], rest:
 
     names = (*rest.channels, *[""] * len(rest.parts))  # effects at their search bounds come last, and have none
     taking = {i: names[i] for i, part in enumerate(rest.parts) if in_its_place(part)}
-    instead = _Instead(
+    instead = Instead(
         np.vstack([nothing(result), *(rest.parts[i] for i in taking)]),
         frozenset(taking.values()),
         rest.tried,
@@ -232,7 +232,12 @@ def _support(result: CandidateTests, member: Member, others: list[Member], rest:
     apart = [beside, *(part for i, part in enumerate(rest.parts) if i not in same.union(taking))]
     # What lasts counts against an effect with memory only: a delay is all that the torque's own past can be.
     counts = len(rest.lasting) and (bool(member.effect.states) or not in_its_place(rest.lasting))
-    place = _Place(beside, np.vstack(apart), instead, rest.lasting if counts else nothing(result))
+    lasting = rest.lasting if counts else nothing(result)
+    if taking and not same:
+        both = _beside_all(result, member, beside, rest, lasting)
+        if both is not None:
+            return both
+    place = _Place(beside, np.vstack(apart), instead, lasting)
     found = _support_of(result, member, place)
     if not found.suffices(result.policy):
         return found
@@ -244,21 +249,45 @@ def _support(result: CandidateTests, member: Member, others: list[Member], rest:
     return found
 
 
-@dataclass(frozen=True)
-class _Instead:
-    """What may be in the place of an effect.
+def _beside_all(result: CandidateTests, member: Member, beside: Array, rest: Rest, lasting: Array) -> Support | None:
+    """Return what speaks for an effect beside all that describes the rest, where it is there with that; else ``None``.
 
-    Attributes:
-        columns: shape (k, rows); none where nothing is.
-        channels: names of the channels that they are of.
-        tried: number of predictors among which these were chosen.
-        terms: number of their coefficients, and of what was sought beside these.
+    A description may take most of what an effect explains and not be its form: two causes are there, and the channel
+    of one has something of the other. Then the effect explains most of all that the description leaves, noise
+    included, and is not all but within what the description can be. What only imitates a cause adds next to nothing
+    to a description of it. And no other channel does by itself, with no more terms, what both do.
+
+    Args:
+        result: the residual.
+        member: the effect.
+        beside: the other effects as columns, shape (k, rows).
+        rest: the description.
+        lasting: the past of the residual or of the torque, where it counts, shape (k, rows).
     """
+    policy, parts = result.policy, np.vstack(rest.parts)
+    whole = np.vstack([beside, parts])
+    gain = gain_of(result, np.vstack([whole, lasting]), member)
+    if gain.fall < policy.own_share * gain.before or _lies_within(result, member, beside, parts):
+        return None
+    nobody = Instead(nothing(result), frozenset(), 1, 0)
+    found = _support_of(result, member, _Place(whole, whole, nobody, lasting))
+    if not found.suffices(policy) or found.torque <= policy.least_torque:
+        return None
+    alone, both = regression_of(result.problem, result.parameters, beside), np.vstack([parts, member.columns])
+    simpler = (
+        is_simpler(result, alone, beside, both, predictor, most=len(both))
+        for predictor in passing_beside(result, alone, as_rivals=True)
+        if predictor.channels not in AUTOREGRESSIVE.union(rest.channels)
+    )
+    return None if any(simpler) else found
 
-    columns: Array
-    channels: frozenset[str]
-    tried: int
-    terms: int
+
+def _lies_within(result: CandidateTests, member: Member, beside: Array, parts: Array) -> bool:
+    """Whether nearly all of an effect's torque lies within columns, shape (k, rows), as seen beside others."""
+    regression = regression_of(result.problem, result.parameters, beside)
+    columns = visible_of(regression, member.found.first.found.columns)
+    torque = regression.test(columns).coefficients @ columns if len(columns) else columns
+    return not len(columns) or outside(regression, torque[None], visible_of(regression, parts)) < result.policy.own_form
 
 
 @dataclass(frozen=True)
@@ -274,7 +303,7 @@ class _Place:
 
     named: Array
     base: Array
-    instead: _Instead
+    instead: Instead
     lasting: Array
 
 
@@ -285,7 +314,7 @@ def _support_of(result: CandidateTests, member: Member, place: _Place) -> Suppor
         of_instead = described.before - float(np.sum(other.loss))
         ours, theirs = credited(result, described.before, described.fall, of_instead)
         first = member.found.first
-        if theirs > ours and _is_better(result, first, described, ours / theirs, other, other.loss, instead):
+        if theirs > ours and is_better(result, first, described, ours / theirs, other, other.loss, instead):
             of_rest = ours / theirs
     lasting = place.lasting
     full = gain_of(result, np.vstack([place.base, lasting]), member) if len(lasting) else described
@@ -298,89 +327,10 @@ def _support_of(result: CandidateTests, member: Member, place: _Place) -> Suppor
     )
     if not found.suffices(result.policy):
         return found  # no channel need be asked
-    rivals = [_against_channels(result, described, member.found.first, place.base)]
+    rivals = [against_channels(result, described, member.found.first, place.base)]
     if len(place.base) > len(place.named):
         together = np.vstack([place.base, member.columns])[len(place.named) :]
         alone = gain_of(result, place.named, member)
-        rivals.append(_against_channels(result, alone, member.found.first, place.named, together))
+        rivals.append(against_channels(result, alone, member.found.first, place.named, together))
     of_channel, rival = min(rivals)
     return replace(found, of_channel=of_channel, rival=rival) if of_channel < of_rest else found
-
-
-def _is_better(
-    result: CandidateTests,
-    effect: CandidateTest,
-    gain: Gain,
-    ratio: float,
-    other: Regression,
-    loss: Array,
-    instead: _Instead,
-) -> bool:
-    """Whether what is in the place of an effect predicts clearly more than it.
-
-    It does if it has no more terms: of two such forms the one that explains more is the better one, and no chance is to
-    be allowed for. (The past of the residual or of the torque is no form.) Otherwise it does if the errors, compared as
-    those of two forecasts, say so (Diebold and Mariano 1995). It also does if it predicts what the effect leaves, and
-    the effect nothing of what it leaves (Chong and Hendry 1986): where an effect lies within what a channel can be,
-    that is the test of its form, of which the errors tell little. Not so of waves at numbers that were sought: of
-    several in one channel one may be the effect's, and the next another cause's.
-
-    Args:
-        result: the residual.
-        effect: with its nonlinear parameters, each of which is a term.
-        gain: what the effect does.
-        ratio: of what it explains to what is explained in its place.
-        other: the regression with that in its place.
-        loss: its squared residuals, shape (rows,).
-        instead: what is in its place.
-    """
-    policy = result.policy
-    simple = instead.terms <= len(effect.found.columns) + len(effect.found.nonlinear)
-    if simple and not instead.channels & AUTOREGRESSIVE:
-        return True
-    _, p_more = compare(gain.regression.loss, loss, gain.without.terms)
-    if p_more * instead.tried <= policy.outpredicted_significance:
-        return True
-    if ratio >= policy.of_channel or instead.channels & OF_WAVES:
-        return False
-    adds = predicts_beside(result, gain.regression, instead.columns, instead.tried, policy.form_significance)
-    return adds and not predicts_beside(result, other, gain.columns)
-
-
-def _against_channels(
-    result: CandidateTests, gain: Gain, first: CandidateTest, beside: Array, together: Array | None = None
-) -> tuple[float, str]:
-    """Return the least ratio of what an effect explains to what a channel explains that predicts clearly more, and it.
-
-    The past of the residual or of the torque counts only against an effect with memory: it shows all that lasts. A
-    channel beside which the effect still does most of what it does is another cause. Against an effect of the time
-    itself, which happens once, other courses of time test the form: a comparison that was planned, not one of many.
-
-    Args:
-        result: the residual.
-        gain: what the effect does beside the given columns.
-        first: the effect.
-        beside: these columns, shape (k, rows).
-        together: columns of the effect and of a description of the rest. Then only a channel counts that explains as
-            much as both do, with fewer terms.
-    """
-    policy, least, rival = result.policy, np.inf, ""
-    planned = OF_TIME if first.effect.depends_on_time else ()
-    for predictor in passing_beside(result, gain.without, as_rivals=True, planned=planned):
-        if predictor.channels in AUTOREGRESSIVE and not first.effect.states:
-            continue
-        own, theirs = credited(result, gain.before, gain.fall, gain.before - float(np.sum(predictor.evidence.loss)))
-        if own >= theirs:
-            continue
-        if together is not None and not is_simpler(result, gain.without, beside, together, predictor):
-            continue
-        both = gain.without.test(visible_of(gain.without, np.vstack([predictor.columns, gain.columns])))
-        kept = float(np.sum(predictor.evidence.loss)) - float(np.sum(both.loss))
-        if kept >= policy.kept * gain.fall or own / theirs >= least:
-            continue
-        other = regression_of(result.problem, result.parameters, np.vstack([beside, predictor.columns]))
-        channels = frozenset({predictor.channels})
-        instead = _Instead(predictor.columns, channels, predictor.tried, predictor.terms)
-        if _is_better(result, first, gain, own / theirs, other, predictor.evidence.loss, instead):
-            least, rival = own / theirs, predictor.channels
-    return least, rival

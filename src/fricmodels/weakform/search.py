@@ -21,10 +21,11 @@ from fricmodels.weakform.optimise import coordinate_search, multistart_nelder_me
 from fricmodels.weakform.problem import WeakFormProblem
 from fricmodels.weakform.ranges import between_strokes, scan_size, scan_values
 from fricmodels.weakform.regression import Regression
+from fricmodels.weakform.shifted import FREE_SHIFT
 
 Array = NDArray[np.float64]
 
-_SHIFTS = (1, 2, 3, 5, 8, 12, 18, 27, 40)
+_SHIFTS = (FREE_SHIFT, 1, 2, 3, 5, 8, 12, 18, 27, 40)
 """Delays that are tried first, in samples."""
 _STARTS, _FEW = 4, 2
 """Where there is more than one nonlinear parameter there may be several summits: so many starts are tried. More than a
@@ -135,7 +136,7 @@ def is_at_an_end(nonlinear: Sequence[Parameter], point: Point, spacing: Sequence
 def _delay(problem: WeakFormProblem, regression: Regression, alone: Drive) -> float:
     """Return the delay [s] that, as a whole shift in time, explains most of the residual: the best of a few, refined.
 
-    It is at least the sampling interval; a shorter one is how recordings are made, see :mod:`.shifted`.
+    A shorter one than ``FREE_SHIFT`` is how recordings are made, see :mod:`.shifted`.
     """
     from scipy.optimize import minimize_scalar
 

@@ -1,9 +1,9 @@
 r"""A regression in which torque and motion may be shifted against each other by part of a sample.
 
-Neither the instant at which a sample was taken nor how long a torque was held is known better than to about a sample,
-so that the rows have one free direction more, :math:`\gamma \int \varphi\,d\tau_m` with :math:`|\gamma| \le h`. It is
-bounded for each set of columns anew: what the shift would be without an effect says nothing about what it is with it.
-A larger shift than a sample is an effect of its own, whose parameter is a delay.
+Whether a torque was held for a sample, which shifts it by half of one, is often not known, nor at which instant of its
+interval a sample was taken. So the rows have one free direction more, :math:`\gamma \int \varphi\,d\tau_m`, with
+:math:`|\gamma| \le 0.6\,h`. It is bounded for each set of columns anew: what the shift would be without an effect says
+nothing about what it is with it. A larger shift is an effect of its own, whose parameter is a delay.
 """
 
 from __future__ import annotations
@@ -19,6 +19,10 @@ from fricmodels.weakform.problem import WeakFormProblem
 from fricmodels.weakform.regression import SAME, Evidence, ProjectedGram, Regression, unwarned
 
 Array = NDArray[np.float64]
+
+FREE_SHIFT = 0.6
+"""Samples by which torque and motion may be shifted: half a sample for a torque that was held, and a tenth more for
+stamps that are not exact."""
 
 
 class ShiftedRegression(Regression):
@@ -102,8 +106,8 @@ def regression_of(
     """Return the base model's regression, with two freedoms of how recordings are made that are no effects.
 
     The instant of every reversal may be off by part of a sample, and torque and motion may be shifted against each
-    other by up to one sample (a held torque by half of one). A larger shift is held at one sample; what is left over
-    is then for an effect to explain whose parameter is a delay. Beside such an effect there is no second shift.
+    other by up to ``FREE_SHIFT`` (a held torque by half a sample). A larger shift is held there; what is left over is
+    then for an effect to explain whose parameter is a delay. Beside such an effect there is no second shift.
 
     Args:
         problem: drive and recording.
@@ -118,5 +122,5 @@ def regression_of(
     base = np.vstack([base, problem.sign_change[None]])
     if delayed:
         return Regression(base, problem.target, problem.independent)
-    direction, most = problem.torque_rate, problem.recording.interval
+    direction, most = problem.torque_rate, FREE_SHIFT * problem.recording.interval
     return ShiftedRegression(base, problem.target, problem.independent, direction, most)
