@@ -1,8 +1,8 @@
 """Checks by fitting a model again whether an effect is what is missing that is too small in the weak form.
 
 The weak form says whether an effect is there; how much it matters is what the error of the model with it says. Rows
-allow a shift by a sample, so that a longer delay is nearly nothing in them, and all of the error of single samples. So
-where nothing is large enough in the rows, what is significant there is fitted, and counts if the error falls far.
+allow a shift by 0.6 samples, so that a longer delay is nearly nothing in them, and all of the error of single samples.
+So where nothing is large enough in the rows, what is significant there is fitted, and counts if the error falls far.
 
 The weak form also leaves out where a drive may have stuck, or turned twice, between two samples. An effect with memory
 may do nearly all that it does there: a contact bends and a gap is crossed within a few samples of standstill. So where
