@@ -221,7 +221,9 @@ def test_an_effect_that_comes_out_as_nothing_is_not_what_lowers_the_error(
         monkeypatch.undo()
 
 
-@pytest.mark.parametrize(("samples", "names"), [(0.6, []), (0.64, []), (0.7, ["sensor-delay"]), (1.2, ["sensor-delay"])])
+@pytest.mark.parametrize(
+    ("samples", "names"), [(0.6, []), (0.64, []), (0.7, ["sensor-delay"]), (1.2, ["sensor-delay"])]
+)
 def test_a_delay_is_named_from_where_the_rows_see_it(
     made: Callable[..., Recording], samples: float, names: list[str]
 ) -> None:
