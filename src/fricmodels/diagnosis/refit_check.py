@@ -130,8 +130,9 @@ def _best(
     trials = sorted((_error(refits.with_effect(t)), i, t) for i, t in enumerate(chosen))
     for error, _, first in trials:
         after = _error_per_sample(refits.with_effect(first))
-        # What rings faster than the window of the decisions shows in single samples.
-        rings = error <= policy.window_may_rise * before and _falls_far(samples, after, policy)
+        # What rings faster than the window of the decisions shows in single samples, as far as these are no noise.
+        heard = max(after, policy.noise_known_to * refits.comparison.errors.bands[0].noise_floor_percent)
+        rings = error <= policy.window_may_rise * before and _falls_far(samples, heard, policy)
         if rings or (error <= bound and _falls_far(before, error, policy)):
             break
     else:
