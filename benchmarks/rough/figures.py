@@ -38,6 +38,10 @@ def summary(rows: Sequence[Row]) -> list[str]:
     return lines
 
 
+OF_TIME = frozenset({"drift", "step-change"})
+"""Effects of the time itself: on another motion their instants are others."""
+
+
 def _members(rows: Iterable[Row]) -> list[bool]:
     """Return for each class that is named whether it is right."""
     return [is_right(r, names) for r in rows for names in r["last_names"]]
@@ -59,6 +63,7 @@ def _overview(of: Mapping[str, list[Row]]) -> list[str]:
     small = [r for r in of["single"] if not matters(r)]
     everything = [r for rows in of.values() for r in rows]
     rest = [r for r in beside if rest_matters(r)]
+    lasting = [r for r in everything if not r["unlisted"] and OF_TIME.isdisjoint(r["listed"])]
     return _table(
         ["figure", "asked", "measured (95 % interval)"],
         [
@@ -76,6 +81,7 @@ def _overview(of: Mapping[str, list[Row]]) -> list[str]:
             ("– said to be unknown, where it matters", "", share(rest_is_unknown(r) for r in alone if rest_matters(r))),
             ("another motion: last model better than first", "≥ 98 %", share(_elsewhere(everything, 1.0))),
             ("– not worse by more than 2 %", "always", share(_elsewhere(everything, 1.02))),
+            ("– better, where no cause is off the list and none goes with the time", "", share(_elsewhere(lasting, 1.0))),
         ],
     )
 
