@@ -81,7 +81,7 @@ def _overview(of: Mapping[str, list[Row]]) -> list[str]:
             ("– said to be unknown, where it matters", "", share(rest_is_unknown(r) for r in alone if rest_matters(r))),
             ("another motion: last model better than first", "≥ 98 %", share(_elsewhere(everything, 1.0))),
             ("– not worse by more than 2 %", "always", share(_elsewhere(everything, 1.02))),
-            ("– better, where no cause is off the list and none goes with the time", "", share(_elsewhere(lasting, 1.0))),
+            ("– better, with nothing off the list or of the time itself", "", share(_elsewhere(lasting, 1.0))),
         ],
     )
 
