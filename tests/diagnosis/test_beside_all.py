@@ -9,8 +9,10 @@ import numpy as np
 import pytest
 
 from fricmodels.diagnosis import Diagnosis, compare, diagnose
+from fricmodels.diagnosis.candidate_tests import candidate_tests
 from fricmodels.diagnosis.passive import own_torque
 from fricmodels.diagnosis.policy import POLICY
+from fricmodels.diagnosis.refits import Refits
 from fricmodels.dimension import Motion
 from fricmodels.recording import Recording
 from fricmodels.weakform.shifted import FREE_SHIFT
@@ -91,6 +93,10 @@ def test_two_waves_of_one_wave_number_are_larger_than_the_drive(made: Made) -> N
     given = replace(fitted, estimate=replace(fitted.estimate, parameters=large))
     assert own_torque(given, effect) == pytest.approx(share * 1e4, rel=0.05)
     assert share < POLICY.own_torque < own_torque(given, effect)
+    bare = compare(recording, "coulomb-viscous", INERTIA)
+    (tested,) = candidate_tests(replace(bare.problem), bare.estimate.parameters, only=["cogging"]).tested
+    assert Refits(bare, POLICY).with_effect(tested) is not None
+    assert Refits(bare, replace(POLICY, own_torque=0.5 * share)).with_effect(tested) is None
 
 
 @pytest.mark.parametrize(("samples", "named"), [(0.0, False), (0.5, False), (0.85, True), (-0.9, True)])

@@ -189,6 +189,11 @@ def test_what_the_rows_see_as_too_small_is_named_if_the_error_falls_far(seed: in
     diagnosis = examine(rung)
     assert [finding.names for finding in diagnosis.findings] == [("joint-compliance",)]
     assert examine(resonance(seed, hidden=False)).verdict == "adequate"
+    # What falls below the noise of single samples counts for nothing: if all of the error is noise there is no name.
+    assert refit_check(Refits(rung, POLICY), result, (), None) is not None
+    sample = rung.errors.bands[0]
+    noisy = replace(POLICY, noise_known_to=sample.held_out_percent / sample.noise_floor_percent)
+    assert refit_check(Refits(rung, noisy), replace(result, policy=noisy), (), None) is None
 
 
 def test_an_effect_that_comes_out_as_nothing_is_not_what_lowers_the_error(

@@ -13,6 +13,7 @@ import pytest
 import fricmodels.diagnosis.floor as errors_floor
 from fricmodels.diagnosis import candidate_tests as surveys
 from fricmodels.diagnosis import compare, diagnose, examine, improve, rivals
+from fricmodels.diagnosis.basis_functions import basis_functions
 from fricmodels.diagnosis.candidate_tests import CandidateTests, candidate_tests
 from fricmodels.diagnosis.comparison import SlidingErrors
 from fricmodels.diagnosis.effect_set import as_predictor
@@ -335,3 +336,30 @@ def test_of_two_equally_simple_forms_the_better_one_is_better_without_a_test(
     instead = rivals.Instead(np.ones((terms, 5)), frozenset({channels}), 30, terms)
     other: Any = regression
     assert rivals.is_better(result, effect, gain, 0.9, other, loss, instead) is better
+
+
+@pytest.mark.parametrize(("left", "better"), [(3.5, True), (1.5, True), (0.5, False)])
+def test_an_effect_that_adds_next_to_nothing_to_a_channel_lies_within_it(
+    monkeypatch: pytest.MonkeyPatch, left: float, better: bool
+) -> None:
+    """The effect leaves 100, the channel 4, both together less: each predicts something beside the other."""
+    monkeypatch.setattr(rivals, "compare", lambda *_: (0.0, 1.0))
+    monkeypatch.setattr(rivals, "predicts_beside", lambda *_: True)
+    monkeypatch.setattr(rivals, "visible_of", lambda _, columns: columns)
+    effect: Any = SimpleNamespace(found=SimpleNamespace(columns=np.ones((1, 5)), nonlinear=()))
+    regression = SimpleNamespace(loss=np.full(5, 20.0), terms=8)
+    gain: Any = SimpleNamespace(regression=regression, without=regression, columns=np.ones((1, 5)))
+    result: Any = SimpleNamespace(policy=POLICY)
+    other: Any = SimpleNamespace(test=lambda _: SimpleNamespace(loss=np.full(5, left / 5)))
+    instead = rivals.Instead(np.ones((4, 5)), frozenset({"motor torque"}), 30, 4)
+    assert rivals.is_better(result, effect, gain, 0.9, other, np.full(5, 0.8), instead) is better
+
+
+def test_the_channel_of_the_motor_torque_holds_a_torque_that_falls_short_of_the_current(made: Made) -> None:
+    problem, found = estimate(Drive(LAW, 2.0), made())
+    regression = candidate_tests(problem, found.parameters, only=[]).regression
+    columns = basis_functions(problem, regression, POLICY)["motor torque"]()
+    torque = problem.motor_torque
+    droop = problem.integrals((np.abs(torque) * torque)[None])[0]
+    left = droop - np.linalg.lstsq(columns.T, droop, rcond=None)[0] @ columns
+    assert left @ left < 1e-12 * droop @ droop

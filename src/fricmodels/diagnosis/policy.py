@@ -93,7 +93,8 @@ class Policy(Rules):
         10.0,
         "times the RMS torque",
         "An effect is refused whose own torque is more than this: another one cancels it, and only their sum is known.",
-        "Physical: a spring may balance gravity ten to one. Of 82 effects of rough drives the largest has 1.8.",
+        "Physical: a spring may balance gravity ten to one. Of 82 effects of rough drives the largest has 1.8. Without "
+        "it one of 408 ladders ended with two waves of 4000 that cancel, and eight times the error on another motion.",
         off=_INF,
     )
 
@@ -163,13 +164,15 @@ class Policy(Rules):
         "An effect that explains most of what a description of the rest leaves is there beside it, if so much of what "
         "the effect is lies outside of what the description can be.",
         "Found on six drives: 0.27 to 0.92 where both are there, 0.003 and 0.02 where the effect lies within a channel "
-        "but for a hat that is not seen.",
+        "but for a hat that is not seen. Without the rule two right names of 408 rough drives are lost, and one wrong "
+        "name of 44 drives of our rig with the true effect off the list.",
         off=_INF,
     )
     outpredicted_significance: float = rule(
         0.1,
         "probability",
-        "A channel predictor is better than an effect at this corrected level (Diebold and Mariano 1995).",
+        "A channel predictor is better than an effect at this level, corrected for how many there are (Diebold and "
+        "Mariano 1995).",
         "Statistic, twice alike_significance: a wrong name is worse than none.",
         off=-1.0,
     )
@@ -247,7 +250,8 @@ class Policy(Rules):
     replacement: float = rule(
         0.75,
         "factor of the RMS torque error",
-        "If a refit leaves more than this share of the error, one that leaves less than this of it replaces it.",
+        "If a refit leaves more than this share of the error, another effect replaces the named one where it leaves "
+        "less than this share of what the named one leaves.",
         "Judgement.",
         off=0.0,
     )
@@ -295,7 +299,8 @@ class Policy(Rules):
     refit_fall: float = rule(
         1.5,
         "% of the RMS torque",
-        "An effect found over all motion, or too small in the rows, must lower the error by this (in quadrature).",
+        "An effect found over all motion, or too small in the rows, must lower the error by this (root of a difference "
+        "of squares).",
         "Found on our rig: on 400 drives with nothing hidden none that passes lowers it by more than 0.8. Of 550 rough "
         "drives with nothing hidden none gets a name that is too small in the rows.",
         off=0.0,
