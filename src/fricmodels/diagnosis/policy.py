@@ -186,6 +186,14 @@ class Policy(Rules):
         "(docs/decisions/unknown.md).",
         off=-1.0,
     )
+    walk_significance: float = rule(
+        0.01,
+        "probability",
+        "An effect of the time itself must be there at this level though friction may walk (`walk.py`).",
+        "Statistic, equal to significance. Of 169 rough drives with such an effect or a walk it keeps off seven wrong "
+        "names and no right one.",
+        off=1.1,
+    )
     own_share: float = rule(
         0.5,
         "share of the squared residual above the floor",

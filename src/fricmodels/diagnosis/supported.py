@@ -53,6 +53,7 @@ from fricmodels.diagnosis.policy import Policy
 from fricmodels.diagnosis.predictability import AUTOREGRESSIVE
 from fricmodels.diagnosis.rivals import Instead, against_channels, is_better
 from fricmodels.diagnosis.verdict import LookAlikes, outside, select_effect
+from fricmodels.diagnosis.walk import p_beside_a_walk, waves_of_friction
 from fricmodels.progress import each
 from fricmodels.term import Effect
 from fricmodels.weakform.shifted import regression_of
@@ -193,7 +194,8 @@ class Support:
         of_channel: least ratio of what it explains to what the description, or a channel that predicts clearly more,
             explains in its place.
         torque: RMS torque that only it explains, over the RMS torque.
-        p_value: of the Wald test of its columns.
+        p_value: of the Wald test of its columns; of an effect of the time itself beside a walk of friction, if that is
+            larger.
         rival: that channel; empty where none predicts clearly more.
     """
 
@@ -213,6 +215,15 @@ class Support:
 
 
 def _support(result: CandidateTests, member: Member, others: list[Member], rest: Rest) -> Support:
+    """Return what speaks for a member of the set, given the others and a description of the rest."""
+    found = _support_beside(result, member, others, rest)
+    if not found.suffices(result.policy):
+        return found
+    p_value = _p_of_the_time(result, member, others)
+    return found if p_value < result.policy.walk_significance else replace(found, p_value=max(found.p_value, p_value))
+
+
+def _support_beside(result: CandidateTests, member: Member, others: list[Member], rest: Rest) -> Support:
     beside = stacked(result, others)
     own = gain_of(result, beside, member).fall
 
@@ -288,6 +299,19 @@ def _lies_within(result: CandidateTests, member: Member, beside: Array, parts: A
     columns = visible_of(regression, member.found.first.found.columns)
     torque = regression.test(columns).coefficients @ columns if len(columns) else columns
     return not len(columns) or outside(regression, torque[None], visible_of(regression, parts)) < result.policy.own_form
+
+
+def _p_of_the_time(result: CandidateTests, member: Member, others: list[Member]) -> float:
+    """Return the p-value of an effect of the time itself where friction may walk; 0 of any other effect.
+
+    Others of the time are not beside it, nor is a description of the rest: they follow the walk, and hide it.
+    """
+    if not member.effect.depends_on_time:
+        return 0.0
+    beside = stacked(result, [other for other in others if not other.effect.depends_on_time])
+    base = regression_of(result.problem, result.parameters, beside)
+    p_value = p_beside_a_walk(base, waves_of_friction(result.problem), member.columns)
+    return min(1.0, p_value * member.found.first.found.trials)
 
 
 @dataclass(frozen=True)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from functools import cache
 
@@ -38,6 +38,8 @@ _HARMONIC = 0.2
 """A wave of half the wave number must explain a fifth of all more; other waves make it explain a little more."""
 _AT_END = 1e-3
 """Within a thousandth of a bound a parameter is at its end."""
+_FINER = 16
+"""Parts of the spacing of instants that are tried next to the best of them."""
 _SIGNED = 0.2
 """Spacing of a parameter of either sign of which only one value is tried first."""
 
@@ -67,6 +69,8 @@ def search(
         return None
     value = cache(lambda point: candidate.explained(point) if _is_sought(problem, nonlinear, point) else 0.0)
     starts = sorted(points, key=value, reverse=True)
+    if any(p.instant for p in nonlinear):
+        starts = sorted({*starts, *_closer(starts[0], nonlinear, spacing)}, key=value, reverse=True)
     if value(starts[0]) <= 0:
         return candidate.found(starts[0], trials) if candidate.is_visible(starts[0]) else None
     worth = max(_HOPELESS * float(regression.residual @ regression.residual), _NEAR * rival)
@@ -95,6 +99,19 @@ def _summit(
         more = starts[1:_STARTS] if len(bounds) > 1 and value(best) >= _UNLIKELY * worth else ()
         best = max((best, *(coordinate_search(value, start, bounds, spacing) for start in more)), key=value)
     return refine(value, best, bounds, spacing) if value(best) >= _UNLIKELY * worth else best
+
+
+def _closer(point: Point, nonlinear: Sequence[Parameter], spacing: Sequence[float]) -> Iterator[Point]:
+    """Yield the points between the neighbours of a point that a parameter is an instant of.
+
+    What is explained falls off within the strokes next to the true instant, and is the same all the time that a drive
+    rests: a step uphill from afar sees neither.
+    """
+    for i, (parameter, step) in enumerate(zip(nonlinear, spacing, strict=True)):
+        if parameter.instant:
+            begin, end = point[i] - abs(step), point[i] + abs(step)
+            inside = np.linspace(max(begin, parameter.lower), min(end, parameter.upper), 2 * _FINER + 1)
+            yield from ((*point[:i], float(instant), *point[i + 1 :]) for instant in inside)
 
 
 def _fundamental(

@@ -1,0 +1,85 @@
+"""An effect of the time itself is told from friction that wanders."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from fricmodels.diagnosis.walk import p_beside_a_walk
+from fricmodels.weakform.regression import Regression
+
+Array = NDArray[np.float64]
+
+ROWS = 400
+"""Independent rows of a drive that moves to and fro."""
+SIDE = np.sign(np.sin(np.arange(ROWS) * 0.7))
+PLACE = np.linspace(0.0, 1.0, ROWS)
+WAVES = SIDE * np.cos(np.pi * np.arange(1, 37)[:, None] * PLACE)
+LINE = SIDE * (PLACE - 0.5)
+BASE = np.vstack([SIDE, np.sin(np.arange(ROWS) * 0.31)])
+
+
+def left(friction: Array, seed: int, noise: float = 0.3) -> Regression:
+    rng = np.random.default_rng(seed)
+    return Regression(BASE, SIDE * friction + noise * rng.standard_normal(ROWS), float(ROWS))
+
+
+def walk(seed: int) -> Array:
+    """Return a random walk, over a record about as far as one."""
+    return np.asarray(np.cumsum(np.random.default_rng([seed, 7]).standard_normal(ROWS)) / np.sqrt(ROWS))
+
+
+def jump(place: float) -> Array:
+    return np.where(place < PLACE, 1.0, 0.0)
+
+
+def test_a_line_is_there_where_nothing_walks() -> None:
+    assert p_beside_a_walk(left(0.5 * PLACE, 0), WAVES, LINE[None]) < 1e-6
+
+
+def test_of_noise_alone_the_size_holds() -> None:
+    found = np.array([p_beside_a_walk(left(0.0 * PLACE, seed), WAVES, LINE[None]) for seed in range(400)])
+    assert np.mean(found < 0.05) < 0.08  # 0.05 and three standard errors
+    assert np.mean(found < 0.01) < 0.03
+
+
+def test_a_walk_is_no_line() -> None:
+    """A least-squares test finds a line in nearly every walk."""
+    lines = [left(walk(seed), seed) for seed in range(200)]
+    found = np.array([p_beside_a_walk(one, WAVES, LINE[None]) for one in lines])
+    plain = np.array([one.test(LINE[None]).p_value for one in lines])
+    assert np.mean(found < 0.01) < 0.08
+    assert np.mean(plain < 0.01) > 5 * np.mean(found < 0.01)
+
+
+def test_a_walk_is_no_jump_where_it_goes_farthest() -> None:
+    wrong = 0
+    for seed in range(60):
+        one = left(walk(seed), seed)
+        places = np.linspace(0.1, 0.9, 20)
+        columns = [np.vstack([SIDE * jump(place)]) for place in places]
+        wrong += min(len(places) * p_beside_a_walk(one, WAVES, each) for each in columns) < 0.01
+    assert wrong <= 4
+
+
+@pytest.mark.parametrize("size", [2.0, 3.0])
+def test_a_jump_far_larger_than_the_walk_is_there(size: float) -> None:
+    found = [
+        p_beside_a_walk(left(0.3 * walk(s) + size * jump(0.4), s), WAVES, SIDE[None] * jump(0.4)) for s in range(9)
+    ]
+    assert max(found) < 1e-4
+
+
+def test_it_does_not_depend_on_units_direction_or_the_order_of_columns() -> None:
+    friction, columns = walk(3) + PLACE, np.vstack([LINE, SIDE * PLACE**2])
+    here = p_beside_a_walk(left(friction, 3), WAVES, columns)
+    one = left(friction, 3)
+    larger = Regression(1e3 * BASE, -1e6 * one.target, float(ROWS))
+    assert p_beside_a_walk(larger, -5.0 * WAVES, -1e-3 * columns[::-1]) == pytest.approx(here, rel=1e-6)
+
+
+def test_too_few_waves_say_nothing_and_columns_of_the_model_are_no_effect() -> None:
+    one = left(PLACE, 0)
+    assert p_beside_a_walk(one, WAVES[:4], LINE[None]) == 0.0
+    assert p_beside_a_walk(one, WAVES, BASE[:1]) == 1.0
