@@ -177,7 +177,7 @@ def _judged(result: CandidateTests, members: list[Member], rest: Rest) -> Judgem
         one_cause += further
     power = float(np.sum(result.problem.driving**2))
     return Judgement(
-        tuple((m.found, support) for m, support in judged),
+        tuple((_without_walks(result, m, without(members, m)), support) for m, support in judged),
         tuple(m.found for m in one_cause),
         (*rest.channels, *(f"'{m.effect.name}' at its search bound" for m in at_bound)),
         float(np.sqrt(floor(result.problem, policy) / power)),
@@ -299,6 +299,19 @@ def _lies_within(result: CandidateTests, member: Member, beside: Array, parts: A
     columns = visible_of(regression, member.found.first.found.columns)
     torque = regression.test(columns).coefficients @ columns if len(columns) else columns
     return not len(columns) or outside(regression, torque[None], visible_of(regression, parts)) < result.policy.own_form
+
+
+def _without_walks(result: CandidateTests, member: Member, others: list[Member]) -> LookAlikes:
+    """Return a class without those behind its first that a walk of friction may be as well."""
+
+    def is_there(tested: CandidateTest) -> bool:
+        if not tested.effect.depends_on_time:
+            return True
+        alone = member_of(result, LookAlikes(tested, (tested,)))
+        return _p_of_the_time(result, alone, others) < result.policy.walk_significance
+
+    first = member.found.first
+    return LookAlikes(first, tuple(t for t in member.found.members if t is first or is_there(t)))
 
 
 def _p_of_the_time(result: CandidateTests, member: Member, others: list[Member]) -> float:
