@@ -53,6 +53,15 @@ def test_the_hidden_effect_is_named(hidden: Draw, effect: str, excitation: str) 
     assert diagnosis.findings[0].tested.evidence.gain > 0.1
 
 
+def test_the_instant_of_a_jump_is_found_next_to_a_rest(hidden: Draw) -> None:
+    """All instants of a rest explain the same: a search that begins on that plateau has to look beyond it."""
+    rig, recording = hidden("step-change", seed=1, size=0.2, noise_percent=1.0, excitation="multisine", samples=SAMPLES)
+    (hidden_jump,) = rig.effects
+    found = diagnosed(rig, recording).findings[0].tested.parameters
+    assert found["t_0"] == pytest.approx(hidden_jump.time, abs=0.05)
+    assert found["c"] == pytest.approx(hidden_jump.coulomb, rel=0.02)
+
+
 @pytest.mark.parametrize("excitation", ["sine", "multisine", "tracking", "trapezoid", "stair", "ramp"])
 def test_nothing_is_named_where_nothing_is_hidden(hidden: Draw, excitation: str) -> None:
     rig, recording = hidden(seed=2, excitation=excitation, noise_percent=1.0, samples=SAMPLES)
