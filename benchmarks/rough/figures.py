@@ -252,7 +252,7 @@ ten.
 - **right class**: the effect is in the class of look-alikes that is named, or an effect that
   `benchmarks/rough/judge.py` lists as not to be told from it in such a recording: an offset and a Coulomb asymmetry
   without rests; a wrong inertia and a wrong torque constant without a known load; gravity and a wrong torque constant
-  with one payload; a delay, a wrong inertia and frictional lag with one frequency; gravity and stiffness within half a
-  turn.
+  with one payload; a delay, a wrong inertia and frictional lag with one frequency, and there a spring and the offset of
+  its neutral point, where the inertia is estimated; gravity and stiffness within half a turn.
 - **there**: hidden, or a delay of at least a tenth of a sample that sampling and sensors make by themselves.
 - **another motion**: both ends of the ladder, with their parameters, on another kind of motion of the same drive."""

@@ -23,7 +23,8 @@ def alike(row: Row, true: str) -> set[str]:
     """Return the effects that cannot be told from a true one in this recording, by the list of look-alikes.
 
     Each rule asks for what the list says makes them alike: no rests, no known load, one frequency, one payload, less
-    than half a turn.
+    than half a turn. With one frequency a position is an acceleration, so that of a spring an inertia that is estimated
+    leaves what its neutral point makes: an offset.
     """
     pair: list[set[str]] = []
     hidden = {one["name"]: one for one in row["hidden"]}
@@ -35,6 +36,8 @@ def alike(row: Row, true: str) -> set[str]:
         pair.append({"gravity", "torque-gain"})
     if row["motion"] == "sine":
         pair.append({"sensor-delay", "inertia-error", "frictional-lag"})
+        if not row["inertia_given"]:
+            pair.append({"stiffness", "torque-offset"})
     if row["turned"] is not None and row["turned"] < HALF_TURN:
         pair.append({"gravity", "stiffness"})
     return {true}.union(*(group for group in pair if true in group))
