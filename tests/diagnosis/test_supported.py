@@ -148,6 +148,19 @@ def test_a_walk_of_friction_is_no_drift(made: Made, seed: int) -> None:
     assert diagnosis.view.channels == "time, finely, along the motion"
 
 
+@pytest.mark.parametrize("seed", [10, 18, 30])
+def test_a_walk_that_a_line_or_a_jump_follows_is_neither(made: Made, seed: int) -> None:
+    """Of forty such walks seven were a drift or a step while none was thought of in the noise."""
+    recording = made(noise=0.5, samples=4000, rate=250.0)
+    walk = np.cumsum(np.random.default_rng(seed).standard_normal(len(recording)))
+    walk = (walk - walk.mean()) / walk.std()
+    walking = recording.with_channels(derived=False, torque=recording.torque + walk * np.sign(recording.velocity))
+    comparison = compare(walking, LAW, 2.0)
+    assert examine(comparison).verdict == "unknown-effect"
+    without = examine(comparison, policy=replace(POLICY, walk_significance=1.1))
+    assert [finding.names for finding in without.findings] in [[("drift",)], [("step-change",)]]
+
+
 @pytest.mark.parametrize("effect", ["drift", "step-change"])
 def test_what_happens_once_as_its_equation_says_has_its_name(made: Made, effect: str) -> None:
     values = {"drift.a": 0.6, "drift.b": 0.05, "drift.T": 8.0, "step-change.c": 0.5, "step-change.t_0": 7.0}
