@@ -12,15 +12,15 @@ import pytest
 
 import fricmodels.diagnosis.floor as errors_floor
 from fricmodels.diagnosis import candidate_tests as surveys
-from fricmodels.diagnosis import compare, diagnose, examine, improve, rivals
+from fricmodels.diagnosis import compare, diagnose, examine, improve, rivals, supported
 from fricmodels.diagnosis.basis_functions import basis_functions
 from fricmodels.diagnosis.candidate_tests import CandidateTests, candidate_tests
 from fricmodels.diagnosis.comparison import SlidingErrors
-from fricmodels.diagnosis.effect_set import as_predictor
+from fricmodels.diagnosis.effect_set import as_predictor, member_of
 from fricmodels.diagnosis.policy import POLICY
 from fricmodels.diagnosis.predictability import OWN_PAST, channel_predictors
 from fricmodels.diagnosis.supported import judge
-from fricmodels.diagnosis.verdict import select_effect
+from fricmodels.diagnosis.verdict import LookAlikes, select_effect
 from fricmodels.dimension import Motion
 from fricmodels.drive import Drive
 from fricmodels.model import Model
@@ -159,6 +159,22 @@ def test_a_walk_that_a_line_or_a_jump_follows_is_neither(made: Made, seed: int) 
     assert examine(comparison).verdict == "unknown-effect"
     without = examine(comparison, policy=replace(POLICY, walk_significance=1.1))
     assert [finding.names for finding in without.findings] in [[("drift",)], [("step-change",)]]
+
+
+@pytest.mark.parametrize(("seed", "kept"), [(10, False), (None, True)])
+def test_a_look_alike_of_the_time_is_one_only_if_a_walk_would_not_do(made: Made, seed: int | None, kept: bool) -> None:
+    values = {"drift.a": 0.6, "drift.b": 0.05, "drift.T": 8.0}
+    recording = made(noise=0.5, samples=4000, rate=250.0) if seed is not None else made("coulomb-viscous+drift", values)
+    if seed is not None:
+        walk = np.cumsum(np.random.default_rng(seed).standard_normal(len(recording)))
+        torque = recording.torque + (walk - walk.mean()) / walk.std() * np.sign(recording.velocity)
+        recording = recording.with_channels(derived=False, torque=torque)
+    comparison = compare(recording, LAW, 2.0)
+    result = candidate_tests(comparison.problem, comparison.estimate.parameters, only=["asymmetry", "drift"])
+    asymmetry, drift = sorted(result.tested, key=lambda tested: tested.name)
+    found = member_of(result, LookAlikes(asymmetry, (asymmetry, drift)))
+    assert drift.p_value < 0.01  # by itself it is significant
+    assert supported._without_walks(result, found, []).names == ["asymmetry", "drift"][: 1 + kept]
 
 
 @pytest.mark.parametrize("effect", ["drift", "step-change"])

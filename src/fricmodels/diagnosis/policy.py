@@ -191,7 +191,7 @@ class Policy(Rules):
         "probability",
         "An effect of the time itself must be there at this level though friction may walk (`walk.py`).",
         "Statistic, equal to significance. Of 169 rough drives with such an effect or a walk it keeps off seven wrong "
-        "names and no right one.",
+        "names and no right one that matters.",
         off=1.1,
     )
     own_share: float = rule(

@@ -194,9 +194,9 @@ class Support:
         of_channel: least ratio of what it explains to what the description, or a channel that predicts clearly more,
             explains in its place.
         torque: RMS torque that only it explains, over the RMS torque.
-        p_value: of the Wald test of its columns; of an effect of the time itself beside a walk of friction, if that is
-            larger.
+        p_value: of the Wald test of its columns.
         rival: that channel; empty where none predicts clearly more.
+        p_beside_walk: of an effect of the time itself, where friction may walk; 0 of any other.
     """
 
     own_share: float
@@ -204,11 +204,13 @@ class Support:
     torque: float
     p_value: float
     rival: str = ""
+    p_beside_walk: float = 0.0
 
     def suffices(self, policy: Policy) -> bool:
         """Whether the effect may be named, if it is large enough."""
         return (
             self.p_value < policy.significance
+            and self.p_beside_walk < policy.walk_significance
             and self.own_share >= policy.own_share
             and self.of_channel >= policy.of_channel
         )
@@ -219,8 +221,7 @@ def _support(result: CandidateTests, member: Member, others: list[Member], rest:
     found = _support_beside(result, member, others, rest)
     if not found.suffices(result.policy):
         return found
-    p_value = _p_of_the_time(result, member, others)
-    return found if p_value < result.policy.walk_significance else replace(found, p_value=max(found.p_value, p_value))
+    return replace(found, p_beside_walk=_p_of_the_time(result, member, others))
 
 
 def _support_beside(result: CandidateTests, member: Member, others: list[Member], rest: Rest) -> Support:

@@ -41,12 +41,15 @@ _RATIOS = np.concatenate([[0.0], np.exp(np.linspace(-6.0, 14.0, 81))])
 
 def waves_of_friction(problem: WeakFormProblem) -> Array:
     """Return the direction of friction times waves over the record, the slowest first, shape (K, rows)."""
-    points = problem.quadrature.recording
-    begin, end = float(np.min(points.time)), float(np.max(points.time))
-    phase = np.pi * (points.time - begin) / max(end - begin, np.finfo(float).tiny)
-    count = max(int(min(_WAVES, problem.independent / _ROWS_EACH)), 1)
-    side = np.sign(points.velocity)
-    return problem.integrals(side * np.cos(np.arange(1, count + 1)[:, None] * phase))
+
+    def built() -> Array:
+        points = problem.quadrature.recording
+        begin, end = float(np.min(points.time)), float(np.max(points.time))
+        phase = np.pi * (points.time - begin) / max(end - begin, np.finfo(float).tiny)
+        count = max(int(min(_WAVES, problem.independent / _ROWS_EACH)), 1)
+        return problem.integrals(np.sign(points.velocity) * np.cos(np.arange(1, count + 1)[:, None] * phase))
+
+    return problem.integrated("waves of friction", built)
 
 
 def p_beside_a_walk(regression: Regression, waves: Array, columns: Array) -> float:

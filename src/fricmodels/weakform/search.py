@@ -70,7 +70,8 @@ def search(
     value = cache(lambda point: candidate.explained(point) if _is_sought(problem, nonlinear, point) else 0.0)
     starts = sorted(points, key=value, reverse=True)
     if any(p.instant for p in nonlinear):
-        starts = sorted({*starts, *_closer(starts[0], nonlinear, spacing)}, key=value, reverse=True)
+        closer = _closer(starts[0], nonlinear, spacing)
+        starts = sorted(dict.fromkeys([*starts, *closer]), key=value, reverse=True)
     if value(starts[0]) <= 0:
         return candidate.found(starts[0], trials) if candidate.is_visible(starts[0]) else None
     worth = max(_HOPELESS * float(regression.residual @ regression.residual), _NEAR * rival)
