@@ -61,7 +61,7 @@ def test_a_terminal_of_ascii_can_print_the_answer(ladder: Ladder) -> None:
 
 def test_diagnose_ranks_the_runner_up_and_does_not_repeat_compare(ladder: Ladder) -> None:
     text = printed(ladder, "diagnose")
-    assert "The best of 19 candidates" in text
+    assert "The best of 19 candidates, each by itself" in text
     assert text.index("cogging  ") < text.index("rising-stiction")
     assert "Parameters" not in text
     assert "fricmodels improve" in text

@@ -222,8 +222,23 @@ def _is_seen(result: CandidateTests, comparison: Comparison, view: ChannelPredic
 
 def seems_missing(comparison: Comparison, leave_out: Iterable[str], policy: Policy = POLICY) -> LookAlikes | None:
     """Return the effect that by itself explains best what a fitted model leaves: a first look, without any check."""
+    return select_effect(_first_look(comparison, leave_out, policy))
+
+
+def comes_near(smaller: Comparison, name: str, leave_out: Iterable[str], policy: Policy = POLICY) -> set[str]:
+    """Return the effects that come near to one in the rows, beside a model without it; all where it has no place there.
+
+    One that leaves far more is not worth a fit.
+    """
+    tested = _first_look(smaller, leave_out, policy).tested
+    own = [t.evidence.left for t in tested if t.name == name]
+    most = policy.far_worse**2 * own[0] if own else float("inf")
+    return {t.name for t in tested if t.evidence.left <= most}
+
+
+def _first_look(comparison: Comparison, leave_out: Iterable[str], policy: Policy) -> CandidateTests:
     parameters = comparison.estimate.parameters
-    return select_effect(candidate_tests(replace(comparison.problem), parameters, leave_out=leave_out, policy=policy))
+    return candidate_tests(replace(comparison.problem), parameters, leave_out=leave_out, policy=policy)
 
 
 def _confirmed(

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 from fricmodels.diagnosis.candidate_tests import CandidateTest
 from fricmodels.diagnosis.comparison import Comparison, compare, from_scratch, numbered, refitted
-from fricmodels.diagnosis.diagnose import Diagnosis, Finding, examine, is_predictable, seems_missing
+from fricmodels.diagnosis.diagnose import Diagnosis, Finding, comes_near, examine, is_predictable, seems_missing
 from fricmodels.diagnosis.look_alikes import separated_by
 from fricmodels.diagnosis.necessity import necessity
 from fricmodels.diagnosis.policy import POLICY, Policy
@@ -269,9 +269,7 @@ class _Search:
         for name in self._added if len(self._added) > 1 else []:
             smaller = self._without(self._here, name)
             stage(f"looking again for what is missing without {name}")
-            refused = self.diagnosis.refused
-            out = self._out if refused is None else self._out | {refused.name}  # it does not help the larger model
-            seems = seems_missing(smaller, out, self._policy)
+            seems = seems_missing(smaller, self._out_beside(), self._policy)
             if seems is None:
                 continue
             if seems.first.name == name:
@@ -292,6 +290,11 @@ class _Search:
                 self._update_look_alikes(name, found.names)
         return changed
 
+    def _out_beside(self) -> set[str]:
+        """Return what is not considered in the place of an effect: nor what does not help the larger model."""
+        refused = self.diagnosis.refused
+        return self._out if refused is None else self._out | {refused.name}
+
     def simplify(self) -> bool:
         """Put an effect with fewer parameters in the place of one that, with all others there, does no more than it."""
         changed = False
@@ -302,7 +305,8 @@ class _Search:
             simpler.sort(key=lambda t: len(t.effect.parameters))
             chosen = [t for t in simpler if t.name not in self._added][: self._policy.step_trials]
             smaller = self._without(here, name) if chosen else here
-            for tested in chosen:
+            near = comes_near(smaller, name, self._out_beside(), self._policy) if chosen else set()
+            for tested in [t for t in chosen if t.name in near]:
                 other = refitted(smaller, smaller.drive.model.plus(tested.effect), here.estimate.parameters)
                 if self._may_replace(other, smaller) and not is_undetermined(other, tested.name):
                     self._replace(name, smaller, Rung(other, added=tested.name), step)

@@ -12,6 +12,7 @@ from fricmodels.diagnosis.candidate_tests import CandidateTest, CandidateTests
 from fricmodels.diagnosis.floor import above_noise
 from fricmodels.signals.order_spectrum import LEAST_PERIODS
 from fricmodels.weakform.lines import Whitened, fast_band, smallest_line
+from fricmodels.weakform.regression import LEAST_P
 from fricmodels.weakform.search import fastest_in_rows
 from fricmodels.weakform.steps import Steps
 
@@ -56,7 +57,7 @@ def _smallest(result: CandidateTests, tested: CandidateTest) -> Visibility:
     First gate: the Wald statistic reaches its critical value. Second gate: the residual, but for what noise leaves of
     it, falls by the least gain g: an effect takes √(1/(1 − g)² − 1) times as much torque for it as is left without it.
     """
-    from scipy.stats import f as fisher
+    from scipy.special import betaincinv  # scipy.stats takes longer to import than most fits
 
     problem, regression, policy = result.problem, result.regression, result.policy
     reference = float(np.sqrt(np.mean(problem.driving**2)))
@@ -69,7 +70,9 @@ def _smallest(result: CandidateTests, tested: CandidateTest) -> Visibility:
         q = len(columns)
         freedom = max(regression.terms - q + 1, 1)
         level = policy.significance / (tested.found.trials * max(len(result.tested), 1))
-        critical = float(fisher.isf(max(level, 1e-300), q, freedom)) * regression.terms * q / freedom
+        # Of F with q and n degrees of freedom, n / (n + q F) is beta-distributed: the level is its lower tail.
+        tail = float(betaincinv(0.5 * freedom, 0.5 * q, max(level, LEAST_P)))
+        critical = (1 / tail - 1) * regression.terms
         free = regression.project_out(columns)
         # A coefficient vector of Wald statistic equal to the critical one, along its least certain direction.
         spread, directions = np.linalg.eigh(tested.evidence.covariance)
