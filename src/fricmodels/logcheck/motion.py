@@ -6,11 +6,16 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from fricmodels.arrays import Array
 from fricmodels.logcheck.balance import CLUSTERS
 from fricmodels.logcheck.finding import Finding, Severity
 from fricmodels.logcheck.view import Log
+from fricmodels.signals.lanczos import lanczos_derivative
+from fricmodels.signals.noise_level import best_half_width
 
 _AGAIN = 2.0 / CLUSTERS
+_DIFFERENT = 0.1
+"""Share of the RMS of one course, to which another one is the same: a tenth is left to tell two effects apart."""
 
 
 def little(log: Log, noise: float) -> Iterator[Finding]:
@@ -31,6 +36,42 @@ def little(log: Log, noise: float) -> Iterator[Finding]:
         yield _finding(f"{100 * at_rest:.3g} % of the velocities are within their noise of zero")
     elif log.one_way:
         yield _finding("the drive hardly ever turns back: Coulomb friction cannot be told from a constant torque")
+
+
+def one_frequency(log: Log) -> Iterator[Finding]:
+    r"""Say where position and acceleration have one course, as in one sine.
+
+    .. math:: x - \bar x = -\ddot x / \omega^2
+
+    What goes with the position, the acceleration or a short delay then has one form, and no data tell them apart. The
+    position is that of each uninterrupted stretch about its mean.
+    """
+    short = log.short
+    time, velocity, run = short.recording.time, short.velocity, short.recording.run
+    smooth, acceleration = lanczos_derivative(time, velocity, best_half_width(time, velocity, run), run)
+    position = np.empty(len(time))
+    for part in short.parts:
+        way = short.recording["position"][part] if "position" in short.measured else _way(time[part], smooth[part])
+        position[part] = way - np.mean(way)
+        acceleration[part] -= np.mean(acceleration[part])
+    size = float(acceleration @ acceleration)
+    slope = float(acceleration @ position) / size if size > 0 else 0.0
+    whole, left = (float(np.sqrt(np.mean(course**2))) for course in (position, position - slope * acceleration))
+    if slope < 0.0 and left < _DIFFERENT * whole:
+        frequency = 1.0 / (2.0 * np.pi * np.sqrt(-slope))
+        yield Finding(
+            "one-frequency",
+            Severity.NOTE,
+            "velocity",
+            f"the motion is one sine of {frequency:.2g} Hz: position and acceleration have one course but for "
+            f"{100 * left / whole:.2g} %, so that a spring, an inertia, a torque constant and a delay look alike",
+            "record a second frequency as well",
+        )
+
+
+def _way(time: Array, velocity: Array) -> Array:
+    """Return the integral of a velocity from the first sample on."""
+    return np.concatenate([[0.0], np.cumsum(0.5 * (velocity[1:] + velocity[:-1]) * np.diff(time))])
 
 
 def _finding(text: str) -> Finding:
