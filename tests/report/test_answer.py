@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 
 from fricmodels.report.answer import answer, command_line
-from fricmodels.report.reliability import RECORDS
+from fricmodels.report.reliability import ONE_SINE, RECORDS
 from fricmodels.report.sections import ladder_words
 from fricmodels.results.comparison import Band
 from fricmodels.results.diagnosis import DiagnosisDocument
@@ -68,9 +68,17 @@ def rest(percent: float, nearest: float) -> dict[str, Any]:
     return {**left, "nearest": near}
 
 
-@pytest.mark.parametrize("verdict", [*RECORDS])
+def test_names_on_one_sine_come_with_how_often_such_names_were_wrong() -> None:
+    note = {"kind": "one-frequency", "severity": "note", "text": "the motion is one sine of 0.7 Hz"}
+    on_one = {**recording("time=t:ms"), "findings": [note]}
+    assert ONE_SINE.said in answer(data(recording=on_one)).sure
+    assert ONE_SINE.said not in answer(data()).sure
+    assert ONE_SINE.said not in answer(data(recording=on_one, verdict="adequate", effects=[])).sure
+
+
+@pytest.mark.parametrize("verdict", [*RECORDS, "one-frequency"])
 def test_how_often_an_answer_was_wrong_is_what_the_pages_say(verdict: str) -> None:
-    record = RECORDS[verdict]
+    record = RECORDS.get(verdict, ONE_SINE)
     for page, phrases in record.cited.items():
         assert f"docs/{page}" in record.said
         text = " ".join(re.sub(r"^> ?", "", (DOCS / page).read_text(encoding="utf-8"), flags=re.MULTILINE).split())

@@ -144,8 +144,8 @@ class Policy(Rules):
     far_worse: float = rule(
         1.5,
         "factor of the residual",
-        "No effect with so many times the residual of the best one is a look-alike, passes over all motion only, or "
-        "stands in for one with which the test error does not fall.",
+        "No effect with so many times the residual of the best one is a look-alike, passes over all motion only, "
+        "stands in for one with which the test error does not fall, or is fitted as a simpler one in its place.",
         "Judgement: with little data no test tells even such a difference.",
         off=_INF,
     )

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
 from fricmodels.diagnosis.policy import POLICY
-from fricmodels.report.reliability import RECORDS
+from fricmodels.report.reliability import ONE_SINE, RECORDS
 from fricmodels.report.wording import counted, listed, noise_alone, percent, small
 from fricmodels.results.words import SAMPLING, form, predictor
 from fricmodels.score.bands import averaged
@@ -176,10 +176,10 @@ def sure(data: DiagnosisDocument) -> str:
         parts.append(
             f"{_upper(predictor(data.unknown.channels))} predicts the error, and not by chance: p {_equals(chance)}."
         )
-    known = RECORDS.get(data.verdict)
-    if known is not None:
-        parts.append(known.said)
-    return " ".join(parts)
+    known = [RECORDS[data.verdict]] if data.verdict in RECORDS else []
+    if data.effects and any(finding.kind == "one-frequency" for finding in data.recording.findings):
+        known.append(ONE_SINE)
+    return " ".join([*parts, *(record.said for record in known)])
 
 
 def _upper(text: str) -> str:
