@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 from tests.conftest import INERTIA, Made
 
@@ -30,6 +32,24 @@ def test_an_effect_that_adds_nothing_beside_another_leaves_the_set(made: Made, b
     assert len(members) == 2
     kept = pruned(result, members[::-1] if backward else members)
     assert [m.found.names for m in kept] == [["gravity"]]
+
+
+@pytest.mark.parametrize("backward", [False, True])
+@pytest.mark.parametrize("other", ["asymmetry", "torque-offset"])
+def test_what_is_at_its_search_bound_makes_no_other_superfluous(made: Made, other: str, backward: bool) -> None:
+    """Of two that are one column that stays which may be the cause; one at a bound only describes it."""
+    result, members = found(
+        made, "coulomb-viscous+torque-offset", {"torque-offset.tau_0": 0.1}, {"asymmetry", "torque-offset"}
+    )
+
+    def at_bound(member: Member) -> Member:
+        first = member.found.first
+        first = replace(first, found=replace(first.found, at_search_bound=True))
+        return replace(member, found=LookAlikes(first, (first,)))
+
+    members = [m if m.effect.name == other else at_bound(m) for m in members]
+    kept = pruned(result, members[::-1] if backward else members)
+    assert [m.effect.name for m in kept if not m.at_bound] == [other]
 
 
 def test_an_effect_that_does_the_same_becomes_a_look_alike(made: Made) -> None:

@@ -122,18 +122,24 @@ def without_tangents(result: CandidateTests, member: Member, beside: Array) -> I
 def pruned(result: CandidateTests, members: list[Member]) -> list[Member]:
     """Remove what those found later have made superfluous: the first may have stood for several of them.
 
-    What was removed is a look-alike of one that stays where it explains as much in its place.
+    What was removed is a look-alike of one that stays where it explains as much in its place. An effect at its search
+    bound makes no other one superfluous: it describes what is missing, with tangents that have no bound, and is not it.
     """
     policy = result.policy
     least = policy.least_torque**2 * float(np.sum(result.problem.driving**2))
     kept, removed = list(members), []
     while len(kept) > 1:
-        gains = [gain_of(result, stacked(result, without(kept, m)), m) for m in kept]
+        gains = [gain_of(result, stacked(result, _rivals(kept, m)), m) for m in kept]
         weakest = min(range(len(kept)), key=lambda i: gains[i].fall)
         if gains[weakest].p_value < policy.significance and gains[weakest].fall > least:
             break
         removed.append(kept.pop(weakest))
     return [_with_look_alikes(result, m, without(kept, m), removed) for m in kept] if removed else kept
+
+
+def _rivals(members: list[Member], member: Member) -> list[Member]:
+    """Return the others of a set that may make a member superfluous."""
+    return [m for m in without(members, member) if member.at_bound or not m.at_bound]
 
 
 def renumbered(result: CandidateTests, members: list[Member]) -> list[Member]:
