@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, NoReturn
 
 import numpy as np
 import pytest
+from hypothesis import settings
 from numpy.typing import NDArray
 
 from fricmodels.dimension import Motion
@@ -22,6 +23,9 @@ from fricmodels.saved import FittedModel
 
 if TYPE_CHECKING:
     from fricmodels.diagnosis import Ladder
+
+settings.register_profile("any machine", deadline=None)  # how long one example takes says how busy the machine is
+settings.load_profile("any machine")
 
 Made = Callable[..., Recording]
 
