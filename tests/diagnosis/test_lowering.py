@@ -10,9 +10,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from fricmodels.diagnosis import diagnose, improve, ladder
+from fricmodels.diagnosis import compare, diagnose, improve, ladder
+from fricmodels.diagnosis.diagnose import comes_near
 from fricmodels.diagnosis.document import document
 from fricmodels.diagnosis.ladder import Rung
+from fricmodels.diagnosis.policy import POLICY
 from fricmodels.diagnosis.refits import Refits
 from fricmodels.diagnosis.verdict import LookAlikes, passing_all_gates
 from fricmodels.recording import Recording
@@ -89,3 +91,12 @@ def test_what_has_another_form_is_not_taken_for_its_test_error(
     confirmed = importlib.import_module("fricmodels.diagnosis.diagnose")._confirmed
     taken = confirmed(first.refits, LookAlikes(other, (other,)), first.result, set(), [])
     assert (taken.first.name if taken else "") == expected
+
+
+def test_only_what_comes_near_in_the_rows_is_fitted_in_the_place_of_an_effect(made: Made) -> None:
+    smaller = compare(made("coulomb-viscous+gravity", {"gravity.a": 1.0, "gravity.b": 0.5}), "coulomb-viscous", 2.0)
+    near = comes_near(smaller, "gravity", ())
+    assert "gravity" in near
+    assert near.isdisjoint({"torque-offset", "stiffness", "stribeck", "drift"})
+    assert comes_near(smaller, "no such effect", ()) > near
+    assert comes_near(smaller, "gravity", (), POLICY.without("far_worse")) == comes_near(smaller, "torque-offset", ())

@@ -59,6 +59,7 @@ def test_it_does_not_depend_on_the_unit_or_the_direction() -> None:
     scale = {"velocity": -8.0, "position": -8.0, "torque": -4.0}
     other = {name: scale.get(name, 1.0) * values for name, values in recording.channels.items()}
     axis = replace(recording, motion=Motion.LINEAR)
+    assert said(axis)
     assert [one.text for one in said(axis)] == [one.text for one in said(replace(axis, channels=other))]
 
 

@@ -134,7 +134,7 @@ def pruned(result: CandidateTests, members: list[Member]) -> list[Member]:
         if gains[weakest].p_value < policy.significance and gains[weakest].fall > least:
             break
         removed.append(kept.pop(weakest))
-    return [_with_look_alikes(result, m, without(kept, m), removed) for m in kept] if removed else kept
+    return [_with_look_alikes(result, m, _rivals(kept, m), removed) for m in kept] if removed else kept
 
 
 def _rivals(members: list[Member], member: Member) -> list[Member]:

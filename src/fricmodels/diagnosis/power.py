@@ -57,8 +57,6 @@ def _smallest(result: CandidateTests, tested: CandidateTest) -> Visibility:
     First gate: the Wald statistic reaches its critical value. Second gate: the residual, but for what noise leaves of
     it, falls by the least gain g: an effect takes √(1/(1 − g)² − 1) times as much torque for it as is left without it.
     """
-    from scipy.special import betaincinv  # scipy.stats takes longer to import than most fits
-
     problem, regression, policy = result.problem, result.regression, result.policy
     reference = float(np.sqrt(np.mean(problem.driving**2)))
     residual = float(np.sqrt(above_noise(problem, float(np.sum(regression.residual**2)), policy) / problem.rows))
@@ -70,9 +68,7 @@ def _smallest(result: CandidateTests, tested: CandidateTest) -> Visibility:
         q = len(columns)
         freedom = max(regression.terms - q + 1, 1)
         level = policy.significance / (tested.found.trials * max(len(result.tested), 1))
-        # Of F with q and n degrees of freedom, n / (n + q F) is beta-distributed: the level is its lower tail.
-        tail = float(betaincinv(0.5 * freedom, 0.5 * q, max(level, LEAST_P)))
-        critical = (1 / tail - 1) * regression.terms
+        critical = critical_f(max(level, LEAST_P), q, freedom) * regression.terms * q / freedom
         free = regression.project_out(columns)
         # A coefficient vector of Wald statistic equal to the critical one, along its least certain direction.
         spread, directions = np.linalg.eigh(tested.evidence.covariance)
@@ -81,6 +77,13 @@ def _smallest(result: CandidateTests, tested: CandidateTest) -> Visibility:
     share = max(needed / reference, policy.least_torque) if reference > 0 else float("nan")
     torque = share * float(np.sqrt(np.mean(problem.recording.torque**2)))
     return Visibility(100 * share, torque, "")
+
+
+def critical_f(level: float, q: int, n: int) -> float:
+    """Return the value that an F of q and n degrees of freedom exceeds at a level; n / (n + q F) is a beta variable."""
+    from scipy.special import betaincinv  # scipy.stats takes longer to import than most fits
+
+    return (1.0 / float(betaincinv(0.5 * n, 0.5 * q, level)) - 1.0) * n / q
 
 
 def _over_band(

@@ -15,7 +15,7 @@ from fricmodels.signals.noise_level import best_half_width
 
 _AGAIN = 2.0 / CLUSTERS
 _DIFFERENT = 0.1
-"""Share of the RMS of one course, to which another one is the same: a tenth is left to tell two effects apart."""
+"""RMS difference of two courses, as a share of the position's, below which they count as one."""
 
 
 def little(log: Log, noise: float) -> Iterator[Finding]:

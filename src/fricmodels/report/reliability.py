@@ -72,9 +72,9 @@ RECORDS: Mapping[str, Record] = {
 """By verdict."""
 
 ONE_SINE = Record(
-    "The motion is one sine, which effects follow that are not there: on rough drives where a cause off the list acted "
-    "too 14 of 18 names were wrong on such a motion, and 23 of 90 on others (docs/rough_drives.md). Record a second "
-    "frequency to be sure.",
+    "The motion is one sine, and effects that are not there can fit one. On rough drives where a cause off the list "
+    "acted too, 14 of 18 names were wrong on such a motion and 23 of 90 on others (docs/rough_drives.md). Record a "
+    "second frequency to be sure.",
     {"rough_drives.md": ("| a cause off the list acts too | 14 of 18 | 23 of 90 |",)},
 )
 """Of names that were given on such a motion."""
