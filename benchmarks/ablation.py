@@ -7,7 +7,7 @@ together, and only where the answer changes by halves, until those are found by 
 1943): two rules whose changes undo each other are not seen. Rows go to a JSONL file as they come; running again does
 only what is missing. ``--report`` writes docs/ablation.md.
 
-    python benchmarks/ablation.py [--seed N] [--jobs 2] [--report]
+    python benchmarks/ablation.py [--seed N] [--jobs 2] [--count rough:null=60 …] [--report]
 """
 
 from __future__ import annotations
@@ -119,7 +119,7 @@ def run(arguments: argparse.Namespace) -> list[Row]:
     path.parent.mkdir(parents=True, exist_ok=True)
     stored = [json.loads(line) for line in path.read_text(encoding="utf-8").splitlines()] if path.exists() else []
     known = {row["key"]: row for row in stored if row["seed"] == arguments.seed}
-    wanted = list(dict.fromkeys(keys(COUNTS, with_real=not arguments.no_real)))
+    wanted = list(dict.fromkeys(keys(COUNTS | dict(arguments.count), with_real=not arguments.no_real)))
     waiting = [] if arguments.no_run else [key for key in wanted if known.get(key, {}).get("status") != "ok"]
     stored_of = sum(known.get(key, {}).get("status") == "ok" for key in wanted)
     print(f"{len(wanted)} recordings, {stored_of} of them stored in {path.name}", flush=True)
@@ -217,11 +217,20 @@ def counts(rows: Sequence[Row]) -> str:
     return "Recordings: " + ", ".join(f"{count} {kind}" for kind, count in kinds.items()) + "."
 
 
+def counted(text: str) -> tuple[str, int]:
+    """Return the kind and the number of ``KIND=NUMBER``."""
+    kind, _, number = text.partition("=")
+    if kind not in COUNTS or not number.isdecimal():
+        raise argparse.ArgumentTypeError(f"'{text}' is not KIND=NUMBER, with a kind of {', '.join(COUNTS)}")
+    return kind, int(number)
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--jobs", type=int, default=2)
     parser.add_argument("--out", default=str(ROOT / "runs" / "ablation.jsonl"))
+    parser.add_argument("--count", type=counted, action="append", default=[], help="recordings of a kind: KIND=NUMBER")
     parser.add_argument("--no-real", action="store_true", help="leave out real recordings, which take minutes each")
     parser.add_argument("--no-run", action="store_true", help="only print what is stored")
     parser.add_argument("--report", action="store_true", help="write docs/ablation.md")
