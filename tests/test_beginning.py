@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 import pytest
 from numpy.typing import NDArray
@@ -12,9 +14,12 @@ from fricmodels.diagnosis import compare
 from fricmodels.dimension import Motion, Scales
 from fricmodels.drive import Drive, rest_width
 from fricmodels.effects import JointCompliance
-from fricmodels.memory import memory_step
+from fricmodels.expressions import Expression
+from fricmodels.kernels import Scan
+from fricmodels.memory import memory_step, step_with_beginnings
 from fricmodels.model import Model
 from fricmodels.recording import Recording
+from fricmodels.term import Parameters, Signals
 
 Array = NDArray[np.float64]
 J, J_L, OMEGA, ZETA, K_V, K_C = 2.0, 0.8, 40.0, 0.04, 0.5, 3.0
@@ -137,3 +142,38 @@ def test_a_step_of_the_twist_is_exact(zeta: float) -> None:
     matrix = np.array([[0, 1, 0], [-(omega**2), -2 * zeta * omega, 1], [0, 0, 0]])
     exact = expm(matrix * h) @ [*begin, slope]
     np.testing.assert_allclose(after, exact[:2], rtol=1e-5, atol=1e-12)
+
+
+def test_what_a_beginning_leaves_is_the_difference_of_two_motions() -> None:
+    """Beside a state of another term: R of the extended step against the plain one, begun a unit higher."""
+    model = Model.parse("coulomb-viscous+presliding+joint-compliance")
+    plain, extended = Scan(memory_step(model)), Scan(step_with_beginnings(model))
+    rng = np.random.default_rng(3)
+    rows = np.column_stack([rng.uniform(0.001, 0.02, 40), rng.standard_normal((40, plain.n_inputs - 1))])
+    constants = [*rng.uniform(0.5, 2.0, plain.n_constants - 1), 1e-9]
+    count = plain.n_states
+    begin = np.linspace(0.1, 0.3, count)
+    _, together, _ = extended([*begin, 1.0, 0.0, 0.0, 1.0], rows, constants)
+    _, without, _ = plain(begin, rows, constants)
+    np.testing.assert_allclose(together[:, :count], without, rtol=1e-12, atol=1e-15)
+    assert [state.symbol for state in model.states][-2:] == ["x", "v"]
+    for i in range(2):
+        moved = begin.copy()
+        moved[count - 2 + i] += 1.0
+        _, states, _ = plain(moved, rows, constants)
+        left = together[:, count + 2 * i : count + 2 * i + 2]
+        np.testing.assert_allclose(left, (states - without)[:, -2:], rtol=1e-9, atol=1e-12)
+
+
+def test_an_unknown_beginning_of_what_is_not_linear_is_refused() -> None:
+    class Bent(JointCompliance):
+        """A spring that grows stiffer."""
+
+        name = "bent"
+
+        def discrete_step(self, s: Signals, later: Signals, h: Expression, p: Parameters) -> Mapping[str, Expression]:
+            after = super().discrete_step(s, later, h, p)
+            return {**after, "v": after["v"] - h * s.x**3}
+
+    with pytest.raises(TypeError, match="'bent' have unknown first values, but are not linear"):
+        step_with_beginnings(Model.only(Bent()))

@@ -53,8 +53,9 @@ class Beginning:
 
     def __init__(self, balance: Balance, part: slice) -> None:
         self._moving = balance.moving[part]
-        beside = np.vstack([balance.columns, balance.needed])[:, part][:, self._moving]
+        beside = np.where(self._moving, np.vstack([balance.columns, balance.needed])[:, part], 0.0)
         self._beside, self._gram = beside, beside @ beside.T
+        self._count = int(np.count_nonzero(self._moving))
 
     def __call__(self, without: Array, forced: Array, left: Array) -> Array:
         """Return by how much the first states differ from those that the forced ones began from, shape (q,).
@@ -64,16 +65,17 @@ class Beginning:
             forced: what its states add to that from the known beginning, shape (n,).
             left: what a unit more of each first state adds, as long as it lasts, shape (q, m).
         """
-        nothing, known = np.zeros(len(left)), len(self._beside) - 1
-        soon = self._moving[: left.shape[1]]
-        own, short = (without + forced)[self._moving], left[:, soon]
-        there = short.shape[1]
-        beside = np.vstack([self._beside @ own, short @ self._beside[:, :there].T])
-        across = short @ own[:there]
-        among = np.block([[own @ own, across[None]], [across[:, None], short @ short.T]])
-        gram = np.block([[self._gram[:known, :known], beside[:, :known].T], [beside[:, :known], among]])
+        nothing, known, there = np.zeros(len(left)), len(self._beside) - 1, left.shape[1]
+        columns = np.zeros((1 + len(left), len(forced)))
+        columns[0] = np.where(self._moving, without + forced, 0.0)
+        columns[1:, :there] = np.where(self._moving[:there], left, 0.0)
+        gram = np.empty((known + len(columns),) * 2)
+        gram[:known, :known] = self._gram[:known, :known]
+        beside = columns @ self._beside.T
+        gram[known:, :known], gram[:known, known:] = beside[:, :known], beside[:, :known].T
+        gram[known:, known:] = columns @ columns.T
         size = np.sqrt(np.diag(gram))
-        if len(own) <= len(gram) or not size[known] > 0.0:
+        if self._count <= len(gram) or not size[known] > 0.0:
             return nothing
         size = np.where(size > 0.0, size, 1.0)
         right = np.concatenate([self._gram[:known, known], beside[:, known]]) / size

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 
 from fricmodels.arrays import Array, Index
 from fricmodels.beginning import Balance, Beginning, UnitTorque, unknown_beginnings
-from fricmodels.kernels import Scan
+from fricmodels.kernels import ArrayFunction, Scan
 from fricmodels.model import Model
 from fricmodels.past import Past
 from fricmodels.term import Term
@@ -61,7 +61,7 @@ class Memory:
         width: float,
         balance: Balance | None = None,
     ) -> None:
-        self._scan, self._width = _scan(model), width
+        self._scan, self._width = _scan(model, balance is not None), width
         self._count, self._first = len(model.states), _first(model)
         needed = _needed(model)
         self._signals = np.array([np.broadcast_to(signals[name], time.shape) for name in needed]).reshape(-1, len(time))
@@ -83,60 +83,62 @@ class Memory:
         Args:
             parameters: all of the model's parameters, in order.
         """
-        states = np.empty((self._edges[-1], self._count))
+        scanned = np.empty((self._edges[-1], self._scan.n_states))
         values = np.asarray(parameters, dtype=float)
         if sum(len(term.states) for term, _, _ in self._from_recording) < self._count:
+            units = np.concatenate([np.zeros(0), *(np.eye(_count(places)).ravel() for _, places, _, _ in self._begun)])
             constants = [*values, self._width]
-            for number, (begin, end) in enumerate(itertools.pairwise(self._edges)):
-                states[begin] = first = self._first(self._signals[:, begin], values)
-                self._scan(first, self._rows[begin : end - 1], constants, outputs=states[begin + 1 : end])
-                for own, places, torque, runs in self._begun:
-                    unit = torque(values[own], slice(begin, end))
-                    self._begin(runs[number], unit, states[begin:end], places, begin, constants)
+            for begin, end in itertools.pairwise(self._edges):
+                scanned[begin] = first = np.concatenate([self._first(self._signals[:, begin], values), units])
+                self._scan(first, self._rows[begin : end - 1], constants, outputs=scanned[begin + 1 : end])
+        states = scanned.T if not self._begun else np.ascontiguousarray(scanned.T)
+        beyond = self._count
+        for own, places, torque, runs in self._begun:
+            q = _count(places)
+            left = states[beyond : beyond + q * q].reshape(q, q, -1)
+            beyond += q * q
+            for beginning, ends in zip(runs, itertools.pairwise(self._edges), strict=True):
+                run = slice(*ends)
+                _begin(beginning, torque(values[own], run), states[places, run], left[:, :, run])
         for term, first_parameter, first_state in self._from_recording:
             symbols = [p.symbol for p in term.parameters]
             own = values[first_parameter : first_parameter + len(symbols)].tolist()
             found = term.states_from_recording(self._past, dict(zip(symbols, own, strict=True)))
             for i, state in enumerate(term.states, start=first_state):
-                states[:, i] = found[state.symbol]
-        return tuple(states.T)
-
-    def _begin(
-        self,
-        beginning: Beginning,
-        unit: tuple[Array, Array],
-        states: Array,
-        places: slice,
-        first_row: int,
-        constants: Sequence[float],
-    ) -> None:
-        """Add to the states of a run what the beginning of a term leaves that the motion does not tell."""
-        without, slope = unit
-        forced = states[:, places]
-        length = min(_FADES_WITHIN, len(states))
-        while True:
-            left = np.array([self._left(states[:length], i, places, first_row, constants) for i in _all(places)])
-            torque = np.einsum("q...,iq...->i...", slope[:, :length], left)
-            lasting = _lasting(torque)
-            if length == len(states) or lasting < _FADED:
-                break
-            length = min(4 * length, len(states))
-        if lasting < _LASTS:
-            first = beginning(without, np.einsum("q...,...q->...", slope, forced), torque)
-            first *= min(math.log(_LASTS / lasting) / math.log(_LASTS / _FADED), 1.0) if lasting > 0.0 else 1.0
-            states[:length, places] += np.tensordot(first, left, 1).T
-
-    def _left(self, states: Array, i: int, places: slice, first_row: int, constants: Sequence[float]) -> Array:
-        """Return what a unit more of the first value of state i leaves of those of its term, shape (q, n)."""
-        moved = np.empty_like(states)
-        moved[0] = states[0]
-        moved[0, i] += 1.0
-        self._scan(moved[0], self._rows[first_row : first_row + len(states) - 1], constants, outputs=moved[1:])
-        return np.asarray((moved - states)[:, places].T)
+                states[i] = found[state.symbol]
+        return tuple(states[: self._count])
 
 
-def _all(places: slice) -> range:
-    return range(places.start, places.stop)
+def _begin(beginning: Beginning, unit: tuple[Array, Array], states: Array, left: Array) -> None:
+    """Add to the states of a term in a run, shape (q, n), what its beginning leaves that the motion does not tell.
+
+    Args:
+        beginning: finds it.
+        unit: torque per unit of the amplitude without states, and its slope along them.
+        states: from the declared beginning; they are changed in place.
+        left: what a unit more of each first value leaves of each state, shape (q, q, n).
+    """
+    without, slope = unit
+    length, whole = min(_FADES_WITHIN, states.shape[1]), states.shape[1]
+    while True:
+        torque = _seen(slope, left[:, :, :length])
+        lasting = _lasting(torque)
+        if length == whole or lasting < _FADED:
+            break
+        length = min(4 * length, whole)
+    if lasting < _LASTS:
+        first = beginning(without, _seen(slope, states), torque)
+        first *= min(math.log(_LASTS / lasting) / math.log(_LASTS / _FADED), 1.0) if lasting > 0.0 else 1.0
+        states[:, :length] += np.tensordot(first, left[:, :, :length], 1)
+
+
+def _seen(slope: Array, states: Array) -> Array:
+    """Return the torque of states, shape (..., q, n), by its slope along them, shape (q, m) with m at least n or 1."""
+    return np.asarray(np.sum(slope[:, : states.shape[-1]] * states, axis=-2))
+
+
+def _count(places: slice) -> int:
+    return int(places.stop - places.start)
 
 
 def _lasting(torque: Array) -> float:
@@ -165,12 +167,13 @@ def _first(model: Model) -> Callable[[Array, Array], Array]:
     if function is None:
         declared = np.array([state.initial for state in model.states], dtype=float)
         return lambda signals, parameters: declared
-    return lambda signals, parameters: np.array(function(signals, parameters), dtype=float).ravel()
+    begun = ArrayFunction(function)
+    return lambda signals, parameters: begun(*signals, *parameters)[0][:, 0]
 
 
 @lru_cache(maxsize=64)
-def _scan(model: Model) -> Scan:
-    return Scan(memory_step(model))
+def _scan(model: Model, with_beginnings: bool = False) -> Scan:
+    return Scan(step_with_beginnings(model) if with_beginnings else memory_step(model))
 
 
 class MemoryStep:
@@ -264,3 +267,31 @@ def memory_step(model: Model) -> Any:
     return casadi.Function(
         "memory", [e.states, casadi.vertcat(h, begin, end), constants], [following, following], {"cse": True}
     )
+
+
+def step_with_beginnings(model: Model) -> Any:
+    r"""Build a step of the internal states and of what a unit more of each unknown first value leaves of them.
+
+    As :func:`memory_step`, but for the states: those of the model, then for every term whose beginning is unknown, and
+    each of its q states i, the q numbers :math:`R_i = \partial z / \partial z_i(0)`. With
+    :math:`z_{n+1} = S z_n + \dots` they follow :math:`R_{n+1} = S R_n`.
+
+    Raises:
+        TypeError: when the step of such a term is not linear in its states.
+    """
+    import casadi
+
+    step = memory_step(model)
+    given = [casadi.SX.sym(step.name_in(i), step.numel_in(i)) for i in range(3)]
+    following = step(*given)[0]
+    states, after = [given[0]], [following]
+    for term, _, places in unknown_beginnings(model):
+        own = given[0][places]
+        slope = casadi.jacobian(following[places], own)
+        if casadi.depends_on(slope, own):
+            raise TypeError(f"the states of '{term.name}' have unknown first values, but are not linear in them")
+        left = casadi.SX.sym("left", own.numel(), own.numel())
+        states.append(casadi.vec(left))
+        after.append(casadi.vec(casadi.mtimes(slope, left)))
+    whole, following = casadi.vertcat(*states), casadi.vertcat(*after)
+    return casadi.Function("memory", [whole, *given[1:]], [following, following], {"cse": True})

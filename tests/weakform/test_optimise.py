@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from fricmodels.weakform.optimise import coordinate_search, multistart_nelder_mead, refine
+from fricmodels.weakform.optimise import ROUNDS, coordinate_search, halved, multistart_nelder_mead, refine
 
 Point = tuple[float, ...]
 POSITIVE, SIGNED = (1e-12, np.inf), (-0.9, 0.9)
@@ -45,6 +45,20 @@ def test_a_walk_stays_within_bounds_and_never_goes_down() -> None:
     assert coordinate_search(slope, (1.0,), bounds, [4.0]) == (2.0,)
     assert 0.5 <= min(seen) <= max(seen) <= 2.0
     assert coordinate_search(lambda point: -abs(point[0] - 1.0), (1.0,), bounds, [1.3]) == (1.0,)
+
+
+@pytest.mark.parametrize("first", [1, 3, 4])
+def test_a_search_that_is_interrupted_goes_on_to_the_same_end(first: int) -> None:
+    bounds, spacing = [(0.0, np.inf), (-np.inf, np.inf)], [2.0, -1.0]
+
+    def hill(point: Point) -> float:
+        return -float(np.log(point[0] / 2.7) ** 2 + (point[1] - 0.3 * point[0]) ** 2)
+
+    at_once = coordinate_search(hill, (2.0, 0.0), bounds, spacing)
+    begun = coordinate_search(hill, (2.0, 0.0), bounds, spacing, first)
+    assert begun != at_once
+    assert coordinate_search(hill, begun, bounds, halved(spacing, first), ROUNDS - first) == pytest.approx(at_once)
+    assert halved(spacing, 2) == [2.0**0.25, -0.25]
 
 
 # ---- simplexes --------------------------------------------------------------------------------------------------
@@ -107,7 +121,7 @@ def test_what_is_not_worth_it_is_not_begun_anew() -> None:
 
         multistart_nelder_mead(counted, [(1.0, 0.0, 5.0)], [POSITIVE, SIGNED, POSITIVE], [2.0, -0.2, 2.0], worth)
         trials.append(len(seen))
-    assert trials[1] < 50 < trials[0], "one short simplex, for the ridge is nowhere above zero"
+    assert trials[1] < 50 < trials[0], "no simplex, for the ridge is nowhere above zero"
 
 
 def test_what_is_given_up_leaves_the_best_start_wherever_the_simplexes_had_come() -> None:
@@ -121,6 +135,20 @@ def test_what_is_given_up_leaves_the_best_start_wherever_the_simplexes_had_come(
         parameters, spacing = [POSITIVE, SIGNED, POSITIVE], [2.0, -0.2, 2.0]
         assert multistart_nelder_mead(low, starts, parameters, spacing, worth) == best
     assert low(multistart_nelder_mead(low, starts, [POSITIVE, SIGNED, POSITIVE], [2.0, -0.2, 2.0])) > low(best)
+
+
+@pytest.mark.parametrize(("share", "begun"), [(1 / 15, True), (1 / 17, False)])
+def test_what_no_start_comes_near_is_not_begun(share: float, begun: bool) -> None:
+    starts, asked = [(1.0, 0.0, 5.0), (10.0, -0.2, 5.0)], set()
+
+    def value(point: Point) -> float:
+        asked.add(point)
+        return 1.0
+
+    assert (
+        multistart_nelder_mead(value, starts, [POSITIVE, SIGNED, POSITIVE], [2.0, -0.1, 2.0], 1.0 / share) == starts[0]
+    )
+    assert (asked > set(starts)) is begun
 
 
 def test_patience_begins_anew_where_it_did_not_help() -> None:

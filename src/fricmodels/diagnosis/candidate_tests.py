@@ -126,8 +126,10 @@ def candidate_tests(
     tested: list[CandidateTest] = []
     untested: dict[str, str] = {}
     registered = plugins.load().effects
-    rival, total = 0.0, float(regression.residual @ regression.residual)
-    # The search for an effect with memory is long, and goes on only as far as it may yet compare with the others.
+    # The search for an effect with memory is long, and goes on only as far as it may yet compare with the others, and
+    # with what sampling leaves by itself.
+    rival = policy.sampling_leaves**2 * float(problem.driving @ problem.driving)
+    total = float(regression.residual @ regression.residual)
     names = [name for name in registered if only is None or name in only]
     for name in each(f"testing effects on {model.name}", sorted(names, key=lambda name: bool(registered[name].states))):
         candidates = registered[name].candidates(problem.recording)

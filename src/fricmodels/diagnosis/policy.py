@@ -116,7 +116,7 @@ class Policy(Rules):
     sampling_leaves: float = rule(
         0.0003,
         "share of the RMS torque",
-        "So much counts as left by every effect: less does not decide which of them comes first.",
+        "So much counts as left by every effect: less decides no order, and less than half its square is not sought.",
         "Found on our rig: the least that sampling and differentiation leave with nothing hidden.",
         off=0.0,
     )

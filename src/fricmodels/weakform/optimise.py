@@ -20,8 +20,9 @@ _STARTS, _GLANCE = 12, 12
 """Number of simplexes begun, and evaluations each."""
 _BEST, _SHORT = 8, 28
 """Number of simplexes continued, and further evaluations each."""
-_UNLIKELY = 0.25
-"""A search ends if by then no simplex has reached this share of the value that makes it worth going on."""
+_UNLIKELY, _HOPELESS = 0.25, 0.25**2
+"""A search ends if by then no simplex has reached this share of the value that makes it worth going on, and does not
+begin where no start has this share of it."""
 _LONG, _ENOUGH = 150, 0.003
 """Evaluations of each restart of the best simplex. It is restarted as long as that raises the value by this share."""
 _EDGE, _EDGES = 0.5, (0.25, 0.5) * 4
@@ -81,8 +82,14 @@ def coordinate_search(
             if reached <= best:
                 break
             last, point, best = point, trial, reached
-        steps = [step / 2 if step < 0 else step**0.5 for step in steps]
+        steps = halved(steps)
     return point
+
+
+def halved(spacing: Sequence[float], times: int = 1) -> list[float]:
+    """Return steps, ratios if positive and else differences, after so many halvings."""
+    part = 0.5**times
+    return [step * part if step < 0 else step**part for step in spacing]
 
 
 def _onward(last: float, here: float, bounds: Bounds, step: float) -> float:
@@ -119,7 +126,7 @@ def multistart_nelder_mead(
     free = [i for i, step in enumerate(spacing) if step != 1.0]
     highest = max(map(value, starts))
     first = next((start for start in starts if value(start) >= highest - _EQUAL * abs(highest)), starts[0])
-    if not free:
+    if not free or highest < _HOPELESS * worth:
         return first
     unit = [-spacing[i] if spacing[i] < 0 else math.log(spacing[i]) for i in free]
 

@@ -76,7 +76,7 @@ def within_motion(recording: Recording, parameter: Parameter) -> Parameter:
     So is a speed below which friction differs: the drive is slower than it for no less than that, as it turns. (One
     that may be negative is a part of such a speed.)
     A part on a spring swings, undamped, at most twice as far as the drive: its natural frequency is at least √2 times
-    that of the motion.
+    that of the motion. Nor is it above half the sampling rate, where samples show another one (Nyquist).
     """
     lower, upper = parameter.lower, parameter.upper
     if parameter.dimension == TIME and not (parameter.instant or parameter.delay):
@@ -84,7 +84,8 @@ def within_motion(recording: Recording, parameter: Parameter) -> Parameter:
     elif parameter.dimension == VELOCITY and lower >= 0.0:
         lower = min(max(lower, 0.5 * _SHORTEST * recording.interval * turning(recording)), upper)
     elif parameter.resonance:
-        lower = min(max(lower, _FOLLOWS * angular_frequency(recording)), upper)
+        upper = min(upper, np.pi / recording.interval)
+        lower = max(lower, _FOLLOWS * angular_frequency(recording))
     elif parameter.place and "position" in recording:
         position = recording["position"]
         lower, upper = max(lower, float(position.min())), min(upper, float(position.max()))

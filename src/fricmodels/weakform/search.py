@@ -17,7 +17,7 @@ from fricmodels.parameter import Parameter
 from fricmodels.signals.order_spectrum import WaveNumbers, wave_numbers
 from fricmodels.term import Effect
 from fricmodels.weakform.candidate import Candidate, NonlinearOptimum, Point
-from fricmodels.weakform.optimise import coordinate_search, multistart_nelder_mead, refine
+from fricmodels.weakform.optimise import ROUNDS, coordinate_search, halved, multistart_nelder_mead, refine
 from fricmodels.weakform.problem import WeakFormProblem
 from fricmodels.weakform.ranges import between_strokes, scan_size, scan_values
 from fricmodels.weakform.regression import Regression
@@ -30,6 +30,8 @@ _SHIFTS = (FREE_SHIFT, 1, 2, 3, 5, 8, 12, 18, 27, 40)
 _STARTS, _FEW = 4, 2
 """Where there is more than one nonlinear parameter there may be several summits: so many starts are tried. More than a
 few are sought together."""
+_FIRST_ROUNDS = 3
+"""Rounds of a coordinate search from every start; the best of them goes on."""
 _HOPELESS, _NEAR = 0.05, 0.5
 """What explains less than this share of the residual, or of what another effect explains, is sought no further."""
 _UNLIKELY = 0.25
@@ -96,9 +98,11 @@ def _summit(
         if value(best) < worth:  # it was given up
             return best
     else:
-        best = coordinate_search(value, starts[0], bounds, spacing)
+        best = coordinate_search(value, starts[0], bounds, spacing, _FIRST_ROUNDS)
         more = starts[1:_STARTS] if len(bounds) > 1 and value(best) >= _UNLIKELY * worth else ()
-        best = max((best, *(coordinate_search(value, start, bounds, spacing) for start in more)), key=value)
+        begun = (coordinate_search(value, start, bounds, spacing, _FIRST_ROUNDS) for start in more)
+        best = max((best, *begun), key=value)
+        best = coordinate_search(value, best, bounds, halved(spacing, _FIRST_ROUNDS), ROUNDS - _FIRST_ROUNDS)
     return refine(value, best, bounds, spacing) if value(best) >= _UNLIKELY * worth else best
 
 
