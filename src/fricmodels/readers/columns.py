@@ -231,15 +231,22 @@ def _stated(column: Column) -> str | None:
 
 def _require(found: Mapping[str, Column], motion: Motion, present: Sequence[str]) -> None:
     force = "force" if motion is Motion.LINEAR else "torque"
-    for needed, any_of in (("time", ("time",)), (force, ("torque", "current")), ("velocity", ("velocity", "position"))):
-        if any(channel in found for channel in any_of):
-            continue
-        standard = " or ".join(STANDARD[motion][channel] for channel in any_of)
-        likely = _likely(needed, any_of, [name for name in present if name not in {c.column for c in found.values()}])
-        raise InputError(
-            f"no column for the {' or '.join((needed, *any_of[1:]))}: none is called {standard}; "
-            f"map one with --column {needed}={likely or 'COLUMN'}[:UNIT]; columns: {_list(present)}"
-        )
+    every = (("time", ("time",)), (force, ("torque", "current")), ("velocity", ("velocity", "position")))
+    missing = [(needed, any_of) for needed, any_of in every if not any(channel in found for channel in any_of)]
+    if not missing:
+        return
+    free = [name for name in present if name not in {column.column for column in found.values()}]
+    options = [f"--column {needed}={_likely(needed, any_of, free) or 'COLUMN'}[:UNIT]" for needed, any_of in missing]
+    channels = _listed(["the " + " or ".join((needed, *any_of[1:])) for needed, any_of in missing], "and")
+    standard = _listed([STANDARD[motion][channel] for _, any_of in missing for channel in any_of], "or")
+    raise InputError(
+        f"no column for {channels}: none is called {standard}; "
+        f"map {'one' if len(missing) == 1 else 'them'} with {' '.join(options)}; columns: {_list(present)}"
+    )
+
+
+def _listed(names: Sequence[str], last: str) -> str:
+    return f" {last} ".join(filter(None, (", ".join(names[:-1]), names[-1])))
 
 
 _HABITS = {
