@@ -90,9 +90,9 @@ def test_mixed_motion_is_refused():
         (["time_s", "tau", "velocity_rad_s"], "torque or current: .*--column torque=tau"),
         (
             ["t", "tau", "qd"],
-            "the time, the torque or current and the velocity or position: none is called time_s, torque_Nm, current_A, "
-            r"velocity_rad_s or position_rad; map them with --column time=t\[:UNIT\] --column torque=tau\[:UNIT\] "
-            r"--column velocity=qd\[:UNIT\]; columns: t, tau, qd",
+            "the time, the torque or current and the velocity or position: none is called time_s, torque_Nm, "
+            r"current_A, velocity_rad_s or position_rad; map them with --column time=t\[:UNIT\] "
+            r"--column torque=tau\[:UNIT\] --column velocity=qd\[:UNIT\]; columns: t, tau, qd",
         ),
         (["time_s", "torque_Nm", "qd"], "velocity or position: .*--column velocity=qd"),
         (["time_s", "torque_Nm", "x1"], "--column velocity=COLUMN"),
