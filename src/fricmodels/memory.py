@@ -91,11 +91,11 @@ class Memory:
             for begin, end in itertools.pairwise(self._edges):
                 scanned[begin] = first = np.concatenate([self._first(self._signals[:, begin], values), units])
                 self._scan(first, self._rows[begin : end - 1], constants, outputs=scanned[begin + 1 : end])
-        states = scanned.T if not self._begun else np.ascontiguousarray(scanned.T)
+        states = np.ascontiguousarray(scanned[:, : self._count].T) if self._begun else scanned.T
         beyond = self._count
         for own, places, torque, runs in self._begun:
             q = _count(places)
-            left = states[beyond : beyond + q * q].reshape(q, q, -1)
+            left = scanned.T[beyond : beyond + q * q].reshape(q, q, -1)  # a view: little of it is looked at
             beyond += q * q
             for beginning, ends in zip(runs, itertools.pairwise(self._edges), strict=True):
                 run = slice(*ends)
@@ -106,7 +106,7 @@ class Memory:
             found = term.states_from_recording(self._past, dict(zip(symbols, own, strict=True)))
             for i, state in enumerate(term.states, start=first_state):
                 states[i] = found[state.symbol]
-        return tuple(states[: self._count])
+        return tuple(states)
 
 
 def _begin(beginning: Beginning, unit: tuple[Array, Array], states: Array, left: Array) -> None:

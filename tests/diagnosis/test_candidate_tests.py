@@ -8,6 +8,7 @@ from tests.conftest import INERTIA, LAW, Made
 
 from fricmodels.diagnosis import compare
 from fricmodels.diagnosis.candidate_tests import candidate_tests, is_taken_up
+from fricmodels.diagnosis.policy import POLICY
 from fricmodels.weakform.regression import LEAST_P
 
 
@@ -53,3 +54,17 @@ def test_a_square_of_the_acceleration_is_told_from_an_estimated_inertia(made: Ma
     acceleration = problem.quadrature.recording["acceleration"]
     assert is_taken_up(problem, regression, problem.integrals(acceleration[None]))
     assert not is_taken_up(problem, regression, problem.integrals(np.abs(acceleration)[None]))
+
+
+def test_nothing_is_sought_that_explains_less_than_sampling_leaves(made: Made, monkeypatch: pytest.MonkeyPatch) -> None:
+    comparison = compare(made(), "coulomb-viscous", INERTIA)
+    problem, parameters = comparison.problem, comparison.estimate.parameters
+    rivals: list[float] = []
+
+    def asked(of: object, regression: object, effect: object, alone: object, rival: float) -> None:
+        rivals.append(rival / float(problem.driving @ problem.driving))
+
+    monkeypatch.setattr("fricmodels.diagnosis.candidate_tests.searched", asked)
+    for policy in (POLICY, POLICY.without("sampling_leaves")):
+        candidate_tests(problem, parameters, only=["backlash"], policy=policy)
+    assert rivals == pytest.approx([POLICY.sampling_leaves**2, 0.0])

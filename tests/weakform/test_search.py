@@ -21,7 +21,7 @@ from fricmodels.recording import Recording
 from fricmodels.weakform.candidate import Candidate, within_recording
 from fricmodels.weakform.estimate import estimate
 from fricmodels.weakform.ranges import natural_size, scan_size
-from fricmodels.weakform.search import is_at_an_end, search, starting_points
+from fricmodels.weakform.search import _summit, is_at_an_end, search, starting_points
 
 Made = Callable[..., Recording]
 
@@ -290,6 +290,19 @@ def test_the_load_behind_a_gap_has_no_more_friction_than_the_drive(made: Made) -
     (tested,) = candidate_tests(problem, found.parameters, only=["backlash"]).tested
     peak = float(np.max(np.abs(recording.velocity)))
     assert 0 < tested.effect.own_friction(peak, tested.parameters) <= problem.friction_limits[1] * (1 + 1e-9)
+
+
+def test_of_several_starts_that_with_the_highest_summit_goes_to_the_top() -> None:
+    """The first start is the highest, but stands beside the lower summit."""
+
+    def two_summits(point: tuple[float, ...]) -> float:
+        low, high = (sum((x - at) ** 2 for x in point) for at in (-2.0, 2.0))
+        return float(np.exp(-low / 0.5) + 2.0 * np.exp(-high / 0.5))
+
+    starts = [(-2.1, -1.9), (1.3, 2.6)]
+    assert two_summits(starts[0]) > two_summits(starts[1])
+    top = _summit(two_summits, starts, [(-5.0, 5.0)] * 2, [-0.5, -0.5], 0.0)
+    assert top == pytest.approx((2.0, 2.0), abs=1e-4)
 
 
 def test_a_search_that_cannot_compare_with_a_rival_ends_early(made: Made) -> None:

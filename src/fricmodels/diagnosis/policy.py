@@ -117,7 +117,8 @@ class Policy(Rules):
         0.0003,
         "share of the RMS torque",
         "So much counts as left by every effect: less decides no order, and less than half its square is not sought.",
-        "Found on our rig: the least that sampling and differentiation leave with nothing hidden.",
+        "Found on our rig: the least that sampling and differentiation leave with nothing hidden. Where all is "
+        "sought, a clean drive of the rig takes 1.7 times the time and ends the same.",
         off=0.0,
     )
     alike_of_effect: float = rule(

@@ -20,9 +20,10 @@ _STARTS, _GLANCE = 12, 12
 """Number of simplexes begun, and evaluations each."""
 _BEST, _SHORT = 8, 28
 """Number of simplexes continued, and further evaluations each."""
-_UNLIKELY, _HOPELESS = 0.25, 0.25**2
-"""A search ends if by then no simplex has reached this share of the value that makes it worth going on, and does not
-begin where no start has this share of it."""
+_UNLIKELY = 0.25
+"""A search ends if by then no simplex has reached this share of the value that makes it worth going on."""
+_TOO_LOW = 0.0625
+"""It does not begin where no start has this share of that value."""
 _LONG, _ENOUGH = 150, 0.003
 """Evaluations of each restart of the best simplex. It is restarted as long as that raises the value by this share."""
 _EDGE, _EDGES = 0.5, (0.25, 0.5) * 4
@@ -126,7 +127,7 @@ def multistart_nelder_mead(
     free = [i for i, step in enumerate(spacing) if step != 1.0]
     highest = max(map(value, starts))
     first = next((start for start in starts if value(start) >= highest - _EQUAL * abs(highest)), starts[0])
-    if not free or highest < _HOPELESS * worth:
+    if not free or highest < _TOO_LOW * worth:
         return first
     unit = [-spacing[i] if spacing[i] < 0 else math.log(spacing[i]) for i in free]
 
