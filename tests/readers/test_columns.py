@@ -103,6 +103,11 @@ def test_a_missing_channel_is_named_with_a_suggestion(present, message):
         assign([], present, None)
 
 
+def test_a_column_that_is_called_as_another_channel_is_not_suggested():
+    with pytest.raises(InputError, match=r"--column force=torque\[:UNIT\]"):
+        assign([], ["time_s", "load_torque", "torque", "velocity_m_s"], Motion.LINEAR)
+
+
 def test_a_duplicated_column_is_refused_only_where_it_is_used():
     present = ["time_s", "torque_Nm", "velocity_rad_s", "note", "note"]
     assign([], present, None)

@@ -261,7 +261,8 @@ _HABITS = {
 
 def _likely(needed: str, any_of: Sequence[str], free: Sequence[str]) -> str | None:
     habits = [word for channel in dict.fromkeys((needed, *any_of)) for word in _HABITS[channel]]
-    lowered = {name.lower(): name for name in free}
+    others = set(NAMES).difference(any_of, (needed,))  # a column that is called as another channel is that one
+    lowered = {name.lower(): name for name in free if name.lower() not in others}
     for habit in habits:
         for low, name in lowered.items():
             stem = low.rpartition("/")[2].replace(" ", "_").replace("[", "_").replace("(", "_").split("_")[0]

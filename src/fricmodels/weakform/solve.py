@@ -17,7 +17,7 @@ from fricmodels.weakform.equations import projection
 from fricmodels.weakform.inference import at_least, covariance
 from fricmodels.weakform.least_squares import NormalEquations
 from fricmodels.weakform.nonlinear import Nonlinear, Plan
-from fricmodels.weakform.optimise import ROUNDS, coordinate_search, multistart_nelder_mead
+from fricmodels.weakform.optimise import coordinate_search, multistart_nelder_mead
 from fricmodels.weakform.problem import WeakFormProblem
 from fricmodels.weakform.regression import cosine_terms
 from fricmodels.weakform.search import in_gap
@@ -30,8 +30,8 @@ _NEARLY, _STARTED, _SCANNED = 1.05, 1.3, 2.0
 """First step of a nonlinear parameter, as a ratio: of one that is nearly known, has a start, or comes from a scan."""
 _CLOSE = 0.25
 """First step of a wave number that is nearly known, in resolutions; else it is one."""
-_FEWER_ROUNDS = 5
-"""Rounds of a search for what is nearly known: its last step is as short as that of the others."""
+_ROUNDS, _FEWER_ROUNDS = 5, 3
+"""Rounds of a search by steps before Gauss–Newton goes on, and of one for what is nearly known."""
 
 
 _NEARLY_ALL, _MUCH_MORE = 0.9, 2.0
@@ -318,8 +318,11 @@ def solve(problem: WeakFormProblem, plan: Plan, *, timing: bool = True) -> Solve
         timing: whether reversals, and torque against motion, may be shifted by part of a sample.
     """
     least_squares, search = projection(problem, plan, timing=timing)
-    if problem.drive.model.states or any(_is_instant(problem, p.key) for p in problem.drive.parameters):
-        solution = least_squares.at(_searched(problem, least_squares, search, plan))
+    instants = np.array([p.declared.instant for p in problem.drive.parameters if not p.linear], dtype=bool)
+    if problem.drive.model.states or instants.any():
+        near = least_squares.at(_searched(problem, least_squares, search, plan))
+        solution = least_squares.descend(near, replace(search, held=search.held | instants))
+        solution = replace(solution, settled=solution.settled and not instants.any())
     else:
         solution = least_squares.solve(search)
     return Solved(problem, plan, solution, timing)
@@ -349,12 +352,11 @@ def begins_where(problem: WeakFormProblem, plan: Plan, found: Solved) -> bool:
     return bool(np.array_equal(least_squares.best_start(search), start))
 
 
-def _is_instant(problem: WeakFormProblem, key: str) -> bool:
-    return any(p.declared.instant for p in problem.drive.parameters if p.key == key and not p.linear)
-
-
 def _searched(problem: WeakFormProblem, least_squares: Projection, search: Nonlinear, plan: Plan) -> Array:
-    """Return the nonlinear parameters by steps in each: the error of a contact or of a jump in time is not smooth."""
+    """Return the nonlinear parameters by steps in each: the error of a contact or of a jump in time is not smooth.
+
+    The last steps are about a hundredth of a parameter, which may be many standard errors.
+    """
     chosen = [p for p in problem.drive.parameters if not p.linear]
     points = [search.clip(point) for point in search.combinations()]
     begin = min(points, key=least_squares.cost) if len(points) > 1 else points[0]
@@ -378,7 +380,7 @@ def _searched(problem: WeakFormProblem, least_squares: Projection, search: Nonli
         hopeful = sorted((tuple(point.tolist()) for point in points), key=value, reverse=True)
         scanned = all(values[0] > 0.0 for values in search.starts)
         start = multistart_nelder_mead(value, hopeful, bounds, spacing, patience=1) if scanned else start
-    rounds = _FEWER_ROUNDS if plan.nearly else ROUNDS
+    rounds = _FEWER_ROUNDS if plan.nearly else _ROUNDS
     best = coordinate_search(value, start, bounds, spacing, rounds)
     time, resolution = np.sort(problem.recording.time), problem.bumps.width * problem.recording.interval
     return np.array(

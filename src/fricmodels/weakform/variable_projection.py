@@ -197,14 +197,14 @@ class Projection:
         ]
         self._moving = sorted({place for places in self._places for place in places if place >= 0})
 
-    def solve(self, nonlinear: Nonlinear, max_iterations: int = 50) -> Solution:
+    def solve(self, nonlinear: Nonlinear) -> Solution:
         """Return the least-squares fit: from the best of the starting points, by Gauss–Newton to the end."""
         if not self._equations.separable.nonlinear:
             return replace(self.at(np.zeros(0)), settled=True)
         starts = nonlinear.points()
         scan = self._scan(starts) if len(starts) > 1 else None
         start = starts[0] if scan is None else scan.best
-        return replace(self._descend(self.at(start), nonlinear, max_iterations), start=start, scan=scan)
+        return replace(self.descend(self.at(start), nonlinear), start=start, scan=scan)
 
     def best_start(self, nonlinear: Nonlinear) -> Array:
         """Return the starting point that leaves least."""
@@ -218,9 +218,9 @@ class Projection:
             costs[i], left[i] = _square(residual), residual[::THINNED]
         return Scan(starts, costs, left)
 
-    def _descend(self, at: Solution, nonlinear: Nonlinear, max_iterations: int) -> Solution:
-        damping = 1e-3
-        reach = nonlinear.reach
+    def descend(self, at: Solution, nonlinear: Nonlinear, max_iterations: int = 50) -> Solution:
+        """Return the least squares next to a point, by Gauss–Newton to the end."""
+        damping, reach = 1e-3, nonlinear.reach
         for iteration in range(1, max_iterations + 1):
             scale = np.where(nonlinear.logarithmic, np.maximum(at.alpha, 1e-300), 1.0)
             step, promised = self._step(at, scale, damping, ~nonlinear.held)
