@@ -21,7 +21,7 @@ import numpy as np
 from fricmodels import plugins
 from fricmodels.diagnosis.candidate_tests import CandidateTest, CandidateTests, candidate_tests
 from fricmodels.diagnosis.comparison import Comparison
-from fricmodels.diagnosis.floor import is_above_noise
+from fricmodels.diagnosis.floor import beyond_sampling_percent, is_above_noise
 from fricmodels.diagnosis.policy import Policy
 from fricmodels.diagnosis.refits import Refits
 from fricmodels.diagnosis.supported import judge
@@ -101,7 +101,8 @@ def _helps(refits: Refits, tested: CandidateTest, policy: Policy) -> bool:
 def _on_all_motion(refits: Refits, leave_out: set[str], bound: float, policy: Policy) -> LookAlikes | None:
     """Return the effect with memory that explains all motion and leaves less than a bound [% of the RMS torque]."""
     comparison = refits.comparison
-    if _error(comparison) < policy.refit_fall:
+    # A contact that closes within a sample, with a damping, is a reversal at another instant: sampling hides that.
+    if beyond_sampling_percent(comparison) < policy.refit_fall:
         return None
     effects, parameters = plugins.load().effects, comparison.estimate.parameters
     with_memory = [name for name in effects if effects[name].states]
