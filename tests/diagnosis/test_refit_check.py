@@ -88,6 +88,17 @@ def test_nothing_is_named_on_the_same_motion_of_a_stiff_contact(stiff: Compariso
     assert refit_check(Refits(stiff, POLICY), result, (), None) is None
 
 
+@pytest.mark.parametrize(("beyond", "named"), [(0.99, False), (1.01, True)])
+def test_where_sampling_may_leave_the_error_nothing_is_named(
+    bent: Comparison, beyond: float, named: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(
+        "fricmodels.diagnosis.refit_check.beyond_sampling_percent", lambda _: beyond * POLICY.refit_fall
+    )
+    result = candidate_tests(replace(bent.problem), bent.estimate.parameters, only=["presliding"])
+    assert (refit_check(Refits(bent, POLICY), result, (), None) is not None) is named
+
+
 def test_without_it_no_other_one_takes_its_place(bent: Comparison) -> None:
     assert not examine(bent, leave_out=["presliding"]).findings
 
