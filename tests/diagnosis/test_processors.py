@@ -14,7 +14,12 @@ from fricmodels.signals import resting
 
 CHANGE = 1e-9
 SAMPLES = 4_000
-HIDDEN = ("", "presliding", "rising-stiction", "step-change")
+HIDDEN = (
+    pytest.param("", marks=pytest.mark.long),
+    "presliding",
+    "rising-stiction",
+    pytest.param("step-change", marks=pytest.mark.long),
+)
 
 
 def changed(recording: Recording, change: float) -> Recording:
