@@ -79,6 +79,7 @@ def test_errors_fall_on_the_file_that_took_no_part(ladder: Ladder) -> None:
     assert error(-1) < 0.68 * error(0)
 
 
+@pytest.mark.long
 def test_the_pulses_file_names_the_same_effect_by_itself() -> None:
     """Neither file knows of the other."""
     diagnosis = diagnose(load("pulses"), Model.parse("coulomb-viscous"))
