@@ -39,7 +39,7 @@ def python(script: str, where: Path) -> subprocess.CompletedProcess[str]:
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("loop")
-    write(hidden().model_copy(update={"samples": 7_500}).simulate(), folder / "joint.csv")
+    write(hidden().model_copy(update={"samples": 3_000}).simulate(), folder / "joint.csv")
     (folder / "joint.yaml").write_text(TOURNAMENT, encoding="utf-8")
     return folder
 
