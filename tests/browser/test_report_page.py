@@ -232,7 +232,7 @@ def test_a_long_formula_does_not_shrink_the_printed_page(
     assert sizes[1] == pytest.approx(sizes[0], rel=1e-3)
 
 
-@pytest.mark.parametrize("page", ["story_page", "tournament_page"])
+@pytest.mark.parametrize("page", ["story_page", pytest.param("tournament_page", marks=pytest.mark.long)])
 def test_the_page_is_short_and_small(page: str, look: Callable[..., Any], request: pytest.FixtureRequest) -> None:
     path = request.getfixturevalue(page)
     seen = look(path)

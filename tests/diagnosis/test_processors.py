@@ -17,7 +17,7 @@ SAMPLES = 4_000
 HIDDEN = (
     pytest.param("", marks=pytest.mark.long),
     "presliding",
-    "rising-stiction",
+    pytest.param("rising-stiction", marks=pytest.mark.long),
     pytest.param("step-change", marks=pytest.mark.long),
 )
 

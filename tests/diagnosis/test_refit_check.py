@@ -179,6 +179,7 @@ def resonance(seed: int, *, hidden: bool = True) -> Comparison:
     return compare(rig.simulate(), "coulomb-viscous", 2.1)
 
 
+@pytest.mark.long  # what is named on all motion, and how far an error falls, is above
 @pytest.mark.parametrize("seed", [3])  # all of 3 to 8 are named
 def test_what_the_rows_see_as_too_small_is_named_if_the_error_falls_far(seed: int) -> None:
     rung = resonance(seed)

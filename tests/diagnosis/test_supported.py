@@ -127,7 +127,7 @@ def test_a_zone_of_friction_is_no_wave(made: Made, ends: tuple[float, float], no
 
     Hats over a wide zone are as many terms as waves are; one torque all over it is not.
     """
-    recording = made(noise=noise, samples=4000)
+    recording = made(noise=noise)
     position = recording["position"]
     low, high = (float(q) for q in np.quantile(position, ends))
     more = 2.0 * np.sign(recording.velocity) * ((position > low) & (position < high))
