@@ -73,7 +73,7 @@ def found(recording: Recording, inertia: float | None = J) -> tuple[Array, ...]:
     return drive.states(recording, drive.split(TRUTH)[1])
 
 
-@pytest.mark.parametrize("inertia", [J, None])
+@pytest.mark.parametrize("inertia", [pytest.param(J, marks=pytest.mark.long), None])
 def test_the_states_are_those_of_the_link_from_the_first_sample_on(inertia: float | None) -> None:
     """In each of two runs that begin otherwise, whether the inertia is known or not."""
     recording, true = swinging([(0.02, -0.9), (-0.015, 0.4)])

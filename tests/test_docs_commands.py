@@ -30,7 +30,14 @@ def commands(page: Path) -> list[str]:
 
 ELSEWHERE = {"write-a-law.md", "models.md"}
 """They need Python between their commands: tests/scaffold and tests/saved/test_page.py execute them."""
-WITH_COMMANDS = [page for page in PAGES if commands(page) and page.name not in ELSEWHERE]
+SLOW = {"getting-started.md", "report.md", "compensation.md"}
+"""Quicker tests execute such commands: of README, tests/saved/test_page.py, tests/report/test_commands.py, and
+tests/cli/test_compensate.py."""
+WITH_COMMANDS = [
+    pytest.param(page, marks=pytest.mark.long if page.name in SLOW else ())
+    for page in PAGES
+    if commands(page) and page.name not in ELSEWHERE
+]
 
 
 def name(page: Path) -> str:

@@ -112,7 +112,7 @@ def test_lagging_friction_is_that_of_the_speed_a_time_ago(omega: float) -> None:
     np.testing.assert_allclose(torque[early], (3 * (2 - np.abs(speed(time))) * -1)[early], atol=1e-9)
 
 
-@pytest.mark.parametrize("omega", [2.0, 10.0, 20.0])
+@pytest.mark.parametrize("omega", [2.0, *(pytest.param(omega, marks=pytest.mark.long) for omega in (10.0, 20.0))])
 def test_the_rates_of_lagging_friction_are_those_of_its_delay(omega: float) -> None:
     """What a filter follows is what a recording shows, up to the phase error of the delay, (ωT)⁵/720."""
     T = 0.05

@@ -23,13 +23,13 @@ INERTIA = 2.0
 
 def bent(made: Made, size: float, offset: float, seed: int = 0) -> Diagnosis:
     """Return the diagnosis of a drive with a torque of the size of its acceleration, and an offset."""
-    recording = made(seed=seed, noise=0.1)
+    recording = made(seed=seed, noise=0.1, samples=4000)
     acceleration = np.gradient(recording.velocity, recording.time)
     torque = recording.torque + size * np.abs(acceleration) + offset
     return diagnose(recording.with_channels(derived=False, torque=torque), "coulomb-viscous", INERTIA)
 
 
-@pytest.mark.parametrize("seed", range(2))
+@pytest.mark.parametrize("seed", [0, pytest.param(1, marks=pytest.mark.long)])
 def test_an_offset_beside_a_torque_of_the_size_of_the_acceleration_is_there(made: Made, seed: int) -> None:
     """The acceleration's channel takes three quarters of what the offset explains: its size has a mean."""
     diagnosis = bent(made, 0.2, 0.6, seed)
@@ -39,7 +39,7 @@ def test_an_offset_beside_a_torque_of_the_size_of_the_acceleration_is_there(made
     assert diagnosis.view.channels == "acceleration"
 
 
-@pytest.mark.parametrize("seed", range(2))
+@pytest.mark.parametrize("seed", [0, pytest.param(1, marks=pytest.mark.long)])
 def test_without_an_offset_none_is_named(made: Made, seed: int) -> None:
     diagnosis = bent(made, 0.2, 0.0, seed)
     assert (diagnosis.verdict, diagnosis.findings) == ("unknown-effect", ())
@@ -47,7 +47,7 @@ def test_without_an_offset_none_is_named(made: Made, seed: int) -> None:
 
 def loaded(droop: float, gain: float, seed: int = 0, rate: float = 500.0) -> Recording:
     """Return a drive that a known load turns as well; its torque falls short of τ by g·τ + droop·|τ|τ."""
-    rng, time = np.random.default_rng(seed), np.arange(8000) / rate
+    rng, time = np.random.default_rng(seed), np.arange(4000) / rate
     phases = rng.uniform(0.0, 2 * np.pi, 4)
     turns = 2 * np.pi * np.array([0.31, 0.77, 1.43, 2.71])
     velocity = np.array([4.0, 3.0, 2.0, 1.0]) @ np.sin(turns[:, None] * time + phases[:, None])
@@ -99,7 +99,15 @@ def test_two_waves_of_one_wave_number_are_larger_than_the_drive(made: Made) -> N
     assert Refits(bare, replace(POLICY, own_torque=0.5 * share)).with_effect(tested) is None
 
 
-@pytest.mark.parametrize(("samples", "named"), [(0.0, False), (0.5, False), (0.85, True), (-0.9, True)])
+@pytest.mark.parametrize(
+    ("samples", "named"),
+    [
+        pytest.param(0.0, False, marks=pytest.mark.long),
+        (0.5, False),
+        (0.85, True),
+        pytest.param(-0.9, True, marks=pytest.mark.long),
+    ],
+)
 def test_a_delay_of_more_than_the_hold_of_a_torque_has_its_name(samples: float, named: bool) -> None:
     """Half a sample is how recordings are made, where a torque was held; what is clearly more is a delay."""
     time, rate = np.arange(8000) / 100.0, 100.0

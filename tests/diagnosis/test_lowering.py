@@ -65,7 +65,7 @@ def test_of_effects_that_show_only_jointly_all_are_added_or_none(
 
 
 def test_what_the_ladder_gives_up_is_not_missing(made: Made, monkeypatch: pytest.MonkeyPatch) -> None:
-    recording = made("coulomb-viscous+gravity", {"gravity.a": 1.0, "gravity.b": 0.5})
+    recording = made("coulomb-viscous+gravity", {"gravity.a": 1.0, "gravity.b": 0.5}, samples=4000)
     monkeypatch.setattr(ladder._Search, "_lowering", lambda self, step: self._superfluous.add("gravity") or [])
     found = improve(recording, "coulomb-viscous", 2.0)
     assert len(found.rungs) == 1
@@ -80,7 +80,7 @@ def test_what_has_another_form_is_not_taken_for_its_test_error(
     made: Made, monkeypatch: pytest.MonkeyPatch, droop: float, expected: str
 ) -> None:
     """The test error does not fall with what was found, but with a wrong inertia; a torque that droops is none."""
-    recording = made()
+    recording = made(samples=4000)
     torque = recording.torque + (droop * np.abs(recording.torque) if droop else 0.25) * recording.torque
     first = diagnose(recording.with_channels(derived=False, torque=torque), "coulomb-viscous", 2.0)
     assert first.refits is not None

@@ -63,7 +63,7 @@ def test_an_asymmetry_of_more_than_the_friction_is_refused(difference: float, sl
     assert Refits(comparison, replace(POLICY, driving_friction=np.inf)).with_effect(tested) is not None
 
 
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", [0, *(pytest.param(seed, marks=pytest.mark.long) for seed in (1, 2))])
 def test_a_load_is_not_named_as_a_friction(seed: int) -> None:
     """A torque of several times the friction is an offset, not friction that differs between the directions."""
     ladder = improve(record(0.0, offset=4.0, seed=seed), "coulomb-viscous", INERTIA)
@@ -72,7 +72,7 @@ def test_a_load_is_not_named_as_a_friction(seed: int) -> None:
     assert ladder.last.verdict == "adequate"
 
 
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", [0, *(pytest.param(seed, marks=pytest.mark.long) for seed in (1, 2))])
 def test_a_difference_within_the_friction_may_be_either(seed: int) -> None:
     ladder = improve(record(0.6, seed=seed), "coulomb-viscous", INERTIA)
     (finding,) = ladder.first.findings

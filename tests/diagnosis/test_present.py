@@ -12,8 +12,9 @@ from typing import Any
 
 import pytest
 from rich.console import Console
+from tests.conftest import Demonstration
 
-from fricmodels.diagnosis import Ladder, compare, diagnose, improve
+from fricmodels.diagnosis import Ladder, compare, diagnose
 from fricmodels.diagnosis.document import document
 from fricmodels.diagnosis.present import show_comparison, show_diagnosis, show_ladder
 from fricmodels.dimension import Motion
@@ -27,9 +28,8 @@ Made = Callable[..., Recording]
 
 
 @pytest.fixture(scope="module")
-def ladder() -> Ladder:
-    rig = hidden()
-    return improve(rig.simulate(), "coulomb-viscous", rig.inertia)
+def ladder(demonstration: Demonstration) -> Ladder:
+    return demonstration.ladder
 
 
 def printed(ladder: Ladder, width: int, encoding: str = "utf-8", **options: Any) -> str:
@@ -130,9 +130,9 @@ def test_a_model_may_be_given_by_name_or_as_it_is(made: Made) -> None:
     assert by_name.comparison.errors == compare(recording, "coulomb-viscous", 2.0).errors
 
 
-@pytest.mark.parametrize("encoding", ["utf-8", "ascii"])
+@pytest.mark.parametrize("encoding", [pytest.param("utf-8", marks=pytest.mark.long), "ascii"])
 def test_a_pipe_gets_plain_text_of_its_width(encoding: str, tmp_path: Path) -> None:
-    rig = hidden().model_copy(update={"samples": 6000})
+    rig = hidden().model_copy(update={"samples": 1500})
     data, _ = write(rig.simulate(), tmp_path / "joint.csv")
     command = [sys.executable, "-m", "fricmodels", "diagnose", data.name, "--model", "coulomb-viscous"]
     environment = {**os.environ, "COLUMNS": "72", "PYTHONIOENCODING": encoding}

@@ -14,7 +14,12 @@ from fricmodels.signals import resting
 
 CHANGE = 1e-9
 SAMPLES = 4_000
-HIDDEN = ("", "presliding", "rising-stiction", "step-change")
+HIDDEN = (
+    pytest.param("", marks=pytest.mark.long),
+    "presliding",
+    pytest.param("rising-stiction", marks=pytest.mark.long),
+    pytest.param("step-change", marks=pytest.mark.long),
+)
 
 
 def changed(recording: Recording, change: float) -> Recording:

@@ -51,7 +51,7 @@ def axis(*effects: dict[str, object], seed: int) -> Rig:
     )
 
 
-@pytest.fixture(scope="module", params=(5, 6))
+@pytest.fixture(scope="module", params=(5, pytest.param(6, marks=pytest.mark.long)))
 def bent(request: pytest.FixtureRequest) -> Comparison:
     """A contact that bends; the rows see a gap in one recording and nothing at all in the other."""
     return compare(axis(BENT, seed=request.param).simulate(), "coulomb-viscous", MASS)
@@ -190,6 +190,7 @@ def resonance(seed: int, *, hidden: bool = True) -> Comparison:
     return compare(rig.simulate(), "coulomb-viscous", 2.1)
 
 
+@pytest.mark.long  # what is named on all motion, and how far an error falls, is above
 @pytest.mark.parametrize("seed", [3])  # all of 3 to 8 are named
 def test_what_the_rows_see_as_too_small_is_named_if_the_error_falls_far(seed: int) -> None:
     rung = resonance(seed)
@@ -238,7 +239,13 @@ def test_an_effect_that_comes_out_as_nothing_is_not_what_lowers_the_error(
 
 
 @pytest.mark.parametrize(
-    ("samples", "names"), [(0.6, []), (0.64, []), (0.7, ["sensor-delay"]), (1.2, ["sensor-delay"])]
+    ("samples", "names"),
+    [
+        pytest.param(0.6, [], marks=pytest.mark.long),
+        (0.64, []),
+        (0.7, ["sensor-delay"]),
+        pytest.param(1.2, ["sensor-delay"], marks=pytest.mark.long),
+    ],
 )
 def test_a_delay_is_named_from_where_the_rows_see_it(
     made: Callable[..., Recording], samples: float, names: list[str]

@@ -23,7 +23,10 @@ def benchmark(from_benchmarks: Callable[[str], ModuleType]) -> ModuleType:
     return from_benchmarks("fast_ripple")
 
 
-@pytest.mark.parametrize(("kind", "per_wave"), [("cogging", 3.0), ("position-friction", 5.0), ("cogging", 8.0)])
+KINDS = [("cogging", 3.0), ("position-friction", 5.0), pytest.param("cogging", 8.0, marks=pytest.mark.long)]
+
+
+@pytest.mark.parametrize(("kind", "per_wave"), KINDS)
 def test_a_fast_wave_is_named_with_its_wave_number_and_amplitude(
     benchmark: ModuleType, kind: str, per_wave: float
 ) -> None:
@@ -33,7 +36,7 @@ def test_a_fast_wave_is_named_with_its_wave_number_and_amplitude(
     assert abs(outcome.error) < 0.2
 
 
-@pytest.mark.parametrize("seed", [10, 12])
+@pytest.mark.parametrize("seed", [pytest.param(10, marks=pytest.mark.long), 12])
 def test_a_torque_off_the_list_is_not_called_a_friction(benchmark: ModuleType, seed: int) -> None:
     """What goes with the direction explains less than half of a torque that does not."""
     recording = benchmark.trial("cogging", 5.0, seed).recording

@@ -59,7 +59,10 @@ def test_the_channel_of_the_effect_is_the_best_predictor(made: Made, effect: str
     assert by_name[channel].evidence.gain == pytest.approx(max(v.evidence.gain for v in by_name.values()), abs=0.1)
 
 
-@pytest.mark.parametrize("effect", HIDDEN)
+@pytest.mark.parametrize(
+    "effect",
+    [*(pytest.param(e, marks=pytest.mark.long) for e in ("gravity", "inertia-error")), "asymmetry", "step-change"],
+)
 def test_named_when_it_is_a_candidate_and_unknown_when_it_is_not(made: Made, effect: str) -> None:
     values, _ = HIDDEN[effect]
     recording = made(f"coulomb-viscous+{effect}", {f"{effect}.{key}": value for key, value in values.items()})
@@ -70,17 +73,17 @@ def test_named_when_it_is_a_candidate_and_unknown_when_it_is_not(made: Made, eff
     assert rest.view is not None
 
 
-def test_nothing_predicts_a_clean_drive(made: Made) -> None:
-    for seed in range(3):
-        diagnosis = diagnose(made(seed=seed, noise=1.0), LAW, 2.0)
-        assert (diagnosis.verdict, diagnosis.view) == ("adequate", None)
+@pytest.mark.parametrize("seed", [0, *(pytest.param(seed, marks=pytest.mark.long) for seed in (1, 2))])
+def test_nothing_predicts_a_clean_drive(made: Made, seed: int) -> None:
+    diagnosis = diagnose(made(seed=seed, noise=1.0), LAW, 2.0)
+    assert (diagnosis.verdict, diagnosis.view) == ("adequate", None)
 
 
 def test_cogging_of_several_orders_is_cogging(made: Made) -> None:
     """Poles and slots have each their own order; the strongest is found first, and each has its own number."""
     name = "coulomb-viscous+cogging"
     first = {"cogging.a": 0.5, "cogging.b": 0.2, "cogging.k": 7.3}
-    recording = made(name, first)
+    recording = made(name, first, samples=4000)
     wave = 0.35 * np.cos(12.5 * recording["position"] + 1.0) + 0.3 * np.sin(4.4 * recording["position"])
     diagnosis = diagnose(recording.with_channels(derived=False, torque=recording.torque + wave), LAW, 2.0)
     assert [finding.names for finding in diagnosis.findings] == [("cogging",), ("cogging(2)",), ("cogging(3)",)]
@@ -88,7 +91,7 @@ def test_cogging_of_several_orders_is_cogging(made: Made) -> None:
     assert numbers == pytest.approx([7.3, 12.5, 4.4], rel=0.01)
 
 
-@pytest.mark.parametrize("beside", [0.0, 0.5, 1.0])
+@pytest.mark.parametrize("beside", [*(pytest.param(size, marks=pytest.mark.long) for size in (0.0, 0.5)), 1.0])
 def test_an_effect_is_there_whatever_else_is_missing(made: Made, beside: float) -> None:
     """A load that comes and goes with time is no candidate and leaves more than the cogging, which is named."""
     recording = made("coulomb-viscous+cogging", {"cogging.a": 0.8, "cogging.b": 0.3, "cogging.k": 7.3})
@@ -101,7 +104,7 @@ def test_an_effect_is_there_whatever_else_is_missing(made: Made, beside: float) 
 
 def test_an_effect_beside_a_bump_at_one_position(made: Made) -> None:
     """The bump is on no list: the effect is named all the same, and what remains is said with its place."""
-    recording = made("coulomb-viscous+asymmetry", {"asymmetry.c": 0.3, "asymmetry.d": 0.8})
+    recording = made("coulomb-viscous+asymmetry", {"asymmetry.c": 0.3, "asymmetry.d": 0.8}, samples=4000)
     position = recording["position"]
     middle, width = float(np.median(position)), 0.015 * float(np.ptp(position))
     bump = 4.0 * np.exp(-0.5 * ((position - middle) / width) ** 2)
@@ -116,7 +119,9 @@ def test_an_effect_beside_a_bump_at_one_position(made: Made) -> None:
     assert rest.place.torque > 0.1
 
 
-@pytest.mark.parametrize(("ends", "noise"), [((0.35, 0.6), 0.05), ((0.3, 0.7), 1.0)])
+@pytest.mark.parametrize(
+    ("ends", "noise"), [pytest.param((0.35, 0.6), 0.05, marks=pytest.mark.long), ((0.3, 0.7), 1.0)]
+)
 def test_a_zone_of_friction_is_no_wave(made: Made, ends: tuple[float, float], noise: float) -> None:
     """One or several waves and a description of what they leave draw the zone, with more terms than one stretch.
 
@@ -135,7 +140,7 @@ def test_a_zone_of_friction_is_no_wave(made: Made, ends: tuple[float, float], no
     assert diagnosis.place.torque == pytest.approx(2.0, rel=0.1)
 
 
-@pytest.mark.parametrize("seed", [9, 10, 12])
+@pytest.mark.parametrize("seed", [9, *(pytest.param(seed, marks=pytest.mark.long) for seed in (10, 12))])
 def test_a_walk_of_friction_is_no_drift(made: Made, seed: int) -> None:
     """A line, a step or a fall draws a part of any slow course; another course of time tells it from these."""
     recording = made(noise=0.1)
@@ -148,7 +153,7 @@ def test_a_walk_of_friction_is_no_drift(made: Made, seed: int) -> None:
     assert diagnosis.view.channels == "time, finely, along the motion"
 
 
-@pytest.mark.parametrize("seed", [10, 18, 30])
+@pytest.mark.parametrize("seed", [*(pytest.param(seed, marks=pytest.mark.long) for seed in (10, 18)), 30])
 def test_a_walk_that_a_line_or_a_jump_follows_is_neither(made: Made, seed: int) -> None:
     """Of forty such walks seven were a drift or a step while none was thought of in the noise."""
     recording = made(noise=0.5, samples=4000, rate=250.0)
@@ -185,7 +190,7 @@ def test_what_happens_once_as_its_equation_says_has_its_name(made: Made, effect:
     assert [finding.names[0] for finding in diagnosis.findings] == [effect]
 
 
-@pytest.mark.parametrize("inertia", [2.0, None])
+@pytest.mark.parametrize("inertia", [2.0, pytest.param(None, marks=pytest.mark.long)])
 def test_a_torque_of_the_size_of_the_acceleration_is_seen_in_the_acceleration(
     made: Made, inertia: float | None
 ) -> None:
@@ -193,7 +198,7 @@ def test_a_torque_of_the_size_of_the_acceleration_is_seen_in_the_acceleration(
 
     With an inertia that is estimated the acceleration itself is in the model, and what is left of it is rounding.
     """
-    recording = made()
+    recording = made(samples=4000)
     torque = recording.torque + 0.1 * np.abs(np.gradient(recording.velocity, recording.time))
     diagnosis = diagnose(recording.with_channels(derived=False, torque=torque), LAW, inertia)
     assert diagnosis.verdict == "unknown-effect"
@@ -201,7 +206,7 @@ def test_a_torque_of_the_size_of_the_acceleration_is_seen_in_the_acceleration(
     assert diagnosis.view.channels == "acceleration"
 
 
-@pytest.mark.parametrize("inertia", [2.0, None])
+@pytest.mark.parametrize("inertia", [2.0, pytest.param(None, marks=pytest.mark.long)])
 def test_two_effects_that_one_channel_does_with_fewer_terms_are_not_named(inertia: float | None) -> None:
     """Under one sine an asymmetry and a wave over position add up to what goes with the size of the acceleration."""
     time, rng = np.arange(6000) / 500.0, np.random.default_rng(1)
@@ -254,7 +259,7 @@ def test_an_effect_that_only_resembles_gives_way_or_is_refused(made: Made) -> No
 
 
 def test_an_error_that_nothing_predicts_is_not_adequate(made: Made, monkeypatch: pytest.MonkeyPatch) -> None:
-    comparison = compare(made(noise=1.0), LAW, 2.0)
+    comparison = compare(made(noise=1.0, samples=4000), LAW, 2.0)
     assert examine(comparison).verdict == "adequate"
     spoilt = replace(comparison, sliding=SlidingErrors(9.0, 1.0, 1.0, 1.0))
     assert examine(spoilt).verdict == "adequate"  # the recording itself has no such error
@@ -294,7 +299,7 @@ def test_two_effects_are_both_there(made: Made) -> None:
     assert sorted(named(result, ["asymmetry", "gravity"])) == ["asymmetry", "gravity"]
 
 
-@pytest.mark.parametrize("samples", [10, 20])
+@pytest.mark.parametrize("samples", [10, pytest.param(20, marks=pytest.mark.long)])
 def test_friction_that_lags_is_no_wrong_inertia(made: Made, samples: int) -> None:
     """To first order it is an inertia that depends on speed, and only at some speeds it is there."""
     falling = {"stribeck.F_s": 3.0, "stribeck.omega_s": 1.0, "stribeck.delta": 1.0}
@@ -326,7 +331,7 @@ def test_an_error_is_above_noise_by_the_noise_of_its_own_part(made: Made) -> Non
     assert not errors_floor.is_above_noise(replace(comparison, sliding=SlidingErrors(1.0, 9.0, 1.0, 8.0)))
 
 
-@pytest.mark.parametrize("samples", [0.8, 1.0])
+@pytest.mark.parametrize("samples", [pytest.param(0.8, marks=pytest.mark.long), 1.0])
 def test_a_delay_is_named_though_the_past_of_the_torque_can_be_all_of_it(samples: float) -> None:
     """With half a sample by which the torque is held it is little longer than what sampling alone may do."""
     rig = Rig.model_validate(

@@ -17,7 +17,13 @@ def benchmark(from_benchmarks: Callable[[str], ModuleType]) -> ModuleType:
     return from_benchmarks("two_gears")
 
 
-@pytest.mark.parametrize("names", [("cogging", "cogging"), ("position-friction", "position-friction")])
+KINDS = [
+    pytest.param(("cogging", "cogging"), marks=pytest.mark.long),  # three of them: tests/diagnosis/test_supported.py
+    ("position-friction", "position-friction"),
+]
+
+
+@pytest.mark.parametrize("names", KINDS)
 def test_both_are_named_with_their_wave_numbers(benchmark: ModuleType, names: tuple[str, str]) -> None:
     """Before, the second was given the name of another effect."""
     outcome = benchmark.judged(benchmark.trial(names, 500))

@@ -79,7 +79,7 @@ def test_friction_of_a_part_that_moves_with_another_joint(made: Made) -> None:
     assert found.findings[0].tested.parameters["d"] == pytest.approx(0.4, abs=0.02)
 
 
-@pytest.mark.parametrize("seed", [2, 3])
+@pytest.mark.parametrize("seed", [pytest.param(2, marks=pytest.mark.long), 3])
 def test_joints_that_do_nothing_are_not_named(made: Made, seed: int) -> None:
     found = diagnose(coupled(made, seed, coupling=0.0), "coulomb-viscous", 2.0)
     assert (found.verdict, found.findings, found.view) == ("adequate", (), None)
@@ -95,7 +95,7 @@ def test_the_inertia_lies_within_its_interval(made: Made) -> None:
     assert inside >= 25
 
 
-@pytest.mark.parametrize("factor", [180 / np.pi, 1e-6])
+@pytest.mark.parametrize("factor", [180 / np.pi, pytest.param(1e-6, marks=pytest.mark.long)])
 def test_another_unit_is_another_coefficient_and_the_same_answer(made: Made, factor: float) -> None:
     own = coupled(made, 0, samples=4000, unrelated=0)
     name = "other.j2_acceleration"

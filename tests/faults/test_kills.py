@@ -21,7 +21,7 @@ def kills(from_benchmarks: Callable[[str], ModuleType]) -> ModuleType:
 @pytest.mark.parametrize(
     ("name", "times"),
     [
-        ("run", 1),
+        pytest.param("run", 1, marks=pytest.mark.long),  # a kill at each write: test_every_write.py
         pytest.param("run", 100, marks=pytest.mark.long),
         pytest.param("improve --out", 100, marks=pytest.mark.long),
     ],

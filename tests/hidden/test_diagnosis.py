@@ -17,7 +17,7 @@ from fricmodels.recording import Recording
 from fricmodels.rig import Rig
 
 Draw = Callable[..., tuple[Rig, Recording]]
-SAMPLES = 12_000
+SAMPLES = 6_000
 
 
 def diagnosed(rig: Rig, recording: Recording, leave_out: Iterable[str] = ()) -> Diagnosis:
@@ -32,7 +32,7 @@ def names(diagnosis: Diagnosis) -> tuple[str, ...]:
     ("effect", "excitation"),
     [
         ("cogging", "tracking"),
-        ("position-friction", "tracking"),
+        pytest.param("position-friction", "tracking", marks=pytest.mark.long),
         ("gravity", "tracking"),
         ("stiffness", "ramp"),
         ("stribeck", "ramp"),
@@ -40,7 +40,7 @@ def names(diagnosis: Diagnosis) -> tuple[str, ...]:
         ("load-friction", "tracking"),
         ("inertia-error", "multisine"),
         ("sensor-delay", "multisine"),
-        ("sensor-delay", "tracking"),
+        pytest.param("sensor-delay", "tracking", marks=pytest.mark.long),
         ("thermal", "sine"),
         ("step-change", "multisine"),
     ],
@@ -55,14 +55,21 @@ def test_the_hidden_effect_is_named(hidden: Draw, effect: str, excitation: str) 
 
 def test_the_instant_of_a_jump_is_found_next_to_a_rest(hidden: Draw) -> None:
     """All instants of a rest explain the same: a search that begins on that plateau has to look beyond it."""
-    rig, recording = hidden("step-change", seed=1, size=0.2, noise_percent=1.0, excitation="multisine", samples=SAMPLES)
+    rig, recording = hidden("step-change", seed=1, size=0.2, noise_percent=1.0, excitation="multisine", samples=12_000)
     (hidden_jump,) = rig.effects
     found = diagnosed(rig, recording).findings[0].tested.parameters
     assert found["t_0"] == pytest.approx(hidden_jump.time, abs=0.05)
     assert found["c"] == pytest.approx(hidden_jump.coulomb, rel=0.02)
 
 
-@pytest.mark.parametrize("excitation", ["sine", "multisine", "tracking", "trapezoid", "stair", "ramp"])
+CLEAN = ("multisine", "trapezoid")
+"""Excitations of which nothing is named quickly: a steady one, and one with rests; others in ``make test-long``."""
+
+
+@pytest.mark.parametrize(
+    "excitation",
+    [*CLEAN, *(pytest.param(each, marks=pytest.mark.long) for each in ("sine", "tracking", "stair", "ramp"))],
+)
 def test_nothing_is_named_where_nothing_is_hidden(hidden: Draw, excitation: str) -> None:
     rig, recording = hidden(seed=2, excitation=excitation, noise_percent=1.0, samples=SAMPLES)
     assert diagnosed(rig, recording).verdict == "adequate"
@@ -75,6 +82,7 @@ def test_an_asymmetry_is_not_told_from_an_offset_while_sliding(hidden: Draw) -> 
     assert "static test" in diagnosis.findings[0].separated_by
 
 
+@pytest.mark.long
 def test_what_stood_for_two_effects_gives_way_once_one_of_them_is_known(hidden: Draw) -> None:
     rig, recording = hidden("sensor-delay", "inertia-error", seed=4, size=0.2, excitation="tracking", samples=SAMPLES)
     ladder = improve(recording, Model.parse(rig.friction.law), rig.inertia)
@@ -100,6 +108,7 @@ def test_a_delay_and_another_effect_are_told_apart(hidden: Draw) -> None:
     assert abs(abs(final.estimate.parameters["sensor-delay.T"]) - delay) < recording.interval
 
 
+@pytest.mark.long
 def test_two_effects_are_found_in_turn(hidden: Draw) -> None:
     rig, recording = hidden("cogging", "load-friction", seed=4, size=0.2, excitation="tracking", samples=SAMPLES)
     ladder = improve(recording, Model.parse(rig.friction.law), rig.inertia)
@@ -153,7 +162,9 @@ HIDING = {
 }
 
 
-@pytest.mark.parametrize("case", HIDING)
+@pytest.mark.parametrize(
+    "case", [pytest.param("neither helps alone", marks=pytest.mark.long), "a simpler one does as well"]
+)
 def test_two_effects_that_hide_each_other_are_found(case: str) -> None:
     """The first one found stands for both; it gives way, or helps only together with the second."""
     rig = Rig.model_validate({"motion": "linear", "sensors": {"velocity_noise_percent": 0.91}, **HIDING[case]})
@@ -171,7 +182,10 @@ LOOK_ALIKES = {
 }
 
 
-@pytest.mark.parametrize(("effect", "view"), [("load-friction", "load torque"), ("thermal", "temperature")])
+@pytest.mark.parametrize(
+    ("effect", "view"),
+    [pytest.param("load-friction", "load torque", marks=pytest.mark.long), ("thermal", "temperature")],
+)
 def test_an_effect_off_the_list_leaves_a_trace(hidden: Draw, effect: str, view: str) -> None:
     diagnosis = off_the_list(hidden, effect)
     assert diagnosis.verdict != "adequate"
@@ -180,7 +194,7 @@ def test_an_effect_off_the_list_leaves_a_trace(hidden: Draw, effect: str, view: 
     assert diagnosis.view.evidence.gain > 0.8
 
 
-@pytest.mark.parametrize("effect", LOOK_ALIKES)
+@pytest.mark.parametrize("effect", [pytest.param("load-friction", marks=pytest.mark.long), "thermal"])
 def test_an_effect_off_the_list_is_unknown(hidden: Draw, effect: str) -> None:
     assert off_the_list(hidden, effect).verdict == "unknown-effect"
 
@@ -219,14 +233,31 @@ CHANGES: dict[str, Callable[[Rig, Recording], tuple[Rig, Recording]]] = {
 }
 
 
-@pytest.mark.parametrize("change", CHANGES)
-@pytest.mark.parametrize(("effect", "scale"), [("position-friction", "linear-axis"), ("stribeck", "robot-joint")])
+@lru_cache(maxsize=2)
+def as_it_was(hidden: Draw, effect: str, scale: str) -> tuple[Rig, Recording, Diagnosis]:
+    options = {"seed": 5, "size": 0.2, "noise_percent": 1.0, "excitation": "tracking", "samples": SAMPLES}
+    rig, recording = hidden(effect, scale=scale, **options)
+    return rig, recording, diagnosed(rig, recording)
+
+
+WAVE, CURVE = ("position-friction", "linear-axis"), ("stribeck", "robot-joint")
+
+
+@pytest.mark.parametrize(
+    ("effect", "scale", "change"),
+    [
+        (*WAVE, "units"),
+        pytest.param(*WAVE, "time shift", marks=pytest.mark.long),
+        pytest.param(*WAVE, "mirrored", marks=pytest.mark.long),
+        pytest.param(*CURVE, "units", marks=pytest.mark.long),
+        (*CURVE, "time shift"),
+        (*CURVE, "mirrored"),
+    ],
+)
 def test_the_answer_does_not_depend_on_how_motion_is_described(
     hidden: Draw, effect: str, scale: str, change: str
 ) -> None:
-    options = {"seed": 5, "size": 0.2, "noise_percent": 1.0, "excitation": "tracking", "samples": SAMPLES}
-    rig, recording = hidden(effect, scale=scale, **options)
-    before = diagnosed(rig, recording)
+    rig, recording, before = as_it_was(hidden, effect, scale)
     after = diagnosed(*CHANGES[change](rig, recording))
     assert after.verdict == before.verdict
     assert names(after) == names(before)

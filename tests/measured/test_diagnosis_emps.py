@@ -36,11 +36,14 @@ def ladder() -> Ladder:
     return improve(load("id"), Model.parse("coulomb-viscous"))
 
 
+@pytest.mark.long
 def test_first_named_is_the_asymmetry_that_the_authors_found() -> None:
+    assert diagnose(load("id"), Model.parse("coulomb-viscous")).findings[0].tested.name == "asymmetry"
+
+
+def test_the_asymmetry_is_as_large_as_the_authors_found() -> None:
     """Viscous friction differs by −36.9 N s/m (half the difference), Coulomb friction hardly."""
-    axis = load("id")
-    assert diagnose(axis, Model.parse("coulomb-viscous")).findings[0].tested.name == "asymmetry"
-    found = compare(axis, "coulomb-viscous+asymmetry")
+    found = compare(load("id"), "coulomb-viscous+asymmetry")
     values = found.estimate.parameters
     assert values["asymmetry.d"] == pytest.approx(-36.86, rel=0.1)
     assert abs(values["asymmetry.c"]) < 1.0
@@ -79,6 +82,7 @@ def test_errors_fall_on_the_file_that_took_no_part(ladder: Ladder) -> None:
     assert error(-1) < 0.68 * error(0)
 
 
+@pytest.mark.long
 def test_the_pulses_file_names_the_same_effect_by_itself() -> None:
     """Neither file knows of the other."""
     diagnosis = diagnose(load("pulses"), Model.parse("coulomb-viscous"))

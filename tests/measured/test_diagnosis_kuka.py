@@ -28,7 +28,7 @@ def story(from_benchmarks: Callable[[str], ModuleType]) -> ModuleType:
     return from_benchmarks("measured.kuka")
 
 
-@pytest.mark.parametrize("joint", [1, 6])
+@pytest.mark.parametrize("joint", [pytest.param(1, marks=pytest.mark.long), 6])
 def test_no_effect_is_named_on_ten_seconds(story: ModuleType, joint: int) -> None:
     """Three to five reversals, while five other joints move: nothing there can be held against blocks kept back."""
     diagnosis = diagnose(story.recording(DATA, joint, "A"), Model.parse("coulomb-viscous"))

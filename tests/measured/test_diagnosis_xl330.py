@@ -44,6 +44,7 @@ def ladder(folder: Path) -> Ladder:
     return improve(read(folder / "xl330_M1_fit.csv"), Model.parse("coulomb-viscous"), how=Split(by="runs"))
 
 
+@pytest.mark.long
 def test_load_friction_is_named(ladder: Ladder) -> None:
     """As the authors of the bench found: servos need load-dependent friction."""
     assert "load-friction" in ladder.first.findings[0].names
@@ -51,12 +52,14 @@ def test_load_friction_is_named(ladder: Ladder) -> None:
     assert kept[-1] < 0.85 * kept[0]
 
 
+@pytest.mark.long
 def test_inertia_is_that_of_pendulum_and_armature(ladder: Ladder) -> None:
     """m l² = 0.0049 kg m² and 0.0018 kg m² published for the armature."""
     values = ladder.first.comparison.estimate.parameters
     assert values["J"] == pytest.approx(0.49 * 0.1**2 + 0.00181, rel=0.06)
 
 
+@pytest.mark.long
 def test_the_error_falls_on_logs_that_took_no_part(ladder: Ladder, folder: Path) -> None:
     """One log of every trajectory and of every gain."""
     check = ready(read(folder / "xl330_M1_check.csv"))

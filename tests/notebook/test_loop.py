@@ -57,6 +57,7 @@ def test_every_name_is_there_and_listed() -> None:
         _ = fricmodels.nothing
 
 
+@pytest.mark.long
 def test_the_loop_in_a_script(folder: Path) -> None:
     done = python(LOOP, folder)
     assert done.returncode == 0, done.stderr
@@ -72,5 +73,9 @@ def test_a_tournament_is_run_from_its_file_from_anywhere(folder: Path, tmp_path:
 def test_a_script_without_the_guard_is_told_of_it(folder: Path) -> None:
     done = python('from fricmodels import run\nrun("joint.yaml", "unguarded")', folder)
     assert "put run(…) under if __name__ == '__main__'" in done.stderr
+
+
+@pytest.mark.long
+def test_a_script_with_the_guard_runs(folder: Path) -> None:
     guarded = python('from fricmodels import run\nif __name__ == "__main__":\n    run("joint.yaml", "guarded")', folder)
     assert guarded.returncode == 0, guarded.stderr

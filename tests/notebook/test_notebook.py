@@ -11,7 +11,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from fricmodels import Fit, Recording, compare, diagnose, improve, notebook
+from fricmodels import Fit, Recording, improve, notebook
 from fricmodels.dimension import Motion
 from fricmodels.fit import Status
 from fricmodels.rig.demonstration import hidden
@@ -62,15 +62,16 @@ def recording() -> Recording:
 def results(recording: Recording) -> dict[str, Any]:
     covariance = np.diag([1e-4, 0.25])
     fit = Fit("coulomb-viscous", EVIL, EVIL, {"K_v": 1.0, "K_c": 2.0, "J": 3.0}, covariance, ("K_v", "K_c"))
+    ladder = improve(recording, "coulomb-viscous", 1.8)
     history = pd.DataFrame({"time": [0.0, 1.0, 2.0], "K_v": [0.0, 0.5, 1.0], "K_c": [1.0, 1.5, 2.0]})
     return {
         "recording": recording,
         "fit": fit,
         "history": Fit(**{**vars(fit), "history": history, "not_identified": {"K_c": EVIL}}),
         "failed": Fit(**{**vars(fit), "status": Status.FAILED, "message": EVIL}),
-        "comparison": compare(recording, "coulomb-viscous", 1.8),
-        "diagnosis": diagnose(recording, "coulomb-viscous", 1.8),
-        "ladder": improve(recording, "coulomb-viscous", 1.8),
+        "comparison": ladder.first.comparison,
+        "diagnosis": ladder.first,
+        "ladder": ladder,
         "board": Leaderboard.ranked([FAILED, ROW]),
         "empty": Leaderboard(()),
     }

@@ -131,7 +131,7 @@ def test_list_and_a_tournament_go_on_beside_all_of_them(install: Install, tmp_pa
         assert "plugin 'segfaults' of segfaults is left out: importing it kills the interpreter" in row["message"]
 
 
-@pytest.mark.parametrize("name", ["exits", "hangs"])
+@pytest.mark.parametrize("name", ["exits", pytest.param("hangs", marks=pytest.mark.long)])
 def test_a_repaired_plugin_is_seen_again(name: str, install: Install, monkeypatch: pytest.MonkeyPatch) -> None:
     site = install(name, DEADLY[name][0])
     assert "rubber" not in loaded_again().laws
@@ -193,7 +193,7 @@ def test_what_is_installed_beside_it_matters(install: Install, monkeypatch: pyte
 def test_the_limit_bounds_the_time_and_another_limit_is_another_try(
     install: Install, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    install("slow", "import time\ntime.sleep(3)\n" + GOOD)
+    install("slow", "import time\ntime.sleep(1.5)\n" + GOOD)
     monkeypatch.setenv(probe.LIMIT, "1")
     begin = time.monotonic()
     (failure,) = (f for f in loaded_again().failures if f.plugin == "slow")

@@ -137,6 +137,7 @@ def test_what_is_safe_is_tried_once(install: Install, monkeypatch: pytest.Monkey
     assert tried.count("safe") == 1
 
 
+@pytest.mark.long
 def test_improve_refuses_the_wrong_unit_that_a_tournament_refuses(install: Install, tmp_path: Path) -> None:
     site = install(
         "wrong-use", PLUGIN.replace("[Loops, Exits, Leaves, Crashes, Nothing, WrongUnit, Fine]", "[WrongUnit]")

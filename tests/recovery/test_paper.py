@@ -42,7 +42,7 @@ def test_fig_9_and_10_have_sixteen_points() -> None:
 
 
 @pytest.mark.parametrize(("estimator", "share"), [("detchmendy-sridhar", 1.0), ("batch", 0.5)])
-@pytest.mark.parametrize("level", [0, 5, 10, 20])
+@pytest.mark.parametrize("level", [0, *(pytest.param(level, marks=pytest.mark.long) for level in (5, 10)), 20])
 def test_table_1(paper: ModuleType, estimator: str, share: float, level: int) -> None:
     *coefficients, rms = paper.TABLE_1[level]
     found = []

@@ -23,7 +23,7 @@ simulate: false
 @pytest.fixture(scope="module")
 def recording(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("data")
-    data, _ = write_recording(hidden().model_copy(update={"samples": 5_000}).simulate(), folder / "joint.csv")
+    data, _ = write_recording(hidden().model_copy(update={"samples": 2_500}).simulate(), folder / "joint.csv")
     return data
 
 

@@ -51,6 +51,7 @@ def test_the_play_of_the_simulated_drive_is_named(played: Comparison) -> None:
     assert parameters["J_l"] == pytest.approx(0.8, rel=0.3)
 
 
+@pytest.mark.long
 def test_play_under_a_load_is_named() -> None:
     loaded = rig(PLAY, load={"bias": 0.5, "amplitude": 4.0, "frequency": 0.31})
     found = examine(compare(loaded.simulate(), "coulomb-viscous", 2.0))
@@ -88,7 +89,7 @@ def test_an_effect_that_says_nonsense_where_the_rows_are_silent_is_not_named(pla
         assert residual_rms(played.problem, alone, tested.found.nonlinear, tested.found.kept) <= 2 * before
 
 
-@pytest.mark.parametrize(("gap", "names"), [(4e-4, [("backlash",)]), (0.0, [])])
+@pytest.mark.parametrize(("gap", "names"), [(4e-4, [("backlash",)]), pytest.param(0.0, [], marks=pytest.mark.long)])
 def test_an_effect_of_the_reversals_alone_is_named_for_its_size_over_all_motion(
     gap: float, names: list[tuple[str, ...]]
 ) -> None:

@@ -41,8 +41,15 @@ def stepped(seed: int, noise: float, spring: float = 0.0) -> Recording:
     return Recording("steps", Motion.ROTARY, channels, np.zeros(_COUNT, dtype=np.int64))
 
 
-@pytest.mark.parametrize("inertia", [INERTIA, None])
-@pytest.mark.parametrize(("seed", "noise"), [(0, 1e-4), (0, 1e-3), (1, 1e-3)])
+@pytest.mark.parametrize(
+    ("seed", "noise", "inertia"),
+    [
+        (0, 1e-4, INERTIA),
+        (1, 1e-3, None),
+        *(pytest.param(*case, marks=pytest.mark.long) for case in [(0, 1e-4, None), (0, 1e-3, INERTIA)]),
+        *(pytest.param(*case, marks=pytest.mark.long) for case in [(0, 1e-3, None), (1, 1e-3, INERTIA)]),
+    ],
+)
 def test_a_clean_drive_is_called_clean(seed: int, noise: float, inertia: float | None) -> None:
     """A velocity that is derived over several samples smears what the torque does; that is no stiff joint."""
     diagnosis = diagnose(stepped(seed, noise), "coulomb-viscous", inertia)

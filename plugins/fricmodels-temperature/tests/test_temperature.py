@@ -84,7 +84,7 @@ def test_free_exponent_is_the_same_law_at_that_exponent() -> None:
     assert 0.001 < max(differences) < 0.002
 
 
-@pytest.mark.parametrize("exponent", [1.0, 1.3, 1.36, 2.0])
+@pytest.mark.parametrize("exponent", [1.3, *(pytest.param(x, marks=pytest.mark.long) for x in (1.0, 1.36, 2.0))])
 def test_the_data_determine_the_exponent(exponent: float) -> None:
     """To far less than the 0.06 between the two that are in dispute, wherever it is."""
     free = Model(FreeExponent())

@@ -30,6 +30,38 @@ class TestExam(EstimatorExam):
 
     estimator = UnscentedKalman
 
+    # A filter that steps in Python takes long: shorter recordings are below, fewer in test_standard_errors_….
+    @pytest.mark.long
+    def test_coverage(self) -> None:
+        """Of forty recordings."""
+        super().test_coverage()
+
+    @pytest.mark.long
+    def test_terms_with_memory(self) -> None:
+        """Over the whole recording."""
+        super().test_terms_with_memory()
+
+    @pytest.mark.long
+    def test_failure_is_reported(self) -> None:
+        """Of whole recordings."""
+        super().test_failure_is_reported()
+
+
+class ShortExam(EstimatorExam):
+    """The exam on the first two cycles."""
+
+    estimator = UnscentedKalman
+
+    def recording(self, noise_percent: float = 0.0, seed: int = 0) -> Recording:
+        """Return 400 samples."""
+        return super().recording(noise_percent, seed).select(np.arange(400))
+
+
+@pytest.mark.parametrize("check", ["test_terms_with_memory", "test_failure_is_reported"])
+def test_exam_of_a_short_recording(check: str) -> None:
+    """The checks that take long, quickly."""
+    getattr(ShortExam(), check)()
+
 
 def paper(noise: float = 0.0, seed: int = 0, amplitude: float = 0.028, cycles: int = 10) -> Recording:
     """Return the paper's drive, 200 samples a cycle; ``noise`` in % of the RMS velocity."""
