@@ -13,6 +13,7 @@ from scipy.stats import f as fisher
 from fricmodels.weakform.regression import (
     FOLDS,
     Regression,
+    by_chance,
     compare,
     cosine_terms,
     long_run_sum,
@@ -225,3 +226,19 @@ def test_one_event_that_the_rest_predicts_is_a_gain() -> None:
         evidence = Regression(np.ones((1, 400)), target, 200).test(column[None])
         assert (evidence.gain_p_value < 0.1) is sure
         assert evidence.gain_p_value <= max(1.0 - evidence.gain, 0.0) or not sure
+
+
+@pytest.mark.parametrize("sizes", [[1.0], [1.0, 1.0], [0.9, 0.1], [0.5, 0.2, 0.1, 0.1, 0.05, 0.05], [1.0] * 8])
+def test_how_probable_it_is_that_few_events_are_predicted_by_chance(sizes: list[float]) -> None:
+    """Against random predictions, each from nothing to twice its event."""
+    weights = np.array(sizes) / np.sum(sizes)
+    off = np.random.default_rng(3).uniform(-1.0, 1.0, (400_000, len(weights)))
+    left = np.sqrt(off**2 @ weights)
+    for share in (0.1, 0.2, 0.4):
+        drawn = float(np.mean(left <= share))
+        bound = by_chance(np.array(sizes), share)
+        assert bound >= drawn - 3 * np.sqrt(drawn / len(left))
+        if share**2 <= weights.min():  # no event can be missed by more than all together leave: it is the probability
+            assert bound == pytest.approx(drawn, rel=0.05, abs=1e-5)
+    assert by_chance(np.array(sizes), 1.0) == pytest.approx(1.0)
+    assert by_chance(np.array([4.0, 0.0]), 0.3) == pytest.approx(0.3)

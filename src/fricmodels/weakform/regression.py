@@ -271,9 +271,8 @@ class Regression:
             p_value = float(fdtrc(q, freedom, max(statistic * freedom / (self.terms * q), 0.0)))
         loss = self.held_out(free) ** 2
         gain, gain_p = compare(without.loss, loss, self.terms)
-        # Where one event decides, the mean difference has no variance to be told by. A prediction of it, made from the
-        # rest, that is right to a share r has the probability r, were it any from nothing to twice the event.
-        gain_p = min(gain_p, 1.0 - gain)
+        # Where few events decide, the mean difference has no variance to be told by.
+        gain_p = min(gain_p, by_chance(np.add.reduceat(without.loss, self._edges[:-1]), 1.0 - gain))
         total = float(without.residual @ without.residual)
         return Evidence(
             theta / scale,
@@ -285,6 +284,30 @@ class Regression:
             loss,
             left,
         )
+
+
+def by_chance(events: Array, left: float) -> float:
+    r"""Return how probable it is at most that predictions of a few events leave no more than a share of their RMS.
+
+    Each event, of size :math:`\sqrt{b_k}`, is predicted from the others. Were its prediction any from nothing to twice
+    the event, independently, it would leave :math:`u_k \sqrt{b_k}` with u uniform between −1 and 1. That all together
+    leave the share r has, for any m of them, at most the probability of these m, the volume of an ellipsoid in a cube:
+
+    .. math:: P\Bigl(\sum_k w_k u_k^2 \le r^2\Bigr) \le \frac{\pi^{m/2}}{\Gamma(m/2 + 1)}
+              \prod_{k \le m} \frac{r}{2\sqrt{w_k}}, \qquad w_k = b_k / \sum_j b_j
+
+    The least over m, the largest first, is returned; for one event alone it is r.
+
+    Args:
+        events: sum of squares b of each.
+        left: r.
+    """
+    sizes = np.sort(events)[::-1]
+    total, least, product = float(np.sum(sizes)), 1.0, 1.0
+    for m, size in enumerate(sizes[sizes > 0.0].tolist(), 1):
+        product *= 0.5 * max(left, 0.0) / math.sqrt(size / total)
+        least = min(least, math.pi ** (m / 2) / math.gamma(m / 2 + 1) * product)
+    return least
 
 
 def cosine_terms(independent: float, rows: int) -> int:
