@@ -13,8 +13,9 @@ from tests.conftest import Made
 from fricmodels.diagnosis import examine, refits
 from fricmodels.diagnosis.candidate_tests import candidate_tests
 from fricmodels.diagnosis.comparison import Comparison, compare, with_effect
+from fricmodels.diagnosis.floor import beyond_sampling_percent
 from fricmodels.diagnosis.policy import POLICY
-from fricmodels.diagnosis.refit_check import _falls_far, _led_by_fit, _share_in_rows, refit_check
+from fricmodels.diagnosis.refit_check import _falls_far, _helps, _led_by_fit, _share_in_rows, refit_check
 from fricmodels.diagnosis.refits import Refits
 from fricmodels.diagnosis.verdict import LookAlikes, passing_all_gates, select_effect, significant, torque_share
 from fricmodels.effects.presliding import Presliding
@@ -88,15 +89,26 @@ def test_nothing_is_named_on_the_same_motion_of_a_stiff_contact(stiff: Compariso
     assert refit_check(Refits(stiff, POLICY), result, (), None) is None
 
 
-@pytest.mark.parametrize(("beyond", "named"), [(0.99, False), (1.01, True)])
-def test_where_sampling_may_leave_the_error_nothing_is_named(
-    bent: Comparison, beyond: float, named: bool, monkeypatch: pytest.MonkeyPatch
+@pytest.mark.parametrize("rises", [False, True])
+def test_an_effect_that_only_does_what_sampling_hides_is_not_named(
+    bent: Comparison, rises: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(
-        "fricmodels.diagnosis.refit_check.beyond_sampling_percent", lambda _: beyond * POLICY.refit_fall
-    )
+    """What sampling does not hide rises with it; here it is said to, or said to fall."""
+
+    def beyond(comparison: Comparison) -> float:
+        return 1.0 if (comparison.drive.model.effects != ()) is rises else 0.5
+
+    monkeypatch.setattr("fricmodels.diagnosis.refit_check.beyond_sampling_percent", beyond)
     result = candidate_tests(replace(bent.problem), bent.estimate.parameters, only=["presliding"])
-    assert (refit_check(Refits(bent, POLICY), result, (), None) is not None) is named
+    assert (refit_check(Refits(bent, POLICY), result, (), None) is None) is rises
+    assert _helps(Refits(bent, POLICY), result.tested[0], POLICY) is not rises
+
+
+def test_what_sampling_does_not_hide_falls_with_a_contact_that_bends(bent: Comparison) -> None:
+    result = candidate_tests(replace(bent.problem), bent.estimate.parameters, only=["presliding"])
+    fitted = Refits(bent, POLICY).with_effect(result.tested[0])
+    assert fitted is not None
+    assert beyond_sampling_percent(fitted) < beyond_sampling_percent(bent)
 
 
 def test_without_it_no_other_one_takes_its_place(bent: Comparison) -> None:

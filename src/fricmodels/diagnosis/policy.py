@@ -310,7 +310,7 @@ class Policy(Rules):
         1.5,
         "% of the RMS torque",
         "An effect found over all motion, or too small in the rows, must lower the error by this (root of a difference "
-        "of squares); all motion is looked at only where more than this is left that sampling does not hide.",
+        "of squares).",
         "Found on our rig: on 400 drives with nothing hidden none that passes lowers it by more than 0.8. Of 550 rough "
         "drives with nothing hidden none gets a name that is too small in the rows.",
         off=0.0,

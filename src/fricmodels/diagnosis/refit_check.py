@@ -94,6 +94,7 @@ def _helps(refits: Refits, tested: CandidateTest, policy: Policy) -> bool:
     if fitted is None:
         return False
     falls = fitted.sliding.held_out_percent < comparison.sliding.held_out_percent
+    falls = falls and _falls_beyond_sampling(comparison, fitted)
     part = 1 - policy.refit_gain if is_above_noise(comparison, policy) else 1.0
     return falls and _error(fitted) < part * _error(comparison)
 
@@ -101,8 +102,7 @@ def _helps(refits: Refits, tested: CandidateTest, policy: Policy) -> bool:
 def _on_all_motion(refits: Refits, leave_out: set[str], bound: float, policy: Policy) -> LookAlikes | None:
     """Return the effect with memory that explains all motion and leaves less than a bound [% of the RMS torque]."""
     comparison = refits.comparison
-    # A contact that closes within a sample, with a damping, is a reversal at another instant: sampling hides that.
-    if beyond_sampling_percent(comparison) < policy.refit_fall:
+    if _error(comparison) < policy.refit_fall:
         return None
     effects, parameters = plugins.load().effects, comparison.estimate.parameters
     with_memory = [name for name in effects if effects[name].states]
@@ -134,7 +134,8 @@ def _best(
         # What rings faster than the window of the decisions shows in single samples, as far as these are no noise.
         heard = max(after, policy.noise_known_to * refits.comparison.errors.bands[0].noise_floor_percent)
         rings = error <= policy.window_may_rise * before and _falls_far(samples, heard, policy)
-        if rings or (error <= bound and _falls_far(before, error, policy)):
+        falls = rings or (error <= bound and _falls_far(before, error, policy))
+        if falls and _falls_beyond_sampling(refits.comparison, refits.with_effect(first)):
             break
     else:
         return None
@@ -150,6 +151,13 @@ def _best(
 def _falls_far(before: float, after: float, policy: Policy) -> bool:
     """Whether an error [% of the RMS torque] falls by more than it does where nothing is hidden."""
     return after <= policy.refit_share * before and before**2 - after**2 > policy.refit_fall**2
+
+
+def _falls_beyond_sampling(without: Comparison, fitted: Comparison | None) -> bool:
+    """Whether a model with an effect more leaves less of what sampling does not hide."""
+    if fitted is None:
+        return False
+    return beyond_sampling_percent(fitted) < beyond_sampling_percent(without)
 
 
 def _share_in_rows(problem: WeakFormProblem, tested: CandidateTest) -> float:
