@@ -27,7 +27,7 @@ def dask() -> Iterator[Any]:
         yield running
 
 
-def config(folder: Path, seeds: int = 3) -> Config:
+def config(folder: Path, seeds: int = 6) -> Config:
     """Return a tournament of a rig's or simulation's recordings, and of one file by a path that is good only here."""
     time_s = 0.004 * np.arange(1500)
     velocity = 3.0 * np.sin(2.1 * time_s) + 1.5 * np.sin(5.3 * time_s)

@@ -28,7 +28,7 @@ named, rest unknown; only such a cause: a wrong name."""
 
 RECORDS: Mapping[str, Record] = {
     "missing-effect": Record(
-        "Where the truth was known, the right effect did not come first on 2 of 154 drives with one hidden effect "
+        "Where the truth was known, the right effect was not first on 2 of 154 drives with one hidden effect "
         "(docs/hidden_effects.md), and 10 of 187 names were wrong with several on rough drives (docs/rough_drives.md); "
         "where the true effect was not on the list, a name was given on 16 of 154 and 11 of 167.",
         {
