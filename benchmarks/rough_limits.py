@@ -19,7 +19,6 @@ from __future__ import annotations
 import argparse
 import json
 import sys
-import zlib
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -34,9 +33,8 @@ from fricmodels.diagnosis.candidate_tests import CandidateTests, candidate_tests
 from fricmodels.diagnosis.policy import POLICY
 from fricmodels.diagnosis.verdict import outside
 from fricmodels.errors import FricmodelsError
-from rough.effects import without
 from rough.record import Case, record
-from rough.trials import BASE, drawn, hidden
+from rough.trials import BASE, case_of, cleared
 
 OVER_PLACE, OF_TORQUE = (STRETCH, STRETCH_ALONG), ("motor torque", "motor torque, along the motion")
 CHANNELS = {
@@ -68,16 +66,14 @@ def rows(paths: list[str]) -> Iterator[Row]:
                 if trial["kind"] == "beside":
                     yield {**row, "unlisted": trial["unlisted"][0], "outside": share_outside(trial, effect)}
                 else:
-                    clean = tested_alone(case_of(trial), effect)
+                    clean = tested_alone(drive_of(trial), effect)
                     yield {**row, "p": clean.tested[0].p_value if clean and clean.tested else None}
 
 
-def case_of(trial: Row) -> Case:
-    """Return the drive of a trial, drawn anew."""
-    kind, name, index, seed = trial["kind"], trial["name"], trial["index"], int(trial["key"].rsplit(":", 1)[1])
-    rng = np.random.default_rng([seed, zlib.crc32(f"{kind}:{name}".encode()), index])
-    listed, unlisted = hidden(rng, kind, name)
-    return drawn(rng, listed, unlisted, delayed=kind == "beside")
+def drive_of(trial: Row) -> Case:
+    """Return the drive of a stored trial, drawn anew."""
+    seed = int(trial["key"].rsplit(":", 1)[1])
+    return case_of(trial["kind"], trial["name"], trial["index"], seed)[0]
 
 
 def tested_alone(case: Case, effect: str) -> CandidateTests | None:
@@ -94,8 +90,8 @@ def share_outside(trial: Row, effect: str) -> float | None:
 
     The least of the sets of functions counts.
     """
-    case, unlisted = case_of(trial), trial["unlisted"]
-    tested = tested_alone(Case(case.drive, without(case.changes, frozenset(unlisted)), case.motion, case.seed), effect)
+    unlisted = trial["unlisted"]
+    tested = tested_alone(cleared(drive_of(trial), unlisted), effect)
     if tested is None or not tested.tested:
         return None
     found, problem = tested.tested[0], tested.problem

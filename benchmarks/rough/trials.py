@@ -43,15 +43,20 @@ DRAWS = 60
 
 def trial(kind: str, name: str, index: int, seed: int) -> Row:
     """Run one trial; deterministic by its arguments."""
-    rng = np.random.default_rng([seed, zlib.crc32(f"{kind}:{name}".encode()), index])
     began, used = time.perf_counter(), time.process_time()
-    listed, unlisted = hidden(rng, kind, name)
-    case = drawn(rng, listed, unlisted, delayed=kind in ("several", "beside"))
+    case, listed, unlisted = case_of(kind, name, index, seed)
     try:
         row = {"status": "ok", **examined(case, frozenset(listed), frozenset(unlisted))}
     except FricmodelsError as refused:
         row = {"status": "refused", "message": str(refused)}
     return {**described(case), **row, "seconds": time.perf_counter() - began, "cpu": time.process_time() - used}
+
+
+def case_of(kind: str, name: str, index: int, seed: int) -> tuple[Case, list[str], list[str]]:
+    """Return the drive of a trial, and the names of what is hidden in it, listed and unlisted."""
+    rng = np.random.default_rng([seed, zlib.crc32(f"{kind}:{name}".encode()), index])
+    listed, unlisted = hidden(rng, kind, name)
+    return drawn(rng, listed, unlisted, delayed=kind in ("several", "beside")), listed, unlisted
 
 
 def hidden(rng: np.random.Generator, kind: str, name: str) -> tuple[list[str], list[str]]:
@@ -115,6 +120,11 @@ def other(case: Case) -> Case:
     return replace(case, motion=case.drive.other_motion, seed=case.seed + 1)
 
 
+def cleared(case: Case, names: Iterable[str]) -> Case:
+    """Return the same drive in the same motion without some of what is hidden."""
+    return replace(case, changes=without(case.changes, frozenset(names)))
+
+
 def runs_well(case: Case) -> bool:
     """Whether the drive follows roughly, and moves in both directions."""
     speed = np.concatenate([course.velocity for _, _, course in simulated(case)])
@@ -173,8 +183,7 @@ def examined(case: Case, listed: frozenset[str], unlisted: frozenset[str]) -> Ro
     if listed:
         row |= truth(first, listed, case)
     if unlisted:
-        twin = Case(case.drive, without(case.changes, unlisted), case.motion, case.seed)
-        clean = compared(record(twin), BASE, case.inertia)
+        clean = compared(record(cleared(case, unlisted)), BASE, case.inertia)
         row["clean_percent"] = error(true_model(clean, listed) if listed else clean)
     return row
 

@@ -89,14 +89,16 @@ def _parameters(tested: CandidateTest) -> int:
 
 
 def _helps(refits: Refits, tested: CandidateTest, policy: Policy) -> bool:
-    """Whether an effect lowers the test error, and the error by a fair part where it is far above noise."""
+    """Whether an effect lowers the test error and what sampling does not hide.
+
+    Where the error is far above noise it must fall by a fair part.
+    """
     comparison, fitted = refits.comparison, refits.with_effect(tested)
     if fitted is None:
         return False
-    falls = fitted.sliding.held_out_percent < comparison.sliding.held_out_percent
-    falls = falls and _falls_beyond_sampling(comparison, fitted)
     part = 1 - policy.refit_gain if is_above_noise(comparison, policy) else 1.0
-    return falls and _error(fitted) < part * _error(comparison)
+    on_test_data = fitted.sliding.held_out_percent < comparison.sliding.held_out_percent
+    return on_test_data and _error(fitted) < part * _error(comparison) and _falls_beyond_sampling(comparison, fitted)
 
 
 def _on_all_motion(refits: Refits, leave_out: set[str], bound: float, policy: Policy) -> LookAlikes | None:
