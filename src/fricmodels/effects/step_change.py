@@ -25,7 +25,7 @@ class StepChange(Effect):
     t_0 = Parameter(
         "t_0",
         unit="s",
-        meaning="instant of the jump",
+        meaning="instant of the jump, after the first sample",
         instant=True,
         scan=tuple(round(0.05 * i, 2) for i in range(1, 20)),
     )

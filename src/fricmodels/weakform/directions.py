@@ -28,13 +28,15 @@ def base_directions(problem: WeakFormProblem, parameters: Mapping[str, float]) -
     """
     drive = problem.drive
     pairs = list(zip(drive.model.parameters, drive.model.linear, strict=True))
-    nonlinear = [parameters[p.key] for p, linear in pairs if not linear]
+    chosen = [p for p, linear in pairs if not linear]
+    nonlinear = [parameters[p.key] for p in chosen]
     theta = np.array([parameters[p.key] for p, linear in pairs if linear])
     columns, offset = problem.columns(drive, nonlinear)
     whole = float(np.abs(theta) @ np.linalg.norm(columns, axis=1) + np.linalg.norm(offset))
     stacked = [columns]
     for i, value in enumerate(nonlinear):
-        step = _STEP * abs(value) or 1e-6
+        # An instant is a stair with a step at each sample, and what the clock says no size.
+        step = problem.recording.interval if chosen[i].declared.instant else _STEP * abs(value) or 1e-6
         ends = []
         for moved in (value - step, value + step):
             design, offset = problem.columns(drive, [*nonlinear[:i], moved, *nonlinear[i + 1 :]])

@@ -13,7 +13,7 @@ from fricmodels.dimension import FORCE, INERTIA
 from fricmodels.drive import Drive, DriveParameter
 from fricmodels.errors import InputError, suggestion
 from fricmodels.recording import Recording
-from fricmodels.weakform.ranges import natural_size, scan_values, within_motion
+from fricmodels.weakform.ranges import natural_size, scan_size, scan_values, within_motion
 
 Array = NDArray[np.float64]
 
@@ -151,10 +151,11 @@ def nonlinear_search(drive: Drive, recording: Recording, plan: Plan = Plan()) ->
         first = plan.held.get(p.key, plan.start.get(p.key))
         scan = (first,) if first is not None else tuple(scan_values(recording, p.declared))
         starts.append(scan or (p.declared.initial,))
-        ratio = not (p.declared.periodic or p.declared.place) and p.declared.lower >= 0.0 and min(starts[-1]) > 0.0
+        signed = p.declared.periodic or p.declared.place or p.declared.instant  # of an instant the clock says nothing
+        ratio = not signed and p.declared.lower >= 0.0 and min(starts[-1]) > 0.0
         logarithmic.append(ratio)
         span = natural_size(recording, p.dimension**-1) if p.declared.periodic else 0.0
-        reach.append(LARGEST_RATIO if ratio else np.pi / span if span > 0.0 else np.inf)
+        reach.append(LARGEST_RATIO if ratio else np.pi / span if span > 0.0 else _between_instants(recording, p))
         # A wave of which less than a period is passed is any slow shape, and stands for the Coulomb friction as well.
         lower.append(max(p.declared.lower, 2 * reach[-1]) if span > 0.0 else within.lower)
         upper.append(within.upper)
@@ -166,6 +167,11 @@ def nonlinear_search(drive: Drive, recording: Recording, plan: Plan = Plan()) ->
         np.array(reach, dtype=float),
         np.array([p.key in plan.held or p.declared.constant for p in chosen], dtype=bool),
     )
+
+
+def _between_instants(recording: Recording, p: DriveParameter) -> float:
+    """Return the spacing [s] of the instants that are tried first; infinite for a parameter of another kind."""
+    return scan_size(recording, p.declared) / (len(p.declared.scan) + 1) if p.declared.instant else np.inf
 
 
 def check_start(drive: Drive, start: Mapping[str, float]) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from functools import cache, cached_property
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
@@ -15,24 +15,16 @@ from fricmodels.recording import Recording
 from fricmodels.signals.rest import once
 from fricmodels.weakform.equations import projection
 from fricmodels.weakform.inference import at_least, covariance
+from fricmodels.weakform.instants import instant_error
 from fricmodels.weakform.least_squares import NormalEquations
-from fricmodels.weakform.nonlinear import Nonlinear, Plan
-from fricmodels.weakform.optimise import coordinate_search, multistart_nelder_mead
+from fricmodels.weakform.nonlinear import Plan
 from fricmodels.weakform.problem import WeakFormProblem
 from fricmodels.weakform.regression import cosine_terms
-from fricmodels.weakform.search import in_gap
 from fricmodels.weakform.staircase import scatter_of_steps
-from fricmodels.weakform.variable_projection import THINNED, Projection, Solution, ranked
+from fricmodels.weakform.stepwise import by_steps, to_the_end
+from fricmodels.weakform.variable_projection import THINNED, Solution, ranked
 
 Array = NDArray[np.float64]
-
-_NEARLY, _STARTED, _SCANNED = 1.05, 1.3, 2.0
-"""First step of a nonlinear parameter, as a ratio: of one that is nearly known, has a start, or comes from a scan."""
-_CLOSE = 0.25
-"""First step of a wave number that is nearly known, in resolutions; else it is one."""
-_ROUNDS, _FEWER_ROUNDS = 5, 3
-"""Rounds of a search by steps before Gauss–Newton goes on, and of one for what is nearly known."""
-
 
 _NEARLY_ALL, _MUCH_MORE = 0.9, 2.0
 """Share of the rows that two sets have in common, to tell which start leaves least of either, and how many times as
@@ -153,12 +145,37 @@ class Solved:
     @property
     def _held(self) -> set[int]:
         keys = self.problem.drive.keys
-        return {int(self.places[keys.index(key)]) for key in self.plan.held} | self._constant
+        parameters = self.problem.drive.parameters
+        fixed = {int(self.places[i]) for i, p in enumerate(parameters) if p.declared.constant or p.declared.instant}
+        return {int(self.places[keys.index(key)]) for key in self.plan.held} | fixed
+
+    @cached_property
+    def _instants(self) -> dict[int, float]:
+        """Place among the drive's parameters → standard error [s] of each instant that is not held."""
+        drive, linear = self.problem.drive, len(self.solution.theta)
+        if not any(p.declared.instant for p in drive.parameters):
+            return {}
+        least_squares, _ = projection(self.problem, self.plan, timing=self.timing)
+        errors, alpha = {}, self.solution.alpha
+
+        def cost(own: int, instant: float) -> float:
+            return least_squares.cost(np.where(np.arange(len(alpha)) == own, instant, alpha))
+
+        for i, p in enumerate(drive.parameters):
+            if p.declared.instant and p.key not in self.plan.held:
+                own = int(self.places[i]) - linear
+                error = instant_error(self.problem.recording, partial(cost, own), float(alpha[own]), self._certain)
+                errors[i] = error
+        return errors
 
     @property
-    def _constant(self) -> set[int]:
-        parameters = self.problem.drive.parameters
-        return {int(self.places[i]) for i, p in enumerate(parameters) if p.declared.constant}
+    def _certain(self) -> float:
+        """Independent equations less the parameters, over by how much variances exceed those of independent errors."""
+        solution, independent = self.solution, self.problem.independent
+        free, normal = self._free
+        own, plain = np.diag(self._spread)[free], np.diag(normal.inverse) * solution.cost / independent
+        exceed = np.divide(own, plain, out=np.ones(len(free)), where=plain > 0.0)
+        return max(independent - len(solution.jacobian), 1.0) / max(1.0, float(np.max(exceed, initial=1.0)))
 
     @property
     def undetermined(self) -> Array:
@@ -166,7 +183,8 @@ class Solved:
         free, normal = self._free
         found = np.zeros((len(self.solution.jacobian), normal.null.shape[1]))
         found[free] = normal.null
-        return found[self.places]
+        loose = np.eye(len(self.values))[:, [i for i, error in self._instants.items() if error == math.inf]]
+        return np.hstack([found[self.places], loose])
 
     @cached_property
     def covariance(self) -> Array:
@@ -178,6 +196,8 @@ class Solved:
         for other, weight in self.others:
             apart = self.values - other.values
             result += weight * (other._spread[np.ix_(other.places, other.places)] + np.outer(apart, apart))
+        for i, error in self._instants.items():
+            result[i, i] += error**2 if error < math.inf else 0.0
         return result
 
     @property
@@ -318,11 +338,8 @@ def solve(problem: WeakFormProblem, plan: Plan, *, timing: bool = True) -> Solve
         timing: whether reversals, and torque against motion, may be shifted by part of a sample.
     """
     least_squares, search = projection(problem, plan, timing=timing)
-    instants = np.array([p.declared.instant for p in problem.drive.parameters if not p.linear], dtype=bool)
-    if problem.drive.model.states or instants.any():
-        near = least_squares.at(_searched(problem, least_squares, search, plan))
-        solution = least_squares.descend(near, replace(search, held=search.held | instants))
-        solution = replace(solution, settled=solution.settled and not instants.any())
+    if problem.drive.model.states or any(p.declared.instant for p in problem.drive.parameters):
+        solution = to_the_end(problem, least_squares, search, by_steps(problem, least_squares, search, plan))
     else:
         solution = least_squares.solve(search)
     return Solved(problem, plan, solution, timing)
@@ -350,42 +367,3 @@ def begins_where(problem: WeakFormProblem, plan: Plan, found: Solved) -> bool:
             return bool(np.array_equal(scan.points[best], start))
     least_squares, search = projection(problem, plan, timing=found.timing)
     return bool(np.array_equal(least_squares.best_start(search), start))
-
-
-def _searched(problem: WeakFormProblem, least_squares: Projection, search: Nonlinear, plan: Plan) -> Array:
-    """Return the nonlinear parameters by steps in each: the error of a contact or of a jump in time is not smooth.
-
-    The last steps are about a hundredth of a parameter, which may be many standard errors.
-    """
-    chosen = [p for p in problem.drive.parameters if not p.linear]
-    points = [search.clip(point) for point in search.combinations()]
-    begin = min(points, key=least_squares.cost) if len(points) > 1 else points[0]
-    bounds = list(zip(search.lower.tolist(), search.upper.tolist(), strict=True))
-    started = _NEARLY if plan.nearly else _STARTED
-    spacing = [
-        1.0
-        if held
-        else -(_CLOSE if plan.nearly else 1.0) * reach
-        if p.declared.periodic
-        else (started if p.key in plan.start else _SCANNED)
-        for p, held, reach in zip(chosen, search.held, search.reach.tolist(), strict=True)
-    ]
-
-    @cache
-    def value(point: tuple[float, ...]) -> float:
-        return -least_squares.cost_beside(np.array(point))
-
-    start = tuple(begin.tolist())
-    if len(points) > 1 and len(chosen) > 2:  # many summits: from several of the values that are tried first
-        hopeful = sorted((tuple(point.tolist()) for point in points), key=value, reverse=True)
-        scanned = all(values[0] > 0.0 for values in search.starts)
-        start = multistart_nelder_mead(value, hopeful, bounds, spacing, patience=1) if scanned else start
-    rounds = _FEWER_ROUNDS if plan.nearly else _ROUNDS
-    best = coordinate_search(value, start, bounds, spacing, rounds)
-    time, resolution = np.sort(problem.recording.time), problem.bumps.width * problem.recording.interval
-    return np.array(
-        [
-            in_gap(value, time, resolution) if p.declared.instant else value
-            for p, value in zip(chosen, best, strict=True)
-        ]
-    )
