@@ -12,6 +12,8 @@ from hypothesis import strategies as st
 from fricmodels.dimension import Motion
 from fricmodels.errors import InputError
 from fricmodels.logcheck import Severity, checked, findings
+from fricmodels.logcheck.balance import balances, best
+from fricmodels.logcheck.view import Log
 from fricmodels.recording import Recording
 from fricmodels.rig import Rig, random_rig
 from fricmodels.signals.wrapping import find_wrap, unwrap
@@ -99,6 +101,15 @@ SPOILT = {
     "one way": (changed(velocity=CLEAN.velocity + 12.0, position=CLEAN["position"] + 12.0 * CLEAN.time),
                 "little-motion", WARN),
 }  # fmt: skip
+
+
+def test_a_viscous_part_that_a_coulomb_part_cancels_is_no_voltage():
+    """A fit may give both large values of opposite signs: the velocity alone explains little of the torque."""
+    spoilt = changed(torque=CLEAN.torque + 0.6 * CLEAN.velocity - 1.9 * np.sign(CLEAN.velocity))
+    found = best(balances(Log(spoilt)))
+    assert found is not None
+    assert found.share("K_v") ** 2 > 0.75 > 0.5 > found.explained_alone("K_v")
+    assert "not-a-torque" not in kinds(spoilt, INERTIA)
 
 
 def test_a_good_recording_is_accused_of_nothing():

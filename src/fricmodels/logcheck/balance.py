@@ -90,6 +90,12 @@ class Balance:
         j, spread = self.names.index(name), float(np.std(self.target))
         return abs(float(self._solved[0][j])) * float(np.std(self.columns[:, j])) / spread if spread > 0 else 0.0
 
+    def explained_alone(self, name: str) -> float:
+        """Return the share of the torque's variance that one column explains without the others."""
+        target, own = (x - np.mean(x) for x in (self.target, self.columns[:, self.names.index(name)]))
+        whole = float(target @ target) * float(own @ own)
+        return float(target @ own) ** 2 / whole if whole > 0.0 else 0.0
+
     def ratio(self, weights: dict[str, float]) -> float:
         """Return a weighted sum of coefficients over its standard error."""
         w = np.array([weights.get(name, 0.0) for name in self.names])

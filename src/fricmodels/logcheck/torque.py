@@ -95,15 +95,17 @@ def inertia(log: Log, found: Balance, given: float | None) -> Iterator[Finding]:
 def voltage(log: Log, found: Balance) -> Iterator[Finding]:
     r"""Judge whether what is taken for a torque may be a voltage: the back-EMF makes it go with the velocity.
 
-    Said where :math:`K_v\omega` makes three quarters of the torque's variance and is certainly positive. A drive
-    whose friction is nearly all viscous looks the same, so that this is no more than a question.
+    Said where :math:`K_v\omega` makes three quarters of the torque's variance, both beside the other terms and without
+    them, and is certainly positive: beside a Coulomb torque it may be large only because the two cancel. A drive whose
+    friction is nearly all viscous looks the same, so that this is no more than a question.
     """
-    if found.share("K_v") ** 2 > _VOLTAGE and certain(found.ratio({"K_v": 1.0}), CLUSTERS):
+    share = min(found.share("K_v") ** 2, found.explained_alone("K_v"))
+    if share > _VOLTAGE and certain(found.ratio({"K_v": 1.0}), CLUSTERS):
         yield Finding(
             "not-a-torque",
             Severity.WARN,
             "torque",
-            f"{100 * min(found.share('K_v') ** 2, 1.0):.0f} % of the variance of the {log.called('torque')} goes with "
+            f"{100 * share:.0f} % of the variance of the {log.called('torque')} goes with "
             f"the velocity alone, as a voltage does by its back-EMF",
             "if it is one, give the current or the torque instead",
         )
