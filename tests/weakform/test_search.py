@@ -376,3 +376,23 @@ def test_friction_that_lags_is_doubtful_at_the_end_of_its_delay_only(made: Made,
     nonlinear = [bounded["omega_s"], bounded["T"]]
     point = tuple(getattr(p, end) if p.symbol == symbol else math.sqrt(p.lower * p.upper) for p in nonlinear)
     assert is_at_an_end(nonlinear, point, [3.0, 2.0]) is (symbol == "T")
+
+
+@pytest.mark.parametrize("instant", [31.0, 37.0, 45.0])
+def test_a_jump_is_found_where_strokes_are_long_and_the_drive_rests(instant: float) -> None:
+    """The first stroke is longer than the spacing of the instants that are tried; in a rest all explain the same."""
+    rng = np.random.default_rng(4)
+    time = 0.01 * np.arange(6000)
+    turn = np.mod(time, 14.0)
+    rests = ((turn > 6.0) & (turn < 7.0)) | (turn > 13.0)
+    velocity = np.where(rests, 0.0, np.where(turn < 7.0, 1.0, -1.0) * np.sin(np.pi * np.mod(turn, 7.0) / 6.0) ** 2)
+    friction = (1.0 + 0.4 * (time >= instant)) * np.sign(velocity) + 0.3 * velocity
+    channels = {
+        "time": time,
+        "torque": 2.0 * np.gradient(velocity, time) + friction + 0.02 * rng.standard_normal(6000),
+        "velocity": velocity + 1e-3 * rng.standard_normal(6000),
+        "position": np.cumsum(velocity) * 0.01,
+    }
+    found = examined(Recording("few", Motion.ROTARY, channels, np.zeros(6000, dtype=np.int64)), "step-change")
+    assert found.parameters["t_0"] == pytest.approx(instant, abs=0.15)
+    assert found.parameters["c"] == pytest.approx(0.4, abs=0.03)

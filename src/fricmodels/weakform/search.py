@@ -40,8 +40,8 @@ _HARMONIC = 0.2
 """A wave of half the wave number must explain a fifth of all more; other waves make it explain a little more."""
 _AT_END = 1e-3
 """Within a thousandth of a bound a parameter is at its end."""
-_FINER = 16
-"""Parts of the spacing of instants that are tried next to the best of them."""
+_FINER, _AS_HIGH = 16, 0.75
+"""Parts of the spacing of instants that are tried next to the best of them, and next to others that explain as much."""
 _SIGNED = 0.2
 """Spacing of a parameter of either sign of which only one value is tried first."""
 
@@ -72,7 +72,8 @@ def search(
     value = cache(lambda point: candidate.explained(point) if _is_sought(problem, nonlinear, point) else 0.0)
     starts = sorted(points, key=value, reverse=True)
     if any(p.instant for p in nonlinear):
-        closer = _closer(starts[0], nonlinear, spacing)
+        high = [start for start in starts if value(start) >= _AS_HIGH * value(starts[0])]
+        closer = _closer(high, nonlinear, spacing)
         starts = sorted(dict.fromkeys([*starts, *closer]), key=value, reverse=True)
     if value(starts[0]) <= 0:
         return candidate.found(starts[0], trials) if candidate.is_visible(starts[0]) else None
@@ -106,17 +107,22 @@ def _summit(
     return refine(value, best, bounds, spacing) if value(best) >= _UNLIKELY * worth else best
 
 
-def _closer(point: Point, nonlinear: Sequence[Parameter], spacing: Sequence[float]) -> Iterator[Point]:
-    """Yield the points between the neighbours of a point that a parameter is an instant of.
+def _closer(points: Sequence[Point], nonlinear: Sequence[Parameter], spacing: Sequence[float]) -> Iterator[Point]:
+    """Yield the points between each of some points and its neighbours that a parameter is an instant of.
 
     What is explained falls off within the strokes next to the true instant, and is the same all the time that a drive
-    rests: a step uphill from afar sees neither.
+    rests: a step uphill from afar sees neither, and the best of the first points may stand where the drive rests.
     """
     for i, (parameter, step) in enumerate(zip(nonlinear, spacing, strict=True)):
-        if parameter.instant:
-            begin, end = point[i] - abs(step), point[i] + abs(step)
-            inside = np.linspace(max(begin, parameter.lower), min(end, parameter.upper), 2 * _FINER + 1)
-            yield from ((*point[:i], float(instant), *point[i + 1 :]) for instant in inside)
+        if not parameter.instant:
+            continue
+        found: dict[tuple[Point, int, Point], Point] = {}
+        for point in points:
+            before, after = point[:i], point[i + 1 :]
+            for part in range(-_FINER, _FINER + 1):
+                instant = min(max(point[i] + part / _FINER * abs(step), parameter.lower), parameter.upper)
+                found.setdefault((before, round(instant / abs(step) * _FINER), after), (*before, instant, *after))
+        yield from found.values()
 
 
 def _fundamental(
@@ -219,10 +225,11 @@ def starting_points(
         scan = list(dict.fromkeys(min(max(value, parameter.lower), parameter.upper) for value in tried))
         choices.append(scan)
         trials *= len(scan)
-        if parameter.lower < 0 or parameter.instant or parameter.place or scan[0] <= 0:
-            spacing.append(-(scan[1] - scan[0]) if len(scan) > 1 else -_SIGNED * size)
+        apart = tried[1] - tried[0] if len(tried) > 1 else _SIGNED * size  # two that a bound joins are not so near
+        if parameter.lower < 0 or parameter.instant or parameter.place or min(scan[0], tried[0]) <= 0:
+            spacing.append(-apart)
         else:
-            spacing.append(scan[1] / scan[0] if len(scan) > 1 else 2.0)
+            spacing.append(1.0 + apart / tried[0] if len(tried) > 1 else 2.0)
     for i in _idle(problem, alone, choices):
         trials /= len(choices[i])
         choices[i], spacing[i] = choices[i][:1], 1.0
