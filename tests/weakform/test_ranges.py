@@ -19,7 +19,7 @@ from fricmodels.recording import Recording
 from fricmodels.weakform.candidate import within_recording
 from fricmodels.weakform.estimate import estimate
 from fricmodels.weakform.prepared import ready
-from fricmodels.weakform.ranges import angular_frequency, turning, within_motion
+from fricmodels.weakform.ranges import slow_angular_frequency, turning, within_motion
 
 
 def swinging(frequency: float, noise: float = 0.0) -> Recording:
@@ -33,7 +33,7 @@ def swinging(frequency: float, noise: float = 0.0) -> Recording:
 @pytest.mark.parametrize("frequency", [0.3, 1.0, 4.0])
 @pytest.mark.parametrize("noise", [0.0, 0.05])
 def test_the_frequency_of_one_sine_is_its_own(frequency: float, noise: float) -> None:
-    assert angular_frequency(swinging(frequency, noise)) == pytest.approx(2 * np.pi * frequency, rel=0.1)
+    assert slow_angular_frequency(swinging(frequency, noise)) == pytest.approx(2 * np.pi * frequency, rel=0.1)
 
 
 def test_a_resonance_lies_above_the_motion() -> None:
@@ -45,10 +45,20 @@ def test_a_resonance_lies_above_the_motion() -> None:
     assert within_motion(swinging(2.0), JointCompliance.zeta) == JointCompliance.zeta
 
 
+def test_a_sweep_may_pass_a_resonance() -> None:
+    """Its slow part tells that the link follows; how fast it becomes later says nothing of the link."""
+    still = swinging(1.0)
+    phase = 2 * np.pi * (0.3 * still.time + 0.5 * 0.6 * still.time**2)  # up to 12.3 Hz
+    sweep = replace(still, channels={**still.channels, "velocity": np.sin(phase)})
+    tenth = 2 * np.pi * (0.3 + 0.1 * 12.0)
+    assert slow_angular_frequency(sweep) == pytest.approx(tenth, rel=0.25)
+    assert within_motion(sweep, JointCompliance.omega_n).lower < 2 * np.pi * 4.0
+
+
 def test_a_drive_that_does_not_turn_back_sets_no_lower_bound() -> None:
     still = swinging(1.0)
     forward = replace(still, channels={**still.channels, "velocity": 2.0 + still.velocity})
-    assert angular_frequency(forward) == 0.0
+    assert slow_angular_frequency(forward) == 0.0
     assert within_motion(forward, JointCompliance.omega_n).lower == JointCompliance.omega_n.lower
 
 

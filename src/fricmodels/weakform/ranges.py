@@ -24,6 +24,8 @@ there too, tell little of a friction."""
 _FOLLOWS = 2.0**0.5
 """Least ratio r of a part's natural frequency to that of the motion. Undamped, the part swings r²/(r² − 1) times as far
 as the drive: twice as far at √2."""
+_SLOW = 0.1
+"""Share of its motion in which a drive is so slow that a part follows it: a sweep may pass the resonance after that."""
 _RECORD = 20_000
 """Samples of a record in which a time of the drive's own is counted."""
 
@@ -85,7 +87,7 @@ def within_motion(recording: Recording, parameter: Parameter) -> Parameter:
         lower = min(max(lower, 0.5 * _SHORTEST * recording.interval * turning(recording)), upper)
     elif parameter.resonance:
         upper = min(upper, np.pi / recording.interval)
-        lower = max(lower, _FOLLOWS * angular_frequency(recording))
+        lower = max(lower, _FOLLOWS * slow_angular_frequency(recording))
     elif parameter.place and "position" in recording:
         position = recording["position"]
         lower, upper = max(lower, float(position.min())), min(upper, float(position.max()))
@@ -112,16 +114,20 @@ def turning(recording: Recording) -> float:
 
 
 @once
-def angular_frequency(recording: Recording) -> float:
-    """Return the angular frequency at which the drive goes back and forth [rad/s]: π times its reversals a second.
+def slow_angular_frequency(recording: Recording) -> float:
+    """Return the angular frequency below which the drive goes back and forth for a tenth of its motion [rad/s].
 
-    Of white noise in a band it is that of the motion's power (S. O. Rice, Bell Syst. Tech. J. 24 (1945)).
+    That is π over the duration of a stroke; a sweep has short ones and long ones. 0 where the drive never turns.
     """
     velocity, error = smoothed_velocity(recording)
     moving = np.abs(velocity) > 3.0 * error
     forward, run = velocity[moving] > 0.0, recording.run[moving]
-    reversals = np.count_nonzero((forward[1:] != forward[:-1]) & (run[1:] == run[:-1]))
-    return float(np.pi * reversals / (len(recording) * recording.interval))
+    ends = np.flatnonzero((forward[1:] != forward[:-1]) | (run[1:] != run[:-1])) + 1
+    if not np.any(forward[1:] != forward[:-1]):
+        return 0.0
+    longest = np.sort(np.diff(np.concatenate([[0], ends, [len(forward)]])))[::-1]
+    slow = longest[np.searchsorted(np.cumsum(longest), _SLOW * len(forward))]
+    return float(np.pi / (slow * recording.interval))
 
 
 def between_strokes(recording: Recording) -> tuple[float, float]:
