@@ -295,9 +295,8 @@ class Drive:
         import casadi
 
         e = self.model.expression()
-        return ArrayFunction(
-            casadi.Function("torque", [*e.signals.values(), e.parameters, e.states, e.width], [e.torque])
-        )
+        given = [*e.signals.values(), e.parameters, e.states, e.width]
+        return ArrayFunction(casadi.Function("torque", given, [e.torque]))
 
     @cached_property
     def _torque_jacobian(self) -> ArrayFunction:
@@ -324,10 +323,11 @@ class Drive:
         return ArrayFunction(self.linear_function)
 
     @cached_property
-    def linear_by_acceleration(self) -> Array:
-        """Constant derivative by the acceleration of each linear column, then of the rest; 0 where it is none."""
+    def constant_derivatives(self) -> Array:
+        """Constant derivatives by acceleration and motor torque of each linear column, then of the rest, (2, k)."""
         given = self.linear_function.sx_in()
-        return constant_slopes(self.linear_function(*given), given[self.model.signals.index("acceleration")])
+        by = [given[self.model.signals.index(name)] for name in ("acceleration", "motor_torque")]
+        return constant_slopes(self.linear_function(*given), by)
 
     @cached_property
     def linear_function(self) -> Any:

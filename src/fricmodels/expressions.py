@@ -142,10 +142,11 @@ def where(condition: Expression, yes: Expression, no: Expression) -> Expression:
     return _casadi().if_else(condition, yes, no)
 
 
-def constant_slopes(rows: Sequence[Any], by: Any) -> NDArray[np.float64]:
-    """Return the derivative of each row of CasADi expressions by a symbol where it is a number; 0 where it is none."""
+def constant_slopes(rows: Sequence[Any], by: Sequence[Any]) -> NDArray[np.float64]:
+    """Return the derivative of CasADi expressions by symbols where it is a number, else 0, shape (symbols, rows)."""
     import casadi
 
-    slopes = casadi.jacobian(casadi.vertcat(*rows), by)
-    each = [slopes[i] for i in range(slopes.numel())]
-    return np.array([float(slope) if slope.is_constant() else 0.0 for slope in each])
+    slopes = casadi.jacobian(casadi.vertcat(*rows), casadi.vertcat(*by))
+    each = [[slopes[i, j] for i in range(slopes.size1())] for j in range(len(by))]
+    found = [[float(slope) if slope.is_constant() else 0.0 for slope in of_one] for of_one in each]
+    return np.array(found, dtype=float).reshape(len(by), -1)

@@ -140,7 +140,7 @@ def of_acceleration(drive: Drive, values: Mapping[str, float]) -> float:
     if "acceleration" not in drive.model.needs:
         return 0.0
     pairs = zip(drive.model.parameters, drive.model.linear, strict=True)
-    return float(drive.linear_by_acceleration @ [*(values[p.key] for p, linear in pairs if linear), 1.0])
+    return float(drive.constant_derivatives[0] @ [*(values[p.key] for p, linear in pairs if linear), 1.0])
 
 
 def _smoothed(recording: Recording, half_width: int) -> tuple[Recording, Mask, Mask]:

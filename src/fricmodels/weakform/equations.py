@@ -33,16 +33,16 @@ def equations(problem: WeakFormProblem, *, timing: bool) -> Equations:
         def rows(term: SeparableTerm, own: tuple[float, ...]) -> Array:
             def compute() -> Array:
                 distinct = term.distinct_rows(points, np.array(own), problem.states_of, slopes=slopes)
-                by_acceleration = term.distinct_by_acceleration(len(distinct))
-                return term.completed(problem.integrals(distinct, by_acceleration), slopes=slopes)
+                derivatives = term.distinct_derivatives(len(distinct))
+                return term.completed(problem.integrals(distinct, derivatives), slopes=slopes)
 
             return problem.integrated((term.model, own, slopes), compute)
 
         return split.moving_blocks(alpha, rows)
 
     def fixed_rows() -> Array:
-        by_acceleration = np.concatenate([term.fixed_by_acceleration for term in split.terms])
-        return problem.integrals(split.fixed_rows(points), by_acceleration)
+        derivatives = np.concatenate([term.fixed_derivatives for term in split.terms], axis=1)
+        return problem.integrals(split.fixed_rows(points), derivatives)
 
     nuisances, limits = timing_nuisances(problem) if timing else (np.zeros((0, problem.rows)), np.zeros((0, 2)))
     return Equations(

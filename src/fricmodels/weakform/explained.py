@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 
 import numpy as np
 
 from fricmodels.arrays import Array
+from fricmodels.drive import Drive
 
 _LEAST_DELIVERED = 0.05
 """Share of the motor torque that is delivered at the least, whatever a fit on the way says of a gain or a ripple."""
@@ -47,3 +48,15 @@ def explained_torque(unmoved: Array, recorded: Array, friction: Callable[[Array]
 def _delivered(slope: Array) -> Array:
     """Return the share of the motor torque that is not lost again, with what of it goes into friction."""
     return np.maximum(1.0 - slope, _LEAST_DELIVERED)
+
+
+def torque_by_acceleration(drive: Drive, estimated: Mapping[str, float]) -> float:
+    r"""Return the derivative of the explained motor torque by the acceleration [kg m² or kg].
+
+    It is :math:`(J + \partial\tau_F/\partial\dot\omega) / (1 - \partial\tau_F/\partial\tau)`, where these are constant:
+    J/(1 + g) where a torque constant is off.
+    """
+    pairs = zip(drive.model.parameters, drive.model.linear, strict=True)
+    linear = np.array([*(estimated[p.key] for p, is_linear in pairs if is_linear), 1.0])
+    by_acceleration, by_torque = (drive.constant_derivatives @ linear).tolist()
+    return float((drive.split(estimated)[0] + by_acceleration) / max(1.0 - by_torque, _LEAST_DELIVERED))

@@ -21,7 +21,7 @@ from fricmodels.model import Model
 from fricmodels.recording import Recording
 from fricmodels.term import Effect
 from fricmodels.weakform.carriers import CarrierFunctions
-from fricmodels.weakform.explained import explained_torque
+from fricmodels.weakform.explained import explained_torque, torque_by_acceleration
 from fricmodels.weakform.friction_limits import limits_of_friction
 from fricmodels.weakform.motion_states import MotionStates
 from fricmodels.weakform.quadrature import Quadrature
@@ -131,10 +131,7 @@ class WeakFormProblem:
 
     @cached_property
     def perturbed(self) -> WeakFormProblem:
-        """The same problem with as much noise again on the velocity, and nothing else changed.
-
-        What a column differs by between the two is what noise makes of it.
-        """
+        """The same problem with as much noise again on the velocity: what a column differs by, noise makes of it."""
         velocity, acceleration = self._noisier
         changed = self.recording.with_channels(acceleration=acceleration)
         at = self.quadrature.at_velocity(velocity, acceleration)
@@ -276,17 +273,18 @@ class WeakFormProblem:
         index, ones = self.bumps.integrals(np.vstack([np.arange(len(self.recording)), np.ones(len(self.recording))]))
         return np.asarray(np.rint(index / ones), dtype=np.int64)
 
-    def integrals(self, rows: Array, by_acceleration: Array | None = None) -> Array:
+    def integrals(self, rows: Array, derivatives: Array | None = None) -> Array:
         """Return ∫φ f dt of rows evaluated at the quadrature's samples, shape (k, rows).
 
         Args:
             rows: shape (k, samples).
-            by_acceleration: constant derivative of each row by the acceleration, shape (k,). Of it the integral is the
-                momentum, which needs no derivative of a measured velocity.
+            derivatives: constant ones of each row by acceleration and motor torque, shape (2, k): of an acceleration,
+                also of that in :attr:`motor_torque`, the integral is the momentum.
         """
         found = self.bumps.torques(self.quadrature, rows)
-        if by_acceleration is not None and np.any(by_acceleration):
-            found = found + by_acceleration[:, None] * self.derived_too_little
+        if derivatives is not None and np.any(derivatives):
+            of_torque = torque_by_acceleration(self.drive, self.estimated) if self.estimated else 0.0
+            found = found + (derivatives[0] + of_torque * derivatives[1])[:, None] * self.derived_too_little
         return found
 
     @cached_property
@@ -309,7 +307,7 @@ class WeakFormProblem:
         def compute() -> Array:
             design, offset = self.evaluate(drive, nonlinear, delay)
             rows = np.vstack([design, offset[None]]) if np.any(offset) else design
-            return self.integrals(rows, drive.linear_by_acceleration[: len(rows)])
+            return self.integrals(rows, drive.constant_derivatives[:, : len(rows)])
 
         rows = self.integrated((drive, tuple(nonlinear), delay), compute)
         linear = sum(drive.model.linear)

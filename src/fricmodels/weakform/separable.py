@@ -45,9 +45,9 @@ class SeparableTerm:
     """Each moving row, then each slope: which distinct one it is, and its sign."""
     _distinct: int
     """How many of the moving rows are distinct."""
-    fixed_by_acceleration: Array
-    """Constant derivative of each fixed row by the acceleration; 0 where it is none."""
-    _by_acceleration: Array
+    fixed_derivatives: Array
+    """Constant derivatives of each fixed row by acceleration and motor torque; 0 where it is none, shape (2, rows)."""
+    _derivatives: Array
     """The same of each distinct moving row, then of each distinct slope."""
     _fixed: ArrayFunction
     _moving: ArrayFunction
@@ -98,11 +98,11 @@ class SeparableTerm:
             found.append((self._remembered(recording, moved, memory) - here) / (moved[j] - alpha[j]))
         return np.concatenate(found)
 
-    def distinct_by_acceleration(self, count: int) -> Array:
-        """Return the constant derivative of each of :meth:`distinct_rows` by the acceleration; 0 where it is none."""
-        found = np.zeros(count)
-        known = self._by_acceleration[:count]
-        found[: len(known)] = known
+    def distinct_derivatives(self, count: int) -> Array:
+        """Return :attr:`fixed_derivatives` of each of :meth:`distinct_rows`, shape (2, count)."""
+        found = np.zeros((2, count))
+        known = self._derivatives[:, :count]
+        found[:, : known.shape[1]] = known
         return found
 
     def _remembered(self, recording: Recording, alpha: Array, memory: Memory) -> Array:
@@ -244,6 +244,7 @@ def _split(model: Model, flags: Sequence[bool], rows: Sequence[int], alphas: Seq
     def function(name: str, arguments: list[Any], outputs: list[Any]) -> ArrayFunction:
         return ArrayFunction(casadi.Function(name, arguments, [casadi.vertcat(*outputs)]))
 
+    by = [e.signals["acceleration"], e.signals["motor_torque"]]
     values = [every[row] for row in moving]
     derivatives = [] if model.states else [derivative[i, j] for i, j in slopes]
     likeness = [(i, 1.0) for i in range(len(values) + len(slopes))]
@@ -260,8 +261,8 @@ def _split(model: Model, flags: Sequence[bool], rows: Sequence[int], alphas: Seq
         tuple((rows[row], alphas[j]) for row, j in slopes),
         tuple(likeness),
         len(values),
-        constant_slopes([every[row] for row in fixed], e.signals["acceleration"]),
-        constant_slopes([*values, *derivatives], e.signals["acceleration"]),
+        constant_slopes([every[row] for row in fixed], by),
+        constant_slopes([*values, *derivatives], by),
         function("fixed", [*e.signals.values(), e.states, e.width], [every[row] for row in fixed]),
         function("moving", inputs, [*values, *derivatives]),
     )
