@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
+from fricmodels.diagnosis import compare
 from fricmodels.diagnosis.candidate_tests import candidate_tests
-from fricmodels.diagnosis.floor import creditable, floor, gain_above_noise, share_explained
+from fricmodels.diagnosis.floor import creditable, floor, gain_above_noise, is_noticed, share_explained
 from fricmodels.diagnosis.policy import POLICY
 from fricmodels.drive import Drive
 from fricmodels.model import Model
@@ -68,3 +70,12 @@ def test_a_gain_is_that_of_what_noise_leaves(made: Made) -> None:
         gains[noise] = evidence.gain, gain_above_noise(problem, result.regression, evidence, POLICY)
     assert gains[0.0] == pytest.approx((gains[0.0][1],) * 2, rel=0.02)
     assert gains[10.0][0] < POLICY.least_gain < 0.2 < gains[10.0][1]
+
+
+@pytest.mark.parametrize(("share", "noticed"), [(0.99, True), (1.01, False)])
+def test_of_an_error_that_noise_alone_would_leave_nothing_is_noticed(made: Made, share: float, noticed: bool) -> None:
+    comparison = compare(made(noise=1.0), LAW, 2.0)
+    line = comparison.errors.headline
+    whole = float(np.hypot(line.percent, line.held_out_percent)) / np.sqrt(2.0)
+    errors = replace(comparison.errors, headline=replace(line, noise_floor_percent=share * whole))
+    assert is_noticed(replace(comparison, errors=errors), whole) == noticed

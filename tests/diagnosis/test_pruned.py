@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import pytest
 from tests.conftest import INERTIA, Made
 
-from fricmodels.diagnosis import compare, examine
+from fricmodels.diagnosis import compare, examine, ladder
 from fricmodels.diagnosis.candidate_tests import CandidateTests, candidate_tests
 from fricmodels.diagnosis.effect_set import Member, columns_and_tangents, pruned
 from fricmodels.diagnosis.ladder import _Search
@@ -73,3 +74,20 @@ def test_an_effect_that_came_to_nothing_leaves_the_ladder(made: Made) -> None:
     assert search.prune()
     assert search.rungs[-1].model == "coulomb-viscous+gravity"
     assert search.rungs[-1].removed == "stribeck"
+
+
+def test_an_effect_without_which_the_test_error_is_no_higher_leaves_the_ladder(
+    made: Made, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Whatever the rows say of it: every effect of the ladder lowers the printed test error."""
+    recording = made("coulomb-viscous+gravity", {"gravity.a": 0.3, "gravity.b": 0.1}, noise=0.5)
+    comparison = compare(recording, "coulomb-viscous+gravity+asymmetry", INERTIA)
+    alone = compare(recording, "coulomb-viscous+gravity", INERTIA)
+    assert alone.errors.held_out_percent <= comparison.errors.held_out_percent
+    sure = SimpleNamespace(gain=0.5, p_value=1e-9)
+    monkeypatch.setattr(ladder, "necessity", lambda comparison, name: sure)
+    monkeypatch.setattr(ladder, "is_nothing", lambda comparison, name: False)
+    search = _Search(set(), set(), POLICY, examine(comparison))
+    assert search.prune()
+    assert search.rungs[-1].model == "coulomb-viscous+gravity"
+    assert search._added == ["gravity"]

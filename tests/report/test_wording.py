@@ -65,3 +65,19 @@ def test_words() -> None:
 def test_powers_of_ten_in_a_sentence_are_set() -> None:
     assert wording.set_powers("J, 1e-09 kg m², in 2.5e+03 s") == "J, 1×10⁻⁹ kg m², in 2.5×10³ s"
     assert wording.set_powers("a column file_1e5 of 0.001 s") == "a column file_1e5 of 0.001 s"
+
+
+@pytest.mark.parametrize(
+    ("classes", "said"),
+    [
+        ([], ""),
+        ([["a"]], "a"),
+        ([["a", "b", "c"]], "a, b or c"),
+        ([["a"], ["b"]], "a and b"),
+        ([["a"], ["b"], ["c"]], "a, b and c"),
+        ([["a", "b"], ["c"]], "a or b, and c"),
+        ([["a"], ["b", "c", "d"], ["e"]], "a, b, c or d, and e"),
+    ],
+)
+def test_which_names_are_of_one_class_can_be_read(classes: list[list[str]], said: str) -> None:
+    assert wording.listed_classes(classes) == said

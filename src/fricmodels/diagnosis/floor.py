@@ -85,13 +85,17 @@ def is_far_above_noise(comparison: Comparison, policy: Policy = POLICY) -> bool:
 def is_noticed(comparison: Comparison, percent: float, policy: Policy = POLICY) -> bool:
     """Whether what could be predicted makes up a noticeable part of the error that users are shown.
 
+    Of an error that is no more than the noise was estimated to leave nothing is: what a channel predicts of it is the
+    noise itself, as that of the counts from which a drive derives its velocity.
+
     Args:
         comparison: the fitted model.
         percent: RMS torque that a channel predicts, in % of the RMS torque.
         policy: decides how much is noticed.
     """
     line = comparison.errors.headline
-    return percent**2 >= policy.noticed * 0.5 * (line.percent**2 + line.held_out_percent**2)
+    whole = 0.5 * (line.percent**2 + line.held_out_percent**2)
+    return whole > line.noise_floor_percent**2 and percent**2 >= policy.noticed * whole
 
 
 def _is_far_above(percents: tuple[float, float], comparison: Comparison, policy: Policy) -> bool:

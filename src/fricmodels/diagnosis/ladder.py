@@ -238,19 +238,22 @@ class _Search:
         removed: list[str] = []
         while len(self._added) - len(removed) > 1:
             left = [name for name in self._added if name not in removed]
-            idle = next((name for name in left if is_nothing(comparison, name)), None)
-            if idle is not None:
-                comparison = self._without(comparison, idle)
-                removed.append(idle)
+            nothing = next((name for name in left if is_nothing(comparison, name)), None)
+            if nothing is not None:
+                comparison = self._without(comparison, nothing)
+                removed.append(nothing)
                 continue
             tested = {name: necessity(comparison, name) for name in left}
-            weakest = min(tested, key=lambda name: tested[name].gain)
-            if tested[weakest].gain > policy.superfluous_gain and tested[weakest].p_value < policy.significance:
+            order = sorted(tested, key=lambda name: tested[name].gain)
+            weakest, printed = order[0], comparison.errors.held_out_percent
+            needed = tested[weakest].gain > policy.superfluous_gain and tested[weakest].p_value < policy.significance
+            if needed or _rises(self._without(comparison, weakest), comparison, policy.removal_loss):
+                # As on the way up: with every effect the printed test error falls, whatever the rows say.
+                idle = (name for name in order if self._without(comparison, name).errors.held_out_percent <= printed)
+                weakest = next(idle, "")
+            if not weakest:
                 break
-            simpler = self._without(comparison, weakest)
-            if _rises(simpler, comparison, policy.removal_loss):
-                break
-            comparison = simpler
+            comparison = self._without(comparison, weakest)
             removed.append(weakest)
         if removed:
             comparison, before = numbered(comparison), self._added
@@ -277,6 +280,8 @@ class _Search:
                 continue
             trial = Refits(smaller, self._policy).with_effect(seems.first)
             if trial is None or not self._may_replace(trial, smaller):
+                if name in seems.names:
+                    self._update_look_alikes(name, seems.names)
                 continue
             diagnosis = self._examine(smaller)
             if not diagnosis.findings:

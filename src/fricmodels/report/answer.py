@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Literal
 
 from fricmodels.diagnosis.policy import POLICY
 from fricmodels.report.reliability import ONE_SINE, RECORDS
-from fricmodels.report.wording import counted, listed, noise_alone, percent, small
+from fricmodels.report.wording import counted, listed, listed_classes, noise_alone, percent, small
 from fricmodels.results.words import SAMPLING, form, predictor
 from fricmodels.score.bands import averaged
 
@@ -87,12 +87,12 @@ def _sentence(data: DiagnosisDocument) -> str:
         return f"The model {model} is adequate: nothing that could be predicted is left."
     if data.verdict == "unknown-effect":
         return f"Something is missing from the model {model} that no known effect explains."
-    names = [listed(effect.names, "or") for effect in data.effects]
+    names = listed_classes(effect.names for effect in data.effects)
     if _much_remains(data):
         left = percent(data.ladder[-1].held_out_rms_percent)
         most = f"{left} of the motor {data.quantity} remains unexplained, far above noise ({_noise(data)})"
-        return f"{most}. Part of what {model} lacks was found: {listed(names)}."
-    text = f"The model {model} lacks {counted(len(names), 'effect')}: {listed(names)}."
+        return f"{most}. Part of what {model} lacks was found: {names}."
+    text = f"The model {model} lacks {counted(len(data.effects), 'effect')}: {names}."
     end = data.ladder[-1].held_out_rms_percent or 0.0
     named = end > 100 * POLICY.least_torque  # below it no effect is named, however clearly it shows
     if len(data.ladder) > 1 and not data.partial and named and _far_above_noise(data):

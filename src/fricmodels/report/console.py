@@ -14,7 +14,7 @@ from fricmodels.report.captions import where_words
 from fricmodels.report.channels import channel_of_rest, shown_over
 from fricmodels.report.figures.against import error_over
 from fricmodels.report.wording import change as change_of
-from fricmodels.report.wording import counted, listed, percent, small
+from fricmodels.report.wording import counted, listed_classes, percent, small
 from fricmodels.results.words import ALONG, of_motion
 from fricmodels.terminal import Band, Column, Marks, bar, plain, show_plot, show_table, spoken
 
@@ -94,11 +94,11 @@ def _rest(console: Console, data: DiagnosisDocument, found: Answer) -> None:
 
 
 def _last(console: Console, data: DiagnosisDocument) -> None:
-    names = [listed(effect.names, "or") for effect in data.effects]
+    names = listed_classes(effect.names for effect in data.effects)
     steps = data.ladder
     errors = [percent(steps[0].held_out_rms_percent)]
     errors += [percent(steps[-1].held_out_rms_percent)] if len(steps) > 1 else []
-    what = f": {listed(names)}" if names else ""
+    what = f": {names}" if names else ""
     console.print()
     verdict = f"{data.verdict}, so far" if data.partial else data.verdict
     _bold(console, f"Verdict: {verdict}{what}; test error {' → '.join(errors)}")

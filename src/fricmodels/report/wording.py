@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 from fricmodels import plugins
@@ -99,6 +99,15 @@ def listed(names: Iterable[str], joint: str = "and") -> str:
     """Return names as in a sentence: ``a, b and c``."""
     parts = list(names)
     return parts[0] if len(parts) == 1 else f"{', '.join(parts[:-1])} {joint} {parts[-1]}" if parts else ""
+
+
+def listed_classes(classes: Iterable[Sequence[str]]) -> str:
+    """Return names, those of one class joined by "or": ``a and b``, or ``a or b, and c`` where a class has several."""
+    found = [tuple(names) for names in classes]
+    names = [listed(names, "or") for names in found]
+    if len(names) < 2 or all(len(names) == 1 for names in found):
+        return listed(names)
+    return f"{', '.join(names[:-1])}, and {names[-1]}"
 
 
 def counted(number_of: int, one: str, many: str = "") -> str:
