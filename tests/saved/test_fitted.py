@@ -14,6 +14,7 @@ import pytest
 
 import fricmodels
 from fricmodels.errors import InputError
+from fricmodels.export.targets import export_model
 from fricmodels.recording import Recording
 
 VALUES = {"K_v": 0.5, "K_c": 3.0, "gravity.a": 1.0, "gravity.b": -2.0}
@@ -41,6 +42,15 @@ def test_torque_is_the_equation_on_numbers_arrays_tables_and_recordings(arm: Any
         series = arm.torque(table)
         assert list(series.index) == [5, 6, 7, 8]
         np.testing.assert_allclose(series, expected.ravel(), rtol=1e-14)
+
+
+def test_what_goes_with_the_clock_of_one_recording_says_so(arm: Any, kept: Callable[..., Any]) -> None:
+    assert arm.of_the_clock == ""
+    assert kept("coulomb-viscous+step-change").of_the_clock.startswith("step-change goes with the time since")
+    both = kept("coulomb-viscous+drift+gravity+step-change")
+    assert both.of_the_clock.startswith("drift and step-change go with the time since")
+    assert both.of_the_clock in export_model(both, "c").notes
+    assert "drift and step-change go with the time since" in export_model(both, "c").text
 
 
 def test_a_recording_gives_what_the_drive_gives(made: Callable[..., Recording], kept: Callable[..., Any]) -> None:

@@ -131,6 +131,7 @@ def _say(kept: FittedModel, out: Path) -> None:
         print_line(f"How sure: {sure} of {len(document.parameters)} parameters are determined by this recording.")
     warn([f"the fit did not end well: {message}"] if (message := kept.document.provenance.message) else [])
     warn(f"'{key}' is not determined by this recording: {reason}" for key, reason in kept.not_identified.items())
+    warn([kept.of_the_clock] if kept.of_the_clock else [])
     print(f"wrote {kept.save(out)}")
     print_line("Next: write it for a controller or a simulator:")
     print(f"  fricmodels export {shlex.quote(str(out))} --to c")

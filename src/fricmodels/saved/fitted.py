@@ -95,6 +95,18 @@ class FittedModel:
         return {k: p.reason or "not determined" for k, p in self.document.parameters.items() if not p.identified}
 
     @property
+    def of_the_clock(self) -> str:
+        """What to know of terms that go with the time itself; empty where there are none."""
+        names = [term.name for term in self.model.terms if term.depends_on_time]
+        if not names:
+            return ""
+        go, mean = ("goes", "it means") if len(names) == 1 else ("go", "they mean")
+        return (
+            f"{' and '.join(names)} {go} with the time since the first sample of this recording: at any other time "
+            f"{mean} nothing; to take the model along, fit it without"
+        )
+
+    @property
     def inertia(self) -> float:
         """J [kg m²] or M [kg]."""
         return next(iter(self.document.parameters.values())).value

@@ -84,6 +84,7 @@ class _Header:
         ]
         for key, reason in model.not_identified.items():
             lines.append(f"NOT DETERMINED by the recording: {key}: {reason}.")
+        lines += [f"{model.of_the_clock}."] if model.of_the_clock else []
         for term_name in model.memory.approximate if self.states else ():
             lines.append(f"{term_name}: in a loop its state follows its rate, in a recording it is looked up.")
         versions = document.provenance.versions

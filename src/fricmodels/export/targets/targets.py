@@ -79,6 +79,7 @@ def export_model(
     if online is not None and target != "c":
         raise InputError(f"a filter on line is written in C only; leave --online out for '{target}'")
     vague = tuple(f"NOT DETERMINED by the recording: {k}: {why}" for k, why in model.not_identified.items())
+    vague += (model.of_the_clock,) if model.of_the_clock else ()
     if target == "c":
         return Exported(c_header(model, name, _filter(model, online, recording)), vague)
     if target == "json":
