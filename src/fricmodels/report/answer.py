@@ -96,7 +96,7 @@ def _sentence(data: DiagnosisDocument) -> str:
     end = data.ladder[-1].held_out_rms_percent or 0.0
     named = end > 100 * POLICY.least_torque  # below it no effect is named, however clearly it shows
     if len(data.ladder) > 1 and not data.partial and named and _far_above_noise(data):
-        it = "it" if len(names) == 1 else "them"
+        it = "it" if len(data.effects) == 1 else "them"
         text += f" With {it} {percent(end)} of the motor {data.quantity} remains, more than noise ({_noise(data)})."
     return text
 

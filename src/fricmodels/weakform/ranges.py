@@ -66,8 +66,10 @@ def scan_size(recording: Recording, parameter: Parameter) -> float:
 
 
 def scan_values(recording: Recording, parameter: Parameter) -> list[float]:
-    """Return the values of a parameter that are tried first; those of a place lie within the travel."""
-    origin = float(np.min(recording["position"])) if parameter.place and "position" in recording else 0.0
+    """Return the values of a parameter that are tried first: of a place within the travel, of an instant within time."""
+    origin = float(np.min(recording.time)) if parameter.instant else 0.0
+    if parameter.place and "position" in recording:
+        origin = float(np.min(recording["position"]))
     return [origin + value * scan_size(recording, parameter) for value in parameter.scan]
 
 
