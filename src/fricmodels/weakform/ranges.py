@@ -66,7 +66,7 @@ def scan_size(recording: Recording, parameter: Parameter) -> float:
 
 
 def scan_values(recording: Recording, parameter: Parameter) -> list[float]:
-    """Return the values of a parameter that are tried first: of a place within the travel, of an instant within time."""
+    """Return the values of a parameter that are tried first: a place within the travel, an instant within time."""
     origin = float(np.min(recording.time)) if parameter.instant else 0.0
     if parameter.place and "position" in recording:
         origin = float(np.min(recording["position"]))
