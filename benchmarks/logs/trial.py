@@ -59,9 +59,7 @@ def said(document: Row) -> Row:
     return {
         "verdict": document["verdict"],
         "names": names,
-        "unknown": bool(
-            document["unknown"] or rest.get("channel") or (document["verdict"] == "unknown-effect" and not names)
-        ),
+        "unknown": document["verdict"] == "unknown-effect" or bool(rest),
         "remaining": rest.get("text", ""),
         "ladder": [[step["model"], step["held_out_rms_percent"]] for step in document["ladder"]],
         "floor_percent": document["noise_floor_percent"],
