@@ -225,11 +225,11 @@ def starting_points(
         scan = list(dict.fromkeys(min(max(value, parameter.lower), parameter.upper) for value in tried))
         choices.append(scan)
         trials *= len(scan)
-        apart = tried[1] - tried[0] if len(tried) > 1 else _SIGNED * size  # two that a bound joins are not so near
-        if parameter.lower < 0 or parameter.instant or parameter.place or min(scan[0], tried[0]) <= 0:
-            spacing.append(-apart)
+        apart = tried if parameter.instant else scan  # a bound may have moved the first instant next to the second
+        if parameter.lower < 0 or parameter.instant or parameter.place or scan[0] <= 0:
+            spacing.append(-(apart[1] - apart[0]) if len(apart) > 1 else -_SIGNED * size)
         else:
-            spacing.append(1.0 + apart / tried[0] if len(tried) > 1 else 2.0)
+            spacing.append(scan[1] / scan[0] if len(scan) > 1 else 2.0)
     for i in _idle(problem, alone, choices):
         trials /= len(choices[i])
         choices[i], spacing[i] = choices[i][:1], 1.0
