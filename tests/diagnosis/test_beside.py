@@ -1,4 +1,4 @@
-"""The look-alikes of an effect are those that it has beside all others of the ladder."""
+"""A wrong inertia beside an offset: both get their names, with their true look-alikes, and nothing else gets one."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ from fricmodels.diagnosis.ladder import added
 
 
 @pytest.mark.parametrize("given", [1.2, pytest.param(3.2, marks=pytest.mark.long)])
-def test_those_that_only_stood_for_the_other_effect_are_taken_back(made: Made, given: float) -> None:
-    """A wrong inertia alone leaves an offset, and so do other effects that then seem to do as much as it."""
+def test_two_causes_are_named_and_no_third(made: Made, given: float) -> None:
+    """As a wrong torque constant it was less exact than as a wrong inertia, and the rest was called a compliance."""
     recording = made("coulomb-viscous+torque-offset", {"torque-offset.tau_0": 1.2}, noise=0.5, samples=4000)
     ladder = improve(recording, "coulomb-viscous", given)
     classes = [set(finding.names) for finding in added(ladder)]

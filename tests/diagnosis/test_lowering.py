@@ -5,13 +5,14 @@ from __future__ import annotations
 import importlib
 from collections.abc import Callable
 from types import SimpleNamespace
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 import pytest
 
 from fricmodels.diagnosis import compare, diagnose, improve, ladder
-from fricmodels.diagnosis.diagnose import comes_near
+from fricmodels.diagnosis.candidate_tests import CandidateTest
+from fricmodels.diagnosis.diagnose import Diagnosis, Finding, comes_near
 from fricmodels.diagnosis.document import document
 from fricmodels.diagnosis.ladder import Rung
 from fricmodels.diagnosis.policy import POLICY
@@ -62,6 +63,25 @@ def test_of_effects_that_show_only_jointly_all_are_added_or_none(
     search = ladder._Search(set(), set(), ladder.POLICY, first)
     step: Any = [(first, Rung(fitted(error), added=name)) for name, error in zip("abc", errors, strict=False)]
     assert "".join(rung.added for _, rung in search._lowering(step)) == (jointly if only_jointly else alone)
+
+
+def test_look_alikes_are_those_beside_the_others_though_one_of_them_comes_first(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """It may not take the place, by a hair: what only stood for both causes is taken back all the same."""
+    name, first = "torque-gain", SimpleNamespace(name="inertia-error")
+    found = Finding(cast(CandidateTest, SimpleNamespace(name=name)), (name, "inertia-error", "stiffness"), "")
+    search = ladder._Search(set(), set(), POLICY, cast(Any, SimpleNamespace(comparison=None, refused=None)))
+    search.steps = [Diagnosis(cast(Any, None), "missing-effect", (found,), None, {})]
+    seen = iter([SimpleNamespace(first=first, names=("inertia-error", name)), None])
+    monkeypatch.setattr(ladder._Search, "_added", property(lambda self: [name, "torque-offset"]))
+    monkeypatch.setattr(ladder._Search, "_place", lambda self, name: 0)
+    monkeypatch.setattr(ladder._Search, "_without", lambda self, comparison, name: comparison)
+    monkeypatch.setattr(ladder._Search, "_may_replace", lambda self, other, smaller: False)
+    monkeypatch.setattr(ladder, "seems_missing", lambda *arguments: next(seen))
+    monkeypatch.setattr(ladder, "Refits", lambda *arguments: SimpleNamespace(with_effect=lambda tested: tested))
+    assert not search.exchange()
+    assert search.steps[0].findings[0].names == (name, "inertia-error")
 
 
 def test_what_the_ladder_gives_up_is_not_missing(made: Made, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -285,7 +285,7 @@ class Policy(Rules):
         0.1,
         "share of the squared error",
         "What a channel predicts, and no effect explains, is called unknown only if it makes up so much of the squared "
-        "error of the headline, the mean of fit and test error. A model that leaves less is adequate.",
+        "error of the headline, the mean of fit and test error, and that is above noise. Else a model is adequate.",
         "Judgement: without a tenth of its square the error is 5 % lower. Of 212 rough drives with nothing hidden six "
         "were unknown for 0.3 to 0.6 % of the torque beside errors of 1.3 to 8 % that sampling makes.",
         off=0.0,
@@ -366,7 +366,8 @@ class Policy(Rules):
     superfluous_gain: float = rule(
         0.025,
         "share of the residual",
-        "An added effect is removed if, with all others in the model, it gains no more than this.",
+        "An added effect is removed if, with all others in the model, it gains no more than this, or the test error is "
+        "no higher without it.",
         "Judgement: half of least_gain, since it has passed that once.",
         off=-_INF,
     )

@@ -12,7 +12,7 @@ from fricmodels.drive import Drive, DriveParameter
 from fricmodels.recording import Recording
 from fricmodels.weakform.cases import with_or_without_shift
 from fricmodels.weakform.hidden import drowned, lost_in_noise, sign_is_hidden
-from fricmodels.weakform.inference import is_contradicted
+from fricmodels.weakform.inference import NORMAL_95, is_contradicted
 from fricmodels.weakform.nonlinear import Nonlinear, nonlinear_search
 from fricmodels.weakform.separable import separable
 from fricmodels.weakform.solve import Solved
@@ -20,7 +20,6 @@ from fricmodels.weakform.solve import Solved
 Array = NDArray[np.float64]
 
 _NOTHING = "it changes nothing in this recording"
-NORMAL_95 = 1.959963984540054
 _MEMBER = 0.05
 """Share of a direction of length 1 from which a parameter belongs to it."""
 _NO_PART = 1e-6

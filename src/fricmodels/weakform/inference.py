@@ -9,6 +9,9 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
+NORMAL_95 = 1.959963984540054
+"""Standard errors that 95 % of a normal distribution lie within."""
+
 _WITHIN, _POWERS, _SHORTEST_BLOCK = 0.5, 14, 8
 """Phase by which a cosine may move from the middle of a block to its end, the powers that then reach the last digit
 (0.5^14/14! = 7e-16), and samples of a block with which that is less work than a transform."""
@@ -115,7 +118,7 @@ def covariance(jacobian: Array, residual: Array, inverse: Array, independent: fl
     from scipy.special import stdtrit
 
     meat, terms = long_run_covariance((jacobian.T * residual).T, independent)
-    widen = float(stdtrit(terms, 0.975)) / 1.959963984540054
+    widen = float(stdtrit(terms, 0.975)) / NORMAL_95
     by_cosines = widen**2 * inverse @ meat @ inverse
     by_blocks = jackknife_covariance(jacobian, residual, inverse, independent)
     return at_least(by_cosines, by_blocks)
@@ -173,5 +176,5 @@ def jackknife_covariance(
     along[decisive] = (direction @ turned[:, :, None])[:, :, 0]
     moved = along @ root.T
     apart = (moved - np.mean(moved, axis=0)) / size
-    widen = float(stdtrit(blocks - 1, 0.975)) / 1.959963984540054
+    widen = float(stdtrit(blocks - 1, 0.975)) / NORMAL_95
     return np.asarray(widen**2 * (blocks - 1) / blocks * apart.T @ apart)

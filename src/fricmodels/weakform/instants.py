@@ -22,11 +22,11 @@ import numpy as np
 
 from fricmodels.recording import Recording
 from fricmodels.signals import smoothed_velocity
+from fricmodels.weakform.inference import NORMAL_95
 from fricmodels.weakform.ranges import between_strokes
 
 _LIKELY = -2.0 * math.log(1.0 - math.sqrt(0.95))
 """The statistic is less than this with a probability of 0.95, where the instant is the true one."""
-_NORMAL_95 = 1.959963984540054
 _MOVES = 3.0
 """Standard errors of a velocity above which the drive moves for certain."""
 
@@ -61,7 +61,7 @@ def instant_error(recording: Recording, cost: Callable[[float], float], instant:
     moves = np.flatnonzero(np.abs(velocity[places]) > _MOVES * error)
     earliest = time[max(moves[moves <= before], default=before)]
     latest = time[min(moves[moves > after], default=after + 1)]
-    return max(instant - float(earliest), float(latest) - instant, recording.interval) / _NORMAL_95
+    return max(instant - float(earliest), float(latest) - instant, recording.interval) / NORMAL_95
 
 
 def _furthest(likely: Callable[[int], bool], here: int, end: int, way: int) -> int | None:

@@ -96,7 +96,8 @@ class Nonlinear:
         starts: starting values of each.
         lower, upper: bounds.
         logarithmic: which are searched on a logarithmic scale.
-        reach: largest step of each, of the logarithm where the scale is logarithmic.
+        reach: largest step of each, of the logarithm where the scale is logarithmic; of an instant the spacing of those
+            that are tried first.
         held: which stay at their start.
     """
 

@@ -225,9 +225,9 @@ def starting_points(
         scan = list(dict.fromkeys(min(max(value, parameter.lower), parameter.upper) for value in tried))
         choices.append(scan)
         trials *= len(scan)
-        apart = tried if parameter.instant else scan  # a bound may have moved the first instant next to the second
+        known = tried if parameter.instant else scan  # a bound may have moved the first instant next to the second
         if parameter.lower < 0 or parameter.instant or parameter.place or scan[0] <= 0:
-            spacing.append(-(apart[1] - apart[0]) if len(apart) > 1 else -_SIGNED * size)
+            spacing.append(-(known[1] - known[0]) if len(known) > 1 else -_SIGNED * size)
         else:
             spacing.append(scan[1] / scan[0] if len(scan) > 1 else 2.0)
     for i in _idle(problem, alone, choices):

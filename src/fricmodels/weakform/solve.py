@@ -138,8 +138,8 @@ class Solved:
     @cached_property
     def _free(self) -> tuple[NDArray[np.int64], NormalEquations]:
         """Places in the solution of what is not held, and the normal equations of these."""
-        solution = self.solution
-        free = np.array([i for i in range(len(solution.jacobian)) if i not in self._held], dtype=np.int64)
+        solution, held = self.solution, self._held
+        free = np.array([i for i in range(len(solution.jacobian)) if i not in held], dtype=np.int64)
         return free, solution.normal if len(free) == len(solution.jacobian) else solution.part(free)
 
     @property
@@ -164,8 +164,8 @@ class Solved:
         for i, p in enumerate(drive.parameters):
             if p.declared.instant and p.key not in self.plan.held:
                 own = int(self.places[i]) - linear
-                error = instant_error(self.problem.recording, partial(cost, own), float(alpha[own]), self._certain)
-                errors[i] = error
+                instant, certain = float(alpha[own]), self._certain
+                errors[i] = instant_error(self.problem.recording, partial(cost, own), instant, certain)
         return errors
 
     @property

@@ -17,7 +17,7 @@ from fricmodels.weakform.variable_projection import Projection, Solution
 _NEARLY, _STARTED, _SCANNED = 1.05, 1.3, 2.0
 """First step of a nonlinear parameter, as a ratio: of one that is nearly known, has a start, or comes from a scan."""
 _CLOSE = 0.25
-"""First step of a wave number that is nearly known, in resolutions; else it is one."""
+"""First step of a wave number that is nearly known, in resolutions, and of an instant, in spacings; else it is one."""
 _ROUNDS, _FEWER_ROUNDS = 5, 3
 """Rounds of a search by steps before Gauss–Newton goes on, and of one for what is nearly known."""
 _TURNS = 4
