@@ -84,7 +84,7 @@ def test_an_effect_without_which_the_test_error_is_no_higher_leaves_the_ladder(
     comparison = compare(recording, "coulomb-viscous+gravity+asymmetry", INERTIA)
     alone = compare(recording, "coulomb-viscous+gravity", INERTIA)
     assert alone.errors.held_out_percent <= comparison.errors.held_out_percent
-    sure = SimpleNamespace(gain=0.5, p_value=1e-9)
+    sure = SimpleNamespace(gain=0.5, p_once=1e-9)
     monkeypatch.setattr(ladder, "necessity", lambda comparison, name: sure)
     monkeypatch.setattr(ladder, "is_nothing", lambda comparison, name: False)
     search = _Search(set(), set(), POLICY, examine(comparison))

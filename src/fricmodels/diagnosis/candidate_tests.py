@@ -35,7 +35,8 @@ class CandidateTest:
         effect: the candidate.
         found: its nonlinear parameters and columns.
         evidence: see :class:`fricmodels.weakform.regression.Evidence`.
-        p_value: corrected for the values tried within the effect; ``adjusted`` also for the number of effects.
+        p_value: what repeats counted once, corrected for the values tried within the effect; ``adjusted`` also for the
+            number of effects.
     """
 
     effect: Effect
@@ -274,12 +275,12 @@ def tested_at(regression: Regression, effect: Effect, found: NonlinearOptimum) -
     if not np.any(found.kept):  # it would need a coefficient beyond its physical bounds
         return CandidateTest(effect, found, no_evidence(regression), 1.0)
     evidence = _whole_shift(regression, found) if found.delay else regression.test(found.columns)
-    return CandidateTest(effect, found, evidence, min(1.0, evidence.p_value * found.trials))
+    return CandidateTest(effect, found, evidence, min(1.0, evidence.p_once * found.trials))
 
 
 def no_evidence(regression: Regression) -> Evidence:
     """Return the evidence for an effect of which no column is left: it explains nothing."""
-    return Evidence(np.zeros(0), np.zeros((0, 0)), 1.0, 0.0, 0.0, 1.0, regression.loss, regression.residual)
+    return Evidence(np.zeros(0), np.zeros((0, 0)), 1.0, 1.0, 0.0, 0.0, 1.0, regression.loss, regression.residual)
 
 
 def _whole_shift(regression: Regression, found: NonlinearOptimum) -> Evidence:

@@ -34,6 +34,6 @@ def necessity(comparison: Comparison, effect: str) -> Evidence:
     columns, _ = problem.columns(alone, nonlinear, delay)
     nuisances = np.vstack([problem.sign_change, problem.torque_rate])
     base = np.vstack([rest, nuisances[:1] if delay else nuisances])
-    regression = Regression(base, problem.target, problem.independent)
+    regression = Regression(base, problem.target, problem.independent, problem.repeats)
     visible = regression.visible(columns)
     return regression.test(columns[visible]) if np.any(visible) else no_evidence(regression)

@@ -81,9 +81,11 @@ class Judgement:
     only_jointly: bool = False
 
     def supported(self, policy: Policy) -> list[LookAlikes]:
-        """Return the effects that are there."""
+        """Return the effects that are there; none that is there by itself is a look-alike of another one."""
         large = [found for found, support in self.members if support.torque > policy.least_torque]
-        return [found for found in large if self.stands(found.first, policy)]
+        there = [found for found in large if self.stands(found.first, policy)]
+        firsts = {found.first.name for found in there}
+        return [LookAlikes(f.first, tuple(t for t in f.members if t is f.first or t.name not in firsts)) for f in there]
 
     def stands(self, tested: CandidateTest, policy: Policy) -> bool:
         """Whether an effect of the set is there, however small in the rows."""

@@ -27,6 +27,7 @@ from fricmodels.weakform.motion_states import MotionStates
 from fricmodels.weakform.quadrature import Quadrature
 from fricmodels.weakform.regression import Regression
 from fricmodels.weakform.remembered import INTEGRALS, Part, Remembered
+from fricmodels.weakform.repeats import parts_of
 from fricmodels.weakform.row_noise import (
     beyond_noise,
     bump_width,
@@ -89,7 +90,7 @@ class WeakFormProblem:
         width: int | None = None,
         like: WeakFormProblem | None = None,
     ) -> WeakFormProblem:
-        """Choose the test functions and evaluate what all candidates share.
+        """Choose the test functions, and evaluate what all candidates share.
 
         Args:
             drive: the model under test.
@@ -100,8 +101,7 @@ class WeakFormProblem:
             like: another problem of this drive; where its rows are the same, they are not evaluated anew.
         """
         inertia, _ = drive.split(parameters)
-        delay = parameters[drive.model.delay] if drive.model.delay else 0.0
-        made_for = dict(parameters)
+        delay, made_for = parameters[drive.model.delay] if drive.model.delay else 0.0, dict(parameters)
         recording, parameters = drive.timed(recording, parameters)
         motion = smoothed(recording)
         part, smooth, at_rest = motion.recording, motion.velocity, motion.resting
@@ -133,8 +133,8 @@ class WeakFormProblem:
     def perturbed(self) -> WeakFormProblem:
         """The same problem with as much noise again on the velocity: what a column differs by, noise makes of it."""
         velocity, acceleration = self._noisier
-        changed = self.recording.with_channels(acceleration=acceleration)
         at = self.quadrature.at_velocity(velocity, acceleration)
+        changed = self.recording.with_channels(acceleration=acceleration)
         other = replace(self, recording=changed, smooth=velocity, quadrature=at)
         other.__dict__["derived_too_little"] = self._beyond_derivative[1]
         return other
@@ -147,8 +147,8 @@ class WeakFormProblem:
     def including_uncertain_motion(self) -> WeakFormProblem:
         """The same problem on all motion, also where a drive without memory may have stuck or turned between samples.
 
-        An effect with memory may do most of what it does there, and need not know which way the drive moved at every
-        instant: the torque of a contact that bends, or of a gap, comes from the way that was covered.
+        An effect with memory may do most of what it does there, and need not know the direction at every instant: the
+        torque of a contact that bends, or of a gap, comes from the way that was covered.
         """
         unclear = self.resting | creeping(self.recording, self.bumps.width)
         quadrature, bumps = _rows(self.recording, self.smooth, self.bumps.width, unclear)
@@ -273,6 +273,11 @@ class WeakFormProblem:
         index, ones = self.bumps.integrals(np.vstack([np.arange(len(self.recording)), np.ones(len(self.recording))]))
         return np.asarray(np.rint(index / ones), dtype=np.int64)
 
+    @cached_property
+    def repeats(self) -> Index | None:
+        """In which part of a motion that repeats each row lies, shape (rows,); ``None`` where none repeats."""
+        return parts_of(self.recording, self.centre, self.bumps.width / HOPS)
+
     def integrals(self, rows: Array, derivatives: Array | None = None) -> Array:
         """Return ∫φ f dt of rows evaluated at the quadrature's samples, shape (k, rows).
 
@@ -295,11 +300,9 @@ class WeakFormProblem:
     @cached_property
     def _beyond_derivative(self) -> tuple[Array, Array]:
         """:attr:`derived_too_little`, and the same with as much noise again."""
-        again = self.quadrature.at_velocity(self.smooth, self._noisier[1])
-        return beyond_noise(self.momentum, self.noise_of_momentum, self._derived(self.quadrature), self._derived(again))
-
-    def _derived(self, quadrature: Quadrature) -> Array:
-        return np.asarray(self.bumps.torques(quadrature, quadrature.recording["acceleration"][None])[0])
+        both = self.quadrature, self.quadrature.at_velocity(self.smooth, self._noisier[1])
+        derived, again = (self.bumps.torques(at, at.recording["acceleration"][None])[0] for at in both)
+        return beyond_noise(self.momentum, self.noise_of_momentum, derived, again)
 
     def columns(self, drive: Drive, nonlinear: Sequence[float] = (), delay: float = 0.0) -> tuple[Array, Array]:
         """Return the integrals of a drive's linear columns, shape (k, rows), and of the rest of its torque, (rows,)."""
@@ -379,8 +382,7 @@ class WeakFormProblem:
             design, offset = self._regressors(self.drive, nonlinear, points.with_channels(torque=torque))
             return np.asarray(theta @ design + offset)
 
-        inertia, _ = self.drive.split(self.estimated)
-        unmoved = points.load_torque + inertia * points["acceleration"]
+        unmoved = points.load_torque + self.drive.split(self.estimated)[0] * points["acceleration"]
         return explained_torque(unmoved, points.torque, friction)
 
     def alone(self, effect: Effect) -> Drive:

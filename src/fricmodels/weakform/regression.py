@@ -20,9 +20,13 @@ from operator import mul
 import numpy as np
 from numpy.typing import NDArray
 
+from fricmodels.arrays import Index
+
 Array = NDArray[np.float64]
 
 FOLDS = 8
+FEWEST_TERMS = 8
+"""Cosines that a variance is estimated by at the least."""
 _SEEN = 1e-5
 """A column of which less than this share (squared) is left outside the base directions cannot be told from them."""
 
@@ -41,6 +45,7 @@ class Evidence:
     Attributes:
         coefficients, covariance: of the columns.
         p_value: of the Wald test that all coefficients are zero.
+        p_once: the same with what repeats counted once, see :mod:`.repeats`; never less. An effect is judged by it.
         explained: share of the base model's squared residual that the columns explain.
         gain: share by which they lower the RMS of the residual on blocks that were not used for fitting them.
         gain_p_value: that the gain is zero or less, one-sided.
@@ -51,6 +56,7 @@ class Evidence:
     coefficients: Array
     covariance: Array
     p_value: float
+    p_once: float
     explained: float
     gain: float
     gain_p_value: float
@@ -149,9 +155,10 @@ class Regression:
         base: base directions, shape (k, M).
         target: shape (M,).
         independent: about how many of the M rows are independent.
+        parts: in which part of what repeats each row lies, shape (M,); ``None`` where nothing repeats.
     """
 
-    def __init__(self, base: Array, target: Array, independent: float) -> None:
+    def __init__(self, base: Array, target: Array, independent: float, parts: Index | None = None) -> None:
         size = np.linalg.norm(base, axis=1)
         self.base = base[size > 0] / size[size > 0, None]
         self.target = target
@@ -159,11 +166,25 @@ class Regression:
         self._basis = left[:, singular > SAME * singular[0]] if len(singular) else left
         self._independent = independent
         # Rows that the base directions leave free are all there is to learn a variance from.
-        free = max(int(independent) - self._basis.shape[1], 1)
-        self.terms = min(cosine_terms(independent, len(target)), free)
+        self.terms = self._terms(independent, len(target))
+        self._once = self._counted_once(parts)
         self.residual = self.project_out(target[None])[0]
         self._edges = np.linspace(0, len(target), FOLDS + 1).astype(int)
         self.loss = self.residual**2
+
+    def _terms(self, independent: float, rows: int) -> int:
+        """Return how many cosines a variance is estimated by, of so many independent rows."""
+        free = max(int(independent) - int(self._basis.shape[1]), 1)
+        return min(cosine_terms(independent, rows), free)
+
+    def _counted_once(self, parts: Index | None) -> tuple[Index, float, int] | None:
+        """Return the parts, about how many of them are independent, and the cosines; ``None`` where these are few."""
+        if parts is None or not len(parts):
+            return None
+        count = int(parts.max()) + 1
+        independent = self._independent * count / len(parts)
+        few = count == len(parts) or int(independent) - self._basis.shape[1] < FEWEST_TERMS
+        return None if few else (parts, independent, self._terms(independent, count))
 
     @property
     def unshifted(self) -> Regression:
@@ -258,17 +279,16 @@ class Regression:
         directions = turn.T @ unit
         along = directions @ self.residual
         left = self.residual - along @ directions
-        q = len(columns)
-        # What was fitted took its share of the residual: as many degrees of freedom of the independent rows.
-        gone = min(self._basis.shape[1] + q, 0.75 * self._independent)
-        variance = long_run_sum(directions * left, self.terms) * (self._independent / (self._independent - gone))
+        scores = directions * left
+        variance, p_value = self._wald(along, scores, len(columns), self._independent, self.terms)
+        p_once = p_value
+        if self._once is not None:
+            parts, independent, terms = self._once
+            folded = np.array([np.bincount(parts, weights=row) for row in scores], dtype=float)
+            other, p_of_parts = self._wald(along, folded, len(columns), independent, terms)
+            if p_of_parts > p_value:
+                variance, p_once = other, p_of_parts
         theta = turn @ along
-        from scipy.special import fdtrc  # the upper tail of F
-
-        freedom, p_value = self.terms - q + 1, 1.0  # more columns than that prove nothing, whatever they explain
-        if freedom > 0:
-            statistic = float(along @ np.linalg.pinv(variance, rcond=1e-12, hermitian=True) @ along)
-            p_value = float(fdtrc(q, freedom, max(statistic * freedom / (self.terms * q), 0.0)))
         loss = self.held_out(free) ** 2
         gain, gain_p = compare(without.loss, loss, self.terms)
         # Where few events decide, the mean difference has no variance to be told by.
@@ -278,12 +298,33 @@ class Regression:
             theta / scale,
             turn @ variance @ turn.T / np.outer(scale, scale),
             p_value,
+            p_once,
             1 - float(left @ left) / total if total > 0 else 0.0,
             gain,
             gain_p,
             loss,
             left,
         )
+
+    def _wald(self, along: Array, scores: Array, q: int, independent: float, terms: int) -> tuple[Array, float]:
+        """Return the covariance of coefficients along orthonormal directions, and how probable they are by chance.
+
+        Args:
+            along: the coefficients, shape (k,).
+            scores: directions times residual in independent order, shape (k, n).
+            q: number of columns that the directions are of.
+            independent, terms: about how many of the n are independent; cosines.
+        """
+        from scipy.special import fdtrc  # the upper tail of F
+
+        # What was fitted took its share of the residual: as many degrees of freedom of the independent rows.
+        gone = min(self._basis.shape[1] + q, 0.75 * independent)
+        variance = long_run_sum(scores, terms) * (independent / (independent - gone))
+        freedom = terms - q + 1
+        if freedom <= 0:  # more columns than that prove nothing, whatever they explain
+            return variance, 1.0
+        statistic = float(along @ np.linalg.pinv(variance, rcond=1e-12, hermitian=True) @ along)
+        return variance, float(fdtrc(q, freedom, max(statistic * freedom / (terms * q), 0.0)))
 
 
 def by_chance(events: Array, left: float) -> float:
@@ -312,7 +353,7 @@ def by_chance(events: Array, left: float) -> float:
 
 def cosine_terms(independent: float, rows: int) -> int:
     """Return the number ν of cosines for T independent rows: 0.4 T^(2/3), at least 8."""
-    return int(min(max(round(0.4 * independent ** (2 / 3)), min(8, rows - 1)), rows - 1))
+    return int(min(max(round(0.4 * independent ** (2 / 3)), min(FEWEST_TERMS, rows - 1)), rows - 1))
 
 
 def long_run_sum(series: Array, terms: int) -> Array:

@@ -13,6 +13,7 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
+from fricmodels.arrays import Index
 from fricmodels.term import Effect
 from fricmodels.weakform.directions import base_directions
 from fricmodels.weakform.problem import WeakFormProblem
@@ -34,11 +35,20 @@ class ShiftedRegression(Regression):
         independent: about how many of the M rows are independent.
         direction: what a shift by a second adds, shape (M,).
         most: largest shift [s].
+        parts: in which part of what repeats each row lies, shape (M,); ``None`` where nothing repeats.
     """
 
-    def __init__(self, base: Array, target: Array, independent: float, direction: Array, most: float) -> None:
+    def __init__(
+        self,
+        base: Array,
+        target: Array,
+        independent: float,
+        direction: Array,
+        most: float,
+        parts: Index | None = None,
+    ) -> None:
         self._direction, self._most = direction, most
-        self._unshifted = Regression(base, target, independent)
+        self._unshifted = Regression(base, target, independent, parts)
         own = self._unshifted.project_out(direction[None])[0]
         size = float(own @ own)
         self._residual_and_own = np.column_stack([self._unshifted.residual, own])
@@ -121,6 +131,6 @@ def regression_of(
     delayed = problem.drive.model.delay is not None or (added is not None and any(p.delay for p in added.parameters))
     base = np.vstack([base, problem.sign_change[None]])
     if delayed:
-        return Regression(base, problem.target, problem.independent)
+        return Regression(base, problem.target, problem.independent, problem.repeats)
     direction, most = problem.torque_rate, FREE_SHIFT * problem.recording.interval
-    return ShiftedRegression(base, problem.target, problem.independent, direction, most)
+    return ShiftedRegression(base, problem.target, problem.independent, direction, most, problem.repeats)
