@@ -49,6 +49,8 @@ def test_shares(made: Made) -> None:
     assert share_explained(problem, total, total) == pytest.approx(0.0, abs=1e-12)
     assert share_explained(problem, total, 0.5 * (total + least)) == pytest.approx(0.5)
     assert share_explained(problem, total, least) == share_explained(problem, total, 0.0) == 1.0
+    assert share_explained(problem, 0.5 * least, 0.4 * least) == 1.0, "all of it lies under the floor"
+    assert share_explained(problem, 0.5 * least, 0.6 * least) == 0.0, "and what makes it worse explains nothing"
 
 
 def test_what_lies_under_the_floor_is_nobodys_to_explain(made: Made) -> None:

@@ -1,9 +1,10 @@
-"""A set of effects without those that the others have made superfluous."""
+"""A set of effects without those that the others have made superfluous, and without what has a place of its own."""
 
 from __future__ import annotations
 
 from dataclasses import replace
 from types import SimpleNamespace
+from typing import Any
 
 import pytest
 from tests.conftest import INERTIA, Made
@@ -13,6 +14,7 @@ from fricmodels.diagnosis.candidate_tests import CandidateTests, candidate_tests
 from fricmodels.diagnosis.effect_set import Member, columns_and_tangents, pruned
 from fricmodels.diagnosis.ladder import _Search
 from fricmodels.diagnosis.policy import POLICY
+from fricmodels.diagnosis.supported import Judgement, Support
 from fricmodels.diagnosis.verdict import LookAlikes
 
 
@@ -91,3 +93,21 @@ def test_an_effect_without_which_the_test_error_is_no_higher_leaves_the_ladder(
     assert search.prune()
     assert search.rungs[-1].model == "coulomb-viscous+gravity"
     assert search._added == ["gravity"]
+
+
+def test_what_is_there_by_itself_is_no_look_alike_of_another() -> None:
+    """A contact with a long way bends like a spring: it may stand for gravity, but not where it is there beside it."""
+
+    def tested(name: str) -> Any:
+        return SimpleNamespace(name=name)
+
+    gravity, stiffness, presliding = map(tested, ("gravity", "stiffness", "presliding"))
+    enough = Support(own_share=0.9, of_channel=float("inf"), torque=0.1, p_value=1e-9)
+    both = (
+        (LookAlikes(gravity, (gravity, stiffness, presliding)), enough),
+        (LookAlikes(presliding, (presliding,)), enough),
+    )
+    judgement = Judgement(both, (), (), 0.0, 0.0)
+    assert [one.names for one in judgement.supported(POLICY)] == [["gravity", "stiffness"], ["presliding"]]
+    small = both[0], (both[1][0], replace(enough, torque=0.0))
+    assert replace(judgement, members=small).supported(POLICY)[0].names == ["gravity", "stiffness", "presliding"]

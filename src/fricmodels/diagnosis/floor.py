@@ -52,7 +52,7 @@ def share_explained(problem: WeakFormProblem, before: float, left: float, policy
         policy: decides on the floor.
     """
     above = above_noise(problem, before, policy)
-    return (before - left) / above if above > before - left else 1.0
+    return (before - left) / above if above > max(before - left, 0.0) else 1.0 if before > left else 0.0
 
 
 def gain_above_noise(problem: WeakFormProblem, regression: Regression, evidence: Evidence, policy: Policy) -> float:
