@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 from tests.conftest import INERTIA, Made
 
-from fricmodels.diagnosis import compare, examine, ladder
+from fricmodels.diagnosis import compare, examine, improve, ladder
 from fricmodels.diagnosis.candidate_tests import CandidateTests, candidate_tests
 from fricmodels.diagnosis.effect_set import Member, columns_and_tangents, pruned
 from fricmodels.diagnosis.ladder import _Search
@@ -111,3 +111,29 @@ def test_what_is_there_by_itself_is_no_look_alike_of_another() -> None:
     assert [one.names for one in judgement.supported(POLICY)] == [["gravity", "stiffness"], ["presliding"]]
     small = both[0], (both[1][0], replace(enough, torque=0.0))
     assert replace(judgement, members=small).supported(POLICY)[0].names == ["gravity", "stiffness", "presliding"]
+
+
+def test_what_was_removed_and_found_again_is_listed_once(made: Made) -> None:
+    """Where it was found again."""
+    recording = made("coulomb-viscous+gravity+asymmetry", {"gravity.a": 0.5, "asymmetry.c": 0.2})
+    known = improve(recording, "coulomb-viscous", INERTIA)
+    small, first, second = known.rungs
+    detour = (small, second, replace(small, added="", removed=second.added), first, second)
+    again = replace(known, rungs=detour, steps=(known.steps[1], *known.steps))
+    assert [finding.tested.name for finding in ladder.added(again)] == [first.added, second.added]
+
+
+def test_what_the_last_step_makes_superfluous_leaves_the_ladder(made: Made, monkeypatch: pytest.MonkeyPatch) -> None:
+    recording = made("coulomb-viscous+gravity", {"gravity.a": 0.3, "gravity.b": 0.1}, noise=0.5)
+    diagnosis = examine(compare(recording, "coulomb-viscous", INERTIA))
+    alike = compare(recording, "coulomb-viscous+asymmetry", INERTIA)
+    both = compare(recording, "coulomb-viscous+asymmetry+gravity", INERTIA)
+    search = _Search(set(), set(), POLICY, diagnosis)
+    rungs = iter([[ladder.Rung(alike, added="asymmetry")], [ladder.Rung(both, added="gravity")]])
+    monkeypatch.setattr(_Search, "extend", lambda self: self.rungs.extend(next(rungs)))
+    monkeypatch.setattr(_Search, "exchange", lambda self: len(self.rungs) == 2)
+    monkeypatch.setattr(_Search, "simplify", lambda self: False)
+    monkeypatch.setattr(_Search, "diagnose", lambda self: None)
+    search.to_the_end()
+    assert search.rungs[-1].model == "coulomb-viscous+gravity"
+    assert search.rungs[-1].removed == "asymmetry"

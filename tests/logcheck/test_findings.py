@@ -157,6 +157,17 @@ def test_an_inertia_tells_units_that_the_motion_alone_cannot(factor):
     assert kinds(alone, INERTIA)["unit"] is STOP
 
 
+def test_an_inertia_tells_that_it_is_the_velocity_that_is_a_tenth_of_its_unit():
+    """A velocity in 0.1 rpm that is read in rpm; no unit that was given is proposed once more."""
+    columns = {"velocity": "velocity=606Ch:rpm", "position": "position=6064h:count/65536"}
+    tenfold = replace(changed(velocity=10 * CLEAN.velocity), provenance={"columns": columns})
+    found = [one for one in findings(tenfold, INERTIA) if one.severity is STOP]
+    assert [one.kind for one in found] == ["unit"]
+    assert "--column 'velocity=606Ch:0.1 rpm'" in found[0].remedy
+    assert kinds(tenfold) == {"velocity-scale": WARN}, "without an inertia it may be a gear"
+    assert kinds(changed(velocity=10 * CLEAN.velocity), 0.1 * INERTIA).get("unit") is not STOP
+
+
 @pytest.mark.parametrize(("period", "factor"), [(2 * np.pi, 4.0), (360.0, np.degrees(4.0)), (65536 * 0.001, 40.0)])
 def test_a_wrapped_position_goes_on(period, factor):
     position = factor * CLEAN["position"]

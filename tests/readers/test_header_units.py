@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 import pytest
 
@@ -52,6 +54,25 @@ def test_it_is_read_and_an_option_overrules_it(tmp_path):
     assert found.torque[0] == pytest.approx(1e-3)
     assert found.interval == pytest.approx(5e-3)
     assert read(path, columns=[*names, "velocity=Speed [rpm]:rad/s"]).velocity.max() == pytest.approx(60, rel=1e-3)
+
+
+@pytest.mark.parametrize("unit", ["cnt", "counts", "cnt/sec", "0.1%", "‰", "inc", "LSB", "p.u."])
+@pytest.mark.parametrize("channel", ["position", "velocity", "torque"])
+def test_counts_and_shares_have_no_size(unit, channel):
+    """A servo's scope writes them; taken for rad or N m every number would be wrong by orders of magnitude."""
+    with pytest.raises(InputError, match=re.escape(f"is in '{unit}', which has no size; say how much one is")):
+        stated_unit(f"Actual [{unit}]", channel)
+
+
+def test_the_way_out_of_counts_is_read(tmp_path):
+    path = log(tmp_path, "t [ms],tau [0.1%],pos [cnt]")
+    columns = ["time=t [ms]", "torque=tau [0.1%]", "position=pos [cnt]"]
+    with pytest.raises(InputError) as refused:
+        read(path, columns=columns)
+    assert "--column 'torque=tau [0.1%]:0.0024 N*m'" in str(refused.value)
+    found = read(path, columns=[columns[0], "torque=tau [0.1%]:0.0024 N*m", "position=pos [cnt]:count/4096"])
+    assert found.torque[0] == pytest.approx(0.0024)
+    assert found["position"].max() == pytest.approx(60 * 2 * np.pi / 4096, rel=1e-3)
 
 
 def test_a_voltage_is_no_torque(tmp_path):

@@ -118,7 +118,10 @@ class _Search:
         pruned, exchanged, simplified = self.prune(), self.exchange(), self.simplify()
         if pruned or exchanged or simplified:
             self.diagnose()
+            before = len(self.rungs)
             self.extend()
+            if len(self.rungs) > before and self.prune():  # what is new may do all that another one did
+                self.diagnose()
 
     def ladder(self, *, partial: bool = False) -> Ladder:
         """Return the rungs so far, with the diagnoses that led to them."""
@@ -373,14 +376,15 @@ def _rises(simpler: Comparison, comparison: Comparison, share: float) -> bool:
 def added(ladder: Ladder) -> list[Finding]:
     """Return the findings that the ladder added and kept, in order; where it kept none, what the first step found."""
     kept = {effect.name for effect in ladder.rungs[-1].comparison.drive.model.effects}
-    chosen = []
+    chosen: dict[str, Finding] = {}
     for step, rung in zip(ladder.steps, (rung for rung in ladder.rungs if rung.added), strict=True):
         first = step.findings[0]
         if rung.added not in kept:
             continue
+        chosen.pop(rung.added, None)  # what was removed and found again is there since then
         if rung.added == first.tested.name:
-            chosen.append(first)
+            chosen[rung.added] = first
             continue
         own = next(t for t in step.passing if t.name == rung.added)
-        chosen.append(Finding(own, (own.name,), ""))
-    return chosen or list(ladder.first.findings)
+        chosen[rung.added] = Finding(own, (own.name,), "")
+    return list(chosen.values()) or list(ladder.first.findings)

@@ -190,16 +190,38 @@ def _of_pair(log: Log, pair: tuple[str, str], found: Link, balance: Balance | No
             f"{says}, as between {either}",
             "give the unit, as in " + " ".join(options),
         )
-    thousand = (
-        ", as between milli and one" if any(abs(abs(math.log10(found.scale)) - n) < 0.005 for n in (3, 6)) else ""
-    )
     return Finding(
         "velocity-scale",
         Severity.WARN,
         rate,
-        f"{says}{thousand}; a gear between the two sensors does the same",
-        f"if it is a unit, give it, as in {log.option(rate, 'UNIT')}",
+        f"{says}{_as_between(found.scale)}; a gear between the two sensors does the same",
+        f"if it is a unit, give it, as in {as_scaled(log, rate, found.scale)}",
     )
+
+
+def decades(scale: float) -> int:
+    """Return of which power of ten a ratio is within a hundredth; 0 if of none."""
+    power = round(math.log10(scale))
+    return power if abs(scale / 10.0**power - 1.0) < _MATCHES else 0
+
+
+def _as_between(scale: float) -> str:
+    power = decades(scale)
+    return "" if not power else ", as between milli and one" if abs(power) in (3, 6) else ", a power of ten"
+
+
+def as_scaled(log: Log, rate: str, scale: float) -> str:
+    """Return the option that reads a rate so many times smaller: a tenth of its unit as ``0.1 rpm``, else ``UNIT``."""
+    power, unit = decades(scale), log.column(rate)[1]
+    return log.option(rate, f"{10.0**-power:g} {unit}" if power and unit and not unit[0].isdigit() else "UNIT")
+
+
+def velocity_scale(log: Log) -> float | None:
+    """Return how many times the change of the position the velocity is; ``None`` where it does not follow it."""
+    if not {"position", "velocity"} <= set(log.measured):
+        return None
+    found = link(log.short, log.short.recording["position"], log.short.recording["velocity"])
+    return found.scale if found is not None and found.correlation > _IS else None
 
 
 def _units(scale: float) -> list[tuple[str, str]]:

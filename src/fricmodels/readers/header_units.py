@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 
+from fricmodels.errors import InputError
 from fricmodels.readers import units
 
 _BRACKETS = re.compile(r"[\[(]\s*([^\[\]()]+?)\s*[\])]\s*$")
@@ -38,6 +39,16 @@ _SUFFIXES = {
 }
 """End of a column's name after an underscore → unit. Those of several letters may be in any case but for capitals that
 tell two units apart. Single letters that are often something else (``q_m`` of the motor, ``x_s``) are left out."""
+_SIZELESS = re.compile(
+    r"""[\d.,]*\s*(
+        (cnts?|counts?|incs?|increments?|ticks?|pulses?|steps?|lsb|digits?|raw|bits?)(\s*/\s*\w+)?
+        | %|‰|percent|per\s?mille?|permille?|p\.?u\.?
+    )""",
+    re.IGNORECASE | re.VERBOSE,
+)
+"""What a header calls a unit, and has no size that anybody could know."""
+_EXAMPLES = {"torque": "0.0024 N*m", "load_torque": "0.0024 N*m", "current": "0.0024 A", "position": "count/4096"}
+_OF_A_LENGTH = {"position": " for 4096 a turn, or 0.001 mm on a linear axis"}
 _NAMED_TORQUE = re.compile(r"(^|[_\W])(torque|tau|trq|tq|effort|force|moment)", re.IGNORECASE)
 
 
@@ -46,11 +57,22 @@ def stated_unit(column: str, channel: str) -> str | None:
 
     In brackets it may be any unit that is known; after an underscore, one of a list. What does not measure the channel
     is no unit of it, but for a voltage or a current in place of a torque: those it must not be taken for.
+
+    Raises:
+        InputError: where the brackets state counts or a share, whose size nobody can know.
     """
     found = _BRACKETS.search(column)
     if found is not None:
         written = found[1].replace("²", "^2").replace("·", "*").replace("°", "deg").replace("N m", "N*m")
-        return written if not written.isdigit() and _usable(written, channel) else None
+        if _usable(written, channel) and not written.isdigit():
+            return written
+        if _SIZELESS.fullmatch(written):
+            example = _EXAMPLES.get(channel, "0.001 " + ("s" if channel == "time" else "rad/s"))
+            raise InputError(
+                f"the column '{column}' is in '{found[1]}', which has no size; say how much one is, "
+                f"as in --column '{channel}={column}:{example}'{_OF_A_LENGTH.get(channel, '')}"
+            )
+        return None
     for end, unit in _SUFFIXES.items():
         tail = column[-len(end) :]
         if not column[: -len(end)].endswith("_") or (tail != end if end != end.lower() else tail.lower() != end):

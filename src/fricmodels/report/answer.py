@@ -203,11 +203,9 @@ def _remains(data: DiagnosisDocument) -> str:
         floor = data.noise_floor_percent
         if data.verdict == "adequate" or len(data.ladder) > 1:
             beyond = data.beyond_sampling_percent
-            why = (
-                "nothing predicts the rest."
-                if beyond is None
-                else f"all but {percent(beyond)} may be sampling: {SAMPLING}."
-            )
+            why = "nothing predicts the rest."
+            if beyond is not None and last is not None and beyond < last and percent(beyond) != percent(last):
+                why = f"all but {percent(beyond)} may be sampling: {SAMPLING}."
             noise = f"of which noise makes {of_noise(data)}"
             if _within_noise(data):
                 noise = f"no more than the {percent(floor)} that noise was estimated to leave"
