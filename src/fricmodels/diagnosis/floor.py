@@ -85,8 +85,9 @@ def is_far_above_noise(comparison: Comparison, policy: Policy = POLICY) -> bool:
 def is_noticed(comparison: Comparison, percent: float, policy: Policy = POLICY) -> bool:
     """Whether what could be predicted makes up a noticeable part of the error that users are shown.
 
-    Of an error that is no more than the noise was estimated to leave nothing is: what a channel predicts of it is the
-    noise itself, as that of the counts from which a drive derives its velocity.
+    Of an error that is no more than the noise was estimated to leave nothing is, where it was fitted and where it was
+    not: what a channel predicts of it is the noise itself, as that of the counts from which a drive derives its
+    velocity.
 
     Args:
         comparison: the fitted model.
@@ -95,7 +96,8 @@ def is_noticed(comparison: Comparison, percent: float, policy: Policy = POLICY) 
     """
     line = comparison.errors.headline
     whole = 0.5 * (line.percent**2 + line.held_out_percent**2)
-    return whole > line.noise_floor_percent**2 and percent**2 >= policy.noticed * whole
+    is_more = min(whole, line.held_out_percent**2) > line.noise_floor_percent**2
+    return is_more and percent**2 >= policy.noticed * whole
 
 
 def _is_far_above(percents: tuple[float, float], comparison: Comparison, policy: Policy) -> bool:

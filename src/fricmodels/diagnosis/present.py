@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 import textwrap
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -63,10 +63,7 @@ def show_comparison(console: Console, comparison: Comparison) -> None:
     drive = comparison.drive
     unit = "N m" if drive.motion is Motion.ROTARY else "N"
     _heading(console, f"{drive.model.name} on {comparison.train.name}")
-    say(
-        console,
-        f"{sampled(comparison)} {comparison.errors.in_words(unit)}",
-    )
+    say(console, f"{sampled(comparison)} {comparison.errors.in_words(unit)}")
     console.print()
     show_parameters(console, comparison)
     console.print()
@@ -115,18 +112,19 @@ def show_parameters(console: Console, comparison: Comparison, title: str = "Para
         Column("unit", tuple(units.get(key, "") for key in keys)),
     ]
     held = at_bound({p.key: p.declared for p in drive.parameters}, estimate.parameters)
-    remarks = tuple(_remark(key, held, estimate) for key in keys)
+    above_zero = {p.key for p in drive.parameters if p.declared.lower > 0.0}
+    remarks = tuple(_remark(key, held, above_zero, estimate) for key in keys)
     if any(remarks):
         columns.append(Column("remark", remarks))
     show_table(console, columns, title)
 
 
-def _remark(key: str, held: Sequence[str], estimate: Estimate) -> str:
+def _remark(key: str, held: Sequence[str], above_zero: Collection[str], estimate: Estimate) -> str:
     if key in held:
         return "at its bound"
     reason, error = estimate.not_identified.get(key, ""), estimate.standard_errors.get(key) or 0.0
     if "contains zero" in reason or abs(estimate.parameters[key]) < NORMAL_95 * error:
-        return _NO_OTHER
+        return "not identified" if key in above_zero else _NO_OTHER
     return "not identified" if reason else ""
 
 

@@ -88,9 +88,13 @@ def _power(value: float, digits: int) -> int:
 
 
 def value_text(value: float, error: float | None, without: int = MOST_FIGURES) -> str:
-    """Return a parameter in the figures that its standard error bears, or in so many without one."""
-    known = error is not None and math.isfinite(error) and error > 0
-    return figures(*borne(value, error)) if known and error is not None else figures(value, without)
+    """Return a parameter in the figures that its standard error bears, or in so many without one.
+
+    In one, where the error is larger than the value: 10000 ± 2e8 is not 0.
+    """
+    if error is None or not math.isfinite(error) or error <= 0:
+        return figures(value, without)
+    return figures(value, 1) if abs(value) < error else figures(*borne(value, error))
 
 
 def spread_text(error: float | None) -> str:
