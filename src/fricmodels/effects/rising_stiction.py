@@ -14,14 +14,17 @@ class RisingStiction(Effect):
 
     .. math:: \tau = F z \operatorname{sgn}\omega, \qquad \dot z = (1 - z)/T - |\omega| z/x_s
 
-    After rests that are all short against T, only F/T is to be told.
+    After rests that are all short against T, only F/T is to be told. At constant speed z = 1/(1 + |ω| T/x_s), and it
+    follows the speed late: a falling friction with a lag of the first order looks the same.
 
     Source: Rabinowicz (1958); rate and state friction, Dieterich (1979), Ruina (1983).
     """
 
     name = "rising-stiction"
     formula = "τ = F·z·sgn ω;  dz/dt = (1 − z)/T − |ω|·z/x_s"
-    signature = "a breakaway peak that grows with the time at rest"
+    signature = (
+        "a breakaway peak that grows with the time at rest; sliding, it falls with the speed and follows it late"
+    )
     needs_motion = "rests of different lengths"
     friction = True
     F = Parameter("F", unit="N m", lower=0.0, meaning="rise of the breakaway torque after a long rest")
