@@ -31,6 +31,8 @@ _POINTS = 1 << 14
 """Means over so many parts of all the time are correlated: fewer than rows are wide, and more than these are many."""
 _FEWEST = 8
 """Points of a period."""
+_DIGITS = 9
+"""Of a correlation: two that differ by less are the same one, on any processor."""
 
 
 @dataclass(frozen=True)
@@ -120,7 +122,7 @@ def _period(courses: list[_Course]) -> float | None:
     if not len(turned) or most < 2 * _FEWEST:
         return None
     begin = max(int(turned[0]), most // 2)
-    last = begin + int(np.argmax(correlation[begin:]))
+    last = begin + int(np.flatnonzero(correlation[begin:] == correlation[begin:].max())[-1])
     if correlation[last] < _REPEATS:
         return None
     for parts in range(last // max(int(turned[0]), _FEWEST), 0, -1):
@@ -144,7 +146,7 @@ def _correlation(courses: list[_Course], most: int) -> Array:
         late += irfft(np.conj(mask) * square, size)
     power = early * late
     found = np.divide(product, np.sqrt(np.maximum(power, 0.0)), out=np.zeros(size), where=power > 1e-18 * power[0])
-    return np.asarray(found[: most + 1])
+    return np.asarray(np.round(found[: most + 1], _DIGITS))
 
 
 def _folded(course: _Course, period: float) -> Array:
@@ -180,5 +182,5 @@ def _best_shift(profile: Array, other: Array, *, turning: bool) -> tuple[int, fl
     if not turning:
         return 0, float(one @ two) / size
     products = np.fft.irfft(np.conj(np.fft.rfft(one)) * np.fft.rfft(two), shared)
-    shift = int(np.argmax(products))
+    shift = int(np.argmax(np.round(products / size, _DIGITS)))
     return shift, float(products[shift]) / size
