@@ -86,7 +86,7 @@ def test_an_effect_without_which_the_test_error_is_no_higher_leaves_the_ladder(
     comparison = compare(recording, "coulomb-viscous+gravity+asymmetry", INERTIA)
     alone = compare(recording, "coulomb-viscous+gravity", INERTIA)
     assert alone.errors.held_out_percent <= comparison.errors.held_out_percent
-    sure = SimpleNamespace(gain=0.5, p_once=1e-9)
+    sure = SimpleNamespace(gain=0.5, p_value=1e-9)
     monkeypatch.setattr(ladder, "necessity", lambda comparison, name: sure)
     monkeypatch.setattr(ladder, "is_nothing", lambda comparison, name: False)
     search = _Search(set(), set(), POLICY, examine(comparison))
@@ -99,7 +99,7 @@ def test_what_is_there_by_itself_is_no_look_alike_of_another() -> None:
     """A contact with a long way bends like a spring: it may stand for gravity, but not where it is there beside it."""
 
     def tested(name: str) -> Any:
-        return SimpleNamespace(name=name)
+        return SimpleNamespace(name=name, once=1e-9)
 
     gravity, stiffness, presliding = map(tested, ("gravity", "stiffness", "presliding"))
     enough = Support(own_share=0.9, of_channel=float("inf"), torque=0.1, p_value=1e-9)
@@ -109,6 +109,9 @@ def test_what_is_there_by_itself_is_no_look_alike_of_another() -> None:
     )
     judgement = Judgement(both, (), (), 0.0, 0.0)
     assert [one.names for one in judgement.supported(POLICY)] == [["gravity", "stiffness"], ["presliding"]]
+    gravity.once = 0.5
+    assert [one.names for one in judgement.supported(POLICY)] == [["presliding"]], "it repeats, and shows but once"
+    gravity.once = 1e-9
     small = both[0], (both[1][0], replace(enough, torque=0.0))
     assert replace(judgement, members=small).supported(POLICY)[0].names == ["gravity", "stiffness", "presliding"]
 

@@ -35,8 +35,9 @@ class CandidateTest:
         effect: the candidate.
         found: its nonlinear parameters and columns.
         evidence: see :class:`fricmodels.weakform.regression.Evidence`.
-        p_value: what repeats counted once, corrected for the values tried within the effect; ``adjusted`` also for the
-            number of effects.
+        p_value: corrected for the values tried within the effect; ``adjusted`` also for the number of effects.
+        once: as ``adjusted``, with what repeats counted once, see :mod:`fricmodels.weakform.repeats`: what a name has
+            to pass besides.
     """
 
     effect: Effect
@@ -44,6 +45,7 @@ class CandidateTest:
     evidence: Evidence
     p_value: float
     adjusted: float = 1.0
+    once: float = 1.0
 
     @property
     def name(self) -> str:
@@ -148,8 +150,12 @@ def candidate_tests(
             else:
                 tested.append(outcome)
                 rival = max(rival, outcome.evidence.explained * total)
-    adjusted = corrected([t.p_value for t in tested])
-    ranked = [replace(t, adjusted=max(p, LEAST_P)) for t, p in zip(tested, adjusted.tolist(), strict=True)]
+    adjusted = corrected([t.p_value for t in tested]).tolist()
+    once = corrected([min(1.0, t.evidence.p_once * t.found.trials) for t in tested]).tolist()
+    ranked = [
+        replace(t, adjusted=max(p, LEAST_P), once=max(p_once, LEAST_P))
+        for t, p, p_once in zip(tested, adjusted, once, strict=True)
+    ]
     ranked.sort(key=lambda t: t.evidence.left)
     return CandidateTests(problem, regression, parameters, tuple(ranked), untested, policy)
 
@@ -275,7 +281,7 @@ def tested_at(regression: Regression, effect: Effect, found: NonlinearOptimum) -
     if not np.any(found.kept):  # it would need a coefficient beyond its physical bounds
         return CandidateTest(effect, found, no_evidence(regression), 1.0)
     evidence = _whole_shift(regression, found) if found.delay else regression.test(found.columns)
-    return CandidateTest(effect, found, evidence, min(1.0, evidence.p_once * found.trials))
+    return CandidateTest(effect, found, evidence, min(1.0, evidence.p_value * found.trials))
 
 
 def no_evidence(regression: Regression) -> Evidence:

@@ -131,7 +131,7 @@ def _candidates(diagnosis: Diagnosis) -> tuple[typed.Candidate, ...]:
     return tuple(
         typed.Candidate(
             name=tested.name,
-            p_value=tested.adjusted,
+            p_value=tested.once,
             share_of_residual=tested.evidence.explained,
             held_out_gain=tested.evidence.gain,
             gates=tested.name in passing,
@@ -161,7 +161,7 @@ def _effect(finding: Finding, motion: Motion) -> typed.Effect:
     return typed.Effect(
         name=tested.name,
         names=tuple(finding.names),
-        p_value=tested.adjusted,
+        p_value=tested.once,
         share_of_residual=tested.evidence.explained,
         held_out_gain=tested.evidence.gain,
         parameters=dict(tested.parameters),

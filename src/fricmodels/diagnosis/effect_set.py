@@ -253,7 +253,7 @@ def gain_of(result: CandidateTests, beside: Array, member: Member) -> Gain:
         return Gain(without, without, member.columns[:0], before, 0.0, 1.0)
     evidence = delayed.test(member.columns[visible], without)
     after = regression_of(result.problem, result.parameters, np.vstack([beside, member.columns]), member.effect)
-    return Gain(without, after, member.columns[visible], before, before - float(np.sum(after.loss)), evidence.p_once)
+    return Gain(without, after, member.columns[visible], before, before - float(np.sum(after.loss)), evidence.p_value)
 
 
 def passing_beside(

@@ -116,7 +116,7 @@ def sentence(finding: Finding, motion: Motion = Motion.ROTARY) -> str:
         f"'{tested.name}' is missing: {effect.physics} ({effect.formula}). Its mark in "
         f"the residual: {effect.signature}. It explains {share_text(tested.evidence.explained)} of the residual and "
         f"lowers it by {share_text(tested.evidence.gain)} on blocks that were not used for fitting (p "
-        f"{chance_in_words(tested.adjusted)} after correction for all effects tested).{_size(tested, motion)}"
+        f"{chance_in_words(tested.once)} after correction for all effects tested).{_size(tested, motion)}"
     )
     if len(finding.names) > 1:
         others = ", ".join(f"'{name}'" for name in finding.names[1:])

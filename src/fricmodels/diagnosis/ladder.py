@@ -249,7 +249,7 @@ class _Search:
             tested = {name: necessity(comparison, name) for name in left}
             order = sorted(tested, key=lambda name: tested[name].gain)
             weakest, printed = order[0], comparison.errors.held_out_percent
-            needed = tested[weakest].gain > policy.superfluous_gain and tested[weakest].p_once < policy.significance
+            needed = tested[weakest].gain > policy.superfluous_gain and tested[weakest].p_value < policy.significance
             if needed or _rises(self._without(comparison, weakest), comparison, policy.removal_loss):
                 # As on the way up: with every effect the printed test error falls, whatever the rows say.
                 idle = (name for name in order if self._without(comparison, name).errors.held_out_percent <= printed)

@@ -66,9 +66,9 @@ def _smallest(result: CandidateTests, tested: CandidateTest) -> Visibility:
         needed = gain_needed
     else:
         q = len(columns)
-        freedom = max(regression.terms - q + 1, 1)
+        freedom = max(regression.terms_once - q + 1, 1)
         level = policy.significance / (tested.found.trials * max(len(result.tested), 1))
-        critical = critical_f(max(level, LEAST_P), q, freedom) * regression.terms * q / freedom
+        critical = critical_f(max(level, LEAST_P), q, freedom) * regression.terms_once * q / freedom
         free = regression.project_out(columns)
         # A coefficient vector of Wald statistic equal to the critical one, along its least certain direction.
         spread, directions = np.linalg.eigh(tested.evidence.covariance)

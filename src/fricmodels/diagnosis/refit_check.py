@@ -69,7 +69,8 @@ def _led_by_fit(refits: Refits, named: LookAlikes, policy: Policy) -> LookAlikes
     tried = named.members[: policy.step_trials]
     if len(tried) == 1:
         return named
-    possible = [t for t in tried if refits.with_effect(t) is not None]
+    sure = [t for t in tried if t is named.first or t.once < policy.significance]
+    possible = [t for t in sure if refits.with_effect(t) is not None]
     if not possible:
         return named
     first, *others = possible

@@ -114,5 +114,5 @@ def _tested(rows: WeakFormProblem, regression: Regression, waves: Waves, leave_o
     # That there is a wave was tested once for all of them, on the samples, against all other waves; the rows tell
     # what it goes with.
     p_value = max(waves.lines[0].p_value, LEAST_P)
-    tested = [replace(t, p_value=p_value, adjusted=p_value) for t in tested]
+    tested = [replace(t, p_value=p_value, adjusted=p_value, once=p_value) for t in tested]
     return sorted(tested, key=lambda t: t.evidence.left)

@@ -88,7 +88,9 @@ class Judgement:
         return [LookAlikes(f.first, tuple(t for t in f.members if t is f.first or t.name not in firsts)) for f in there]
 
     def stands(self, tested: CandidateTest, policy: Policy) -> bool:
-        """Whether an effect of the set is there, however small in the rows."""
+        """Whether an effect of the set is there, however small in the rows; it shows with what repeats counted once."""
+        if tested.once >= policy.significance:
+            return False
         own = [support for found, support in self.members if found.first is tested]
         imitates = any(found.first is tested for found in self.one_cause)
         return bool(own) and own[0].suffices(policy) and not imitates

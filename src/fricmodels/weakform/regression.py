@@ -168,6 +168,7 @@ class Regression:
         # Rows that the base directions leave free are all there is to learn a variance from.
         self.terms = self._terms(independent, len(target))
         self._once = self._counted_once(parts)
+        self.terms_once = self._once[2] if self._once is not None else self.terms
         self.residual = self.project_out(target[None])[0]
         self._edges = np.linspace(0, len(target), FOLDS + 1).astype(int)
         self.loss = self.residual**2

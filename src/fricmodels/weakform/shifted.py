@@ -57,7 +57,12 @@ class ShiftedRegression(Regression):
         self._cases: dict[int, Regression] = {}
         self._case = self._case_of(self._shift)
         chosen = self._regression(self._case)
-        self.base, self.target, self.terms = chosen.base, chosen.target, chosen.terms
+        self.base, self.target, self.terms, self.terms_once = (
+            chosen.base,
+            chosen.target,
+            chosen.terms,
+            chosen.terms_once,
+        )
         self._basis, self._edges = chosen._basis, chosen._edges
         self.residual, self.loss = chosen.residual, chosen.loss
 
