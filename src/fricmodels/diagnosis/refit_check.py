@@ -69,12 +69,12 @@ def _led_by_fit(refits: Refits, named: LookAlikes, policy: Policy) -> LookAlikes
     tried = named.members[: policy.step_trials]
     if len(tried) == 1:
         return named
-    sure = [t for t in tried if t is named.first or t.once < policy.significance]
-    possible = [t for t in sure if refits.with_effect(t) is not None]
+    may_lead = [t for t in tried if t is named.first or t.once < policy.significance]
+    possible = [t for t in may_lead if refits.with_effect(t) is not None]
     if not possible:
         return named
     first, *others = possible
-    members = (*possible, *named.members[len(tried) :])
+    members = (*possible, *(t for t in tried if t not in may_lead), *named.members[len(tried) :])
     least = refits.test_error(first)
     for other in others:
         error, simple = refits.test_error(other), _parameters(other) <= _parameters(first)
