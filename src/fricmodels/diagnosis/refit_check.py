@@ -64,17 +64,18 @@ def _led_by_fit(refits: Refits, named: LookAlikes, policy: Policy) -> LookAlikes
     What explains the rows as well need not fit the record as well. The first in the rows gives way to one with no more
     parameters whose error is lower by the margin of an exchange, and to one with more whose error is far lower. What
     happened once gives way to what repeats with no more parameters and as low an error: that can be tested again. One
-    that comes out as nothing, or as a friction that drives, is no look-alike.
+    that comes out as nothing, or as a friction that drives, is no look-alike. One that does not show with what repeats
+    counted once stays in the class, behind the others.
     """
     tried = named.members[: policy.step_trials]
     if len(tried) == 1:
         return named
-    may_lead = [t for t in tried if t is named.first or t.once < policy.significance]
-    possible = [t for t in may_lead if refits.with_effect(t) is not None]
+    doubtful = [t for t in tried if t is not named.first and t.once >= policy.significance]
+    possible = [t for t in tried if t.name not in {d.name for d in doubtful} and refits.with_effect(t) is not None]
     if not possible:
         return named
     first, *others = possible
-    members = (*possible, *(t for t in tried if t not in may_lead), *named.members[len(tried) :])
+    members = (*possible, *doubtful, *named.members[len(tried) :])
     least = refits.test_error(first)
     for other in others:
         error, simple = refits.test_error(other), _parameters(other) <= _parameters(first)
