@@ -262,7 +262,7 @@ def _confirmed(
         return min(there, key=lambda one: refits.test_error(one.first))
     most = result.policy.far_worse**2 * float(np.sum(found.first.evidence.loss))
     near = [t for t in passing_all_gates(result) if t.name != found.first.name and np.sum(t.evidence.loss) <= most]
-    others = [t for t in near if t.once < result.policy.significance][: result.policy.step_trials - 1]
+    others = [t for t in near if t.once < result.policy.significance_once][: result.policy.step_trials - 1]
     helpful = [t for t in others if refits.lowers_test_error(t)]
     for tested in sorted(helpful, key=refits.test_error):
         best = LookAlikes(tested, (tested,))

@@ -70,7 +70,7 @@ def _led_by_fit(refits: Refits, named: LookAlikes, policy: Policy) -> LookAlikes
     tried = named.members[: policy.step_trials]
     if len(tried) == 1:
         return named
-    doubtful = [t for t in tried if t is not named.first and t.once >= policy.significance]
+    doubtful = [t for t in tried if t is not named.first and t.once >= policy.significance_once]
     possible = [t for t in tried if t.name not in {d.name for d in doubtful} and refits.with_effect(t) is not None]
     if not possible:
         return named

@@ -89,7 +89,7 @@ class Judgement:
 
     def stands(self, tested: CandidateTest, policy: Policy) -> bool:
         """Whether an effect of the set is there, however small in the rows; it shows with what repeats counted once."""
-        if tested.once >= policy.significance:
+        if tested.once >= policy.significance_once:
             return False
         own = [support for found, support in self.members if found.first is tested]
         imitates = any(found.first is tested for found in self.one_cause)
