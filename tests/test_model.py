@@ -92,7 +92,7 @@ def test_what_shapes_the_memory_is_nonlinear_and_what_scales_it_is_linear() -> N
     assert (contact["presliding.F_1"], contact["presliding.x_s"]) == (True, False)
     lag = linear("coulomb-viscous+frictional-lag")
     assert (lag["frictional-lag.F_s"], lag["frictional-lag.K"]) == (True, True)
-    assert (lag["frictional-lag.omega_s"], lag["frictional-lag.T"]) == (False, False)
+    assert [lag[f"frictional-lag.{symbol}"] for symbol in ("omega_s", "T", "r")] == [False] * 3
 
 
 def test_adding_an_effect_changes_nothing_in_the_others() -> None:

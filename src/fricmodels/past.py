@@ -35,3 +35,18 @@ class Past:
             own = slice(begin, end)
             there[own] = np.interp(time[own] - duration, time[own], values[own])
         return there
+
+    def followed(self, values: Array, time_constant: float) -> Array:
+        """Return what follows values, shape (N,), with a lag of the first order; at the beginning of a run it is there.
+
+        Between samples the values change linearly.
+        """
+        from fricmodels.kernels.recursion import first_order_lag
+
+        if time_constant <= 0.0:
+            return values
+        found = np.empty(len(values))
+        for begin, end in itertools.pairwise(self._edges):
+            own = slice(begin, end)
+            first_order_lag(values[own], self._time[own], time_constant, found[own])
+        return found

@@ -302,9 +302,8 @@ def test_two_effects_are_both_there(made: Made) -> None:
 @pytest.mark.parametrize("samples", [10, pytest.param(20, marks=pytest.mark.long)])
 def test_friction_that_lags_is_no_wrong_inertia(made: Made, samples: int) -> None:
     """To first order it is an inertia that depends on speed, and only at some speeds it is there."""
-    falling = {"stribeck.F_s": 3.0, "stribeck.omega_s": 1.0, "stribeck.delta": 1.0}
-    lagging = {"frictional-lag.F_s": 3.0, "frictional-lag.omega_s": 1.0, "frictional-lag.T": samples * 2e-3}
-    recording = made("coulomb-viscous+stribeck+frictional-lag", falling | lagging)
+    lagging = {"F_s": 3.0, "omega_s": 1.0, "T": samples * 2e-3, "r": 0.0}
+    recording = made("coulomb-viscous+frictional-lag", {f"frictional-lag.{key}": x for key, x in lagging.items()})
     comparison = compare(recording, "coulomb-viscous+stribeck", 2.0)
     assert examine(comparison).findings[0].names == ("frictional-lag",)
     result = candidate_tests(replace(comparison.problem), comparison.estimate.parameters, only=["inertia-error"])

@@ -184,11 +184,12 @@ def test_a_longer_rest_gives_a_higher_breakaway() -> None:
     np.testing.assert_allclose(peaks, 2 * (1 - np.exp(-rests / T)), rtol=2e-3)
 
 
-def test_lag_vanishes_at_constant_speed() -> None:
+@pytest.mark.parametrize("r", [0.0, 0.5, 1.0])
+def test_at_constant_speed_friction_that_lags_is_that_of_the_speed(r: float) -> None:
     time = np.linspace(0, 1, 5001)
     part = recorded(5001, time=time, velocity=np.full(5001, -2.0))
-    found = torque("frictional-lag", {"F_s": 2.0, "K": 3.0, "omega_s": 1.0, "T": 0.01}, part)
-    assert np.max(np.abs(found[time > 0.2])) < 1e-6
+    found = torque("frictional-lag", {"F_s": 2.0, "K": 3.0, "omega_s": 1.0, "T": 0.01, "r": r}, part)
+    np.testing.assert_allclose(found, -2 * np.exp(-2), rtol=1e-12)
 
 
 def test_a_compliant_joint_far_below_its_resonance_is_rigid() -> None:

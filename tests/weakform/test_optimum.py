@@ -31,6 +31,6 @@ def test_another_step_moves_nothing(effect: str, seed: int) -> None:
     errors = np.array([found.standard_errors[key] for key in drive.keys])
     free = errors > 0.0
     for i, (p, value) in enumerate(zip(drive.parameters, found.values.tolist(), strict=True)):
-        free[i] &= p.declared.lower < value < p.declared.upper and p.at_least is None
+        free[i] &= p.declared.lower < value + step[i] < p.declared.upper and p.at_least is None
     assert free.sum() > 2
     assert np.max(np.abs(step[free]) / errors[free]) < FROM_THE_END

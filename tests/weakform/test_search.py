@@ -179,9 +179,8 @@ def test_no_length_is_longer_than_the_travel(made: Made) -> None:
 @pytest.mark.parametrize("samples", [0.7, 30.0])
 def test_no_duration_is_shorter_than_two_samples(made: Made, samples: float) -> None:
     """Sampling alone delays friction by part of a sample: a lag of that size explains nothing."""
-    falling = {"stribeck.F_s": 4.0, "stribeck.omega_s": 0.3, "stribeck.delta": 1.0}
-    lagging = {"frictional-lag.F_s": 4.0, "frictional-lag.omega_s": 0.3, "frictional-lag.T": samples * 2e-3}
-    recording = made("coulomb-viscous+stribeck+frictional-lag", falling | lagging)
+    lagging = {"F_s": 4.0, "omega_s": 0.3, "T": samples * 2e-3, "r": 0.0}
+    recording = made("coulomb-viscous+frictional-lag", {f"frictional-lag.{key}": x for key, x in lagging.items()})
     problem, found = estimate(Drive(Model.parse("coulomb-viscous+stribeck"), 2.0), recording)
     (tested,) = candidate_tests(problem, found.parameters, only=["frictional-lag"]).tested
     assert tested.parameters["T"] >= 2.0 * recording.interval * (1 - 1e-9)
@@ -366,16 +365,17 @@ def test_the_end_of_a_parameter(parameter: Parameter, value: float, spacing: flo
     assert is_at_an_end([parameter], (value,), [spacing]) is ended
 
 
-@pytest.mark.parametrize("symbol", ["omega_s", "T"])
+@pytest.mark.parametrize("symbol", ["omega_s", "T", "r"])
 @pytest.mark.parametrize("end", ["lower", "upper"])
 def test_friction_that_lags_is_doubtful_at_the_end_of_its_delay_only(made: Made, symbol: str, end: str) -> None:
-    """At either end of its speed the falling part is nothing; the viscous part may lag all the same."""
+    """At either end of its speed the falling part is nothing, and the viscous part may lag all the same; either end of
+    its share is a lag of one kind."""
     problem, _ = estimate(Drive(Model.parse("coulomb-viscous"), 2.0), made())
     effect = load().effects["frictional-lag"]()
     bounded = {p.symbol: within_recording(problem, p) for p in effect.parameters}
-    nonlinear = [bounded["omega_s"], bounded["T"]]
+    nonlinear = [bounded["omega_s"], bounded["T"], bounded["r"]]
     point = tuple(getattr(p, end) if p.symbol == symbol else math.sqrt(p.lower * p.upper) for p in nonlinear)
-    assert is_at_an_end(nonlinear, point, [3.0, 2.0]) is (symbol == "T")
+    assert is_at_an_end(nonlinear, point, [3.0, 2.0, 2.0]) is (symbol == "T")
 
 
 @pytest.mark.parametrize("instant", [31.0, 37.0, 45.0])

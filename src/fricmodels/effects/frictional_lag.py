@@ -1,4 +1,4 @@
-"""Friction that follows velocity with a delay."""
+"""Friction that follows the speed late."""
 
 from __future__ import annotations
 
@@ -16,27 +16,37 @@ from fricmodels.term import Effect, Parameters, Signals
 if TYPE_CHECKING:
     from fricmodels.past import Past
 
+_SHORTEST = 1e-3
+"""Neither part of the lag is shorter than this share of it where rates are integrated: they would become infinite."""
+
 
 class FrictionalLag(Effect):
-    r"""Friction that follows the speed with a delay, as a lubricant film takes time to form (frictional memory).
+    r"""Friction that falls with the speed and follows it late, as a lubricant film takes time to form.
 
     .. math::
-        \tau = [F_s\,(e^{-u/\omega_s} - e^{-|\omega|/\omega_s}) + K\,(u - |\omega|)]\operatorname{sgn}\omega,
-        \qquad u(t) \approx |\omega(t - T)|
+        \tau = [F_s\,e^{-u/\omega_s} + K\,(u - |\omega|)]\operatorname{sgn}\omega, \qquad
+        r T \dot u(t) = |\omega(t - (1 - r) T)| - u(t)
 
-    It takes the falling and the viscous part of a law's friction away at the present speed and puts them back at the
-    speed u of a time T ago; at constant speed it is zero. A recording holds that speed. To a filter or a simulation the
-    delay is Padé's of second order,
+    T is the mean lag. A share r of it is a lag of the first order, the rest a delay: r = 0 is the pure delay that Hess
+    and Soom measured, r = 1 the film that settles exponentially. All of the falling part lags: beside a law that has
+    one by itself, the F_s of the law goes to zero. At constant speed it is the falling friction of a law, without δ.
 
-    .. math:: \dot x = v, \quad \dot v = |\omega| - 6v/T - 12x/T^2, \quad u = \max(|\omega| - 12v/T,\ 0).
+    A recording holds the speed of a while ago, and u follows it exactly, as if it changed linearly between samples. To
+    a filter or a simulation the delay D = (1 − r) T is Padé's of second order,
 
-    Source: Hess and Soom (1990), a pure time lag; Armstrong-Hélouvry, Dupont and Canudas de Wit (1994), section 2.1.
+    .. math::
+        \dot x = v, \quad \dot v = |\omega| - 6v/D - 12x/D^2, \quad
+        |\omega(t - D)| \approx \max(|\omega| - 12v/D,\ 0).
+
+    Source: Hess and Soom (1990), a pure delay; Armstrong-Hélouvry, Dupont and Canudas de Wit (1994), section 2.1; a
+    lag of the first order is the film of Harnoy and Friedland (1994).
     """
 
     name = "frictional-lag"
-    formula = "τ = [F_s·(exp(−u/ω_s) − exp(−|ω|/ω_s)) + K·(u − |ω|)]·sgn ω;  u(t) = |ω(t − T)|"
+    formula = "τ = [F_s·exp(−u/ω_s) + K·(u − |ω|)]·sgn ω;  r·T·du/dt = |ω(t − (1 − r)·T)| − u"
     signature = "a loop in velocity: friction differs between speeding up and slowing down"
     needs_motion = "slow, accelerated motion"
+    friction = True
     separated_from = {
         "inertia-error": SEVERAL_FREQUENCIES,
         **dict.fromkeys(("stribeck", "rising-stiction"), SLOW_REVERSALS),
@@ -59,26 +69,42 @@ class FrictionalLag(Effect):
         unit="s",
         initial=1e-3,
         lower=1e-9,
-        meaning="delay",
+        meaning="mean lag",
         own_time=True,
         scan=(0.0001, 0.0002, 0.0004, 0.0007, 0.0013, 0.0025, 0.005, 0.009, 0.017, 0.03),
     )
+    r = Parameter(
+        "r",
+        initial=0.5,
+        lower=0.0,
+        upper=1.0,
+        meaning="share of the lag that is of the first order, the rest being a delay",
+        scan=(0.5,),
+        doubtful_ends=(),
+    )
     x = State("x", unit="rad s", meaning="state of the delay")
     v = State("v", unit="rad", meaning="state of the delay")
+    u = State("u", unit="rad/s", meaning="speed that friction follows")
 
     def torque(self, s: Signals, p: Parameters) -> Expression:
-        """Return the friction at the speed of a time T ago less that at the present speed."""
-        speed = absolute(s.velocity)
-        followed = maximum(speed - 12 * s.v / p.T, 0)
-        falling = exp(-followed / p.omega_s) - exp(-speed / p.omega_s)
-        return (p.F_s * falling + p.K * (followed - speed)) * sign(s.velocity)
+        """Return the friction at the speed that is followed, its viscous part less that at the present speed."""
+        return (p.F_s * exp(-s.u / p.omega_s) + p.K * (s.u - absolute(s.velocity))) * sign(s.velocity)
 
     def rates(self, s: Signals, p: Parameters) -> Mapping[str, Expression]:
-        """Return the rates of the delay's states."""
-        return {"x": s.v, "v": absolute(s.velocity) - 6 * s.v / p.T - 12 * s.x / p.T**2}
+        """Return the rates of the delay's states and of the speed that is followed."""
+        delay, constant = p.T * maximum(1 - p.r, _SHORTEST), p.T * maximum(p.r, _SHORTEST)
+        speed = absolute(s.velocity)
+        delayed = maximum(speed - 12 * s.v / delay, 0)
+        return {"x": s.v, "v": speed - 6 * s.v / delay - 12 * s.x / delay**2, "u": (delayed - s.u) / constant}
+
+    def first_states(self, s: Signals, p: Parameters) -> Mapping[str, Expression]:
+        """Return the states of a speed that has long been what it is."""
+        delay, speed = p.T * maximum(1 - p.r, _SHORTEST), absolute(s.velocity)
+        return {"x": speed * delay**2 / 12, "u": speed}
 
     def states_from_recording(self, past: Past, parameters: Mapping[str, float]) -> Mapping[str, Array]:
-        """Return the states at which u is the speed that was recorded a time T ago."""
-        duration = parameters["T"]
-        now, then = np.abs(past.now("velocity")), np.abs(past.ago("velocity", duration))
-        return {"x": np.zeros(len(now)), "v": duration / 12 * (now - then)}
+        """Return the states at which u follows the speed that was recorded."""
+        delay = (1 - parameters["r"]) * parameters["T"]
+        now, then = np.abs(past.now("velocity")), np.abs(past.ago("velocity", delay))
+        followed = past.followed(then, parameters["r"] * parameters["T"])
+        return {"x": now * 0.0, "v": delay / 12 * (now - then), "u": followed}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 from numba import njit
@@ -21,6 +22,28 @@ def first_order(series: Any, gain: float, factor: float, first: float, found: An
     for k in range(len(series)):
         last = gain * series[k] + factor * last
         found[k] = last
+
+
+@njit(cache=True, nogil=True)
+def first_order_lag(series: Any, time: Any, time_constant: float, found: Any) -> None:
+    r"""Write what follows x with a lag of the first order, T dy/dt = x − y, from y = x on.
+
+    Between samples x changes linearly, for which a step of length h is exact: with a = exp(−h/T) and b = (1 − a) T/h,
+    y[k + 1] = a y[k] + (b − a) x[k] + (1 − b) x[k + 1].
+
+    Args:
+        series, time: x and when it was, shape (N,).
+        time_constant: T.
+        found: y, to be written, shape (N,).
+    """
+    last = series[0]
+    found[0] = last
+    for k in range(len(series) - 1):
+        share = (time[k + 1] - time[k]) / time_constant
+        left = math.exp(-share)
+        linear = (1.0 - left) / share
+        last = left * last + (linear - left) * series[k] + (1.0 - linear) * series[k + 1]
+        found[k + 1] = last
 
 
 @njit(cache=True, nogil=True)

@@ -29,7 +29,7 @@ _SHIFTS = (FREE_SHIFT, 1, 2, 3, 5, 8, 12, 18, 27, 40)
 """Delays that are tried first, in samples."""
 _STARTS, _FEW = 4, 2
 """Where there is more than one nonlinear parameter there may be several summits: so many starts are tried. More than a
-few are sought together."""
+few are sought together; one of which a single value is tried first, as a shape, makes no further summit."""
 _FIRST_ROUNDS = 3
 """Rounds of a coordinate search from every start; the best of them goes on."""
 _HOPELESS, _NEAR = 0.05, 0.5
@@ -79,7 +79,8 @@ def search(
         return candidate.found(starts[0], trials) if candidate.is_visible(starts[0]) else None
     worth = max(_HOPELESS * float(regression.residual @ regression.residual), _NEAR * rival)
     bounds = [(p.lower, p.upper) for p in nonlinear]
-    best = _summit(value, starts, bounds, spacing, worth)
+    together = sum(len(p.scan) > 1 for p in nonlinear) > _FEW
+    best = _summit(value, starts, bounds, spacing, worth, together)
     if any(p.periodic for p in nonlinear):
         best = _fundamental(value, best, nonlinear, bounds, spacing)
     at_search_bound = bool(effect.states) and is_at_an_end(nonlinear, best, spacing)
@@ -92,9 +93,10 @@ def _summit(
     bounds: Sequence[tuple[float, float]],
     spacing: Sequence[float],
     worth: float,
+    together: bool = False,
 ) -> Point:
     """Return where most is explained; ``starts`` are the most hopeful first, ``worth`` is what it must come near."""
-    if len(bounds) > _FEW:
+    if together:
         best = multistart_nelder_mead(value, starts, bounds, spacing, worth)
         if value(best) < worth:  # it was given up
             return best
