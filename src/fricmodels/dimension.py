@@ -78,6 +78,7 @@ DIMENSIONLESS = Dimension()
 VELOCITY = DISPLACEMENT * TIME**-1
 ACCELERATION = VELOCITY * TIME**-1
 INERTIA = FORCE * ACCELERATION**-1
+VISCOUS = FORCE * VELOCITY**-1
 
 _TOKEN = re.compile(r"\s*(?:(?P<symbol>[A-Za-zµ°]+)(?:\^(?P<exp>\(?-?\d+(?:/\d+|\.\d+)?\)?))?|(?P<one>1)|(?P<slash>/))")
 

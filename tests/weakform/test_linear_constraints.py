@@ -52,3 +52,17 @@ def test_a_part_of_a_drive_has_no_more_inertia_than_all_of_it() -> None:
         whole = {"J": 1.0} if inertia is None else {}
         assert found == [({**whole, "joint-compliance.J_l": -1.0}, -(inertia or 0.0))]
         assert not any(row[keys.index("inertia-error.dJ")] < 0 for row in rows)
+
+
+def test_friction_that_lags_has_no_more_of_what_is_viscous_than_the_law_in_either_direction() -> None:
+    """(K_v − K) |ω| is left of the law's: with less than nothing it would drive."""
+    for law, coefficients in (("coulomb-viscous", ["K_v"]), ("asymmetric-coulomb-viscous", ["K_v1", "K_v2"])):
+        linear = [p for p in Drive(Model.parse(f"{law}+frictional-lag"), 2.0).parameters if p.linear]
+        keys = [p.key for p in linear]
+        rows, limits = linear_constraints(linear, inertia=2.0)
+        found = [
+            {key: weight for key, weight in zip(keys, row, strict=True) if weight}
+            for row, limit in zip(rows, limits, strict=True)
+            if row[keys.index("frictional-lag.K")] < 0 and limit == 0.0
+        ]
+        assert found == [{key: 1.0, "frictional-lag.K": -1.0} for key in coefficients]

@@ -65,7 +65,7 @@ def _led_by_fit(refits: Refits, named: LookAlikes, policy: Policy) -> LookAlikes
     parameters whose error is lower by the margin of an exchange, and to one with more whose error is far lower. What
     happened once gives way to what repeats with no more parameters and as low an error: that can be tested again. One
     that comes out as nothing, or as a friction that drives, is no look-alike. One that does not show with what repeats
-    counted once stays in the class, behind the others.
+    counted once stays in the class, behind the others; what is at its search bound does not come before what is not.
     """
     tried = named.members[: policy.step_trials]
     if len(tried) == 1:
@@ -78,6 +78,8 @@ def _led_by_fit(refits: Refits, named: LookAlikes, policy: Policy) -> LookAlikes
     members = (*possible, *doubtful, *named.members[len(tried) :])
     least = refits.test_error(first)
     for other in others:
+        if other.found.at_search_bound and not first.found.at_search_bound:
+            continue
         error, simple = refits.test_error(other), _parameters(other) <= _parameters(first)
         repeats = simple and first.effect.depends_on_time and not other.effect.depends_on_time
         margin = 1 + policy.exchange_margin if repeats else 1 - policy.exchange_margin if simple else policy.refit_share

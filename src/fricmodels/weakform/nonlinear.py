@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from fricmodels.dimension import FORCE, INERTIA
+from fricmodels.dimension import FORCE, INERTIA, VISCOUS
 from fricmodels.drive import Drive, DriveParameter
 from fricmodels.errors import InputError, suggestion
 from fricmodels.recording import Recording
@@ -50,7 +50,7 @@ def linear_constraints(
 
     A stick torque, which is at least the slip torque, is no larger than what has pushed the drive out of rest. Else,
     where hardly a sample is slow enough to see it, it could be anything. A part of the drive has no more inertia than
-    all of it.
+    all of it, and no more viscous friction than its law, in either direction: what is left of that does not drive.
 
     Args:
         parameters: the linear ones.
@@ -60,6 +60,7 @@ def linear_constraints(
     """
     keys = [p.key for p in parameters]
     whole = [i for i, p in enumerate(parameters) if p.dimension == INERTIA and "." not in p.key]
+    viscous = [i for i, p in enumerate(parameters) if p.dimension == VISCOUS and "." not in p.key]
     rows, limits = [], []
     for i, p in enumerate(parameters):
         row = np.zeros(len(keys))
@@ -80,6 +81,12 @@ def linear_constraints(
             least[whole] = 1.0
             rows.append(least)
             limits.append(-(inertia or 0.0))
+        if p.declared.part_of_drive and p.dimension == VISCOUS:
+            for j in viscous:
+                least = -row
+                least[j] = 1.0
+                rows.append(least)
+                limits.append(0.0)
         if bounded_by_another:
             row = row.copy()
             row[keys.index(str(p.at_least))] = -1.0
