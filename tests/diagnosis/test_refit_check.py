@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -16,7 +18,7 @@ from fricmodels.diagnosis.comparison import Comparison, compare, with_effect
 from fricmodels.diagnosis.floor import beyond_sampling_percent
 from fricmodels.diagnosis.policy import POLICY
 from fricmodels.diagnosis.refit_check import _falls_far, _helps, _led_by_fit, _share_in_rows, refit_check
-from fricmodels.diagnosis.refits import Refits
+from fricmodels.diagnosis.refits import Refits, falls_from
 from fricmodels.diagnosis.verdict import LookAlikes, passing_all_gates, select_effect, significant, torque_share
 from fricmodels.effects.presliding import Presliding
 from fricmodels.recording import Recording
@@ -302,3 +304,20 @@ def test_what_happened_once_gives_way_to_what_repeats_and_fits_as_well(made: Mad
     assert led(made, {"torque-offset.tau_0": 0.4}, "step-change", "torque-offset")[0] == "torque-offset"
     once = {"step-change.c": 0.5, "step-change.t_0": 7.0}
     assert led(made, once, "step-change", "torque-offset")[0] == "step-change"
+
+
+@pytest.mark.parametrize(
+    ("decisions", "printed", "falls"),
+    [(6.05, 1.81, True), (6.05, 5.7, False), (12.0, 3.5, False), (5.8, 5.9, True), (5.8, 6.1, False), (0.0, 0.0, True)],
+)
+def test_the_printed_error_must_fall_by_more_than_that_of_the_decisions_rises(
+    decisions: float, printed: float, falls: bool
+) -> None:
+    """An impact shows in the balance of momentum only: from 5.82 and 6.01 % a backlash came to 6.05 and 1.81 %."""
+
+    def comparison(sliding: float, headline: float) -> Any:
+        bands = [SimpleNamespace(held_out_percent=headline)]
+        errors = SimpleNamespace(held_out_percent=headline, bands=bands)
+        return SimpleNamespace(sliding=SimpleNamespace(held_out_percent=sliding), errors=errors)
+
+    assert falls_from(comparison(5.82, 6.01), comparison(decisions, printed), POLICY) is falls

@@ -162,6 +162,10 @@ def test_an_answer_without_effects_says_what_it_can() -> None:
     assert adequate.tone == "good"
     assert "14 of these were called adequate" in adequate.sure
     assert adequate.next.startswith("Use the model")
+    seen = answer(data(verdict="adequate", effects=[], ladder=[step("coulomb-viscous", 3.3)], unknown=unknown))
+    assert "nothing that could be predicted" not in seen.sentence
+    assert "too small a part of the error to be noticed" in seen.sentence
+    assert "Position predicts a small part of the error, and not by chance" in seen.sure
 
 
 def test_a_step_that_raises_the_test_error_is_not_said_to_lower_it() -> None:

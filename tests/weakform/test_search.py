@@ -176,6 +176,9 @@ def test_no_length_is_longer_than_the_travel(made: Made) -> None:
         assert 0 < tested.parameters[lengths[tested.name]] <= np.ptp(recording["position"])
 
 
+HEAVY = {"inertia-error.dJ": 0.3}
+
+
 @pytest.mark.parametrize("samples", [0.7, 30.0])
 def test_no_duration_is_shorter_than_two_samples(made: Made, samples: float) -> None:
     """Sampling alone delays friction by part of a sample: a lag of that size explains nothing."""
@@ -189,6 +192,13 @@ def test_no_duration_is_shorter_than_two_samples(made: Made, samples: float) -> 
         assert tested.parameters["T"] == pytest.approx(samples * recording.interval, rel=0.1)
     else:
         assert tested.evidence.explained < 0.05 or tested.found.at_search_bound
+
+
+def test_no_more_viscous_friction_lags_than_the_law_has(made: Made) -> None:
+    """In the search as in a fit: a lag of more is a wrong inertia in disguise, which no fit could then have."""
+    problem, found = estimate(Drive(Model.parse("coulomb-viscous"), 2.0), made("coulomb-viscous+inertia-error", HEAVY))
+    (tested,) = candidate_tests(problem, found.parameters, only=["frictional-lag"]).tested
+    assert tested.parameters["K"] <= found.parameters["K_v"] * (1 + 1e-9)
 
 
 @pytest.mark.parametrize(("lower", "instant"), [(-np.inf, True), (0.0, True), (0.0, False), (-1.0, False)])

@@ -43,10 +43,15 @@ def explain(diagnosis: Diagnosis, ladder: Ladder | None = None) -> str:
     )
     parts = [opening]
     if diagnosis.verdict == "adequate":
-        parts.append(
+        left = (
             f"Nothing that could be predicted and comes to {100 * diagnosis.policy.least_torque:.2g} % of the torque "
-            "is left in the residual: the model is adequate for this recording. This does not exclude effects that the "
-            "recording could not have shown."
+            "is left in the residual"
+            if diagnosis.view is None
+            else "What could be predicted of it is too small a part to be noticed"
+        )
+        parts.append(
+            f"{left}: the model is adequate for this recording. This does not exclude effects that the recording could "
+            "not have shown."
             if diagnosis.noise is None
             else f"What is left lasts for a while, but no recorded channel predicts it and its size goes with nothing: "
             f"{diagnosis.noise}. No effect can be added for it; the model is adequate for this recording."

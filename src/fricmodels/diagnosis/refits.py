@@ -92,12 +92,13 @@ class Refits:
 def falls_from(here: Comparison, other: Comparison, policy: Policy) -> bool:
     """Whether the test error falls from a model to another: that of the decisions, and that of some printed window.
 
-    What rings fast shows in single samples, what is slow in wide windows. Where the error of the decisions is as good
-    as before, since its window averages a ring away, the printed one must fall far.
+    What rings fast shows in single samples, what is slow in wide windows, and an impact, which no difference of
+    velocities tells, in the balance of momentum only. Where the error of the decisions rises, the printed one must fall
+    far, and by as much more.
     """
     if other.sliding.held_out_percent >= here.sliding.held_out_percent:
-        as_good = other.sliding.held_out_percent <= policy.window_may_rise * here.sliding.held_out_percent
-        return as_good and other.errors.held_out_percent <= policy.refit_share * here.errors.held_out_percent
+        both = [c.sliding.held_out_percent * c.errors.held_out_percent for c in (here, other)]
+        return both[1] <= policy.refit_share * both[0]
     pairs = zip(other.errors.bands, here.errors.bands, strict=True)
     return any(after.held_out_percent < before.held_out_percent for after, before in pairs)
 

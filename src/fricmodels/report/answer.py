@@ -84,6 +84,9 @@ def tone(data: DiagnosisDocument) -> Tone:
 def _sentence(data: DiagnosisDocument) -> str:
     model = data.model
     if data.verdict == "adequate":
+        if data.unknown is not None:
+            small_part = "what could be predicted is too small a part of the error to be noticed"
+            return f"The model {model} is adequate: {small_part}."
         return f"The model {model} is adequate: nothing that could be predicted is left."
     if data.verdict == "unknown-effect":
         return f"Something is missing from the model {model} that no known effect explains."
@@ -172,10 +175,9 @@ def sure(data: DiagnosisDocument) -> str:
         most = _equals(small(least)) if len(data.effects) == 1 or _least(least) else f"is at most {small(least)}"
         parts.append(f"p {most}{whom}, corrected for all effects tested.")
     elif data.unknown is not None:
-        chance = small(data.unknown.p_value)
-        parts.append(
-            f"{_upper(predictor(data.unknown.channels))} predicts the error, and not by chance: p {_equals(chance)}."
-        )
+        chance, channel = small(data.unknown.p_value), _upper(predictor(data.unknown.channels))
+        what = "the error" if data.verdict == "unknown-effect" else "a small part of the error"
+        parts.append(f"{channel} predicts {what}, and not by chance: p {_equals(chance)}.")
     known = [RECORDS[data.verdict]] if data.verdict in RECORDS else []
     if data.effects and any(finding.kind == "one-frequency" for finding in data.recording.findings):
         known.append(ONE_SINE)

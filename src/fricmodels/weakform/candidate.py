@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from fricmodels.dimension import DIMENSIONLESS, DISPLACEMENT, FORCE, INERTIA
+from fricmodels.dimension import DIMENSIONLESS, DISPLACEMENT, FORCE, INERTIA, VISCOUS
 from fricmodels.drive import Drive
 from fricmodels.parameter import Parameter
 from fricmodels.term import Effect
@@ -115,11 +115,17 @@ class Candidate:
 
 
 def upper_bound(problem: WeakFormProblem, parameter: Parameter) -> float:
-    """Return the most that a linear coefficient may be: of a share of the drive, all that this is known to have."""
+    """Return the most that a linear coefficient may be: of a share of the drive, all that this is known to have.
+
+    Of what is viscous that is what the law has, where it has any: in a fit that bounds it, too.
+    """
     if not parameter.part_of_drive:
         return parameter.upper
     if parameter.dimension == INERTIA:
         return problem.drive.inertia or parameter.upper
+    law = [p.key for p in problem.drive.parameters if p.dimension == VISCOUS and "." not in p.key]
+    if parameter.dimension == VISCOUS and law and problem.estimated:
+        return max(problem.estimated[key] for key in law)
     return problem.friction_limits[parameter.dimension == FORCE]
 
 
