@@ -69,6 +69,8 @@ def test_a_model_folds_after_its_terms_and_a_unit_stays_whole() -> None:
     assert fold("coulomb-viscous+cogging+stribeck", 20) == "coulomb-viscous+\ncogging+stribeck"
     assert fold("RMS error [N m s/rad]", 14) == "RMS error\n[N m s/rad]"
     assert fold("J [kg m^2], K_v [N m s/rad]", 20) == "J [kg m^2],\nK_v [N m s/rad]"
+    remark = "k = 1 [NOT DETERMINED: its interval contains zero; held at 0]"
+    assert fold(remark, 30) == "k = 1 [NOT DETERMINED: its\ninterval contains zero; held\nat 0]"
 
 
 def test_columns_without_room_follow_below_under_the_same_names() -> None:

@@ -155,5 +155,5 @@ def fold(text: str, width: int) -> str:
 
 
 def _pieces(text: str) -> list[str]:
-    """Return what stays together: words, units in brackets, the terms of a model's name."""
-    return re.findall(r"\[[^\]]*\][,;.)]*\s*|[^\s+]*\+|[^\s+]+\s*|\s+", text)
+    """Return what stays together: words, units in brackets (not a remark), the terms of a model's name."""
+    return re.findall(r"\[[^\]:;]*\][,;.)]*\s*|[^\s+]*\+|[^\s+]+\s*|\s+", text)
