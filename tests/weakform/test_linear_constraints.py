@@ -6,10 +6,15 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
+import pytest
+from tests.conftest import Made
 
 from fricmodels.diagnosis import compare
 from fricmodels.drive import Drive
+from fricmodels.effects.frictional_lag import FrictionalLag
 from fricmodels.model import Model
+from fricmodels.weakform.candidate import upper_bound
+from fricmodels.weakform.estimate import estimate
 from fricmodels.weakform.nonlinear import linear_constraints
 
 LAW = Drive(Model.parse("exponential-stick-slip"), 2.0)
@@ -66,3 +71,11 @@ def test_friction_that_lags_has_no_more_of_what_is_viscous_than_the_law_in_eithe
             if row[keys.index("frictional-lag.K")] < 0 and limit == 0.0
         ]
         assert found == [{key: 1.0, "frictional-lag.K": -1.0} for key in coefficients]
+
+
+def test_no_more_viscous_friction_lags_than_the_law_has(made: Made) -> None:
+    """In the search as in a fit: else a lag is found that no fit can have."""
+    problem, found = estimate(Drive(Model.parse("coulomb-viscous"), 2.0), made())
+    assert upper_bound(problem, FrictionalLag.K) == pytest.approx(found.parameters["K_v"], rel=1e-12)
+    problem, _ = estimate(Drive(Model.parse("two-thirds-power"), 2.0), made())
+    assert upper_bound(problem, FrictionalLag.K) == problem.friction_limits[0]

@@ -14,12 +14,11 @@ from fricmodels.diagnosis import candidate_tests as surveys
 from fricmodels.diagnosis.candidate_tests import candidate_tests, noise_share
 from fricmodels.dimension import ACCELERATION, DISPLACEMENT, FORCE, INERTIA, TIME, VELOCITY, Motion
 from fricmodels.drive import Drive
-from fricmodels.effects.frictional_lag import FrictionalLag
 from fricmodels.model import Model
 from fricmodels.parameter import Parameter
 from fricmodels.plugins import load
 from fricmodels.recording import Recording
-from fricmodels.weakform.candidate import Candidate, upper_bound, within_recording
+from fricmodels.weakform.candidate import Candidate, within_recording
 from fricmodels.weakform.estimate import estimate
 from fricmodels.weakform.ranges import natural_size, scan_size
 from fricmodels.weakform.search import _summit, is_at_an_end, search, starting_points
@@ -190,14 +189,6 @@ def test_no_duration_is_shorter_than_two_samples(made: Made, samples: float) -> 
         assert tested.parameters["T"] == pytest.approx(samples * recording.interval, rel=0.1)
     else:
         assert tested.evidence.explained < 0.05 or tested.found.at_search_bound
-
-
-def test_no_more_viscous_friction_lags_than_the_law_has(made: Made) -> None:
-    """In the search as in a fit: else a lag is found that no fit can have."""
-    problem, found = estimate(Drive(Model.parse("coulomb-viscous"), 2.0), made())
-    assert upper_bound(problem, FrictionalLag.K) == pytest.approx(found.parameters["K_v"], rel=1e-12)
-    problem, _ = estimate(Drive(Model.parse("two-thirds-power"), 2.0), made())
-    assert upper_bound(problem, FrictionalLag.K) == problem.friction_limits[0]
 
 
 @pytest.mark.parametrize(("lower", "instant"), [(-np.inf, True), (0.0, True), (0.0, False), (-1.0, False)])

@@ -88,6 +88,10 @@ class Diagnosis(Displayed):
     result: CandidateTests | None = None
     judgement: Judgement | None = None
 
+    def judged_by(self, findings: Sequence[Finding]) -> Diagnosis:
+        """Return it with the verdict that findings have, as those that a ladder kept: their look-alikes are fewer."""
+        return replace(self, verdict=naming_verdict(findings))
+
     @cached_property
     def remaining(self) -> Remaining | None:
         """What remains that no effect was named for; ``None`` unless the verdict is ``unknown-effect``."""
@@ -169,8 +173,8 @@ def examine(comparison: Comparison, *, leave_out: Iterable[str] = (), policy: Po
     everything += _fast(refits, everything, ripple)
     findings = tuple(map(_finding, everything))
     verdict: Verdict = "adequate"
-    if everything:
-        verdict = "missing-effect" if len(everything[0].names) == 1 else "undecided"
+    if findings:
+        verdict = naming_verdict(findings)
     elif _is_seen(result, comparison, view) or place is not None or is_far_above_noise(comparison, policy):
         verdict = "unknown-effect"
         place = (None if view is None else place_of_stretch(result, view)) or place
@@ -368,6 +372,11 @@ def _noise(
     if not predictors or in_channels or is_far_above_noise(comparison, result.policy):
         return None
     return coloured_residual(result)
+
+
+def naming_verdict(findings: Sequence[Finding]) -> Verdict:
+    """Return the verdict where effects were found: undecided if the first of them has look-alikes."""
+    return "missing-effect" if len(findings[0].names) == 1 else "undecided"
 
 
 def _finding(best: LookAlikes) -> Finding:

@@ -26,8 +26,9 @@ FILE = "diagnosis.json"
 def document(diagnosis: Diagnosis, ladder: Ladder | None = None) -> DiagnosisDocument:
     """Return the diagnosis of a model, and the ladder that improved it, as a document.
 
-    With a ladder, ``effects`` lists what it added, in order; the verdict is that of the model that was given; what
-    remains on the last rung that no known effect explains is ``unknown``.
+    With a ladder, ``effects`` lists what it added, in order, with the look-alikes that each has beside the others; the
+    verdict is that of the model that was given, by these; what remains on the last rung that no known effect explains
+    is ``unknown``.
     """
     comparison = diagnosis.comparison
     findings = diagnosis.findings if ladder is None else added(ladder)

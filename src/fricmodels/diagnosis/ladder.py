@@ -134,7 +134,8 @@ class _Search:
             first = replace(first, verdict=last.verdict, findings=(), view=last.view, place=last.place, refused=refused)
         if partial and last.comparison is not self._here:  # what remains here was not looked at
             last = Diagnosis(self._here, "missing-effect", (), None, {}, policy=self._policy)
-        return Ladder(first, tuple(self.rungs), last, tuple(self.steps), self.note, partial)
+        found = Ladder(first, tuple(self.rungs), last, tuple(self.steps), self.note, partial)
+        return replace(found, first=first.judged_by(added(found))) if first.findings else found
 
     @property
     def _here(self) -> Comparison:
