@@ -43,7 +43,7 @@ class FrictionalLag(Effect):
     """
 
     name = "frictional-lag"
-    formula = "τ = [F_s·exp(−u/ω_s) + K·(u − |ω|)]·sgn ω;  r·T·du/dt = |ω(t − (1 − r)·T)| − u"
+    formula = "τ = [F_s·exp(−u/ω_s) + K·(u − |ω|)]·sgn ω;  u follows |ω|, (1 − r)·T late and with a lag of r·T"
     signature = "a loop in velocity: friction differs between speeding up and slowing down"
     needs_motion = "slow, accelerated motion"
     friction = True
