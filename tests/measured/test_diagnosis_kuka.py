@@ -1,4 +1,4 @@
-"""What the diagnosis does on a recording that is too short to name anything: joints 1 and 6 of the KR300."""
+"""What the diagnosis does on recordings of ten seconds: joints 1 and 6 of the KR300."""
 
 from __future__ import annotations
 
@@ -6,11 +6,13 @@ from collections.abc import Callable
 from pathlib import Path
 from types import ModuleType
 
+import numpy as np
 import pytest
 
-from fricmodels.diagnosis import compare_model, diagnose, kept_back, ready
+from fricmodels.diagnosis import Comparison, compare, compare_model, diagnose, kept_back, ready
 from fricmodels.drive import Drive
 from fricmodels.model import Model
+from fricmodels.recording import Recording
 from fricmodels.tournament import load_config
 
 ROOT = Path(__file__).parents[2]
@@ -28,11 +30,32 @@ def story(from_benchmarks: Callable[[str], ModuleType]) -> ModuleType:
     return from_benchmarks("measured.kuka")
 
 
-@pytest.mark.parametrize("joint", [pytest.param(1, marks=pytest.mark.long), 6])
-def test_no_effect_is_named_on_ten_seconds(story: ModuleType, joint: int) -> None:
+@pytest.mark.long
+def test_no_effect_is_named_on_ten_seconds(story: ModuleType) -> None:
     """Three to five reversals, while five other joints move: nothing there can be held against blocks kept back."""
-    diagnosis = diagnose(story.recording(DATA, joint, "A"), Model.parse("coulomb-viscous"))
+    diagnosis = diagnose(story.recording(DATA, 1, "A"), Model.parse("coulomb-viscous"))
     assert not diagnosis.findings
+
+
+def test_what_joint_6_lacks_on_ten_seconds_lowers_the_error_on_two_other_trajectories(story: ModuleType) -> None:
+    """A falling friction that follows late, fitted to A alone: 21 to 15 % on B, 13 to 8 % on C."""
+    recordings = {trajectory: story.recording(DATA, 6, trajectory) for trajectory in "ABC"}
+    diagnosis = diagnose(recordings["A"], Model.parse("coulomb-viscous"))
+    assert "frictional-lag" in diagnosis.findings[0].names
+    fitted = [compare(recordings["A"], model) for model in ("coulomb-viscous", "coulomb-viscous+frictional-lag")]
+    for other in "BC":
+        measured = compare(recordings[other], "coulomb-viscous").problem.recording
+        without, behind = (unexplained(comparison, measured) for comparison in fitted)
+        assert behind < 0.85 * without
+
+
+def unexplained(comparison: Comparison, measured: Recording) -> float:
+    """Return the RMS torque that a model leaves where a joint moves, averaged over nine samples, over that of all."""
+    values, drive = comparison.estimate.parameters, comparison.drive
+    inertia = values[drive.inertia_key] * measured["acceleration"]
+    left = measured.torque - inertia - drive.friction(measured, values)
+    moving = np.abs(measured.velocity) > 0.02 * measured.peak_speed
+    return float(np.sqrt(np.mean(np.convolve(left, np.ones(9) / 9, "same")[moving] ** 2) / np.mean(measured.torque**2)))
 
 
 def test_joint_6_is_the_same_on_three_trajectories(story: ModuleType) -> None:

@@ -12,7 +12,7 @@ import numpy as np
 from fricmodels import plugins
 from fricmodels.arrays import Array
 from fricmodels.dimension import INERTIA as INERTIA_DIMENSION
-from fricmodels.dimension import parse_unit
+from fricmodels.dimension import VISCOUS, parse_unit
 from fricmodels.drive import Drive
 from fricmodels.errors import EstimationError, FricmodelsError
 from fricmodels.fit import Fit, Status
@@ -34,8 +34,10 @@ DISPLACEMENT = parse_unit("rad")
 _BASE = {"K_v": 0.01, "K_c": 0.08}
 _SHARE = 0.25
 """Torque of the term over the RMS motor torque, about."""
-_MOST_INERTIA = 0.3 * INERTIA
+_MOST = {INERTIA_DIMENSION: 0.3 * INERTIA}
 """A part of the drive's inertia, as a link behind a spring, cannot be more than the whole."""
+_MOST_OF_LAW = {VISCOUS: 0.8 * _BASE["K_v"]}
+"""Nor can the viscous friction that lags be more than the law's."""
 _WORST_CONDITION = 1e-3
 _INSIDE = 0.85
 """Where in the travel a place stands: a share of the samples lies below it."""
@@ -99,7 +101,7 @@ def suggested_truth(subject: Subject) -> dict[str, float]:
     for p in in_order(terms):
         if p.at_least is not None:
             values[p.symbol] = max(values[p.symbol], 1.6 * values[p.at_least])
-        most = min(p.upper, _MOST_INERTIA) if p.dimension == INERTIA_DIMENSION else p.upper
+        most = min(p.upper, (_MOST | (_MOST_OF_LAW if p.part_of_drive else {})).get(p.dimension, np.inf))
         values[p.symbol] = float(np.clip(values[p.symbol], p.lower, most))
     return {p.symbol: values[p.symbol] for p in terms}
 
