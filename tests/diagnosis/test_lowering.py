@@ -120,3 +120,24 @@ def test_only_what_comes_near_in_the_rows_is_fitted_in_the_place_of_an_effect(ma
     assert near.isdisjoint({"torque-offset", "stiffness", "stribeck", "drift"})
     assert comes_near(smaller, "no such effect", ()) > near
     assert comes_near(smaller, "gravity", (), POLICY.without("far_worse")) == comes_near(smaller, "torque-offset", ())
+
+
+@pytest.mark.parametrize(("kept", "verdict"), [(("a",), "missing-effect"), (("a", "b"), "undecided")])
+@pytest.mark.parametrize("before", [("a",), ("a", "b")])
+def test_the_verdict_is_that_of_the_look_alikes_that_were_kept(
+    before: tuple[str, ...], kept: tuple[str, ...], verdict: str
+) -> None:
+    """Beside the others an effect has other look-alikes than it had when nothing was known."""
+
+    def diagnosis(names: tuple[str, ...]) -> Diagnosis:
+        found = Finding(cast(Any, SimpleNamespace(name="a")), names, "")
+        return Diagnosis(
+            cast(Any, fitted(10.0)), "missing-effect" if len(names) == 1 else "undecided", (found,), None, {}
+        )
+
+    first = diagnosis(before)
+    search = ladder._Search(set(), set(), ladder.POLICY, first)
+    after: Any = SimpleNamespace(drive=SimpleNamespace(model=SimpleNamespace(effects=[SimpleNamespace(name="a")])))
+    search.rungs.append(Rung(after, added="a"))
+    search.steps.append(diagnosis(kept))
+    assert search.ladder().first.verdict == verdict

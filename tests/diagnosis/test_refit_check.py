@@ -281,15 +281,16 @@ def test_a_delay_is_named_from_where_the_rows_see_it(
         assert after.errors.held_out_percent < 0.5 * comparison.errors.held_out_percent
 
 
-def led(made: Made, truth: dict[str, float], *names: str, once: float = 1e-9) -> list[str]:
+def led(made: Made, truth: dict[str, float], *names: str, once: float = 1e-9, bound: str = "") -> list[str]:
     """Return a class in the order in which it is named; the first of ``names`` is its first in the rows.
 
-    ``once`` is the p-value of the others with what repeats counted once.
+    ``once`` is the p-value of the others with what repeats counted once, ``bound`` is at its search bound.
     """
     effect = next(iter(truth)).partition(".")[0]
     comparison = compare(made(f"coulomb-viscous+{effect}", truth), "coulomb-viscous", 2.0)
     result = candidate_tests(replace(comparison.problem), comparison.estimate.parameters, only=names)
     members = tuple(replace(next(t for t in result.tested if t.name == name), once=once) for name in names)
+    members = tuple(replace(t, found=replace(t.found, at_search_bound=t.name == bound)) for t in members)
     return _led_by_fit(Refits(comparison, POLICY), LookAlikes(members[0], members), POLICY).names
 
 
@@ -298,6 +299,7 @@ def test_of_look_alikes_that_which_fits_the_record_comes_first(made: Made) -> No
     assert led(made, truth, "stiffness", "gravity") == ["gravity", "stiffness"]
     assert led(made, truth, "gravity", "stiffness") == ["gravity", "stiffness"]
     assert led(made, truth, "stiffness", "gravity", once=0.5) == ["stiffness", "gravity"], "it repeats, and is not sure"
+    assert led(made, truth, "stiffness", "gravity", bound="gravity") == ["stiffness", "gravity"]
 
 
 def test_what_happened_once_gives_way_to_what_repeats_and_fits_as_well(made: Made) -> None:

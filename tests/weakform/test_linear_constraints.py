@@ -77,5 +77,7 @@ def test_no_more_viscous_friction_lags_than_the_law_has(made: Made) -> None:
     """In the search as in a fit: else a lag is found that no fit can have."""
     problem, found = estimate(Drive(Model.parse("coulomb-viscous"), 2.0), made())
     assert upper_bound(problem, FrictionalLag.K) == pytest.approx(found.parameters["K_v"], rel=1e-12)
+    problem, found = estimate(Drive(Model.parse("asymmetric-coulomb-viscous"), 2.0), made())
+    assert upper_bound(problem, FrictionalLag.K) == min(found.parameters[key] for key in ("K_v1", "K_v2"))
     problem, _ = estimate(Drive(Model.parse("two-thirds-power"), 2.0), made())
     assert upper_bound(problem, FrictionalLag.K) == problem.friction_limits[0]

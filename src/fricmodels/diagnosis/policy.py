@@ -318,7 +318,7 @@ class Policy(Rules):
     refit_share: float = rule(
         0.9,
         "factor of the RMS torque error",
-        "And to this share.",
+        "And to this share. Where the error of the decisions rises, its product with the printed test error must.",
         "Found on our rig: on the same drives none lowers it to less than 0.9.",
         off=_INF,
     )

@@ -38,8 +38,8 @@ class FrictionalLag(Effect):
         \dot x = v, \quad \dot v = |\omega| - 6v/D - 12x/D^2, \quad
         |\omega(t - D)| \approx \max(|\omega| - 12v/D,\ 0).
 
-    Source: Hess and Soom (1990), a pure delay; Armstrong-Hélouvry, Dupont and Canudas de Wit (1994), section 2.1; a
-    lag of the first order is the film of Harnoy and Friedland (1994).
+    Source: Hess and Soom (1990), a pure delay; Armstrong-Hélouvry, Dupont and Canudas de Wit (1994), section 2.1.
+    The lag of the first order is the simplest film that takes time.
     """
 
     name = "frictional-lag"
@@ -107,4 +107,4 @@ class FrictionalLag(Effect):
         delay = (1 - parameters["r"]) * parameters["T"]
         now, then = np.abs(past.now("velocity")), np.abs(past.ago("velocity", delay))
         followed = past.followed(then, parameters["r"] * parameters["T"])
-        return {"x": now * 0.0, "v": delay / 12 * (now - then), "u": followed}
+        return {"x": np.zeros(len(now)), "v": delay / 12 * (now - then), "u": followed}

@@ -117,7 +117,7 @@ class Candidate:
 def upper_bound(problem: WeakFormProblem, parameter: Parameter) -> float:
     """Return the most that a linear coefficient may be: of a share of the drive, all that this is known to have.
 
-    Of what is viscous that is what the law has, where it has any: in a fit that bounds it, too.
+    Of what is viscous that is what the law has, where it has any, in the direction that has less: as in a fit.
     """
     if not parameter.part_of_drive:
         return parameter.upper
@@ -125,7 +125,7 @@ def upper_bound(problem: WeakFormProblem, parameter: Parameter) -> float:
         return problem.drive.inertia or parameter.upper
     law = [p.key for p in problem.drive.parameters if p.dimension == VISCOUS and "." not in p.key]
     if parameter.dimension == VISCOUS and law and problem.estimated:
-        return max(problem.estimated[key] for key in law)
+        return min(problem.estimated[key] for key in law)
     return problem.friction_limits[parameter.dimension == FORCE]
 
 
