@@ -79,6 +79,29 @@ def test_recordings_reach_workers_and_one_that_is_killed_half_way_changes_nothin
     assert {row["status"] for row in there.rows} == {"ok"}
 
 
+def test_a_result_that_the_scheduler_forgot_is_asked_for_again(
+    dask: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The first readings of two jobs fail as they do where a worker dies just then; all readings of a third do."""
+    given, address, tried, outcome = config(tmp_path, 1), dask.scheduler_address, list[str](), cluster._outcome
+
+    def forgetful(job: Any, result: Any, last: bool) -> Any:
+        def forgotten() -> Any:
+            raise distributed.client.FutureCancelledError("a key", "scheduler-lost")
+
+        tried.append(job.key)
+        keys = list(dict.fromkeys(tried))
+        lost = keys.index(job.key) == 2 or (keys.index(job.key) < 2 and tried.count(job.key) == 1)
+        return outcome(job, forgotten if lost else result, last)
+
+    monkeypatch.setattr(cluster, "_outcome", forgetful)
+    rows = run(given, tmp_path / "a", directory=tmp_path, executor="dask", scheduler=address).rows
+    assert sorted(row["status"] for row in rows) == ["crashed", *["ok"] * (len(rows) - 1)]
+    (crashed,) = (row for row in rows if row["status"] == "crashed")
+    assert "on the cluster: FutureCancelledError" in crashed["message"]
+    assert sorted(tried.count(key) for key in set(tried)) == [*[1] * (len(rows) - 3), 2, 2, 3]
+
+
 def test_a_worker_without_a_plugin_is_named(dask: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     given, address = config(tmp_path, 1), dask.scheduler_address
     with monkeypatch.context() as patch:

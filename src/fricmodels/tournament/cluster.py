@@ -1,7 +1,7 @@
 """Does jobs on a Dask cluster: workers that share no disk get the recordings, those without a plugin are named.
 
 Each job has the limit of time that it has elsewhere. A worker that dies is no matter: the scheduler gives its jobs, and
-results that nobody has taken yet, to another one.
+results that nobody has taken yet, to another one. A result that the scheduler itself forgot is asked for once more.
 """
 
 from __future__ import annotations
@@ -11,8 +11,10 @@ import importlib
 import json
 import tempfile
 from collections.abc import Callable, Iterator, Mapping
+from concurrent.futures import CancelledError
 from contextlib import suppress
 from dataclasses import replace
+from itertools import islice
 from pathlib import Path
 from typing import Any
 
@@ -31,6 +33,8 @@ _ANSWERS = "15s"
 _AHEAD = 64
 """Jobs for each core that the cluster is given at a time: none waits, and memory does not grow with how many there are.
 """
+_TRIES = 3
+"""How often a job is given to the cluster: a worker may die between a result's arrival and its reading."""
 
 Results = Iterator[tuple[Job, Row]]
 
@@ -73,34 +77,37 @@ def _done(client: Any, jobs: Jobs, timeout: float) -> Results:
     _check_workers(client, codes)
     sent = _sent(client, jobs)
     waiting = iter(jobs)
-    running: dict[Any, Job] = {}
+    running: dict[Any, tuple[Job, int]] = {}
     ahead = _AHEAD * max(sum(client.ncores().values()), 1)
 
-    def submit() -> Any:
-        job = next(waiting, None)
-        if job is None:
-            return None
+    def submit(job: Job, attempt: int = 1) -> Any:
         files = {path: sent[path] for path in files_of(job.source) if path in sent}
-        future = client.submit(far, job, codes, files, timeout, pure=False, key=f"fricmodels-{job.key}")
-        running[future.key] = job
+        key = f"fricmodels-{job.key}-{attempt}"
+        future = client.submit(far, job, codes, files, timeout, pure=False, key=key)
+        running[future.key] = job, attempt
         return future
 
-    first = [future for _ in range(ahead) if (future := submit()) is not None]
+    first = [submit(job) for job in islice(waiting, ahead)]
     finished: Any = importlib.import_module("distributed").as_completed(first)
     for future in finished:
-        job = running.pop(future.key)
-        row = _outcome(job, future.result)
+        job, attempt = running.pop(future.key)
+        row = _outcome(job, future.result, last=attempt == _TRIES)
         future.release()
-        following = submit()
-        if following is not None:
-            finished.add(following)
+        if row is None:
+            finished.add(submit(job, attempt + 1))
+            continue
+        for following in islice(waiting, 1):
+            finished.add(submit(following))
         yield job, row
 
 
-def _outcome(job: Job, result: Callable[[], Row]) -> Row:
+def _outcome(job: Job, result: Callable[[], Row], last: bool) -> Row | None:
+    """Return a job's row; nothing where the scheduler forgot its result and it may be given once more."""
     try:
         return result()
     except Exception as error:
+        if isinstance(error, CancelledError) and not last:
+            return None
         return job.row(Status.CRASHED, f"on the cluster: {type(error).__name__}: {error}")
 
 
