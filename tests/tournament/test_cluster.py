@@ -79,6 +79,34 @@ def test_recordings_reach_workers_and_one_that_is_killed_half_way_changes_nothin
     assert {row["status"] for row in there.rows} == {"ok"}
 
 
+def test_recordings_are_sent_again_where_the_only_worker_that_had_them_died(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A second worker joins after the recordings were sent, and the first one dies: with it all that was sent."""
+    given, killed = config(tmp_path), list[int]()
+    elsewhere = tmp_path / "elsewhere"
+    elsewhere.mkdir()
+    monkeypatch.chdir(elsewhere)
+    with distributed.LocalCluster(
+        n_workers=1, threads_per_worker=1, processes=True, host="127.0.0.1", dashboard_address=None
+    ) as one:
+        monkeypatch.chdir(tmp_path)
+
+        def report(done: int, total: int, *_: Any) -> None:
+            if done >= 1 and not killed:
+                with distributed.Client(one, set_as_default=False) as client:
+                    killed.append(next(iter(client.run(os.getpid).values())))
+                    monkeypatch.chdir(elsewhere)  # where the next worker begins, which has no recordings there
+                    one.scale(2)
+                    client.wait_for_workers(2, timeout="60s")
+                    monkeypatch.chdir(tmp_path)
+                os.kill(killed[0], signal.SIGKILL)
+
+        board = run(given, tmp_path / "a", executor="dask", scheduler=one.scheduler_address, report=report)
+    assert len(killed) == 1
+    assert [row["message"] for row in board.rows if row["status"] != "ok"] == []
+
+
 def test_a_result_that_the_scheduler_forgot_is_asked_for_again(
     dask: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

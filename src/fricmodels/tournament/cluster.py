@@ -1,7 +1,8 @@
 """Does jobs on a Dask cluster: workers that share no disk get the recordings, those without a plugin are named.
 
 Each job has the limit of time that it has elsewhere. A worker that dies is no matter: the scheduler gives its jobs, and
-results that nobody has taken yet, to another one. A result that the scheduler itself forgot is asked for once more.
+results that nobody has taken yet, to another one. A job whose result or recording died with all workers that had it is
+given to the cluster once more.
 """
 
 from __future__ import annotations
@@ -34,7 +35,7 @@ _AHEAD = 64
 """Jobs for each core that the cluster is given at a time: none waits, and memory does not grow with how many there are.
 """
 _TRIES = 3
-"""How often a job is given to the cluster: a worker may die between a result's arrival and its reading."""
+"""How often a job is given to the cluster: recordings die with the only worker that was there when they were sent."""
 
 Results = Iterator[tuple[Job, Row]]
 
@@ -94,6 +95,7 @@ def _done(client: Any, jobs: Jobs, timeout: float) -> Results:
         row = _outcome(job, future.result, last=attempt == _TRIES)
         future.release()
         if row is None:
+            sent = _sent(client, jobs)
             finished.add(submit(job, attempt + 1))
             continue
         for following in islice(waiting, 1):
@@ -102,7 +104,7 @@ def _done(client: Any, jobs: Jobs, timeout: float) -> Results:
 
 
 def _outcome(job: Job, result: Callable[[], Row], last: bool) -> Row | None:
-    """Return a job's row; nothing where the scheduler forgot its result and it may be given once more."""
+    """Return a job's row; nothing where its result or recording is lost and it may be given once more."""
     try:
         return result()
     except Exception as error:
@@ -146,6 +148,7 @@ def _sent(client: Any, jobs: Jobs) -> dict[str, Any]:
 
     Every worker gets them: what only one holds is lost with it.
     """
+    client.wait_for_workers(1, timeout=_ANSWERS)
     paths = sorted({path for source in jobs.sources for path in files_of(source)})
     sums = {path: checksum(path) for path in paths if Path(path).is_file()}
     lacking: set[str] = set()
