@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 import pytest
 
@@ -10,8 +12,14 @@ from fricmodels.diagnosis.candidate_tests import candidate_tests
 from fricmodels.diagnosis.comparison import Comparison, compare
 from fricmodels.diagnosis.policy import POLICY
 from fricmodels.diagnosis.verdict import select_effect, torque_share
+from fricmodels.drive import Drive
+from fricmodels.model import Model
+from fricmodels.recording import Recording
 from fricmodels.rig import Rig
 from fricmodels.weakform.all_motion import residual_rms
+from fricmodels.weakform.estimate import estimate
+
+Made = Callable[..., Recording]
 
 PLAY = {
     "name": "backlash",
@@ -35,6 +43,14 @@ def rig(*effects: dict[str, object], **changed: object) -> Rig:
         "seed": 3,
     }
     return Rig.model_validate({**made, **changed})
+
+
+@pytest.mark.parametrize(("rate", "share"), [(100.0, 0.004), (500.0, 0.0013)])
+def test_a_reversal_between_two_samples_is_no_error_of_a_true_model(made: Made, rate: float, share: float) -> None:
+    """By means over cells; a single sample beside a jump has the torque of its other side: 0.006 and 0.0025."""
+    recording = made(noise=0.0, rate=rate, samples=3000)
+    problem, _ = estimate(Drive(Model.parse("coulomb-viscous"), 2.0), recording)
+    assert residual_rms(problem) < share * np.sqrt(np.mean(recording.torque**2))
 
 
 @pytest.fixture(scope="module")

@@ -11,6 +11,7 @@ from fricmodels.drive import Drive
 from fricmodels.errors import InputError
 from fricmodels.model import Model
 from fricmodels.recording import Recording
+from fricmodels.score.torque import filtered_torque_error, sliding_half_width
 from fricmodels.weakform.estimate import estimate
 
 Made = Callable[..., Recording]
@@ -49,6 +50,20 @@ def test_nonlinear_parameters_are_found_without_a_start(made: Made) -> None:
     assert found.parameters["B"] == pytest.approx(1.0, rel=0.1)
     assert found.parameters["K_c"] == pytest.approx(6.0, rel=0.1)
     assert found.parameters["C"] == pytest.approx(3.0, rel=0.1)
+
+
+@pytest.mark.parametrize("seed", [0, 2])
+def test_a_friction_of_low_speed_is_not_extrapolated_from_higher_ones(made: Made, seed: int) -> None:
+    """Where noise hides the direction no row is certain, and there this Stribeck friction acts: without it F_s was 0."""
+    hidden = {"stribeck.F_s": 3.0, "stribeck.omega_s": 0.4, "stribeck.delta": 1.0}
+    recording = made("coulomb-viscous+stribeck", hidden, noise=1.0, samples=3000, seed=seed)
+    drive = Drive(Model.parse("coulomb-viscous+stribeck"), 2.0)
+    _, found = estimate(drive, recording)
+    truth = {**found.parameters, **TRUTH, **hidden}
+    width = sliding_half_width(recording)
+    left, least = (filtered_torque_error(drive, values, recording, width) for values in (found.parameters, truth))
+    assert found.parameters["stribeck.F_s"] > 1.0
+    assert left @ left < 1.05 * least @ least
 
 
 def test_bounds_hold(made: Made) -> None:

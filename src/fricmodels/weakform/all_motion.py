@@ -1,7 +1,8 @@
 """What a model leaves over all motion, the stretches included that the rows leave out.
 
 Around standstill it is not known for certain how a drive moved, so the rows have no part in it. An effect that is
-fitted to the rows alone may say anything there. What it says is judged roughly: sample by sample, by its size.
+fitted to the rows alone may say anything there. What it says is judged roughly, by its size: by means over the two
+cells about each sample, while the drive moves. A single sample beside a reversal may lie on either side of a jump.
 """
 
 from __future__ import annotations
@@ -23,7 +24,7 @@ def residual_rms(
     nonlinear: Sequence[float] = (),
     kept: NDArray[np.bool_] | None = None,
 ) -> float:
-    """Return the RMS torque [N m or N] that a model leaves at all moving samples, with an effect or without.
+    """Return the RMS torque [N m or N] that a model leaves over all motion, with an effect or without.
 
     Args:
         problem: the fitted model and its rows.
@@ -49,5 +50,6 @@ def residual_rms(
     solved = np.linalg.lstsq((stacked / size[:, None]).T, problem.target - integrated[-1], rcond=1e-10)[0] / size
     points = problem.quadrature.recording
     left = points.driving_torque - (given or 0.0) * acceleration - offset - solved[: len(design)] @ design
-    moving = ~problem.resting
-    return float(np.sqrt(np.mean(left[: len(moving)][moving] ** 2)))
+    impulse, time = problem.quadrature.under_hats(np.vstack([left, np.ones_like(left)]))
+    moving = ~problem.resting & (time > 0.0)
+    return float(np.sqrt(np.sum(impulse[moving] ** 2 / time[moving]) / np.sum(time[moving])))

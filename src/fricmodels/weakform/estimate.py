@@ -5,13 +5,14 @@
    by Gauss–Newton; once more with the friction known, which tells where the drive may stick at a reversal.
 3. The same at the velocity that the fitted model itself predicts, where that is more certain than a smoothed one;
    else at the smoothed one with what smoothing took away given back.
-4. With or without a shift in time, whichever is more probable; standard errors for autocorrelated residuals.
-5. What the recording does not determine is named, and held where that costs nothing.
+4. Where the whole recording contradicts that, the fit to all motion, also where its direction is not certain.
+5. With or without a shift in time, whichever is more probable; standard errors for autocorrelated residuals.
+6. What the recording does not determine is named, and held where that costs nothing.
 """
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Mapping
+from collections.abc import Callable, Hashable, Mapping
 from dataclasses import dataclass, field, replace
 from weakref import ref
 
@@ -26,6 +27,7 @@ from fricmodels.score.torque import filtered_torque_error, sliding_half_width
 from fricmodels.signals.rest import once
 from fricmodels.weakform.friction_limits import limits_of_friction
 from fricmodels.weakform.identification import identified
+from fricmodels.weakform.inference import is_contradicted
 from fricmodels.weakform.least_squares import NormalEquations
 from fricmodels.weakform.model_velocity import at_model_velocity
 from fricmodels.weakform.nonlinear import Plan
@@ -46,6 +48,8 @@ _EXTRAPOLATES = 2.0
 """Factor of the sum of squares that the fit to all rows leaves of the whole recording: a fit to a part of the rows that
 leaves more says what these rows cannot know. Clear of reversals no speed may be low, and a stick torque that decays
 before the first of them has no bound: the ratio was 10^11."""
+_WELL = 0.1
+"""Standard error of a parameter that is known well, as a share of it. Of speed, not of truth: see where it is used."""
 _ROWS = 4
 """Rows for each parameter that a fit needs more of."""
 _CLEARLY = 1e-4
@@ -202,6 +206,8 @@ def _estimated(
             final = identified(solve(clear.problem, found.plan, timing=found.timing))
     if whole is not None and final.problem is not whole.problem and left(final) > _EXTRAPOLATES * left(whole):
         final = identified(whole)
+    if not drive.model.states and not drive.model.delay and _may_be_extrapolated(drive, final):
+        final = _whatever_the_direction(final, problem, start, left)
     limits = limits_of_friction(drive, plain.recording, final.parameters)
     rows = replace(plain, friction_limits=limits, estimated=dict(final.parameters), shift=_known(final))
     return rows, Estimate(
@@ -213,6 +219,46 @@ def _estimated(
         final.residual_percent,
         final.message,
     )
+
+
+def _may_be_extrapolated(drive: Drive, final: Solved) -> bool:
+    """Whether some part of the torque may act at low speed alone, as none of a linear law does, and is not known well.
+
+    With parameters that are all known to a tenth no fit to other rows is worth its time.
+    """
+    if not drive.model.effects and all(p.linear for p in drive.parameters):
+        return False
+    return any(error > _WELL * abs(final.parameters[key]) for key, error in final.standard_errors.items())
+
+
+def _whatever_the_direction(
+    final: Solved, problem: WeakFormProblem, start: Mapping[str, float], left: Callable[[Solved], float]
+) -> Solved:
+    """Return the fit to all motion in the place of one that the whole recording contradicts.
+
+    Where it is not certain how a drive moved, a row may have an error that no equation has. But a friction that falls
+    with speed acts there most, and without these rows it is extrapolated. The fit to all motion is taken where the
+    other leaves more of the whole recording than chance explains, and it leaves no more of the certain rows than chance
+    does (F tests). It is made only where some parameter is not known well.
+
+    Args:
+        final: the fit to rows whose direction is certain.
+        problem: these rows, at the smoothed velocity.
+        start: nonlinear parameters to begin from.
+        left: sum of squares that a fit leaves of the whole recording.
+    """
+
+    def too_much(more: float) -> bool:
+        return is_contradicted(more, len(final.values), final.problem.independent)
+
+    every = problem.including_uncertain_motion
+    if every.rows == problem.rows:
+        return final
+    fits = [_solved(every, begin) for begin in (start, {**start, **final.parameters})]
+    other = min(fits, key=lambda fit: fit.solution.cost)
+    by_whole = left(final) / left(other) - 1.0
+    by_certain = final.left_by(other.values) / final.solution.cost - 1.0
+    return identified(other) if too_much(by_whole) and not too_much(by_certain) else final
 
 
 def _explains_torque_by_itself(drive: Drive) -> bool:

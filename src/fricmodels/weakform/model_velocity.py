@@ -16,11 +16,9 @@ from fricmodels.recording import Recording
 from fricmodels.signals import velocity_noise
 from fricmodels.signals.lanczos import even_weights
 from fricmodels.weakform.cases import as_held
-from fricmodels.weakform.equations import projection
 from fricmodels.weakform.feedback import feedback
 from fricmodels.weakform.hidden import drowned, sign_is_hidden
 from fricmodels.weakform.inference import is_contradicted
-from fricmodels.weakform.nonlinear import Plan
 from fricmodels.weakform.predicted_velocity import ModelVelocity, both_ways, model_velocity, risk, sought
 from fricmodels.weakform.row_noise import FEWEST_WHERE_ALL_COUNT, NOISE_SHARE_WHERE_ALL_COUNT, bump_width
 from fricmodels.weakform.solve import STRONG, Solved, solve
@@ -79,7 +77,7 @@ def at_model_velocity(found: Solved, *, widen: bool = True) -> Solved:
         return at_smooth
     if best.with_shift.log_odds_of_a_shift() > STRONG:
         return at_smooth
-    more = _left_by(best.values, found) / found.solution.cost - 1.0
+    more = found.left_by(best.values) / found.solution.cost - 1.0
     contradicted = found is not at_smooth and is_contradicted(more, len(found.values), found.problem.independent)
     if more > _CONTRADICTED - 1.0 or contradicted:
         return at_smooth  # what the rows at the measured velocity contradict is not more certain than they are
@@ -111,13 +109,6 @@ def _changes(found: Solved, predicted: ModelVelocity) -> Array:
             change[inside] -= both_ways(change[inside], gain)
     changes = np.where(predicted.velocity == predicted.simulated, of_model, changes)
     return np.where(predicted.resting, 0.0, changes)
-
-
-def _left_by(values: Array, found: Solved) -> float:
-    """Return the sum of squares that other parameters leave of the rows of a fit, with the best nuisances."""
-    held = dict(zip(found.problem.drive.keys, values.tolist(), strict=True))
-    least_squares, search = projection(found.problem, Plan(held=held), timing=found.timing)
-    return least_squares.cost(least_squares.best_start(search))
 
 
 def _rounds(

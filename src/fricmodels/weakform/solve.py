@@ -128,6 +128,12 @@ class Solved:
         result[np.ix_(free, free)] = found
         return result
 
+    def left_by(self, values: Array) -> float:
+        """Return the sum of squares that other parameters leave of the rows, with the best nuisances."""
+        held = dict(zip(self.problem.drive.keys, values.tolist(), strict=True))
+        least_squares, search = projection(self.problem, Plan(held=held), timing=self.timing)
+        return least_squares.cost(least_squares.best_start(search))
+
     def moved_by(self, left: Array) -> Array:
         """Return by how much the estimates move with what is left of the rows, shape (k, rows) → (n, k)."""
         solution, (free, normal) = self.solution, self._free
