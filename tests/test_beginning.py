@@ -110,6 +110,7 @@ def test_a_blow_that_no_motion_makes_is_no_beginning() -> None:
     assert np.max(np.abs(spring)) < 3 * np.max(np.abs(spring[late]))
 
 
+@pytest.mark.long
 def test_the_parameters_come_out_and_nothing_is_left() -> None:
     """A swing of the size of the inertia torque: without its beginning ζ came out 2.6 times too large."""
     recording, _ = swinging([(0.02, -0.9)], seconds=16.0)

@@ -53,6 +53,7 @@ def test_draws_everything_quietly_and_can_be_read_by_everybody(
     assert seen.requests == []
 
 
+@pytest.mark.long
 def test_figures_are_drawn_when_they_come_into_view(look: Callable[..., Any], tournament_page: Path) -> None:
     seen = look(tournament_page)
     places = seen.page.locator(".plot")
@@ -85,6 +86,7 @@ def test_the_button_changes_the_colours_of_page_and_figures(look: Callable[..., 
     assert colours() == light
 
 
+@pytest.mark.long
 def test_the_keyboard_reaches_everything_in_reading_order(look: Callable[..., Any], tournament_page: Path) -> None:
     seen = look(tournament_page)
     stops = []
@@ -179,6 +181,7 @@ LEAST_FILLED = 0.6
 """Share of the height of a printed page down to which there is something, margins included; the last may be shorter."""
 
 
+@pytest.mark.long
 def test_a_pdf_has_every_figure_on_full_pages(
     look: Callable[..., Any], story_page: Path, tmp_path: Path, without_browser: Callable[[str], NoReturn]
 ) -> None:

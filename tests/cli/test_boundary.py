@@ -89,6 +89,7 @@ def shell(*arguments: str, **how: Any) -> subprocess.CompletedProcess[str]:
     return subprocess.run([sys.executable, *arguments], capture_output=True, text=True, timeout=100, **how)
 
 
+@pytest.mark.long
 def test_the_rig_of_the_readme_makes_no_warning(tmp_path: Path) -> None:
     """Its report divides an empty side of a reversal; warnings are errors here."""
     (tmp_path / "rig.yaml").write_text(RIG)

@@ -37,6 +37,7 @@ def rig(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path / "joint.yaml"
 
 
+@pytest.mark.long
 def test_from_a_rig_to_figures(rig: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """The hidden effect is found, and what it is worth is printed: the answer, how sure, what next."""
     out = tmp_path / "new" / "worth.json"

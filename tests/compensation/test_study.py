@@ -40,12 +40,14 @@ def test_where_nothing_is_hidden_nothing_more_is_to_be_had() -> None:
     assert least <= whole <= most
 
 
+@pytest.mark.long
 def test_it_is_the_same_again() -> None:
     rig = Rig.model_validate({**CLEAN, "samples": 2000})
     one, other = (study(rig, Settings(motion="trapezoid"), motions=1) for _ in range(2))
     assert one.ways == other.ways
 
 
+@pytest.mark.long
 def test_a_swing_at_the_measured_motion_is_explained() -> None:
     """The loop goes through the model there, and not along the reference; the words say so."""
     rig = Rig.model_validate({**CLEAN, "samples": 2000})

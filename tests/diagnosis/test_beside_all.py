@@ -67,6 +67,7 @@ def loaded(droop: float, gain: float, seed: int = 0, rate: float = 500.0) -> Rec
     return Recording("loaded", Motion.ROTARY, channels, np.zeros(len(time), dtype=np.int64))
 
 
+@pytest.mark.long
 def test_a_torque_that_falls_short_the_more_the_larger_is_no_wrong_constant() -> None:
     """Its shape over the motor torque says so, though a wrong constant explains most of it."""
     diagnosis = diagnose(loaded(0.002, 0.0), "coulomb-viscous", INERTIA)
@@ -104,7 +105,7 @@ def test_two_waves_of_one_wave_number_are_larger_than_the_drive(made: Made) -> N
     [
         pytest.param(0.0, False, marks=pytest.mark.long),
         (0.5, False),
-        (0.85, True),
+        pytest.param(0.85, True, marks=pytest.mark.long),
         pytest.param(-0.9, True, marks=pytest.mark.long),
     ],
 )

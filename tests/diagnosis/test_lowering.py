@@ -95,7 +95,9 @@ def test_what_the_ladder_gives_up_is_not_missing(made: Made, monkeypatch: pytest
     assert "'gravity' explains part of it, but the test error does not fall with it" in answer.explanation
 
 
-@pytest.mark.parametrize(("droop", "expected"), [(0.0, "inertia-error"), (0.005, "")])
+@pytest.mark.parametrize(
+    ("droop", "expected"), [(0.0, "inertia-error"), pytest.param(0.005, "", marks=pytest.mark.long)]
+)
 def test_what_has_another_form_is_not_taken_for_its_test_error(
     made: Made, monkeypatch: pytest.MonkeyPatch, droop: float, expected: str
 ) -> None:

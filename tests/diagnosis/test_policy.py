@@ -60,6 +60,7 @@ def test_the_policy_decides_and_the_diagnosis_says_which(made: Made) -> None:
     assert "comes to 0.1 % of the torque" in explain(found)
 
 
+@pytest.mark.long
 def test_without_the_rules_of_support_a_wrong_name_is_given(made: Made) -> None:
     """With the true effect off the list another one explains most of it, and a channel predicts far more."""
     recording = made("coulomb-viscous+asymmetry", {"asymmetry.c": 0.3, "asymmetry.d": -0.2})

@@ -91,7 +91,7 @@ def test_nothing_is_named_on_the_same_motion_of_a_stiff_contact(stiff: Compariso
     assert refit_check(Refits(stiff, POLICY), result, (), None) is None
 
 
-@pytest.mark.parametrize("rises", [False, True])
+@pytest.mark.parametrize("rises", [pytest.param(False, marks=pytest.mark.long), True])
 def test_an_effect_that_only_does_what_sampling_hides_is_not_named(
     bent: Comparison, rises: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -113,6 +113,7 @@ def test_what_sampling_does_not_hide_falls_with_a_contact_that_bends(bent: Compa
     assert beyond_sampling_percent(fitted) < beyond_sampling_percent(bent)
 
 
+@pytest.mark.long
 def test_without_it_no_other_one_takes_its_place(bent: Comparison) -> None:
     assert not examine(bent, leave_out=["presliding"]).findings
 
@@ -121,6 +122,7 @@ def test_without_it_no_other_one_takes_its_place(bent: Comparison) -> None:
     ("name", "helps"),
     [("backlash", False), ("presliding", True)],
 )
+@pytest.mark.long
 def test_what_the_rows_name_stands_only_if_the_error_falls_with_it(bent: Comparison, name: str, helps: bool) -> None:
     result = candidate_tests(replace(bent.problem), bent.estimate.parameters, only=[name])
     (tested,) = result.tested
@@ -256,7 +258,7 @@ def test_an_effect_that_comes_out_as_nothing_is_not_what_lowers_the_error(
     ("samples", "names"),
     [
         pytest.param(0.6, [], marks=pytest.mark.long),
-        (0.64, []),
+        pytest.param(0.64, [], marks=pytest.mark.long),
         (0.7, ["sensor-delay"]),
         pytest.param(1.2, ["sensor-delay"], marks=pytest.mark.long),
     ],

@@ -23,7 +23,8 @@ def benchmark(from_benchmarks: Callable[[str], ModuleType]) -> ModuleType:
     return from_benchmarks("fast_ripple")
 
 
-KINDS = [("cogging", 3.0), ("position-friction", 5.0), pytest.param("cogging", 8.0, marks=pytest.mark.long)]
+MORE = [("position-friction", 5.0), ("cogging", 8.0)]
+KINDS = [("cogging", 3.0), *(pytest.param(*kind, marks=pytest.mark.long) for kind in MORE)]
 
 
 @pytest.mark.parametrize(("kind", "per_wave"), KINDS)
@@ -36,7 +37,8 @@ def test_a_fast_wave_is_named_with_its_wave_number_and_amplitude(
     assert abs(outcome.error) < 0.2
 
 
-@pytest.mark.parametrize("seed", [pytest.param(10, marks=pytest.mark.long), 12])
+@pytest.mark.long
+@pytest.mark.parametrize("seed", [10, 12])
 def test_a_torque_off_the_list_is_not_called_a_friction(benchmark: ModuleType, seed: int) -> None:
     """What goes with the direction explains less than half of a torque that does not."""
     recording = benchmark.trial("cogging", 5.0, seed).recording
@@ -87,6 +89,7 @@ def test_one_period_over_the_travel_is_named(benchmark: ModuleType) -> None:
     assert found.findings[0].tested.parameters["k"] == pytest.approx(one.k, rel=0.01)
 
 
+@pytest.mark.long
 def test_less_than_a_period_is_given_to_the_position_and_to_no_wave(benchmark: ModuleType) -> None:
     """Any smooth course over the position is as good; a wave of a whole period is not it."""
     one = benchmark.trial("cogging", 450.0, 16)
@@ -97,6 +100,7 @@ def test_less_than_a_period_is_given_to_the_position_and_to_no_wave(benchmark: M
     assert found.view.channels == "position"
 
 
+@pytest.mark.long
 def test_the_wave_is_told_in_words(benchmark: ModuleType) -> None:
     found = diagnose(benchmark.trial("cogging", 5.0, 18).recording, "coulomb-viscous", INERTIA)
     assert found.ripple is not None

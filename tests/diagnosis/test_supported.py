@@ -47,6 +47,9 @@ def named(result: CandidateTests, candidates: list[str]) -> list[str]:
     return [found.first.name for found in judge(result, others, first).supported(result.policy)]
 
 
+LONG, LINEAR = pytest.mark.long, ("gravity", "inertia-error", "asymmetry")
+
+
 @pytest.mark.parametrize("effect", HIDDEN)
 def test_the_channel_of_the_effect_is_the_best_predictor(made: Made, effect: str) -> None:
     values, channel = HIDDEN[effect]
@@ -59,10 +62,7 @@ def test_the_channel_of_the_effect_is_the_best_predictor(made: Made, effect: str
     assert by_name[channel].evidence.gain == pytest.approx(max(v.evidence.gain for v in by_name.values()), abs=0.1)
 
 
-@pytest.mark.parametrize(
-    "effect",
-    [*(pytest.param(e, marks=pytest.mark.long) for e in ("gravity", "inertia-error")), "asymmetry", "step-change"],
-)
+@pytest.mark.parametrize("effect", [pytest.param(e, marks=LONG) for e in LINEAR] + ["step-change"])
 def test_named_when_it_is_a_candidate_and_unknown_when_it_is_not(made: Made, effect: str) -> None:
     values, _ = HIDDEN[effect]
     recording = made(f"coulomb-viscous+{effect}", {f"{effect}.{key}": value for key, value in values.items()})
@@ -119,9 +119,7 @@ def test_an_effect_beside_a_bump_at_one_position(made: Made) -> None:
     assert rest.place.torque > 0.1
 
 
-@pytest.mark.parametrize(
-    ("ends", "noise"), [pytest.param((0.35, 0.6), 0.05, marks=pytest.mark.long), ((0.3, 0.7), 1.0)]
-)
+@pytest.mark.parametrize(("ends", "noise"), [pytest.param((0.35, 0.6), 0.05, marks=LONG), ((0.3, 0.7), 1.0)])
 def test_a_zone_of_friction_is_no_wave(made: Made, ends: tuple[float, float], noise: float) -> None:
     """One or several waves and a description of what they leave draw the zone, with more terms than one stretch.
 
@@ -153,7 +151,7 @@ def test_a_walk_of_friction_is_no_drift(made: Made, seed: int) -> None:
     assert diagnosis.view.channels == "time, finely, along the motion"
 
 
-@pytest.mark.parametrize("seed", [*(pytest.param(seed, marks=pytest.mark.long) for seed in (10, 18)), 30])
+@pytest.mark.parametrize("seed", [pytest.param(seed, marks=pytest.mark.long) for seed in (10, 18, 30)])
 def test_a_walk_that_a_line_or_a_jump_follows_is_neither(made: Made, seed: int) -> None:
     """Of forty such walks seven were a drift or a step while none was thought of in the noise."""
     recording = made(noise=0.5, samples=4000, rate=250.0)
@@ -226,6 +224,7 @@ def test_two_effects_that_one_channel_does_with_fewer_terms_are_not_named(inerti
     assert diagnosis.view.channels == "acceleration"
 
 
+@pytest.mark.long
 def test_a_wave_of_friction_is_no_zone(made: Made) -> None:
     values = {"position-friction.a": 0.6, "position-friction.b": 0.4, "position-friction.k": 0.5}
     diagnosis = diagnose(made("coulomb-viscous+position-friction", values, noise=0.5), "coulomb-viscous", 2.0)
@@ -299,7 +298,8 @@ def test_two_effects_are_both_there(made: Made) -> None:
     assert sorted(named(result, ["asymmetry", "gravity"])) == ["asymmetry", "gravity"]
 
 
-@pytest.mark.parametrize("samples", [10, pytest.param(20, marks=pytest.mark.long)])
+@pytest.mark.long
+@pytest.mark.parametrize("samples", [10, 20])
 def test_friction_that_lags_is_no_wrong_inertia(made: Made, samples: int) -> None:
     """To first order it is an inertia that depends on speed, and only at some speeds it is there."""
     lagging = {"F_s": 3.0, "omega_s": 1.0, "T": samples * 2e-3, "r": 0.0}
@@ -331,7 +331,8 @@ def test_an_error_is_above_noise_by_the_noise_of_its_own_part(made: Made) -> Non
     assert not errors_floor.is_above_noise(replace(comparison, sliding=SlidingErrors(1.0, 9.0, 1.0, 8.0)))
 
 
-@pytest.mark.parametrize("samples", [pytest.param(0.8, marks=pytest.mark.long), 1.0])
+@pytest.mark.long
+@pytest.mark.parametrize("samples", [0.8, 1.0])
 def test_a_delay_is_named_though_the_past_of_the_torque_can_be_all_of_it(samples: float) -> None:
     """With half a sample by which the torque is held it is little longer than what sampling alone may do."""
     rig = Rig.model_validate(

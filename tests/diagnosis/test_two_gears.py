@@ -19,7 +19,7 @@ def benchmark(from_benchmarks: Callable[[str], ModuleType]) -> ModuleType:
 
 KINDS = [
     pytest.param(("cogging", "cogging"), marks=pytest.mark.long),  # three of them: tests/diagnosis/test_supported.py
-    ("position-friction", "position-friction"),
+    pytest.param(("position-friction", "position-friction"), marks=pytest.mark.long),
 ]
 
 

@@ -57,7 +57,14 @@ HIDDEN: list[tuple[str, tuple[tuple[str, float], ...]]] = [
 ]
 
 
-@pytest.mark.parametrize(("effect", "values"), HIDDEN, ids=[case[0] for case in HIDDEN])
+EVERY_DAY = ("step-change", "presliding", "drift")
+"""The others are named on the rig: tests/hidden."""
+
+
+@pytest.mark.parametrize(
+    ("effect", "values"),
+    [pytest.param(*case, id=case[0], marks=() if case[0] in EVERY_DAY else pytest.mark.long) for case in HIDDEN],
+)
 def test_the_hidden_effect_is_named_first(
     diagnosed: Callable[..., Diagnosis], effect: str, values: tuple[tuple[str, float], ...]
 ) -> None:
@@ -98,6 +105,7 @@ def test_an_effect_without_its_channel_could_not_have_been_seen(diagnosed: Calla
     assert seen["cogging"].smallest_percent > 0
 
 
+@pytest.mark.long
 def test_effects_above_the_smallest_visible_size_are_found_and_far_below_it_not(
     made: Made, diagnosed: Callable[..., Diagnosis]
 ) -> None:

@@ -85,6 +85,7 @@ def test_joints_that_do_nothing_are_not_named(made: Made, seed: int) -> None:
     assert (found.verdict, found.findings, found.view) == ("adequate", (), None)
 
 
+@pytest.mark.long
 def test_the_inertia_lies_within_its_interval(made: Made) -> None:
     """Of 30 intervals of 95 % no fewer than 25 hold the truth, as in 99.8 % of all cases."""
     inside = 0

@@ -85,6 +85,7 @@ def test_term_with_memory() -> None:
     assert fit.parameters["K_c"] == pytest.approx(1e-2, rel=0.03)
 
 
+@pytest.mark.long
 def test_standard_errors_cover_the_truth() -> None:
     inside = []
     for seed in range(40):

@@ -39,9 +39,9 @@ def names(diagnosis: Diagnosis) -> tuple[str, ...]:
         ("nonlinear-viscous", "multisine"),
         ("load-friction", "tracking"),
         ("inertia-error", "multisine"),
-        ("sensor-delay", "multisine"),
+        pytest.param("sensor-delay", "multisine", marks=pytest.mark.long),
         pytest.param("sensor-delay", "tracking", marks=pytest.mark.long),
-        ("thermal", "sine"),
+        pytest.param("thermal", "sine", marks=pytest.mark.long),
         ("step-change", "multisine"),
     ],
 )
@@ -246,12 +246,12 @@ WAVE, CURVE = ("position-friction", "linear-axis"), ("stribeck", "robot-joint")
 @pytest.mark.parametrize(
     ("effect", "scale", "change"),
     [
-        (*WAVE, "units"),
+        pytest.param(*WAVE, "units", marks=pytest.mark.long),
         pytest.param(*WAVE, "time shift", marks=pytest.mark.long),
         pytest.param(*WAVE, "mirrored", marks=pytest.mark.long),
         pytest.param(*CURVE, "units", marks=pytest.mark.long),
         (*CURVE, "time shift"),
-        (*CURVE, "mirrored"),
+        pytest.param(*CURVE, "mirrored", marks=pytest.mark.long),
     ],
 )
 def test_the_answer_does_not_depend_on_how_motion_is_described(

@@ -163,6 +163,7 @@ def test_a_fit_that_cannot_begin_says_so() -> None:
     assert Problem.of(simulator).keys == ("J", "K_v", "K_c")
 
 
+@pytest.mark.long
 def test_each_part_is_held_out_in_turn_where_one_recording_was_cut() -> None:
     """What was not there is not taken, what was is; by one recording cut as `improve` cuts it."""
     names = ("coulomb-viscous", "coulomb-viscous+stribeck")

@@ -60,6 +60,7 @@ def test_list_names_it_on_standard_error(install: Install, capsys: pytest.Captur
     assert "coulomb-viscous" in captured.out
 
 
+@pytest.mark.long
 def test_a_tournament_goes_on(install: Install, tmp_path: Path) -> None:
     site = install("fails-to-import", BROKEN["fails-to-import"][0])
     config = tmp_path / "config.yaml"

@@ -92,6 +92,7 @@ def recording(path: Path) -> Path:
     return path
 
 
+@pytest.mark.long
 def test_every_command_goes_on_without_them(install: Install, tmp_path: Path) -> None:
     site = install("deadly-use", PLUGIN)
     registered = plugins.load()

@@ -172,6 +172,7 @@ def test_other_settings_are_another_result(install: Install, tmp_path: Path) -> 
             assert len(store) == before + 1
 
 
+@pytest.mark.long
 def test_serial_and_local_agree(install: Install, tmp_path: Path) -> None:
     install("misbehaving", ESTIMATORS)
     config = load_config(configured(tmp_path, "known", seeds=3))
@@ -181,6 +182,7 @@ def test_serial_and_local_agree(install: Install, tmp_path: Path) -> None:
 
 
 @pytest.mark.skipif(os.name == "nt", reason="signals")
+@pytest.mark.long
 def test_an_interruption_loses_nothing(install: Install, tmp_path: Path) -> None:
     site = install("misbehaving", ESTIMATORS)
     file = configured(tmp_path, "slow", seeds=40)

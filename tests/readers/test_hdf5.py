@@ -228,7 +228,7 @@ BAD: dict[str, tuple[Callable[[Any], object], str]] = {
 }
 
 
-@pytest.mark.parametrize("case", BAD)
+@pytest.mark.parametrize("case", [pytest.param(c, marks=pytest.mark.long if c == "many" else ()) for c in BAD])
 def test_what_cannot_be_used_is_one_line(case: str, tmp_path: Path) -> None:
     write, expected = BAD[case]
     path = made(tmp_path / "log.h5", write)

@@ -41,7 +41,7 @@ def done(arguments: str) -> int:
     return int(stopped.value.code or 0)
 
 
-@pytest.mark.parametrize("command", ["compare", "diagnose", "improve"])
+@pytest.mark.parametrize("command", ["compare", pytest.param("diagnose", marks=pytest.mark.long), "improve"])
 def test_beside_the_answer(command: str, here: Path, capsys: pytest.CaptureFixture[str]) -> None:
     page = here / "new" / "page.html"
     assert done(f"{command} joint.csv --model coulomb-viscous --inertia 1.8 --report new/page.html") == 0
@@ -59,6 +59,7 @@ def test_after_a_tournament_and_again_from_its_folder(here: Path) -> None:
     assert "fricmodels run joint.yaml --out run" in text
 
 
+@pytest.mark.long
 def test_of_a_recording_alone(here: Path) -> None:
     assert done("report joint.csv --inertia 1.8") == 0
     assert "lacks" in (here / "joint.html").read_text(encoding="utf-8")

@@ -135,6 +135,7 @@ def test_provenance_is_exact(page: Page, folder: Path) -> None:
     assert "--model coulomb-viscous --inertia 1.8" in code.text
 
 
+@pytest.mark.long
 def test_made_from_the_files_the_page_is_the_same(page: Page, folder: Path) -> None:
     assert render(of_run(folder)) == render(of_run(folder / "diagnosis.json"))
     again = of_run(folder)

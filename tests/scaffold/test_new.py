@@ -27,6 +27,7 @@ timeout: 60
 """
 
 
+@pytest.mark.long
 def test_as_generated_they_install_pass_are_listed_and_take_part(environment: Any, tmp_path: Path) -> None:
     projects = [write(kind, f"bearing-{kind}", tmp_path) for kind in KINDS]
     environment.install(*projects)

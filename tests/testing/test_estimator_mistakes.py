@@ -87,7 +87,11 @@ MISTAKES: dict[str, tuple[type[Estimator], str, str]] = {
 }
 
 
-@pytest.mark.parametrize("mistake", MISTAKES)
+SLOW = ("half the standard error", "ten times the standard error")
+"""Of standard errors that are wrong by a factor one is enough for every day."""
+
+
+@pytest.mark.parametrize("mistake", [pytest.param(m, marks=pytest.mark.long if m in SLOW else ()) for m in MISTAKES])
 def test_is_caught(mistake: str) -> None:
     made, check, message = MISTAKES[mistake]
     outcome = sit(type("Exam", (EstimatorExam,), {"estimator": made}), f"test_{check}")

@@ -145,6 +145,7 @@ def write_log(path: Path) -> None:
     np.savetxt(path, rows, delimiter=",", header="time_s,torque_Nm,velocity_rad_s", comments="")
 
 
+@pytest.mark.long
 def test_rows_say_what_happened_and_the_others_go_on(site: Path, tmp_path: Path) -> None:
     write_log(tmp_path / "motor.csv")
     config = tmp_path / "config.yaml"

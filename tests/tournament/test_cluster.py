@@ -107,6 +107,7 @@ def test_recordings_are_sent_again_where_the_only_worker_that_had_them_died(
     assert [row["message"] for row in board.rows if row["status"] != "ok"] == []
 
 
+@pytest.mark.long
 def test_a_result_that_the_scheduler_forgot_is_asked_for_again(
     dask: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

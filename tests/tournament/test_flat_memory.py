@@ -99,6 +99,7 @@ def test_a_run_that_grows_does_what_is_missing(tmp_path: Path) -> None:
 
 
 @pytest.mark.usefixtures("no_fits")
+@pytest.mark.long
 def test_memory_does_not_grow_with_the_jobs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(leaderboard, "HELD", 0)
 

@@ -54,7 +54,7 @@ def test_nonlinear_parameters_are_found_without_a_start(made: Made) -> None:
 
 @pytest.mark.parametrize("seed", [0, 2])
 def test_a_friction_of_low_speed_is_not_extrapolated_from_higher_ones(made: Made, seed: int) -> None:
-    """Where noise hides the direction no row is certain, and there this Stribeck friction acts: without it F_s was 0."""
+    """Where noise hides the direction no row is certain, and there this Stribeck friction acts: F_s was 0."""
     hidden = {"stribeck.F_s": 3.0, "stribeck.omega_s": 0.4, "stribeck.delta": 1.0}
     recording = made("coulomb-viscous+stribeck", hidden, noise=1.0, samples=3000, seed=seed)
     drive = Drive(Model.parse("coulomb-viscous+stribeck"), 2.0)

@@ -50,6 +50,7 @@ def test_it_is_found_to_a_few_samples_and_its_interval_holds_it(seed: int) -> No
     assert found.parameters["step-change.c"] == pytest.approx(0.1, abs=4 * found.standard_errors["step-change.c"])
 
 
+@pytest.mark.long
 def test_the_fit_ends_at_the_same_instant_from_wherever_it_begins() -> None:
     recording = recorded(1, 3.0)
     ends = {fitted(recording, {KEY: start}).parameters[KEY] for start in (2.6, 2.9, 3.0, 3.05, 3.4)}

@@ -70,6 +70,7 @@ def test_identified_from_simulated_logs() -> None:
 
 @pytest.mark.measured
 @pytest.mark.skipif(not LOGS.is_file(), reason="../shared/data/bam_xl330 is not there")
+@pytest.mark.long
 def test_what_helps_on_the_measured_servo_is_what_the_authors_found() -> None:
     """Published for the XL-330, change from M1: M2 −0.1 %, M3 −26 %, M4 −29 %, M5 −32 %, M6 −31 %."""
     logs = read_logs(LOGS)

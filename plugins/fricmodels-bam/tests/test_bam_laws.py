@@ -176,6 +176,7 @@ def test_the_filter_follows(law: type[CoulombViscous]) -> None:
     assert outcome.result == "passed", outcome.message
 
 
+@pytest.mark.long
 def test_tournament(tmp_path: Path) -> None:
     """On a gearbox that loses more when it drives, load-dependent laws halve the error, directional ones are best."""
     folder = Path(__file__).parents[1]

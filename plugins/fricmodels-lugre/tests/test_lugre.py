@@ -77,6 +77,7 @@ def friction(time: Array, velocity: Array) -> Array:
     return DRIVE.friction(recording, VALUES)
 
 
+@pytest.mark.long
 def test_presliding_displacement() -> None:
     """Fig. 2: force to 95 % of the stick force, back, and up again; a hysteresis loop of a few micrometres."""
     time = np.arange(0.0, 60.0, 4e-3)
@@ -156,6 +157,7 @@ def test_no_break_away_peak_if_pulled_fast() -> None:
     assert F_C < slower < faster < 1.01 * F_C
 
 
+@pytest.mark.long
 def test_stick_slip() -> None:
     """Figs. 5 and 6: a mass of 1 kg drawn by a spring of 2 N/m whose end moves at 0.1 m/s sticks and slips."""
     time = np.arange(0.0, 40.0, 1e-2)
@@ -209,6 +211,7 @@ class Controller(Effect):
         return {"integral": s.position - 1}
 
 
+@pytest.mark.long
 def test_hunting() -> None:
     """Figs. 7 and 8: with integral action the mass never comes to rest at 1 m, but slips to and fro across it."""
     from scipy.integrate import solve_ivp

@@ -99,6 +99,7 @@ def test_on_a_linear_drive_it_is_the_kalman_filter(settings: Mapping[str, float]
     assert one.parameters["c"] == pytest.approx(0.3, abs=4 * one.standard_errors["c"])
 
 
+@pytest.mark.long
 def test_table_1_of_the_paper_beside_the_extended_filter() -> None:
     """No level of noise makes it worse than twice the published errors of the coefficients."""
     drive = Drive(Model.parse("asymmetric-coulomb-viscous"), INERTIA)
@@ -156,6 +157,7 @@ def test_divergence_names_the_sample() -> None:
     assert len(fit.history) in (1001, 1002, 1003)
 
 
+@pytest.mark.long
 def test_the_tournament_beside_this_project(tmp_path: Path) -> None:
     """Both filters end well at every level of noise, with the same torque error."""
     file = Path(__file__).parents[1] / "tournament.yaml"
