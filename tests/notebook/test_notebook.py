@@ -53,12 +53,12 @@ class Elements(HTMLParser):
             self.text += data
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="session")
 def recording() -> Recording:
     return hidden().model_copy(update={"samples": 7_500}).simulate().select(slice(None), name=EVIL)
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="session")
 def results(recording: Recording) -> dict[str, Any]:
     covariance = np.diag([1e-4, 0.25])
     fit = Fit("coulomb-viscous", EVIL, EVIL, {"K_v": 1.0, "K_c": 2.0, "J": 3.0}, covariance, ("K_v", "K_c"))

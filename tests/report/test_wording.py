@@ -81,3 +81,15 @@ def test_powers_of_ten_in_a_sentence_are_set() -> None:
 )
 def test_which_names_are_of_one_class_can_be_read(classes: list[list[str]], said: str) -> None:
     assert wording.listed_classes(classes) == said
+
+
+@pytest.mark.parametrize(
+    ("classes", "said"),
+    [
+        ([["a"], ["b"]], ""),
+        ([["a", "b", "c"], ["d"]], "The values hold with a. With b or c in its place the others may differ."),
+        ([["a", "b"], ["c", "d"]], "The values hold with a and c. With a look-alike in the place of one the others"),
+    ],
+)
+def test_parameters_are_those_of_the_chosen_look_alikes(classes: list[list[str]], said: str) -> None:
+    assert wording.values_hold_with(classes)[: len(said) or 1] == said

@@ -270,12 +270,13 @@ def fails(comparisons: Sequence[Comparison]) -> Section:
     return Section("fails", f"Where {first.drive.model.name} fails", blocks)
 
 
-def all_parameters(data: ComparisonDocument, known: Correlation | None = None) -> Section:
+def all_parameters(data: ComparisonDocument, known: Correlation | None = None, chosen: str = "") -> Section:
     """List the parameters of the final model, and on demand those of the given one.
 
     Args:
         data: a comparison or a diagnosis.
         known: how their estimates are correlated.
+        chosen: with which of several look-alikes they hold.
     """
     steps = data.steps
     last = steps[-1]
@@ -287,7 +288,7 @@ def all_parameters(data: ComparisonDocument, known: Correlation | None = None) -
     formulas = equations(last.model, data.motion)
     if last.model.count("+") > _OPEN:  # each effect's own equation stands above
         formulas = [Fold("Equations of the model", formulas)]
-    blocks: list[Block] = [*formulas, fitted(last, data.motion), Words(note)]
+    blocks: list[Block] = [*formulas, fitted(last, data.motion), Words(f"{chosen} {note}".strip())]
     if len(steps) > 1:
         blocks.append(Fold(f"Parameters of the given model, {data.model}", [fitted(steps[0], data.motion)]))
     pair = None if known is None else correlated(known)

@@ -17,7 +17,15 @@ from fricmodels.report.linear import in_forces
 from fricmodels.report.motion import motion_section, simulated
 from fricmodels.report.page import Page, Picture, Section, Tile, Verdict
 from fricmodels.report.provenance import recording_section
-from fricmodels.report.wording import count, counted, listed, noise_alone, percent, physics
+from fricmodels.report.wording import (
+    count,
+    counted,
+    listed,
+    noise_alone,
+    percent,
+    physics,
+    values_hold_with,
+)
 
 if TYPE_CHECKING:
     from fricmodels.diagnosis.comparison import Comparison
@@ -118,13 +126,14 @@ def story(
 ) -> list[Section]:
     """Return the sections in reading order."""
     ends = _ends([rung.comparison for rung in rungs])
+    chosen = values_hold_with(effect.names for effect in data.effects) if len(data.ladder) > 1 else ""
     parts: list[Callable[[], Section]] = [lambda: sections.found(data, rungs, after)]
     if len(data.ladder) > 1:
         parts.append(lambda: sections.ladder(data, _ladder_picture(data, rungs)))
     if ends:
         parts += [lambda: _measured(ends, simulate=simulate), lambda: sections.fails(ends)]
     parts += [
-        lambda: sections.all_parameters(data, data.correlation),
+        lambda: sections.all_parameters(data, data.correlation, chosen),
         lambda: sections.limits(data, ends),
         lambda: recording_section(data, command, options),
     ]

@@ -110,6 +110,16 @@ def listed_classes(classes: Iterable[Sequence[str]]) -> str:
     return f"{', '.join(names[:-1])}, and {names[-1]}"
 
 
+def values_hold_with(classes: Iterable[Sequence[str]]) -> str:
+    """Say that parameters are those of the chosen ones among look-alikes; nothing where every name stands alone."""
+    several = [tuple(names) for names in classes if len(names) > 1]
+    if not several:
+        return ""
+    others = several[0][1:]
+    another = f"{listed(others, 'or')} in its place" if len(several) == 1 else "a look-alike in the place of one"
+    return f"The values hold with {listed(names[0] for names in several)}. With {another} the others may differ."
+
+
 def counted(number_of: int, one: str, many: str = "") -> str:
     """Return a count with its noun, small numbers in words."""
     small_numbers = ("no", "one", "two", "three", "four", "five", "six")
