@@ -103,7 +103,9 @@ def test_what_remains_far_above_noise_is_said_before_what_was_found() -> None:
     )
     assert found.sentence.index("remains") < found.sentence.index("gravity")
     assert found.tone == "bad"
-    assert "Record what this log lacks" in found.next
+    assert found.next.startswith("What remains goes with position, in a form that no effect on the list has")
+    nowhere = answer(data(ladder=steps, remaining={**rest(26.7, 26.0), "channel": ""}))
+    assert nowhere.next.startswith("Record what this log lacks"), "no recorded channel has its form"
     assert "--model coulomb-viscous+gravity " in found.command
 
 

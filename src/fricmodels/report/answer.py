@@ -245,6 +245,11 @@ def _next(data: DiagnosisDocument, options: Sequence[str]) -> tuple[str, str]:
             text = f"{best.name} comes nearest to what remains ({fall}), though it does not pass. To try it anyway:"
             return text, command_line(data, "compare", best.model, _common(options))
         text = "Record what this log lacks (another joint, a temperature, a load). To see where the error lies:"
+        if rest.channel:
+            text = (
+                f"What remains goes with {predictor(rest.channel)}, in a form that no effect on the list has; "
+                "'fricmodels new effect NAME' begins one of your own. To see that form:"
+            )
         return text, command_line(data, "compare", model, [*_common(options), "--report", "error.html"])
     text = "Use the model. This keeps its parameters, standard errors and provenance in a file, to call or to export:"
     kept = f"{Path(data.dataset).name}.model.json"
