@@ -266,3 +266,22 @@ def test_cogging_and_a_stribeck_rise_are_no_delay(seed: int) -> None:
         }
     )
     assert "torque-delay" not in kinds(rig.simulate())
+
+
+@pytest.mark.parametrize(
+    ("column", "said"),
+    [
+        ("velocity=speed:deg/s", "9 deg/s (0.1571 rad/s)"),
+        ("velocity=speed:-1 rpm", "1.5 rpm (0.1571 rad/s)"),
+        ("velocity=speed:rad/s", "0.1571 rad/s"),
+        ("velocity=speed", "0.1571 rad/s"),
+    ],
+)
+def test_a_size_is_said_in_the_unit_of_its_column(column: str, said: str) -> None:
+    log = Log(replace(CLEAN, provenance={"columns": {"velocity": column}}))
+    assert log.size("velocity", np.pi / 20) == said
+
+
+def test_a_torque_that_is_a_current_has_the_size_of_a_torque() -> None:
+    log = Log(replace(CLEAN, provenance={"columns": {"current": "current=iq:A"}, "torque_constant": 0.5}))
+    assert log.size("torque", 0.25) == "0.25 N m"

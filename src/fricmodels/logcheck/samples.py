@@ -155,7 +155,6 @@ def quantisation(log: Log) -> Iterator[Finding]:
                 "quantisation",
                 Severity.WARN if coarse else Severity.NOTE,
                 channel,
-                f"the {log.called(channel)} comes in steps of {step:.4g} {log.unit(channel)} "
-                f"({distinct:.0f} over its range)",
+                f"the {log.called(channel)} comes in steps of {log.size(channel, step)}, {distinct:.0f} over its range",
                 "log it finer" if coarse else "",
             )

@@ -198,3 +198,12 @@ class Log:
     def unit(self, channel: str) -> str:
         """Return the SI unit of a channel, as it is printed."""
         return UNITS.get(channel, "").format(length=self.length_unit, force=self.force_unit).replace("*", " ")
+
+    def size(self, channel: str, value: float) -> str:
+        """Return a value of a channel with its unit: in that of its column first, where that is another."""
+        plain = f"{value:.4g} {self.unit(channel)}"
+        given = self.column(channel)[1].removeprefix("-1 ")
+        if self.recording.motion not in units.fits(given, channel):  # none, or one of a current
+            return plain
+        factor = units.conversion(given, channel, self.recording.motion).factor
+        return plain if abs(factor - 1.0) < 1e-12 else f"{value / factor:.4g} {given} ({plain})"
