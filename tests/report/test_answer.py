@@ -164,6 +164,11 @@ def test_an_answer_without_effects_says_what_it_can() -> None:
     assert adequate.tone == "good"
     assert "14 of these were called adequate" in adequate.sure
     assert adequate.next.startswith("Use the model")
+    far = answer(data(verdict="adequate", effects=[], ladder=[step("coulomb-viscous", 8.65)]))
+    assert far.tone == "warn"
+    assert far.sentence.endswith("Yet 8.65\u00a0% of the motor torque remains, more than noise (3.20\u00a0%).")
+    assert far.next.startswith("Record it faster or with less noise")
+    assert " fit " in far.command
     seen = answer(data(verdict="adequate", effects=[], ladder=[step("coulomb-viscous", 3.3)], unknown=unknown))
     assert "nothing that could be predicted" not in seen.sentence
     assert "too small a part of the error to be noticed" in seen.sentence

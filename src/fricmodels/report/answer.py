@@ -77,31 +77,38 @@ def answer(data: DiagnosisDocument, options: Sequence[str] = ()) -> Answer:
 def tone(data: DiagnosisDocument) -> Tone:
     """Return whether the answer is good news."""
     if data.verdict == "adequate":
-        return "good"
+        return "warn" if _noticed_above_noise(data) else "good"
     return "bad" if data.verdict == "unknown-effect" or _much_remains(data) else "warn"
 
 
 def _sentence(data: DiagnosisDocument) -> str:
     model = data.model
+    left = f"{percent(data.ladder[-1].held_out_rms_percent)} of the motor {data.quantity} remains"
     if data.verdict == "adequate":
-        if data.unknown is not None:
-            small_part = "what could be predicted is too small a part of the error to be noticed"
-            return f"The model {model} is adequate: {small_part}."
-        return f"The model {model} is adequate: nothing that could be predicted is left."
+        nothing = "nothing that could be predicted is left"
+        why = (
+            nothing
+            if data.unknown is None
+            else "what could be predicted is too small a part of the error to be noticed"
+        )
+        more = f" Yet {left}, more than noise ({_noise(data)})." if _noticed_above_noise(data) else ""
+        return f"The model {model} is adequate: {why}.{more}"
     if data.verdict == "unknown-effect":
         return f"Something is missing from the model {model} that no known effect explains."
     names = listed_classes(effect.names for effect in data.effects)
     if _much_remains(data):
-        left = percent(data.ladder[-1].held_out_rms_percent)
-        most = f"{left} of the motor {data.quantity} remains unexplained, far above noise ({_noise(data)})"
+        most = f"{left} unexplained, far above noise ({_noise(data)})"
         return f"{most}. Part of what {model} lacks was found: {names}."
     text = f"The model {model} lacks {counted(len(data.effects), 'effect')}: {names}."
-    end = data.ladder[-1].held_out_rms_percent or 0.0
-    named = end > 100 * POLICY.least_torque  # below it no effect is named, however clearly it shows
-    if len(data.ladder) > 1 and not data.partial and named and _far_above_noise(data):
-        it = "it" if len(data.effects) == 1 else "them"
-        text += f" With {it} {percent(end)} of the motor {data.quantity} remains, more than noise ({_noise(data)})."
+    if len(data.ladder) > 1 and not data.partial and _noticed_above_noise(data):
+        text += f" With {'it' if len(data.effects) == 1 else 'them'} {left}, more than noise ({_noise(data)})."
     return text
+
+
+def _noticed_above_noise(data: DiagnosisDocument) -> bool:
+    """Whether the error that remains is more than noise, and not so small that no effect is named in it."""
+    end = data.ladder[-1].held_out_rms_percent or 0.0
+    return _far_above_noise(data) and end > 100 * POLICY.least_torque
 
 
 def _much_remains(data: DiagnosisDocument) -> bool:
@@ -252,6 +259,8 @@ def _next(data: DiagnosisDocument, options: Sequence[str]) -> tuple[str, str]:
             )
         return text, command_line(data, "compare", model, [*_common(options), "--report", "error.html"])
     text = "Use the model. This keeps its parameters, standard errors and provenance in a file, to call or to export:"
+    if data.verdict == "adequate" and _noticed_above_noise(data):
+        text = "Record it faster or with less noise to see what the rest is. To use the model as it is:"
     kept = f"{Path(data.dataset).name}.model.json"
     return text, command_line(data, "fit", model, [*_common(options), "--out", kept])
 
