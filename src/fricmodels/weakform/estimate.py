@@ -12,6 +12,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Hashable, Mapping
 from dataclasses import dataclass, field, replace
 from weakref import ref
@@ -248,17 +249,18 @@ def _whatever_the_direction(
         left: sum of squares that a fit leaves of the whole recording.
     """
 
-    def too_much(more: float) -> bool:
-        return is_contradicted(more, len(final.values), final.problem.independent)
+    def too_much(left: float, by_another: float) -> bool:
+        more = left / by_another - 1.0 if by_another > 0.0 else math.inf
+        return left > by_another and is_contradicted(more, len(final.values), final.problem.independent)
 
     every = problem.including_uncertain_motion
     if every.rows == problem.rows:
         return final
-    fits = [_solved(every, begin) for begin in (start, {**start, **final.parameters})]
-    other = min(fits, key=lambda fit: fit.solution.cost)
-    by_whole = left(final) / left(other) - 1.0
-    by_certain = final.left_by(other.values) / final.solution.cost - 1.0
-    return identified(other) if too_much(by_whole) and not too_much(by_certain) else final
+    again, scanned = (_solved(every, begin) for begin in ({**start, **final.parameters}, start))
+    other = scanned if scanned.solution.cost < (1.0 - _CLEARLY) * again.solution.cost else again
+    asked_for = too_much(left(final), left(other))
+    allowed = asked_for and not too_much(final.left_by(other.values), final.solution.cost)
+    return identified(other) if allowed else final
 
 
 def _explains_torque_by_itself(drive: Drive) -> bool:
