@@ -285,7 +285,7 @@ def _within_sampling(result: CandidateTests, tested: CandidateTest) -> bool:
 def _all_together(refits: Refits, first: LookAlikes, together: list[LookAlikes]) -> list[LookAlikes]:
     """Return the first effect, and the others that are there beside it if the test error falls further with them."""
     others = [one for one in together if one.first.name not in first.names]
-    there = any({*one.names} == {*first.names} for one in together)
+    there = any({*one.names} <= {*first.names} for one in together)
     further = refits.beside(first.first) if others and there else None
     found = [first]
     for other in others:

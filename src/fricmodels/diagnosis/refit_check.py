@@ -25,7 +25,14 @@ from fricmodels.diagnosis.floor import beyond_sampling_percent, is_above_noise
 from fricmodels.diagnosis.policy import Policy
 from fricmodels.diagnosis.refits import Refits
 from fricmodels.diagnosis.supported import judge
-from fricmodels.diagnosis.verdict import LookAlikes, passing_all_gates, passing_significance, significant, torque_share
+from fricmodels.diagnosis.verdict import (
+    LookAlikes,
+    contains,
+    passing_all_gates,
+    passing_significance,
+    significant,
+    torque_share,
+)
 from fricmodels.weakform.problem import WeakFormProblem
 
 
@@ -48,7 +55,7 @@ def refit_check(
     if named is None:
         small = [] if passing_all_gates(result) else significant(result)
         return _best(refits, result, small, out, before) or _on_all_motion(refits, out, before, policy)
-    named = _led_by_fit(refits, named, policy)
+    named = _with_a_simpler_one(refits, result, _led_by_fit(refits, named, policy))
     in_rows = 100 * torque_share(result, named.first.evidence)
     if not named.first.effect.states or in_rows > policy.residual_shows_error * before:
         return named
@@ -86,6 +93,22 @@ def _led_by_fit(refits: Refits, named: LookAlikes, policy: Policy) -> LookAlikes
         if error <= margin * least:
             first, least = other, error
     return LookAlikes(first, (first, *(t for t in members if t is not first)))
+
+
+def _with_a_simpler_one(refits: Refits, result: CandidateTests, named: LookAlikes) -> LookAlikes:
+    """Return the class led by an effect that passes by itself and lies within its first, if that adds no more to it.
+
+    Beside others of a set an effect with more parameters explains the rows better by a part of what these leave.
+    Whether it is this one says the fit: the simpler one leads if its test error is higher by no more than the margin
+    of an exchange.
+    """
+    policy, first = result.policy, named.first
+    if not refits.lowers_test_error(first):
+        return named
+    most = (1 + policy.exchange_margin) * refits.test_error(first)
+    simpler = [t for t in passing_all_gates(result) if t.name not in named.names and contains(result, first, t)]
+    leading = next((t for t in sorted(simpler, key=refits.test_error) if refits.test_error(t) <= most), None)
+    return named if leading is None else LookAlikes(leading, (leading, *named.members))
 
 
 def _parameters(tested: CandidateTest) -> int:

@@ -118,7 +118,7 @@ def select_effect(result: CandidateTests) -> LookAlikes | None:
         not_worse = p_worse > policy.alike_significance and _rms(result, other) < policy.far_worse * best
         if not (_rms(result, other) - best < near or not_worse):
             continue
-        if _contains(result, other, first) and first.name not in other.effect.distinct_from:
+        if contains(result, other, first) and first.name not in other.effect.distinct_from:
             continue
         if not _spoils(result, other, before):
             members.append(other)
@@ -172,7 +172,7 @@ def _cost(result: CandidateTests, tested: CandidateTest) -> float:
     return round(float(np.log(_rms(result, tested))), 8) + result.policy.parameter_price * len(tested.effect.parameters)
 
 
-def _contains(result: CandidateTests, larger: CandidateTest, smaller: CandidateTest) -> bool:
+def contains(result: CandidateTests, larger: CandidateTest, smaller: CandidateTest) -> bool:
     """Whether everything that the smaller effect adds lies within what the larger one can add."""
     if len(larger.effect.parameters) <= len(smaller.effect.parameters):
         return False
