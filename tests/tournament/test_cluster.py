@@ -83,7 +83,13 @@ def test_recordings_are_sent_again_where_the_only_worker_that_had_them_died(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """A second worker joins after the recordings were sent, and the first one dies: with it all that was sent."""
-    given, killed = config(tmp_path), list[int]()
+    given, killed, sendings, send = config(tmp_path), list[int](), list[int](), cluster._sent
+
+    def counted(*arguments: Any) -> Any:
+        sendings.append(1)
+        return send(*arguments)
+
+    monkeypatch.setattr(cluster, "_sent", counted)
     elsewhere = tmp_path / "elsewhere"
     elsewhere.mkdir()
     monkeypatch.chdir(elsewhere)
@@ -105,6 +111,7 @@ def test_recordings_are_sent_again_where_the_only_worker_that_had_them_died(
         board = run(given, tmp_path / "a", executor="dask", scheduler=one.scheduler_address, report=report)
     assert len(killed) == 1
     assert [row["message"] for row in board.rows if row["status"] != "ok"] == []
+    assert len(sendings) == 2, "once more for all jobs that lost them"
 
 
 @pytest.mark.long

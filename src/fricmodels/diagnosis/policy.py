@@ -381,9 +381,9 @@ class Policy(Rules):
     exchange_margin: float = rule(
         0.025,
         "share of the test error",
-        "A model with more parameters takes the place of another if its test error is lower by this share, one with "
-        "as many or fewer if it is higher by no more than this. A look-alike with no more parameters comes first if "
-        "its test error is lower by this, one with more if it is lower by refit_share.",
+        "A model with more parameters takes the place of another if its test error is lower by this share; one with as "
+        "many or fewer, or a simpler effect within it, if it is no more than this higher. A look-alike of no more "
+        "parameters comes first if its test error is lower by this, one with more if it is lower by refit_share.",
         "Judgement: half of least_gain.",
         off=0.0,
     )

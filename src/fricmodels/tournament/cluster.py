@@ -95,7 +95,8 @@ def _done(client: Any, jobs: Jobs, timeout: float) -> Results:
         row = _outcome(job, future.result, last=attempt == _TRIES)
         future.release()
         if row is None:
-            sent = _sent(client, jobs)
+            if any(content.status != "finished" for content in sent.values()):  # once for all jobs that lost them
+                sent = _sent(client, jobs)
             finished.add(submit(job, attempt + 1))
             continue
         for following in islice(waiting, 1):

@@ -50,7 +50,7 @@ _EXTRAPOLATES = 2.0
 leaves more says what these rows cannot know. Clear of reversals no speed may be low, and a stick torque that decays
 before the first of them has no bound: the ratio was 10^11."""
 _WELL = 0.1
-"""Standard error of a parameter that is known well, as a share of it. Of speed, not of truth: see where it is used."""
+"""Standard error of a parameter that is known well, as a share of it: with all of them so, no second fit is made."""
 _ROWS = 4
 """Rows for each parameter that a fit needs more of."""
 _CLEARLY = 1e-4
