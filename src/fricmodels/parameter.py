@@ -29,6 +29,7 @@ class Parameter:
         scan: for a coefficient that enters nonlinearly, the dimensionless values to try first, in units of the
             recording's own scales (peak velocity, position range, duration); empty for linear ones.
         part_of_drive: whether it is a share of the law's friction or of the drive's inertia, and no more than these.
+        less_of_drive: share of the drive's inertia that minus it may be; 0 where it has no such bound.
         doubtful_ends: bounds of the search at which the estimate suggests that the effect, one with internal states,
             imitates another effect; none where the end itself is a physical case.
         own_time: whether a time or a rate is the drive's own, as that of a resonance, however long was recorded;
@@ -59,6 +60,7 @@ class Parameter:
     meaning: str = ""
     scan: tuple[float, ...] = ()
     part_of_drive: bool = False
+    less_of_drive: float = 0.0
     doubtful_ends: tuple[Literal["lower", "upper"], ...] = ("lower", "upper")
     own_time: bool = False
     slow: bool = False

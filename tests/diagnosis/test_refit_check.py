@@ -15,7 +15,6 @@ from tests.conftest import Made
 from fricmodels.diagnosis import examine, refits
 from fricmodels.diagnosis.candidate_tests import candidate_tests
 from fricmodels.diagnosis.comparison import Comparison, compare, with_effect
-from fricmodels.diagnosis.floor import beyond_sampling_percent
 from fricmodels.diagnosis.policy import POLICY
 from fricmodels.diagnosis.refit_check import _falls_far, _helps, _led_by_fit, _share_in_rows, refit_check
 from fricmodels.diagnosis.refits import Refits, falls_from
@@ -23,6 +22,7 @@ from fricmodels.diagnosis.verdict import LookAlikes, passing_all_gates, select_e
 from fricmodels.effects.presliding import Presliding
 from fricmodels.recording import Recording
 from fricmodels.rig import Rig
+from fricmodels.weakform.candidate import within_recording
 
 MASS, COULOMB = 90.0, 20.0
 BENT = {"name": "presliding", "kind": "maxwell-slip", "width": 0.0009, "damping_ratio": 0.5}
@@ -91,26 +91,25 @@ def test_nothing_is_named_on_the_same_motion_of_a_stiff_contact(stiff: Compariso
     assert refit_check(Refits(stiff, POLICY), result, (), None) is None
 
 
-@pytest.mark.parametrize("rises", [pytest.param(False, marks=pytest.mark.long), True])
-def test_an_effect_that_only_does_what_sampling_hides_is_not_named(
-    bent: Comparison, rises: bool, monkeypatch: pytest.MonkeyPatch
+def test_an_effect_whose_size_the_fit_takes_to_a_bound_is_not_named(
+    bent: Comparison, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """What sampling does not hide rises with it; here it is said to, or said to fall."""
-
-    def beyond(comparison: Comparison) -> float:
-        return 1.0 if (comparison.drive.model.effects != ()) is rises else 0.5
-
-    monkeypatch.setattr("fricmodels.diagnosis.refit_check.beyond_sampling_percent", beyond)
+    """A contact that closes within two samples of a reversal does what sampling does."""
+    refits = Refits(bent, POLICY)
     result = candidate_tests(replace(bent.problem), bent.estimate.parameters, only=["presliding"])
-    assert (refit_check(Refits(bent, POLICY), result, (), None) is None) is rises
-    assert _helps(Refits(bent, POLICY), result.tested[0], POLICY) is not rises
-
-
-def test_what_sampling_does_not_hide_falls_with_a_contact_that_bends(bent: Comparison) -> None:
-    result = candidate_tests(replace(bent.problem), bent.estimate.parameters, only=["presliding"])
-    fitted = Refits(bent, POLICY).with_effect(result.tested[0])
+    tested = result.tested[0]
+    assert not refits.ends_at_bound(tested)
+    assert _helps(refits, tested, POLICY)
+    assert refit_check(refits, result, (), None) is not None
+    fitted = refits.with_effect(tested)
     assert fitted is not None
-    assert beyond_sampling_percent(fitted) < beyond_sampling_percent(bent)
+    least = within_recording(fitted.problem, Presliding.x_s).lower
+    values = {**fitted.estimate.parameters, "presliding.x_s": least}
+    at_bound = replace(fitted, estimate=replace(fitted.estimate, parameters=values))
+    monkeypatch.setattr(Refits, "with_effect", lambda self, other: at_bound if other.name == tested.name else None)
+    assert refits.ends_at_bound(tested)
+    assert not _helps(refits, tested, POLICY)
+    assert refit_check(refits, result, (), None) is None
 
 
 @pytest.mark.long

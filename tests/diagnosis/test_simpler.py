@@ -41,3 +41,14 @@ def test_a_simpler_one_within_it_leads(
     named = refit_check._with_a_simpler_one(refits, result, LookAlikes(larger, (larger,)))
     assert named.first.name == led_by
     assert set(named.names) == ({"larger", "simple"} if led_by == "simple" else {"larger"})
+
+
+def test_a_look_alike_within_the_first_leads_and_the_others_stay(monkeypatch: pytest.MonkeyPatch) -> None:
+    """As an offset before a spring over a short travel."""
+    larger, simpler, other = candidate("larger"), candidate("simple"), candidate("other")
+    refits: Any = SimpleNamespace(test_error=lambda t: 10.1 if t is simpler else 10.0, lowers_test_error=lambda _: True)
+    monkeypatch.setattr(refit_check, "passing_all_gates", lambda _: [larger, simpler, other])
+    monkeypatch.setattr(refit_check, "contains", lambda _, big, small: big is larger and small is simpler)
+    result: Any = SimpleNamespace(policy=POLICY)
+    named = refit_check._with_a_simpler_one(refits, result, LookAlikes(larger, (larger, other, simpler)))
+    assert named.names == ["simple", "larger", "other"]

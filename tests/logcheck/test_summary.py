@@ -49,6 +49,23 @@ def test_channels_and_motion():
     assert not found.feedback
 
 
+@pytest.mark.parametrize("samples", [600, 20_000])
+def test_a_short_log_has_a_noise_too(samples):
+    time = 2e-3 * np.arange(samples)
+    velocity = np.sin(2 * time) + 0.03 * np.random.default_rng(0).standard_normal(samples)
+    assert summary(recording(time, velocity=velocity)).channels["velocity"].noise == pytest.approx(0.03, rel=0.2)
+
+
+def test_a_torque_that_is_switched_is_an_exact_command():
+    time = np.arange(0, 20, 2e-3)
+    torque = 4.0 * np.sign(np.sin(3 * time))
+    found = summary(recording(time, velocity=np.cos(3 * time), torque=torque))
+    assert found.channels["torque"].noise == 0.0
+    kinds = {one.kind for one in found.findings if one.channel == "torque"}
+    assert "switched" in kinds
+    assert not kinds & {"quantisation", "saturation"}
+
+
 def test_a_controller_that_hears_the_noise_is_a_closed_loop():
     time = np.arange(0, 20, 2e-3)
     noise = 0.02 * np.random.default_rng(0).standard_normal(len(time))

@@ -93,3 +93,10 @@ def test_which_names_are_of_one_class_can_be_read(classes: list[list[str]], said
 )
 def test_parameters_are_those_of_the_chosen_look_alikes(classes: list[list[str]], said: str) -> None:
     assert wording.values_hold_with(classes)[: len(said) or 1] == said
+
+
+@pytest.mark.parametrize("key", ["J", "M"])
+def test_an_inertia_of_nothing_is_explained(key: str) -> None:
+    assert "--inertia" in wording.shows_no_inertia({key: 0.0, "K_c": 1.0})
+    assert not wording.shows_no_inertia({key: 1e-9, "K_c": 0.0})
+    assert not wording.shows_no_inertia({"K_c": 0.0})

@@ -13,6 +13,8 @@ from fricmodels.drive import Drive
 from fricmodels.effects.drift import Drift
 from fricmodels.effects.frictional_lag import FrictionalLag
 from fricmodels.effects.joint_compliance import JointCompliance
+from fricmodels.effects.position_friction import PositionFriction
+from fricmodels.effects.presliding import Presliding
 from fricmodels.effects.stribeck import Stribeck
 from fricmodels.model import Model
 from fricmodels.recording import Recording
@@ -97,3 +99,15 @@ def test_friction_differs_below_no_speed_that_is_passed_between_two_samples() ->
     assert within_motion(steady, Stribeck.omega_s).lower == Stribeck.omega_s.lower
     part = replace(Stribeck.omega_s, lower=-np.inf)  # such as the speed at 0 °C of one that rises with temperature
     assert within_motion(recording, part) is part
+
+
+def test_no_contact_bends_over_less_than_the_drive_goes_in_two_samples() -> None:
+    """From standstill it goes ½ a (2 Δt)² in two samples; in any unit of the length, and a place has no such bound."""
+    recording = swinging(2.0)
+    least = 0.5 * 4 * np.pi * (2 / 200.0) ** 2
+    assert within_motion(recording, Presliding.x_s).lower == pytest.approx(least, rel=0.1)
+    scaled = recording.with_channels(velocity=1e3 * recording.velocity)
+    assert within_motion(scaled, Presliding.x_s).lower == pytest.approx(1e3 * least, rel=0.1)
+    steady = recording.with_channels(velocity=2.0 + recording.velocity)
+    assert within_motion(steady, Presliding.x_s).lower == Presliding.x_s.lower
+    assert within_motion(recording, PositionFriction.k) is PositionFriction.k

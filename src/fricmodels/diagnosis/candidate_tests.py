@@ -227,20 +227,21 @@ def noise_share(
     effect: Effect,
     found: NonlinearOptimum,
 ) -> float:
-    """Return the largest share of noise in a candidate's columns, of what is left of them beside the base model.
+    """Return the share of noise in the torque that a candidate adds: of all its columns, or of that with most noise.
 
-    The same noise is in the inertia torque on the other side of the equation, so that a column which is mostly noise
-    explains part of the residual, at most its share, without any effect. So does the torque that the columns make
+    The same noise is in the inertia torque on the other side of the equation, so that a torque which is mostly noise
+    explains part of the residual, at most its share, without any effect. It counts against what the columns make
     together: under one frequency position goes with acceleration, and a spring with an offset is the inertia torque
-    without its noise, though position alone, far from zero, is mostly offset.
+    without its noise, though position alone, far from zero, is mostly offset; and a column that is mostly noise, beside
+    the model, does no harm while it adds next to nothing. Columns that cancel each other count with the noise of each.
     """
     columns, _ = perturbed.columns(problem.alone(effect), found.nonlinear, found.delay)
     noise = problem.noise_within(regression, found.columns, columns[found.kept])
     signal = regression.project_out(found.columns)
     together = np.linalg.lstsq(signal.T, regression.residual, rcond=1e-10)[0]
-    noise, signal = (np.vstack([each_column, together @ each_column]) for each_column in (noise, signal))
-    power = np.sum(signal**2, axis=1)
-    return float(np.max(np.sum(noise**2, axis=1)[power > 0.0] / power[power > 0.0], initial=0.0))
+    power = float(np.sum((together @ signal) ** 2))
+    parts = np.vstack([together @ noise, together[:, None] * noise])
+    return float(np.max(np.sum(parts**2, axis=1))) / power if power > 0.0 else 0.0
 
 
 @unwarned

@@ -21,9 +21,9 @@ from fricmodels.recording import Recording
 from fricmodels.score.bands import Errors, torque_errors
 from fricmodels.score.torque import filtered_torque_error, sliding_half_width
 from fricmodels.score.zeroed import zeroed
-from fricmodels.signals import noise_of
 from fricmodels.signals.lanczos import even_weights, lanczos_value
 from fricmodels.signals.rest import once
+from fricmodels.signals.switched import torque_noise
 from fricmodels.split import Split, split
 from fricmodels.term import Effect
 from fricmodels.weakform.estimate import Estimate
@@ -221,7 +221,7 @@ def noise_torques(recording: Recording, inertia: float, half_width: int, draw: i
     if key not in known:
         like = noise_like(recording, np.random.default_rng(draw))
         rate = float(np.std(lanczos_value(recording.time, like, half_width, recording.run, order=1)))
-        own = noise_of(recording.time, recording.torque, recording.run, least=True)
+        own = torque_noise(recording.time, recording.torque, recording.run)
         known[key] = rate, own.after(even_weights(half_width)[0])
     rate, torque = known[key]
     return inertia * rate, torque

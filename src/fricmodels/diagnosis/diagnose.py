@@ -148,16 +148,17 @@ def examine(comparison: Comparison, *, leave_out: Iterable[str] = (), policy: Po
     """Test every effect on what a fitted model leaves over."""
     out, parameters, refits = set(leave_out), comparison.estimate.parameters, Refits(comparison, policy)
     result = candidate_tests(replace(comparison.problem), parameters, leave_out=out, policy=policy)
-    best = select_effect(result)
+    possible = _that_can_be_fitted(refits, result)
+    best = select_effect(possible)
     ripple = fast_ripple(result.problem, parameters, out, policy)
     if _is_larger(ripple, result, best) and _fast(refits, [], ripple):
         return _beside_ripple(refits, ripple, out, policy)
     predictors = passing_predictors(result)
     is_left = best is not None or predictors or is_far_above_noise(comparison, policy)
-    judgement = judge(result, out, best) if is_left else None
+    judgement = judge(possible, out, best) if is_left else None
     together = [] if judgement is None else judgement.supported(policy)
-    found = refit_check(refits, result, out, together[0] if together else None)
-    named = _confirmed(refits, found, result, out, together)
+    found = refit_check(refits, possible, out, together[0] if together else None)
+    named = _confirmed(refits, found, possible, out, together)
     place = _noticed_place(result, comparison) if named is None else None
     noise = None if place is not None else _noise(comparison, result, named, predictors)
     view = next((p for p in predictors if p.channels not in AUTOREGRESSIVE), predictors[0] if predictors else None)
@@ -243,6 +244,22 @@ def comes_near(smaller: Comparison, name: str, leave_out: Iterable[str], policy:
 def _first_look(comparison: Comparison, leave_out: Iterable[str], policy: Policy) -> CandidateTests:
     parameters = comparison.estimate.parameters
     return candidate_tests(replace(comparison.problem), parameters, leave_out=leave_out, policy=policy)
+
+
+def _that_can_be_fitted(refits: Refits, result: CandidateTests) -> CandidateTests:
+    """Return the tests without those that explain the rows best and cannot be fitted, see :class:`Refits`.
+
+    Of these the form is not known; whether one that explains the rows nearly as well is there is asked next. One that
+    explains far less has another form, and does not come in their place.
+    """
+    possible, most, trials = result, float("inf"), result.policy.step_trials
+    while (best := select_effect(possible)) is not None and np.sum(best.first.evidence.loss) <= most:
+        tried = best.members[:trials]
+        if any(refits.with_effect(t) is not None for t in tried):
+            return possible
+        most = min(most, result.policy.far_worse**2 * float(np.sum(best.first.evidence.loss)))
+        possible = replace(possible, tested=tuple(t for t in possible.tested if t not in tried))
+    return result
 
 
 def _confirmed(

@@ -21,7 +21,7 @@ import numpy as np
 from fricmodels import plugins
 from fricmodels.diagnosis.candidate_tests import CandidateTest, CandidateTests, candidate_tests
 from fricmodels.diagnosis.comparison import Comparison
-from fricmodels.diagnosis.floor import beyond_sampling_percent, is_above_noise
+from fricmodels.diagnosis.floor import is_above_noise
 from fricmodels.diagnosis.policy import Policy
 from fricmodels.diagnosis.refits import Refits
 from fricmodels.diagnosis.supported import judge
@@ -106,9 +106,11 @@ def _with_a_simpler_one(refits: Refits, result: CandidateTests, named: LookAlike
     if not refits.lowers_test_error(first):
         return named
     most = (1 + policy.exchange_margin) * refits.test_error(first)
-    simpler = [t for t in passing_all_gates(result) if t.name not in named.names and contains(result, first, t)]
+    simpler = [t for t in passing_all_gates(result) if t is not first and contains(result, first, t)]
     leading = next((t for t in sorted(simpler, key=refits.test_error) if refits.test_error(t) <= most), None)
-    return named if leading is None else LookAlikes(leading, (leading, *named.members))
+    if leading is None:
+        return named
+    return LookAlikes(leading, (leading, *(t for t in named.members if t.name != leading.name)))
 
 
 def _parameters(tested: CandidateTest) -> int:
@@ -116,16 +118,16 @@ def _parameters(tested: CandidateTest) -> int:
 
 
 def _helps(refits: Refits, tested: CandidateTest, policy: Policy) -> bool:
-    """Whether an effect lowers the test error and what sampling does not hide.
+    """Whether an effect lowers the test error, and is one that this recording can tell.
 
     Where the error is far above noise it must fall by a fair part.
     """
     comparison, fitted = refits.comparison, refits.with_effect(tested)
-    if fitted is None:
+    if fitted is None or refits.ends_at_bound(tested):
         return False
     part = 1 - policy.refit_gain if is_above_noise(comparison, policy) else 1.0
     on_test_data = fitted.sliding.held_out_percent < comparison.sliding.held_out_percent
-    return on_test_data and _error(fitted) < part * _error(comparison) and _falls_beyond_sampling(comparison, fitted)
+    return on_test_data and _error(fitted) < part * _error(comparison)
 
 
 def _on_all_motion(refits: Refits, leave_out: set[str], bound: float, policy: Policy) -> LookAlikes | None:
@@ -164,7 +166,7 @@ def _best(
         heard = max(after, policy.noise_known_to * refits.comparison.errors.bands[0].noise_floor_percent)
         rings = error <= policy.window_may_rise * before and _falls_far(samples, heard, policy)
         falls = rings or (error <= bound and _falls_far(before, error, policy))
-        if falls and _falls_beyond_sampling(refits.comparison, refits.with_effect(first)):
+        if falls and not refits.ends_at_bound(first):
             break
     else:
         return None
@@ -180,13 +182,6 @@ def _best(
 def _falls_far(before: float, after: float, policy: Policy) -> bool:
     """Whether an error [% of the RMS torque] falls by more than it does where nothing is hidden."""
     return after <= policy.refit_share * before and before**2 - after**2 > policy.refit_fall**2
-
-
-def _falls_beyond_sampling(without: Comparison, fitted: Comparison | None) -> bool:
-    """Whether a model with an effect more leaves less of what sampling does not hide."""
-    if fitted is None:
-        return False
-    return beyond_sampling_percent(fitted) < beyond_sampling_percent(without)
 
 
 def _share_in_rows(problem: WeakFormProblem, tested: CandidateTest) -> float:

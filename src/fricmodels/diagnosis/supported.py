@@ -52,7 +52,7 @@ from fricmodels.diagnosis.one_cause import credited, is_drawn, is_simpler, that_
 from fricmodels.diagnosis.policy import Policy
 from fricmodels.diagnosis.predictability import AUTOREGRESSIVE
 from fricmodels.diagnosis.rivals import Instead, against_channels, is_better
-from fricmodels.diagnosis.verdict import LookAlikes, outside, select_effect
+from fricmodels.diagnosis.verdict import LookAlikes, is_large_over_all_motion, outside, select_effect
 from fricmodels.diagnosis.walk import p_beside_a_walk, waves_of_friction
 from fricmodels.progress import each
 from fricmodels.term import Effect
@@ -82,7 +82,7 @@ class Judgement:
 
     def supported(self, policy: Policy) -> list[LookAlikes]:
         """Return the effects that are there; none that is there by itself is a look-alike of another one."""
-        large = [found for found, support in self.members if support.torque > policy.least_torque]
+        large = [found for found, support in self.members if support.is_large(policy)]
         there = [found for found in large if self.stands(found.first, policy)]
         firsts = {found.first.name for found in there}
         return [LookAlikes(f.first, tuple(t for t in f.members if t is f.first or t.name not in firsts)) for f in there]
@@ -201,6 +201,7 @@ class Support:
         p_value: of the Wald test of its columns.
         rival: that channel; empty where none predicts clearly more.
         p_beside_walk: of an effect of the time itself, where friction may walk; 0 of any other.
+        over_all_motion: whether it is large there, though small in the rows.
     """
 
     own_share: float
@@ -209,6 +210,11 @@ class Support:
     p_value: float
     rival: str = ""
     p_beside_walk: float = 0.0
+    over_all_motion: bool = False
+
+    def is_large(self, policy: Policy) -> bool:
+        """Whether the effect explains enough torque, of the rows or of all motion."""
+        return self.torque > policy.least_torque or self.over_all_motion
 
     def suffices(self, policy: Policy) -> bool:
         """Whether the effect may be named, if it is large enough."""
@@ -225,6 +231,8 @@ def _support(result: CandidateTests, member: Member, others: list[Member], rest:
     found = _support_beside(result, member, others, rest)
     if not found.suffices(result.policy):
         return found
+    if not found.is_large(result.policy):
+        found = replace(found, over_all_motion=is_large_over_all_motion(result, member.found.first))
     return replace(found, p_beside_walk=_p_of_the_time(result, member, others))
 
 

@@ -41,7 +41,7 @@ def passing_all_gates(result: CandidateTests) -> list[CandidateTest]:
         t
         for t in passing
         if torque_share(result, t.evidence) > result.policy.least_torque
-        or (_rms(result, t) < nearest and _is_large_over_all_motion(result, t))
+        or (_rms(result, t) < nearest and is_large_over_all_motion(result, t))
     ]
 
 
@@ -86,7 +86,8 @@ def _is_sure(result: CandidateTests, evidence: Evidence, p_value: float, gain_le
     return gain_above_noise(result.problem, result.regression, evidence, policy) > policy.least_gain
 
 
-def _is_large_over_all_motion(result: CandidateTests, tested: CandidateTest) -> bool:
+def is_large_over_all_motion(result: CandidateTests, tested: CandidateTest) -> bool:
+    """Whether an effect that single samples can judge takes away enough of what a model leaves over all motion."""
     if not _can_be_judged_by_samples(result, tested):
         return False
     problem = result.problem

@@ -20,7 +20,9 @@ class InertiaError(Effect):
     signature = "in proportion to the acceleration"
     needs_motion = "acceleration at several frequencies"
     symmetry = "even"
-    dJ = Parameter("dJ", unit="kg m^2", meaning="true less assumed inertia")
+    dJ = Parameter("dJ", unit="kg m^2", less_of_drive=0.9, meaning="true less assumed inertia")
+    """A drive with less than a tenth of it has another unit; with none, friction could balance any torque along the
+    motion."""
 
     def torque(self, s: Signals, p: Parameters) -> Expression:
         """Return ΔJ dω/dt."""

@@ -27,8 +27,8 @@ class TorqueGain(Effect):
         **dict.fromkeys(("sensor-delay", "joint-compliance"), SEVERAL_FREQUENCIES),
     }
     symmetry = "even"
-    g = Parameter("g", lower=-0.9, upper=1.0, meaning="relative error of the torque constant")
-    """A constant that is off by more than a factor of two is another unit, or the wrong column."""
+    g = Parameter("g", lower=-0.9, upper=0.9, meaning="relative error of the torque constant")
+    """A constant that is off by more than nine tenths is another unit, or the wrong column."""
 
     def torque(self, s: Signals, p: Parameters) -> Expression:
         """Return −g τ_m."""

@@ -10,6 +10,7 @@ from fricmodels.arrays import Array
 from fricmodels.logcheck.finding import Finding, Severity
 from fricmodels.logcheck.view import Log
 from fricmodels.signals.noise_level import quantum
+from fricmodels.signals.switched import is_switched
 
 _COMMAND = 0.9
 """Share of repeated samples from which a signal is a command in steps."""
@@ -20,8 +21,11 @@ def saturation(values: Array) -> float:
 
     A limit shows as samples piled up on the extreme value itself: more than three times what a smooth signal, whose
     turning point lies there, puts on its outermost step (1 : √2 − 1 against the next step), and three in succession.
-    A signal nearly all of whose samples repeat the one before is a command in steps, not limited.
+    A signal nearly all of whose samples repeat the one before is a command in steps, not limited; nor is one that is
+    switched.
     """
+    if is_switched(values):
+        return 0.0
     tolerance = 1e-9 * float(np.ptp(values))
     least, most = float(values.min()), float(values.max())
     elsewhere = (values > least + tolerance) & (values < most - tolerance)

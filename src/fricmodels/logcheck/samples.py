@@ -12,6 +12,7 @@ from fricmodels.logcheck.view import Log
 from fricmodels.signals.beginnings import false_beginnings
 from fricmodels.signals.clusters import LEVEL
 from fricmodels.signals.noise_level import quantum
+from fricmodels.signals.switched import is_switched
 
 _NEAR = 8
 """Samples on each side from which the usual change is taken."""
@@ -141,6 +142,15 @@ def quantisation(log: Log) -> Iterator[Finding]:
         step = log.resolution[channel]
         values = log.short.recording[channel]
         if step <= 0.0 or channel in ("temperature", "load_torque"):
+            continue
+        if channel in ("torque", "current") and is_switched(values):
+            yield Finding(
+                "switched",
+                Severity.NOTE,
+                channel,
+                f"the {log.called(channel)} takes {len(np.unique(values))} values only: it is taken as a command "
+                "that is switched, and exact; what drives may lag behind it",
+            )
             continue
         spread = float(np.std(values))
         rounding = step / np.sqrt(12.0)

@@ -14,8 +14,10 @@ from fricmodels.logcheck.finding import Finding
 from fricmodels.logcheck.view import Log
 from fricmodels.recording import Recording
 from fricmodels.signals.clusters import LEVEL
+from fricmodels.signals.noise_level import noise_of
 from fricmodels.signals.rest import resting
 from fricmodels.signals.stamps import unevenness
+from fricmodels.signals.switched import is_switched
 
 SCHEMA = "fricmodels/info/1"
 _EVEN = 1e-6
@@ -115,6 +117,18 @@ class Summary:
         }
 
 
+def _noise(log: Log, channel: str) -> float:
+    """Return the noise of a channel, at the least that of its rounding; none of a torque that is switched.
+
+    Of a short log it is what every fit takes, where spectra have too few pieces.
+    """
+    values, found = log.recording[channel], channel_noise(log, log.recording[channel])
+    if channel in ("torque", "current") and is_switched(values):
+        return 0.0
+    size = found.size if found.pieces else noise_of(log.recording.time, values, log.recording.run).deviation
+    return max(size, log.resolution[channel] / float(np.sqrt(12.0)))
+
+
 def summary(recording: Recording, inertia: float | None = None) -> Summary:
     """Return what a recording is, and what is the matter with it.
 
@@ -126,7 +140,7 @@ def summary(recording: Recording, inertia: float | None = None) -> Summary:
     velocity = log.velocity
     within = np.diff(recording.run) == 0
     lost = log.steps[within & ~log.joined]
-    noise = {name: channel_noise(log.short, log.short.recording[name]).size for name in log.measured}
+    noise = {name: _noise(log.short, name) for name in log.measured}
     moving = ~resting(recording) & (velocity != 0.0)
     position = log.measured.get("position")
     return Summary(
@@ -140,7 +154,7 @@ def summary(recording: Recording, inertia: float | None = None) -> Summary:
                 float(values.min()),
                 float(values.max()),
                 log.resolution[name],
-                max(noise[name], log.resolution[name] / np.sqrt(12.0)),
+                noise[name],
             )
             for name, values in log.measured.items()
         },

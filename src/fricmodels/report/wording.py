@@ -120,6 +120,17 @@ def values_hold_with(classes: Iterable[Sequence[str]]) -> str:
     return f"The values hold with {listed(names[0] for names in several)}. With {another} the others may differ."
 
 
+def shows_no_inertia(parameters: Mapping[str, float | None]) -> str:
+    """Say what an inertia of nothing means, as fitted values have it, by key; nothing where there is one."""
+    inertia = next((parameters[key] for key in ("J", "M") if key in parameters), None)
+    if inertia != 0.0:
+        return ""
+    return (
+        "No inertia shows: a torque that a controller switches with the direction of motion looks like friction. "
+        "Give the inertia (--inertia) to tell the two apart."
+    )
+
+
 def counted(number_of: int, one: str, many: str = "") -> str:
     """Return a count with its noun, small numbers in words."""
     small_numbers = ("no", "one", "two", "three", "four", "five", "six")

@@ -13,6 +13,7 @@ from fricmodels.signals import motion_noise, noise, noise_of, quantum, stretches
 from fricmodels.signals.lanczos import even_weights
 from fricmodels.signals.rest import once
 from fricmodels.signals.segments import is_even
+from fricmodels.signals.switched import torque_noise
 
 _TAPS, _CUT = 63, 0.33
 """Of the high-pass filter: it lets pass what is faster than a third of the sampling rate, and less than a hundredth of
@@ -59,7 +60,7 @@ def noise_like(recording: Recording, channel: str, rng: np.random.Generator) -> 
         rng: source of what is drawn.
     """
     if channel == "torque":
-        found = noise_of(recording.time, recording.torque, recording.run, least=True)
+        found = torque_noise(recording.time, recording.torque, recording.run)
         if found.lasting and found.after(np.full(2 * _averaged(recording), 0.5 / _averaged(recording))) > _left(
             recording
         ):

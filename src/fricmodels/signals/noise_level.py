@@ -20,6 +20,10 @@ _ENOUGH = 16 * _EXCERPT
 _SHORTEST = 8
 """Samples of a stretch that says anything of noise."""
 
+_NEAREST = 1.2
+"""Factor of the smallest distance within which others are the same one, but for rounding."""
+_SPELLING = 0.02
+"""Share of the median distance between different values up to which two are one, written with other digits."""
 _FINEST = 1e-8
 """Values that differ by less than this share of their median size are the same one: no sensor has finer steps, and one
 value that is far too large, as of a run that diverges, does not make all others the same."""
@@ -28,7 +32,10 @@ value that is far too large, as of a run that diverges, does not make all others
 def quantum(values: Array) -> float:
     """Return the step of a quantised signal, or 0 if its values stand on no grid.
 
-    The smallest distance between different values is the step if nearly all distances are multiples of it.
+    The smallest distance between different values is the step, or a half or a third of it, if nearly all distances are
+    multiples of that: what was rounded to a coarse grid and then to a fine one has values two and three fine steps
+    apart. A coarse grid that was written with few digits has each value in two or three spellings: where they lie far
+    closer to each other than to the others they are one.
     """
     distinct = np.unique(values)
     distance = np.diff(distinct)
@@ -36,10 +43,25 @@ def quantum(values: Array) -> float:
     distance = distance[distance > rounding]
     if len(distance) < 2:
         return float(distance[0]) if len(distance) else 0.0
-    step = float(np.median(distance[distance <= 1.5 * distance.min()]))
-    multiple = distance / step
-    on_grid = np.mean(np.abs(multiple - np.round(multiple)) < 0.05)
-    return step if on_grid > 0.95 else 0.0
+    apart = np.r_[True, np.diff(distinct) > _SPELLING * float(np.median(distance))]
+    if np.count_nonzero(apart) < min(len(distinct), len(distance) + 1):
+        first = np.flatnonzero(apart)
+        coarse = _step(np.diff(np.add.reduceat(distinct, first) / np.diff(np.r_[first, len(distinct)])))
+        if coarse:
+            return coarse
+    return _step(distance)
+
+
+def _step(distance: Array) -> float:
+    """Return the step of which nearly all distances between neighbouring values are multiples; 0 if there is none."""
+    if len(distance) < 2:
+        return 0.0
+    least = float(np.median(distance[distance <= _NEAREST * distance.min()]))
+    for part in (1, 2, 3):
+        multiple = part * distance / least
+        if np.mean(np.abs(multiple - np.round(multiple)) < 0.05) > 0.95:
+            return least / part
+    return 0.0
 
 
 def noise_of(time: Array, values: Array, runs: Runs | None = None, *, least: bool = False) -> Noise:

@@ -95,7 +95,7 @@ class Candidate:
 
     @cached_property
     def _least(self) -> Array:
-        return np.array([p.lower for p in self.linear])
+        return np.array([lower_bound(self.problem, p) for p in self.linear])
 
     @cached_property
     def _declared(self) -> Array:
@@ -112,6 +112,13 @@ class Candidate:
         given = {p.symbol: x for p, x in zip(self.nonlinear, point, strict=True)} | {p.symbol: 0.0 for p in self.linear}
         each = np.array([self.effect.own_friction(self._peak, given | {p.symbol: 1.0}) for p in self.linear])
         return np.asarray(np.minimum(self._declared, self.problem.friction_limits[1] / np.maximum(each, 1e-300)))
+
+
+def lower_bound(problem: WeakFormProblem, parameter: Parameter) -> float:
+    """Return the least that a linear coefficient may be: of what a drive may lack of its inertia, minus a share."""
+    if not parameter.less_of_drive:
+        return parameter.lower
+    return -parameter.less_of_drive * (problem.drive.inertia or float("inf"))
 
 
 def upper_bound(problem: WeakFormProblem, parameter: Parameter) -> float:

@@ -50,7 +50,8 @@ def linear_constraints(
 
     A stick torque, which is at least the slip torque, is no larger than what has pushed the drive out of rest. Else,
     where hardly a sample is slow enough to see it, it could be anything. A part of the drive has no more inertia than
-    all of it, and no more viscous friction than its law, in either direction: what is left of that does not drive.
+    all of it, and no more viscous friction than its law, in either direction: what is left of that does not drive. Nor
+    does a drive lack more than a share of its inertia.
 
     Args:
         parameters: the linear ones.
@@ -81,6 +82,11 @@ def linear_constraints(
             least[whole] = 1.0
             rows.append(least)
             limits.append(-(inertia or 0.0))
+        if p.declared.less_of_drive and (whole or inertia is not None):
+            kept = row.copy()
+            kept[whole] = p.declared.less_of_drive
+            rows.append(kept)
+            limits.append(-p.declared.less_of_drive * (inertia or 0.0))
         if p.declared.part_of_drive and p.dimension == VISCOUS:
             for j in viscous:
                 least = -row

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from fricmodels.dimension import TIME, VELOCITY, Dimension
+from fricmodels.dimension import DISPLACEMENT, TIME, VELOCITY, Dimension
 from fricmodels.parameter import Parameter
 from fricmodels.recording import Recording
 from fricmodels.signals.lanczos import lanczos_value
@@ -78,7 +78,8 @@ def within_motion(recording: Recording, parameter: Parameter) -> Parameter:
 
     A place lies within the travel. A duration is no less than two samples: a shorter one says when samples were taken.
     So is a speed below which friction differs: the drive is slower than it for no less than that, as it turns. (One
-    that may be negative is a part of such a speed.)
+    that may be negative is a part of such a speed.) And so is a length over which a contact bends or a gap is crossed:
+    from standstill the drive goes that far in no less than that.
     A part on a spring swings, undamped, at most twice as far as the drive: its natural frequency is at least √2 times
     that of the motion. Nor is it above half the sampling rate, where samples show another one (Nyquist).
     """
@@ -87,6 +88,8 @@ def within_motion(recording: Recording, parameter: Parameter) -> Parameter:
         lower = min(max(lower, _SHORTEST * recording.interval), upper)
     elif parameter.dimension == VELOCITY and lower >= 0.0:
         lower = min(max(lower, 0.5 * _SHORTEST * recording.interval * turning(recording)), upper)
+    elif parameter.dimension == DISPLACEMENT and not (parameter.place or parameter.periodic):
+        lower = min(max(lower, 0.5 * (_SHORTEST * recording.interval) ** 2 * turning(recording)), upper)
     elif parameter.resonance:
         upper = min(upper, np.pi / recording.interval)
         lower = max(lower, _FOLLOWS * slow_angular_frequency(recording))

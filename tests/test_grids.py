@@ -1,0 +1,30 @@
+"""The grid on which a signal stands, and torques that are switched."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from fricmodels.signals import quantum
+from fricmodels.signals.switched import is_switched, torque_noise
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_a_coarse_grid_that_was_rounded_again(seed: int) -> None:
+    """By few digits, or to the finer grid of a bus; values with as many digits as they need stand on that of these."""
+    values = np.random.default_rng(seed).normal(0, 1.0, 2_000)
+    assert quantum(np.round(np.round(values / 0.013192) * 0.013192, 5)) == pytest.approx(0.013192, rel=1e-3)
+    bus = 0.02198
+    assert quantum(bus * np.round(np.round(values / 0.0649) * 0.0649 / bus)) == pytest.approx(bus)
+    assert quantum(np.round(values, 4)) == pytest.approx(1e-4)
+    assert quantum(values) == 0.0
+
+
+def test_a_torque_that_is_switched_is_exact_and_one_in_coarse_steps_is_rounded() -> None:
+    time = np.arange(4_000) / 500.0
+    relay = 13.3 * np.sign(np.sin(3.0 * time))
+    assert is_switched(relay)
+    assert torque_noise(time, relay).deviation == 0.0
+    rounded = 4.0 * np.round(13.3 * np.sin(3.0 * time) / 4.0)
+    assert not is_switched(rounded)
+    assert torque_noise(time, rounded).deviation == pytest.approx(4.0 / np.sqrt(12.0), rel=0.2)
