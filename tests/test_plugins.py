@@ -24,6 +24,7 @@ EFFECTS = [
     "torque-gain",
     "inertia-error",
     "gravity",
+    "gravity-friction",
     "stiffness",
     "cogging",
     "position-friction",

@@ -30,6 +30,7 @@ class Parameter:
             recording's own scales (peak velocity, position range, duration); empty for linear ones.
         part_of_drive: whether it is a share of the law's friction or of the drive's inertia, and no more than these.
         less_of_drive: share of the drive's inertia that minus it may be; 0 where it has no such bound.
+        accompanies: whether by itself it is not the effect, as damping is no contact that bends; its other torques are.
         doubtful_ends: bounds of the search at which the estimate suggests that the effect, one with internal states,
             imitates another effect; none where the end itself is a physical case.
         own_time: whether a time or a rate is the drive's own, as that of a resonance, however long was recorded;
@@ -61,6 +62,7 @@ class Parameter:
     scan: tuple[float, ...] = ()
     part_of_drive: bool = False
     less_of_drive: float = 0.0
+    accompanies: bool = False
     doubtful_ends: tuple[Literal["lower", "upper"], ...] = ("lower", "upper")
     own_time: bool = False
     slow: bool = False

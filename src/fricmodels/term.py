@@ -226,6 +226,9 @@ class Effect(Term):
     distinct_from: ClassVar[frozenset[str]] = frozenset()
     """Effects of which this one may contain the whole torque, though it is another physical cause."""
 
+    beside: ClassVar[str] = ""
+    """Name of an effect without which a diagnosis does not consider this one; empty where it stands by itself."""
+
     fitted_runs: frozenset[int] | None = None
     """Numbers of the runs that its parameters are of, each of one run; ``None`` where they are of all alike."""
 

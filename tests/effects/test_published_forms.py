@@ -65,6 +65,7 @@ FORMULAS: dict[str, tuple[dict[str, float], Callable[[Any, Array], Array]]] = {
     "torque-gain": ({"g": 0.2}, lambda r, s: -0.2 * r["torque"]),
     "inertia-error": ({"dJ": 0.2}, lambda r, s: 0.2 * r["acceleration"]),
     "gravity": ({"a": 2.0, "b": 3.0}, lambda r, s: 2 * np.cos(r["position"]) + 3 * np.sin(r["position"])),
+    "gravity-friction": ({"c": 2.0, "phi": 0.3}, lambda r, s: 2 * np.abs(np.sin(r["position"] - 0.3)) * s),
     "stiffness": ({"k": 2.0, "tau_0": 3.0}, lambda r, s: 2 * r["position"] + 3),
     "cogging": (
         WAVES,
@@ -118,7 +119,9 @@ def test_what_is_no_friction_does_not_know_the_direction(effect: str) -> None:
     np.testing.assert_array_equal(torque(effect, parameters, recording), torque(effect, parameters, back))
 
 
-@pytest.mark.parametrize("effect", ["stribeck", "nonlinear-viscous", "load-friction", "position-friction", "thermal"])
+@pytest.mark.parametrize(
+    "effect", ["stribeck", "nonlinear-viscous", "load-friction", "gravity-friction", "position-friction", "thermal"]
+)
 def test_friction_turns_round_with_the_motion(effect: str) -> None:
     recording = recorded()
     back = recording.with_channels(velocity=-recording.velocity)

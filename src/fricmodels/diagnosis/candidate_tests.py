@@ -141,6 +141,9 @@ def candidate_tests(
         for effect in not_yet(candidates, there, several):
             if effect.name in skipped:
                 continue
+            if effect.beside and effect.beside not in there:
+                untested[effect.name] = f"it is considered beside {effect.beside} only"
+                continue
             try:
                 outcome = _candidate(problem, regression, effect, rival, policy)
             except Exception as error:  # an effect of a plugin may do anything; the others go on

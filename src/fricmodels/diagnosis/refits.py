@@ -121,7 +121,10 @@ def falls_from(here: Comparison, other: Comparison, policy: Policy) -> bool:
 
 
 def is_nothing(fitted: Comparison, name: str) -> bool:
-    """Whether an effect of a fitted model has no torque: all coefficients that it is linear in are zero."""
+    """Whether an effect of a fitted model has no torque: all coefficients that it is linear in are zero.
+
+    What only accompanies its torques is not the effect.
+    """
     values = fitted.estimate.parameters
     own = [values[key] for key in _linear_in(fitted, name)]
     return bool(own) and not any(own)
@@ -145,10 +148,11 @@ def is_undetermined(fitted: Comparison, name: str) -> bool:
 
 
 def _linear_in(fitted: Comparison, name: str) -> list[str]:
-    """Return the keys of the coefficients that an effect of a fitted model is linear in."""
+    """Return the keys of the coefficients that an effect of a model is linear in, and that make it what it is."""
     model = fitted.drive.model
     pairs = zip(model.parameters, model.linear, strict=True)
-    return [p.key for p, linear in pairs if linear and p.key.startswith(f"{name}.")]
+    own = [p for p, linear in pairs if linear and p.key.startswith(f"{name}.")]
+    return [p.key for p in own if not p.declared.accompanies]
 
 
 def _is_over_at_once(fitted: Comparison, effect: Effect) -> bool:

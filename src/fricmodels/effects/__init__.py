@@ -9,6 +9,7 @@ from fricmodels.effects.directional_efficiency import DirectionalEfficiency
 from fricmodels.effects.drift import Drift
 from fricmodels.effects.frictional_lag import FrictionalLag
 from fricmodels.effects.gravity import Gravity
+from fricmodels.effects.gravity_friction import GravityFriction
 from fricmodels.effects.inertia_error import InertiaError
 from fricmodels.effects.joint_compliance import JointCompliance
 from fricmodels.effects.load_friction import LoadFriction
@@ -46,6 +47,7 @@ def fricmodels_effects() -> list[type[Effect]]:
         TorqueGain,
         InertiaError,
         Gravity,
+        GravityFriction,
         Stiffness,
         Cogging,
         PositionFriction,

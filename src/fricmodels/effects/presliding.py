@@ -44,7 +44,7 @@ class Presliding(Effect):
     F_2 = Parameter(
         "F_2", unit="N m", lower=0.0, meaning="friction torque that builds up elastically, negative rotation"
     )
-    D = Parameter("D", unit="N m s/rad", lower=0.0, meaning="damping of the bending contact")
+    D = Parameter("D", unit="N m s/rad", lower=0.0, accompanies=True, meaning="damping of the bending contact")
     x_s = Parameter(
         "x_s",
         unit="rad",

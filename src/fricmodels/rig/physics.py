@@ -27,7 +27,7 @@ PHYSICS = np.dtype(
                 *("rise_forward", "rise_backward", "fall_forward", "fall_backward"),
                 *("stribeck_rise", "stribeck_speed", "stribeck_exponent", "power_coefficient", "power_exponent"),
                 *("load_friction", "driving_loss", "driven_loss", "gain", "offset"),
-                *("gravity_sine", "gravity_cosine", "stiffness", "neutral_position"),
+                *("gravity_sine", "gravity_cosine", "gravity_loss", "stiffness", "neutral_position"),
                 *("presliding", "elastic_width", "micro_damping", "lag"),
                 *("ageing_rise", "ageing_time", "ageing_distance"),
                 *("reference_temperature", "viscous_thinning", "coulomb_thinning"),
@@ -82,6 +82,8 @@ def dry_torque(p: Any, direction: float, speed: float, position: float, load: fl
     loss = p.load_friction + (p.driving_loss if load * direction > 0 else p.driven_loss)
     if loss != 0.0:
         level += loss * abs(load)
+    if p.gravity_loss != 0.0:
+        level += p.gravity_loss * abs(p.gravity_sine * math.sin(position) + p.gravity_cosine * math.cos(position))
     if p.wave_count > 0:
         level += wave(p, FRICTION_WAVE, position)
     return float(max(level, 0.0))

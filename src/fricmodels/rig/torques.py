@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import Any, ClassVar, Literal, Self
+from typing import Annotated, Any, ClassVar, Literal, Self
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, model_validator
@@ -189,11 +189,12 @@ class InertiaError(Share):
 
 
 class Gravity(HiddenEffect):
-    """An unbalanced weight, not in the recorded load: sine·sin q + cosine·cos q."""
+    """An unbalanced weight, not in the recorded load: sine·sin q + cosine·cos q; friction takes the share ``loss``."""
 
     name: Literal["gravity"] = "gravity"
     sine: Finite = 0.0
     cosine: Finite = 0.0
+    loss: Annotated[float, Field(ge=0)] = 0.0
     sizes: ClassVar[tuple[str, ...]] = ("sine", "cosine")
     shown_by: ClassVar[tuple[str, ...]] = CLOSED_LOOP
     motions: ClassVar[tuple[Motion, ...]] = (Motion.ROTARY,)
@@ -209,6 +210,7 @@ class Gravity(HiddenEffect):
         """Add the weight."""
         p["gravity_sine"] += self.sine
         p["gravity_cosine"] += self.cosine
+        p["gravity_loss"] += self.loss
 
 
 class Stiffness(HiddenEffect):
