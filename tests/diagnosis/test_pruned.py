@@ -114,6 +114,9 @@ def test_what_is_there_by_itself_is_no_look_alike_of_another() -> None:
     gravity.once = 1e-9
     small = both[0], (both[1][0], replace(enough, torque=0.0))
     assert replace(judgement, members=small).supported(POLICY)[0].names == ["gravity", "stiffness", "presliding"]
+    about_rest = both[0], (both[1][0], replace(enough, torque=0.0, over_all_motion=True))
+    found = replace(judgement, members=about_rest).supported(POLICY)
+    assert [one.names for one in found] == [["gravity", "stiffness"], ["presliding"]], "small in the rows alone"
 
 
 def test_what_was_removed_and_found_again_is_listed_once(made: Made) -> None:
