@@ -15,6 +15,7 @@ from tests.conftest import Made
 from fricmodels.diagnosis import examine, refits
 from fricmodels.diagnosis.candidate_tests import candidate_tests
 from fricmodels.diagnosis.comparison import Comparison, compare, with_effect
+from fricmodels.diagnosis.floor import beyond_sampling_percent
 from fricmodels.diagnosis.policy import POLICY
 from fricmodels.diagnosis.refit_check import _falls_far, _helps, _led_by_fit, _share_in_rows, refit_check
 from fricmodels.diagnosis.refits import Refits, falls_from
@@ -110,6 +111,27 @@ def test_an_effect_whose_size_the_fit_takes_to_a_bound_is_not_named(
     assert refits.ends_at_bound(tested)
     assert not _helps(refits, tested, POLICY)
     assert refit_check(refits, result, (), None) is None
+
+
+@pytest.mark.parametrize("far", [False, True])
+@pytest.mark.parametrize("rises", [False, True])
+def test_what_does_not_fall_far_must_fall_in_what_sampling_does_not_hide(
+    bent: Comparison, rises: bool, far: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def beyond(comparison: Comparison) -> float:
+        return 1.0 if (comparison.drive.model.effects != ()) is rises else 0.5
+
+    monkeypatch.setattr("fricmodels.diagnosis.refit_check.beyond_sampling_percent", beyond)
+    monkeypatch.setattr("fricmodels.diagnosis.refit_check._falls_far", lambda *_: far)
+    result = candidate_tests(replace(bent.problem), bent.estimate.parameters, only=["presliding"])
+    assert _helps(Refits(bent, POLICY), result.tested[0], POLICY) is (far or not rises)
+
+
+def test_what_sampling_does_not_hide_falls_with_a_contact_that_bends(bent: Comparison) -> None:
+    result = candidate_tests(replace(bent.problem), bent.estimate.parameters, only=["presliding"])
+    fitted = Refits(bent, POLICY).with_effect(result.tested[0])
+    assert fitted is not None
+    assert beyond_sampling_percent(fitted) < beyond_sampling_percent(bent)
 
 
 @pytest.mark.long

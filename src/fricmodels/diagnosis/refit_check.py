@@ -21,7 +21,7 @@ import numpy as np
 from fricmodels import plugins
 from fricmodels.diagnosis.candidate_tests import CandidateTest, CandidateTests, candidate_tests
 from fricmodels.diagnosis.comparison import Comparison
-from fricmodels.diagnosis.floor import is_above_noise
+from fricmodels.diagnosis.floor import beyond_sampling_percent, is_above_noise
 from fricmodels.diagnosis.policy import Policy
 from fricmodels.diagnosis.refits import Refits
 from fricmodels.diagnosis.supported import judge
@@ -120,14 +120,18 @@ def _parameters(tested: CandidateTest) -> int:
 def _helps(refits: Refits, tested: CandidateTest, policy: Policy) -> bool:
     """Whether an effect lowers the test error, and is one that this recording can tell.
 
-    Where the error is far above noise it must fall by a fair part.
+    Where the error is far above noise it must fall by a fair part. What does not fall far must fall in what sampling
+    does not hide.
     """
     comparison, fitted = refits.comparison, refits.with_effect(tested)
     if fitted is None or refits.ends_at_bound(tested):
         return False
     part = 1 - policy.refit_gain if is_above_noise(comparison, policy) else 1.0
     on_test_data = fitted.sliding.held_out_percent < comparison.sliding.held_out_percent
-    return on_test_data and _error(fitted) < part * _error(comparison)
+    if not (on_test_data and _error(fitted) < part * _error(comparison)):
+        return False
+    falls_far = _falls_far(_error(comparison), _error(fitted), policy)
+    return falls_far or beyond_sampling_percent(fitted) < beyond_sampling_percent(comparison)
 
 
 def _on_all_motion(refits: Refits, leave_out: set[str], bound: float, policy: Policy) -> LookAlikes | None:
