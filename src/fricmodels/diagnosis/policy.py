@@ -76,7 +76,7 @@ class Policy(Rules):
     noise_share: float = rule(
         0.05,
         "squared share",
-        "An effect cannot be tested if noise of the velocity makes up more than this of one of its columns.",
+        "An effect cannot be tested if noise of the velocity makes up more than this of the torque that it adds.",
         "Physical: the same noise is in the inertia torque, so that noise explains up to this share of a residual.",
         off=_INF,
     )
