@@ -105,7 +105,7 @@ def test_the_torque_equation_holds_in_any_units(
 ) -> None:
     """Powers of two as sizes, so that scaled comparisons (t ≥ t_0, ω ≥ 0) are the same to the last bit."""
     force, displacement, time, temperature = sizes
-    if term.name == "gravity":
+    if term.angular:
         displacement = 1.0  # a turn is a turn: its angle is in rad by nature
     scales = Scales(force, displacement, time, temperature)
     e = evaluated(term.name, smooth=smooth)
