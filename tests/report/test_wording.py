@@ -97,6 +97,8 @@ def test_parameters_are_those_of_the_chosen_look_alikes(classes: list[list[str]]
 
 @pytest.mark.parametrize("key", ["J", "M"])
 def test_an_inertia_of_nothing_is_explained(key: str) -> None:
-    assert "--inertia" in wording.shows_no_inertia({key: 0.0, "K_c": 1.0})
-    assert not wording.shows_no_inertia({key: 1e-9, "K_c": 0.0})
-    assert not wording.shows_no_inertia({"K_c": 0.0})
+    assert "--inertia" in wording.shows_no_inertia({key: 0.0, "K_c": 1.0}, {})
+    assert "--inertia" in wording.shows_no_inertia({key: 1.0}, {key: 0.6})
+    assert not wording.shows_no_inertia({key: 1.0}, {key: 0.4})
+    assert not wording.shows_no_inertia({key: 1.0, "K_c": 0.0}, {"K_c": 1.0}), "it is given"
+    assert not wording.shows_no_inertia({"K_c": 0.0}, {})

@@ -45,7 +45,8 @@ def show_answer_of_ladder(console: Console, ladder: Ladder, options: Sequence[st
     console.print()
     show_parameters(console, last, f"Parameters of {last.drive.model.name}")
     chosen = values_hold_with(finding.names for finding in added(ladder)) if len(ladder.rungs) > 1 else ""
-    for remark in filter(None, (chosen, shows_no_inertia(data.parameters))):
+    final = data.steps[-1]
+    for remark in filter(None, (chosen, shows_no_inertia(final.parameters, final.standard_errors))):
         say(console, remark)
     _last(console, data)
 

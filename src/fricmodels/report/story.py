@@ -128,7 +128,8 @@ def story(
     """Return the sections in reading order."""
     ends = _ends([rung.comparison for rung in rungs])
     chosen = values_hold_with(effect.names for effect in data.effects) if len(data.ladder) > 1 else ""
-    chosen = " ".join(filter(None, (chosen, shows_no_inertia(data.parameters))))
+    final = data.steps[-1]
+    chosen = " ".join(filter(None, (chosen, shows_no_inertia(final.parameters, final.standard_errors))))
     parts: list[Callable[[], Section]] = [lambda: sections.found(data, rungs, after)]
     if len(data.ladder) > 1:
         parts.append(lambda: sections.ladder(data, _ladder_picture(data, rungs)))

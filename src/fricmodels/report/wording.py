@@ -120,10 +120,15 @@ def values_hold_with(classes: Iterable[Sequence[str]]) -> str:
     return f"The values hold with {listed(names[0] for names in several)}. With {another} the others may differ."
 
 
-def shows_no_inertia(parameters: Mapping[str, float | None]) -> str:
-    """Say what an inertia of nothing means, as fitted values have it, by key; nothing where there is one."""
-    inertia = next((parameters[key] for key in ("J", "M") if key in parameters), None)
-    if inertia != 0.0:
+def shows_no_inertia(parameters: Mapping[str, float | None], errors: Mapping[str, float | None]) -> str:
+    """Say what it means that an inertia may be nothing; empty where it is not, or is given.
+
+    Args:
+        parameters, errors: fitted values and standard errors, by key.
+    """
+    key = next((key for key in ("J", "M") if key in parameters), "")
+    inertia, error = parameters.get(key), errors.get(key)
+    if inertia is None or inertia > NORMAL_95 * (error or 0.0):
         return ""
     return (
         "No inertia shows: a torque that a controller switches with the direction of motion looks like friction. "
