@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 from collections.abc import Callable
 from types import SimpleNamespace
 from typing import Any, cast
@@ -10,7 +9,7 @@ from typing import Any, cast
 import numpy as np
 import pytest
 
-from fricmodels.diagnosis import compare, diagnose, improve, ladder
+from fricmodels.diagnosis import by_fit, compare, diagnose, improve, ladder
 from fricmodels.diagnosis.candidate_tests import CandidateTest
 from fricmodels.diagnosis.diagnose import Diagnosis, Finding, comes_near
 from fricmodels.diagnosis.document import document
@@ -110,8 +109,7 @@ def test_what_has_another_form_is_not_taken_for_its_test_error(
     assert "inertia-error" in {t.name for t in passing_all_gates(first.result)}
     other = next(t for t in first.result.tested if t.name == "joint-compliance")
     monkeypatch.setattr(Refits, "lowers_test_error", lambda self, tested: tested.name == "inertia-error")
-    confirmed = importlib.import_module("fricmodels.diagnosis.diagnose")._confirmed
-    taken = confirmed(first.refits, LookAlikes(other, (other,)), first.result, set(), [])
+    taken = by_fit.confirmed(first.refits, LookAlikes(other, (other,)), first.result, set(), [])
     assert (taken.first.name if taken else "") == expected
 
 

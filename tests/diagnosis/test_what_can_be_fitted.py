@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 from dataclasses import dataclass, replace
 from types import SimpleNamespace
 from typing import Any
@@ -10,9 +9,10 @@ from typing import Any
 import pytest
 from tests.conftest import INERTIA, Made
 
-from fricmodels.diagnosis import compare
+from fricmodels.diagnosis import by_fit, compare
 from fricmodels.diagnosis.policy import POLICY, Policy
 from fricmodels.diagnosis.refits import is_nothing, is_undetermined
+from fricmodels.diagnosis.supported import Judgement, Support
 from fricmodels.diagnosis.verdict import LookAlikes
 
 CONTACT = {"presliding.F_1": 2.0, "presliding.F_2": 2.0, "presliding.D": 1.0, "presliding.x_s": 0.2}
@@ -39,7 +39,6 @@ class Result:
 def test_the_next_one_is_asked_if_it_explains_nearly_as_much(
     losses: list[float], refused: str, left: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    diagnose = importlib.import_module("fricmodels.diagnosis.diagnose")
     tested = tuple(
         SimpleNamespace(name=name, evidence=SimpleNamespace(loss=[loss]))
         for name, loss in zip("abc", losses, strict=True)
@@ -48,9 +47,45 @@ def test_the_next_one_is_asked_if_it_explains_nearly_as_much(
     def first_of(result: Result) -> Any:
         return LookAlikes(result.tested[0], result.tested[:1]) if result.tested else None
 
-    monkeypatch.setattr(diagnose, "select_effect", first_of)
+    monkeypatch.setattr(by_fit, "select_effect", first_of)
     refits = SimpleNamespace(with_effect=lambda t: None if t.name in refused else t)
-    assert "".join(t.name for t in diagnose._that_can_be_fitted(refits, Result(tested)).tested) == left
+    assert "".join(t.name for t in by_fit.that_can_be_fitted(refits, Result(tested)).tested) == left
+
+
+SMALL = Support(own_share=0.4, of_channel=float("inf"), torque=0.1, p_value=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("support", "once", "unpredicted", "is_one"),
+    [
+        (SMALL, 1e-9, 0.01, True),
+        (SMALL, 1e-9, 0.0, False),  # a channel predicts the rest: there is more than this effect
+        (SMALL, 0.5, 0.01, False),
+        (replace(SMALL, p_value=0.1), 1e-9, 0.01, False),
+        (replace(SMALL, of_channel=0.9), 1e-9, 0.01, False),
+        (replace(SMALL, torque=1e-4), 1e-9, 0.01, False),
+        (replace(SMALL, own_share=0.6), 1e-9, 0.01, False),  # it is there
+    ],
+)
+def test_what_only_lacks_its_share_is_asked_by_the_printed_error(
+    support: Support, once: float, unpredicted: float, is_one: bool
+) -> None:
+    """Of 5 % with noise of 1 % a half is explained where no more than 3.6 % is left."""
+    first: Any = SimpleNamespace(name="a", once=once)
+    found = LookAlikes(first, (first,))
+    judgement = Judgement(((found, support),), (), (), 0.0, unpredicted)
+    assert judgement.unsure_of_its_share(POLICY) is (found if is_one else None)
+
+    def error(percent: float) -> Any:
+        headline = SimpleNamespace(noise_floor_percent=1.0)
+        return SimpleNamespace(errors=SimpleNamespace(held_out_percent=percent, headline=headline))
+
+    for left, enough in ((3.5, True), (3.7, False), (6.0, False)):
+        after = error(left)
+        refits: Any = SimpleNamespace(comparison=error(5.0), policy=POLICY, with_effect=lambda _, after=after: after)
+        assert by_fit.most_of_the_error(refits, judgement) == ([found] if is_one and enough else [])
+    nothing: Any = SimpleNamespace(comparison=error(5.0), policy=POLICY, with_effect=lambda _: None)
+    assert by_fit.most_of_the_error(nothing, judgement) == []
 
 
 def test_damping_alone_is_no_contact_that_bends(made: Made) -> None:

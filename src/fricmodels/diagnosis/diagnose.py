@@ -9,6 +9,7 @@ from typing import Literal, TypeGuard
 
 import numpy as np
 
+from fricmodels.diagnosis.by_fit import all_together, as_a_whole, confirmed, most_of_the_error, that_can_be_fitted
 from fricmodels.diagnosis.candidate_tests import CandidateTest, CandidateTests, candidate_tests
 from fricmodels.diagnosis.coloured_residual import ColouredNoise, coloured_residual
 from fricmodels.diagnosis.comparison import Comparison, compare
@@ -20,7 +21,7 @@ from fricmodels.diagnosis.policy import POLICY, Policy
 from fricmodels.diagnosis.power import Visibility, visibility
 from fricmodels.diagnosis.predictability import AUTOREGRESSIVE, ChannelPredictor
 from fricmodels.diagnosis.refit_check import refit_check
-from fricmodels.diagnosis.refits import Refits, falls_from
+from fricmodels.diagnosis.refits import Refits
 from fricmodels.diagnosis.remaining import Remaining, place_of_stretch, remaining
 from fricmodels.diagnosis.ripple import FastRipple, fast_ripple
 from fricmodels.diagnosis.supported import Judgement, judge
@@ -148,7 +149,7 @@ def examine(comparison: Comparison, *, leave_out: Iterable[str] = (), policy: Po
     """Test every effect on what a fitted model leaves over."""
     out, parameters, refits = set(leave_out), comparison.estimate.parameters, Refits(comparison, policy)
     result = candidate_tests(replace(comparison.problem), parameters, leave_out=out, policy=policy)
-    possible = _that_can_be_fitted(refits, result)
+    possible = that_can_be_fitted(refits, result)
     best = select_effect(possible)
     ripple = fast_ripple(result.problem, parameters, out, policy)
     if _is_larger(ripple, result, best) and _fast(refits, [], ripple):
@@ -156,9 +157,9 @@ def examine(comparison: Comparison, *, leave_out: Iterable[str] = (), policy: Po
     predictors = passing_predictors(result)
     is_left = best is not None or predictors or is_far_above_noise(comparison, policy)
     judgement = judge(possible, out, best) if is_left else None
-    together = [] if judgement is None else judgement.supported(policy)
+    together = [] if judgement is None else judgement.supported(policy) or most_of_the_error(refits, judgement)
     found = refit_check(refits, possible, out, together[0] if together else None)
-    named = _confirmed(refits, found, possible, out, together)
+    named = confirmed(refits, found, possible, out, together)
     place = _noticed_place(result, comparison) if named is None else None
     noise = None if place is not None else _noise(comparison, result, named, predictors)
     view = next((p for p in predictors if p.channels not in AUTOREGRESSIVE), predictors[0] if predictors else None)
@@ -166,7 +167,7 @@ def examine(comparison: Comparison, *, leave_out: Iterable[str] = (), policy: Po
         view = None
     elif best is not None and found is None and not _within_sampling(result, best.first):
         view = view or as_predictor(result, best.first)
-    everything = _as_a_whole(refits, together) if named is None else _all_together(refits, named, together)
+    everything = as_a_whole(refits, together) if named is None else all_together(refits, named, together)
     if judgement is not None and judgement.only_jointly and len(everything) < len(together):
         everything = []  # each showed beside all the others only, and with one of them the error does not fall
     if everything:
@@ -246,86 +247,11 @@ def _first_look(comparison: Comparison, leave_out: Iterable[str], policy: Policy
     return candidate_tests(replace(comparison.problem), parameters, leave_out=leave_out, policy=policy)
 
 
-def _that_can_be_fitted(refits: Refits, result: CandidateTests) -> CandidateTests:
-    """Return the tests without those that explain the rows best and cannot be fitted, see :class:`Refits`.
-
-    Of these the form is not known; whether one that explains the rows nearly as well is there is asked next. One that
-    explains far less has another form, and does not come in their place.
-    """
-    possible, most, trials = result, float("inf"), result.policy.step_trials
-    while (best := select_effect(possible)) is not None and np.sum(best.first.evidence.loss) <= most:
-        tried = best.members[:trials]
-        if any(refits.with_effect(t) is not None for t in tried):
-            return possible
-        most = min(most, result.policy.far_worse**2 * float(np.sum(best.first.evidence.loss)))
-        possible = replace(possible, tested=tuple(t for t in possible.tested if t not in tried))
-    return result
-
-
-def _confirmed(
-    refits: Refits,
-    found: LookAlikes | None,
-    result: CandidateTests,
-    leave_out: set[str],
-    together: list[LookAlikes],
-) -> LookAlikes | None:
-    """Return what was found if the test error falls with it, or else another effect with which it falls furthest.
-
-    Of several that are there ``together`` the first may be nothing by itself, as it stands for the others too; then
-    another one of them comes first. Else it is one that passes by itself. Nothing is said to be missing that does not
-    lower the error on data that took no part in finding it, nor what has another form than that, or explains far less
-    of the rows than what was found.
-    """
-    if found is None or refits.lowers_test_error(found.first):
-        return found
-    there = [one for one in together if one.first.name not in found.names and refits.lowers_test_error(one.first)]
-    if there:
-        return min(there, key=lambda one: refits.test_error(one.first))
-    most = result.policy.far_worse**2 * float(np.sum(found.first.evidence.loss))
-    near = [t for t in passing_all_gates(result) if t.name != found.first.name and np.sum(t.evidence.loss) <= most]
-    others = [t for t in near if t.once < result.policy.significance_once][: result.policy.step_trials - 1]
-    helpful = [t for t in others if refits.lowers_test_error(t)]
-    for tested in sorted(helpful, key=refits.test_error):
-        best = LookAlikes(tested, (tested,))
-        if not judge(result, leave_out, best).contradicts(best.first, result.policy):
-            return best
-    return None
-
-
 def _within_sampling(result: CandidateTests, tested: CandidateTest) -> bool:
     """Whether an effect explains most with a duration as short as sampling alone makes one: it tells no cause."""
     shortest = result.policy.within_sampling * result.problem.recording.interval
     durations = [p.symbol for p in tested.effect.parameters if p.dimension == TIME and not p.delay]
     return any(tested.parameters[symbol] <= _AS_SHORT * shortest for symbol in durations)
-
-
-def _all_together(refits: Refits, first: LookAlikes, together: list[LookAlikes]) -> list[LookAlikes]:
-    """Return the first effect, and the others that are there beside it if the test error falls further with them."""
-    others = [one for one in together if one.first.name not in first.names]
-    there = any({*one.names} <= {*first.names} for one in together)
-    further = refits.beside(first.first) if others and there else None
-    found = [first]
-    for other in others:
-        if further is not None and further.lowers_test_error(other.first):
-            further = further.beside(other.first)
-            found.append(other)
-    return found
-
-
-def _as_a_whole(refits: Refits, together: list[LookAlikes]) -> list[LookAlikes]:
-    """Return effects that are there together if the test error falls with all of them, though it does with none alone.
-
-    Each is added where the fit error falls most with it: by itself it may stand for others, and fit nothing.
-    """
-    here, found, left = refits, list[LookAlikes](), [*together]
-    while left:
-        errors = {i: here.fit_error(one.first) for i, one in enumerate(left)}
-        best = left.pop(min(errors, key=lambda i: errors[i]))
-        further = here.beside(best.first)
-        if further is None:
-            break
-        here, found = further, [*found, best]
-    return found if len(found) > 1 and falls_from(refits.comparison, here.comparison, refits.policy) else []
 
 
 def _is_larger(ripple: FastRipple | None, result: CandidateTests, best: LookAlikes | None) -> TypeGuard[FastRipple]:

@@ -204,8 +204,8 @@ class Policy(Rules):
     own_share: float = rule(
         0.5,
         "share of the squared residual above the floor",
-        "An effect must explain this of what is left without it, beside other effects and a description of the rest. "
-        "Of a wave too fast for the rows it must explain this of what a wave that goes with anything does.",
+        "An effect must explain this of what is left without it, beside other effects and a description of the rest; "
+        "if nothing predicts that, of the printed error. Of a wave too fast for the rows, of any such wave.",
         "Judgement: the threshold of naming against silence; docs/decisions/unknown.md draws its curve. Of fast waves "
         "off the list on 44 drives of the rig 3 got a wrong name without it, 1 with it; EMPS has 0.87 and 0.91.",
         off=-_INF,

@@ -87,6 +87,17 @@ class Judgement:
         firsts = {found.first.name for found in there}
         return [LookAlikes(f.first, tuple(t for t in f.members if t is f.first or t.name not in firsts)) for f in there]
 
+    def unsure_of_its_share(self, policy: Policy) -> LookAlikes | None:
+        """Return the first effect of a set of which none is there, if it only lacks its share, and nothing tells why.
+
+        What neither a channel nor its own past predicts may be noise that was estimated too small.
+        """
+        if not self.members or not self.unpredicted or self.supported(policy):
+            return None
+        found, support = self.members[0]
+        seen = found.first.once < policy.significance_once and support.is_large(policy)
+        return found if seen and support.but_for_its_share(policy) else None
+
     def stands(self, tested: CandidateTest, policy: Policy) -> bool:
         """Whether an effect of the set is there, however small in the rows; it shows with what repeats counted once."""
         if tested.once >= policy.significance_once:
@@ -218,10 +229,13 @@ class Support:
 
     def suffices(self, policy: Policy) -> bool:
         """Whether the effect may be named, if it is large enough."""
+        return self.own_share >= policy.own_share and self.but_for_its_share(policy)
+
+    def but_for_its_share(self, policy: Policy) -> bool:
+        """Whether it may be named if it explains most of what is left without it."""
         return (
             self.p_value < policy.significance
             and self.p_beside_walk < policy.walk_significance
-            and self.own_share >= policy.own_share
             and self.of_channel >= policy.of_channel
         )
 
@@ -229,7 +243,7 @@ class Support:
 def _support(result: CandidateTests, member: Member, others: list[Member], rest: Rest) -> Support:
     """Return what speaks for a member of the set, given the others and a description of the rest."""
     found = _support_beside(result, member, others, rest)
-    if not found.suffices(result.policy):
+    if not found.but_for_its_share(result.policy):
         return found
     if not found.is_large(result.policy):
         found = replace(found, over_all_motion=is_large_over_all_motion(result, member.found.first))
@@ -375,7 +389,7 @@ def _support_of(result: CandidateTests, member: Member, place: _Place) -> Suppor
         full.p_value,
         "the description of the rest" if np.isfinite(of_rest) else "",
     )
-    if not found.suffices(result.policy):
+    if not found.but_for_its_share(result.policy):
         return found  # no channel need be asked
     rivals = [against_channels(result, described, member.found.first, place.base)]
     if len(place.base) > len(place.named):
