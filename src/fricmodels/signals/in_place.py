@@ -1,4 +1,4 @@
-"""Where the position says that a drive stays in its place, whatever the velocity shows."""
+"""Where the position, or the torque, says that a drive stays in its place, whatever the velocity shows."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from fricmodels.arrays import Mask
+from fricmodels.arrays import Array, Mask
 from fricmodels.recording import Recording
 from fricmodels.signals.noise_level import noise_of, quantum
 from fricmodels.signals.segments import stretches
@@ -48,6 +48,28 @@ def bridged(recording: Recording, mask: Mask) -> Mask:
     position, allowed, joined = recording["position"], _within_sensor(recording), mask.copy()
     for (start, end), (begin, _) in pairwise(pieces(recording, mask)):
         if recording.run[start] == recording.run[begin] and np.ptp(position[end - 1 : begin + 1]) <= allowed:
+            joined[end:begin] = True
+    return joined
+
+
+def held(recording: Recording, mask: Mask, velocity: Array, slow: float) -> Mask:
+    """Join rests between which the velocity is small and no torque acts that did not act in them.
+
+    What did not move the drive a moment before, nor a moment after, does not move it in between: the velocity that
+    shows there is its sensor's, as lasting noise is.
+
+    Args:
+        recording: with a torque.
+        mask: where it rests, shape (N,).
+        velocity: smoothed, shape (N,).
+        slow: what is small [rad/s or m/s].
+    """
+    torque, joined = recording.driving_torque, mask.copy()
+    for (start, end), (begin, stop) in pairwise(pieces(recording, mask)):
+        if recording.run[start] != recording.run[begin] or np.any(np.abs(velocity[end:begin]) > slow):
+            continue
+        least, most = (extreme(np.r_[torque[start:end], torque[begin:stop]]) for extreme in (np.min, np.max))
+        if np.all((torque[end:begin] >= least) & (torque[end:begin] <= most)):
             joined[end:begin] = True
     return joined
 

@@ -21,7 +21,7 @@ import numpy as np
 
 from fricmodels.arrays import Array, Mask
 from fricmodels.recording import Recording
-from fricmodels.signals.in_place import BAND, bridged, in_place, pieces
+from fricmodels.signals.in_place import BAND, bridged, held, in_place, pieces
 from fricmodels.signals.lanczos import even_weights, lanczos_value
 from fricmodels.signals.noise_colour import Noise, coloured_noise, may_be_there, most_noise
 from fricmodels.signals.noise_level import best_half_width, best_smoothing, noise_of, quantum
@@ -294,12 +294,23 @@ def _seen(recording: Recording, noise: Noise) -> _Motion:
 def resting(recording: Recording) -> Mask:
     """Return where the drive stands still, shape (N,).
 
-    From the measured velocity; from the position where the velocity is not there or was derived.
+    From the measured velocity; from the position where the velocity is not there or was derived. Without a position
+    the torque tells that it did not move between two rests.
 
     Raises:
         InputError: when the recording has neither.
     """
-    return _motion(recording).resting
+    found = _motion(recording)
+    measured = "position" in recording and "position" not in recording.derived
+    return found.resting if measured or "torque" not in recording.channels else _held(recording)
+
+
+@once
+def _held(recording: Recording) -> Mask:
+    found = _motion(recording)
+    if recording.origin is not None and _of_whole(recording) is not None:
+        return np.asarray(resting(recording.origin.whole)[recording.origin.index])
+    return held(recording, found.resting, found.velocity, BAND * BAND * found.error)
 
 
 def motion_noise(recording: Recording) -> Noise:
