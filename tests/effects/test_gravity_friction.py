@@ -59,3 +59,17 @@ def test_it_is_considered_beside_gravity_only() -> None:
     assert beside is not None
     assert first.untested["gravity-friction"] == "it is considered beside gravity only"
     assert "gravity-friction" in [t.name for t in beside.tested]
+
+
+def test_a_linear_axis_carries_no_weight_round() -> None:
+    rig = {
+        "motion": "linear",
+        "inertia": 10.0,
+        "friction": {"coulomb": 6.0, "viscous": 3.0},
+        "excitation": {"kind": "sine", "amplitude": 30.0, "frequency": 0.5},
+        "rate": 200.0,
+        "samples": 2000,
+    }
+    result = diagnose(Rig.model_validate(rig).simulate(), "coulomb-viscous", 10.0).result
+    assert result is not None
+    assert result.untested["gravity-friction"] == "a linear axis does not turn"

@@ -141,11 +141,8 @@ def candidate_tests(
         for effect in not_yet(candidates, there, several):
             if effect.name in skipped:
                 continue
-            if effect.beside and effect.beside not in there:
-                untested[effect.name] = f"it is considered beside {effect.beside} only"
-                continue
             try:
-                outcome = _candidate(problem, regression, effect, rival, policy)
+                outcome = _candidate(problem, regression, effect, rival, policy, there)
             except Exception as error:  # an effect of a plugin may do anything; the others go on
                 outcome = f"it could not be tested: {type(error).__name__}: {error}"
             if isinstance(outcome, str):
@@ -191,11 +188,26 @@ def not_yet(
 
 
 def _candidate(
-    problem: WeakFormProblem, regression: Regression, effect: Effect, rival: float, policy: Policy
+    problem: WeakFormProblem,
+    regression: Regression,
+    effect: Effect,
+    rival: float,
+    policy: Policy,
+    there: Collection[str],
 ) -> CandidateTest | str:
-    """Test one effect, or say why it cannot be tested; ``rival`` is the sum of squares that another one explains."""
+    """Test one effect, or say why it cannot be tested.
+
+    Args:
+        problem, regression: the model and its rows.
+        effect: the candidate.
+        rival: sum of squares that another one explains.
+        policy: decides how much noise a column may hold.
+        there: names of the effects of the model.
+    """
     if effect.angular and problem.drive.motion is Motion.LINEAR:
         return "a linear axis does not turn"
+    if effect.beside and effect.beside not in there:
+        return f"it is considered beside {effect.beside} only"
     alone = problem.alone(effect)
     missing = [signal for signal in sorted(alone.model.required) if not _has(problem, signal)]
     if missing:
