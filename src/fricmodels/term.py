@@ -226,7 +226,7 @@ class Effect(Term):
     distinct_from: ClassVar[frozenset[str]] = frozenset()
     """Effects of which this one may contain the whole torque, though it is another physical cause."""
 
-    beside: ClassVar[str] = ""
+    only_beside: ClassVar[str] = ""
     """Name of an effect without which a diagnosis does not consider this one; empty where it stands by itself."""
 
     fitted_runs: frozenset[int] | None = None

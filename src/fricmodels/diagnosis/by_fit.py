@@ -23,11 +23,11 @@ def that_can_be_fitted(refits: Refits, result: CandidateTests) -> CandidateTests
     """
     possible, most, trials = result, float("inf"), result.policy.step_trials
     while (best := select_effect(possible)) is not None and np.sum(best.first.evidence.loss) <= most:
-        tried = best.members[:trials]
-        if any(refits.with_effect(t) is not None for t in tried):
+        tried = {t.name: t for t in best.members[:trials]}
+        if any(refits.with_effect(t) is not None for t in tried.values()):
             return possible
         most = min(most, result.policy.far_worse**2 * float(np.sum(best.first.evidence.loss)))
-        possible = replace(possible, tested=tuple(t for t in possible.tested if t not in tried))
+        possible = replace(possible, tested=tuple(t for t in possible.tested if t.name not in tried))
     return result
 
 

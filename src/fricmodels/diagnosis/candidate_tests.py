@@ -206,8 +206,8 @@ def _candidate(
     """
     if effect.angular and problem.drive.motion is Motion.LINEAR:
         return "a linear axis does not turn"
-    if effect.beside and effect.beside not in there:
-        return f"it is considered beside {effect.beside} only"
+    if effect.only_beside and effect.only_beside not in there:
+        return f"it is considered beside {effect.only_beside} only"
     alone = problem.alone(effect)
     missing = [signal for signal in sorted(alone.model.required) if not _has(problem, signal)]
     if missing:

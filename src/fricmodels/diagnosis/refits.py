@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
-import math
-
 from fricmodels.diagnosis.candidate_tests import CandidateTest
 from fricmodels.diagnosis.comparison import Comparison, with_effect
 from fricmodels.diagnosis.passive import driving_share, own_torque
 from fricmodels.diagnosis.policy import Policy
-from fricmodels.dimension import DIMENSIONLESS
 from fricmodels.errors import FricmodelsError
 from fricmodels.progress import stage
 from fricmodels.results.words import NORMAL_95
 from fricmodels.term import Effect
 from fricmodels.weakform.candidate import within_recording
-from fricmodels.weakform.search import AT_END
+from fricmodels.weakform.search import is_at_end
 
 _CLOSE = 1e-6
 """Relative distance within which a value is a bound itself."""
@@ -66,12 +63,8 @@ class Refits:
         if fitted is None or not tested.effect.states:
             return False
         found = fitted.estimate.parameters
-        return any(
-            math.isclose(found[f"{tested.name}.{p.symbol}"], getattr(p, end), rel_tol=AT_END)
-            for p in (within_recording(fitted.problem, own) for own in tested.effect.parameters if own.doubtful_ends)
-            if p.scan and p.dimension != DIMENSIONLESS
-            for end in p.doubtful_ends
-        )
+        sizes = [within_recording(fitted.problem, p) for p in tested.effect.parameters if p.scan]
+        return any(is_at_end(p, found[f"{tested.name}.{p.symbol}"]) for p in sizes)
 
     def _is_unphysical(self, fitted: Comparison, effect: Effect) -> bool:
         """Whether an effect that is a part of the friction makes of it one that drives, or is too large to be there."""

@@ -25,7 +25,7 @@ class GravityFriction(Effect):
     signature = "along the motion, in proportion to the torque of gravity"
     needs_motion = "a wide position range"
     friction = True
-    beside = "gravity"
+    only_beside = "gravity"
     separated_from = dict.fromkeys(
         ("position-friction",), "another payload: friction of the load grows with it, that of a place stays"
     )

@@ -122,10 +122,11 @@ def _noise(log: Log, channel: str) -> float:
 
     Of a short log it is what every fit takes, where spectra have too few pieces.
     """
-    values, found = log.recording[channel], channel_noise(log, log.recording[channel])
+    short = log.short.recording
+    values, found = short[channel], channel_noise(log.short, short[channel])
     if channel in ("torque", "current") and is_switched(values):
         return 0.0
-    size = found.size if found.pieces else noise_of(log.recording.time, values, log.recording.run).deviation
+    size = found.size if found.pieces else noise_of(short.time, values, short.run).deviation
     return max(size, log.resolution[channel] / float(np.sqrt(12.0)))
 
 
@@ -140,7 +141,7 @@ def summary(recording: Recording, inertia: float | None = None) -> Summary:
     velocity = log.velocity
     within = np.diff(recording.run) == 0
     lost = log.steps[within & ~log.joined]
-    noise = {name: _noise(log.short, name) for name in log.measured}
+    noise = {name: _noise(log, name) for name in log.measured}
     moving = ~resting(recording) & (velocity != 0.0)
     position = log.measured.get("position")
     return Summary(

@@ -38,7 +38,7 @@ _UNLIKELY = 0.25
 """Nor is what explains less than this share of that from its best start."""
 _HARMONIC = 0.2
 """A wave of half the wave number must explain a fifth of all more; other waves make it explain a little more."""
-AT_END = 1e-3
+_AT_END = 1e-3
 """Within a thousandth of a bound a parameter is at its end."""
 _FINER, _AS_HIGH = 16, 0.75
 """Parts of the spacing of instants that are tried next to the best of them, and next to others that explain as much."""
@@ -155,12 +155,14 @@ def is_at_an_end(nonlinear: Sequence[Parameter], point: Point, spacing: Sequence
         point: their values.
         spacing: as of :func:`starting_points`.
     """
-    return any(
-        math.isclose(x, getattr(p, end), rel_tol=AT_END)
-        for p, x, step in zip(nonlinear, point, spacing, strict=True)
-        if step != 1.0 and p.dimension != DIMENSIONLESS
-        for end in p.doubtful_ends
-    )
+    pairs = ((p, x) for p, x, step in zip(nonlinear, point, spacing, strict=True) if step != 1.0)
+    return any(is_at_end(p, x) for p, x in pairs)
+
+
+def is_at_end(parameter: Parameter, value: float) -> bool:
+    """Whether a size, with the bounds of a recording, is as far as this can tell, where that is doubtful."""
+    ends = () if parameter.dimension == DIMENSIONLESS else parameter.doubtful_ends
+    return any(math.isclose(value, getattr(parameter, end), rel_tol=_AT_END) for end in ends)
 
 
 def _delay(problem: WeakFormProblem, regression: Regression, alone: Drive) -> float:
