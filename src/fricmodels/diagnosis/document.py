@@ -13,6 +13,7 @@ from fricmodels.diagnosis.diagnose import Diagnosis, Finding
 from fricmodels.diagnosis.explain import explain, sentence, unknown
 from fricmodels.diagnosis.floor import beyond_sampling_percent, is_above_noise
 from fricmodels.diagnosis.ladder import Ladder, added
+from fricmodels.diagnosis.shift import shift_within_sampling
 from fricmodels.dimension import INERTIA, Motion
 from fricmodels.files import write_text
 from fricmodels.results import comparison as facts
@@ -43,6 +44,7 @@ def document(diagnosis: Diagnosis, ladder: Ladder | None = None) -> DiagnosisDoc
         correlation=_correlation(final.comparison if ladder is None else ladder.rungs[-1].comparison),
         coloured_noise=_coloured_noise(final),
         beyond_sampling_percent=_beyond_sampling(final),
+        shift=_shift(final),
         could_have_been_seen={
             name: typed.Visible(
                 smallest_percent=row.smallest_percent,
@@ -124,6 +126,11 @@ def _beyond_sampling(diagnosis: Diagnosis) -> float | None:
     """Return the error without what sampling hides, where it is far above noise and nothing predicts it."""
     hidden = diagnosis.verdict == "adequate" and is_above_noise(diagnosis.comparison, diagnosis.policy)
     return beyond_sampling_percent(diagnosis.comparison) if hidden else None
+
+
+def _shift(diagnosis: Diagnosis) -> typed.Shift | None:
+    shift = shift_within_sampling(diagnosis)
+    return None if shift is None else typed.Shift(**asdict(shift))
 
 
 def _candidates(diagnosis: Diagnosis) -> tuple[typed.Candidate, ...]:

@@ -12,12 +12,12 @@ from typing import TYPE_CHECKING, Literal
 from fricmodels.diagnosis.policy import POLICY
 from fricmodels.report.reliability import ONE_SINE, RECORDS
 from fricmodels.report.wording import counted, listed, listed_classes, noise_alone, percent, small
-from fricmodels.results.words import SAMPLING, form, predictor
+from fricmodels.results.words import SAMPLING, figures, form, predictor
 from fricmodels.score.bands import averaged
 
 if TYPE_CHECKING:
     from fricmodels.results.comparison import ComparisonDocument
-    from fricmodels.results.diagnosis import DiagnosisDocument
+    from fricmodels.results.diagnosis import DiagnosisDocument, Shift
 
 Tone = Literal["good", "warn", "bad", "plain"]
 
@@ -258,11 +258,24 @@ def _next(data: DiagnosisDocument, options: Sequence[str]) -> tuple[str, str]:
                 "'fricmodels new effect NAME' begins one of your own. To see that form:"
             )
         return text, command_line(data, "compare", model, [*_common(options), "--report", "error.html"])
+    if data.shift is not None:
+        return _without_shift(data, data.shift), command_line(data, "compare", data.shift.model, _common(options))
     text = "Use the model. This keeps its parameters, standard errors and provenance in a file, to call or to export:"
     if data.verdict == "adequate" and _noticed_above_noise(data):
         text = "Record it faster or with less noise to see what the rest is. To use the model as it is:"
     kept = f"{Path(data.dataset).name}.model.json"
     return text, command_line(data, "fit", model, [*_common(options), "--out", kept])
+
+
+def _without_shift(data: DiagnosisDocument, shift: Shift) -> str:
+    """Say by how much torque and motion are shifted, and what the error is without that."""
+    first, second = ("motion", "torque") if (shift.seconds or 0.0) > 0.0 else ("torque", "motion")
+    late, samples = (abs(value or 0.0) for value in (shift.seconds, shift.samples))
+    fall = f"{percent(data.ladder[-1].held_out_rms_percent)} → {percent(shift.held_out_percent)}"
+    return (
+        f"The {first} was recorded {figures(1000 * late)} ms ({figures(samples)} samples) after the {second}, as "
+        f"sampling may do; with that in the model the test error falls ({fall}):"
+    )
 
 
 def _common(options: Sequence[str]) -> list[str]:

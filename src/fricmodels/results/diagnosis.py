@@ -86,6 +86,19 @@ class Nearest(Part):
     """Its test error [% of the RMS motor torque]."""
 
 
+class Shift(Part):
+    """A shift of torque against motion that sampling alone may make, and that no effect is named for."""
+
+    seconds: Number
+    """Time by which motion was recorded after the torque [s]; negative where it was the torque."""
+    samples: Number
+    """The same in sampling intervals."""
+    model: str
+    """The model that takes it away."""
+    held_out_percent: Number
+    """Its test error [% of the RMS motor torque]."""
+
+
 class Remaining(Part):
     """What remains that no known effect explains."""
 
@@ -187,6 +200,8 @@ class DiagnosisDocument(ComparisonDocument):
     """What is left, where it is noise that lasts; null where it is not."""
     beyond_sampling_percent: Number = None
     """Error without what sampling hides, where it is far above noise and nothing predicts it [% of the RMS torque]."""
+    shift: Shift | None = None
+    """A shift within sampling that makes much of that error; null where none is known to."""
     could_have_been_seen: dict[str, Visible] = Field(default_factory=dict)
     """Every effect that was not found, by name."""
     explanation: str = ""

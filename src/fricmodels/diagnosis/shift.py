@@ -1,0 +1,49 @@
+"""A shift of torque against motion that sampling alone may make, where the printed error falls far without it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from fricmodels.diagnosis.diagnose import Diagnosis
+from fricmodels.diagnosis.floor import is_above_noise
+
+
+@dataclass(frozen=True)
+class Shift:
+    """A shift that no cause is named for.
+
+    Attributes:
+        seconds: time by which motion was recorded after the torque [s]; negative where it was the torque.
+        samples: the same in sampling intervals.
+        model: the model with the effect that takes it away.
+        held_out_percent: its test error, in % of the RMS motor torque.
+    """
+
+    seconds: float
+    samples: float
+    model: str
+    held_out_percent: float
+
+
+def shift_within_sampling(diagnosis: Diagnosis) -> Shift | None:
+    """Return the shift that leaves an adequate model an error far above noise, if it is known that it is there.
+
+    The rows allow one of part of a sample, since a torque that is held makes one by itself: it tells no cause, and is
+    not named. Yet the error of single samples has all of it, and falls far with an effect whose parameter is a delay.
+    """
+    before, policy = diagnosis.comparison, diagnosis.policy
+    if diagnosis.verdict != "adequate" or diagnosis.refits is None or diagnosis.result is None:
+        return None
+    if not is_above_noise(before, policy):
+        return None
+    for tested in diagnosis.result.tested:
+        if not tested.found.delay or max(tested.adjusted, tested.once) >= policy.significance:
+            continue
+        fitted = diagnosis.refits.with_effect(tested)
+        if fitted is None or fitted.errors.held_out_percent > policy.refit_share * before.errors.held_out_percent:
+            continue
+        symbol = next(p.symbol for p in tested.effect.parameters if p.delay)
+        seconds = fitted.estimate.parameters[f"{tested.name}.{symbol}"]
+        samples = seconds / before.train.interval
+        return Shift(seconds, samples, fitted.drive.model.name, fitted.errors.held_out_percent)
+    return None
