@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Iterator
 
 import numpy as np
@@ -58,6 +59,19 @@ def repeated(log: Log) -> Iterator[Finding]:
             f"{100 * share:.2g} % of the samples of the {log.called(channel)} repeat the one before while it changes"
             f"{often}",
             "log each new value once" if share > 0.3 else "drop repeated samples",
+        )
+
+
+def overlooked(log: Log) -> Iterator[Finding]:
+    """Say which columns nothing uses, though they look like a channel that the recording lacks."""
+    for channel, column in log.recording.provenance.get("overlooked", {}).items():
+        option = shlex.quote(f"{channel}={column}")
+        yield Finding(
+            "unused-column",
+            Severity.WARN,
+            channel,
+            f"the column '{column}' is not used, and looks like the {channel}",
+            f"--column {option} takes it",
         )
 
 

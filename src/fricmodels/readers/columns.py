@@ -19,6 +19,7 @@ from difflib import get_close_matches
 from fricmodels.dimension import Motion
 from fricmodels.errors import InputError, suggestion
 from fricmodels.readers import units
+from fricmodels.readers.column_names import likely, overlooked
 from fricmodels.readers.header_units import stated_unit
 from fricmodels.recording import OTHER
 
@@ -54,6 +55,11 @@ NAMES = (*STANDARD[Motion.ROTARY], *_ALIASES)
 
 Mapped = Sequence[str] | Mapping[str, str | Mapping[str, str]]
 """Mappings as ``CHANNEL=COLUMN[:UNIT]``, or by channel; those of further channels under ``other``."""
+
+_OF_THE_DRIVE = ("torque", "current", "velocity", "position")
+"""Channels of one joint: where their columns have a number, it is the joint's."""
+_WELCOME = ("position", "velocity", "temperature")
+"""Channels without which a recording can be read, and shows less."""
 
 _FURTHER = re.compile(re.escape(OTHER) + r"[A-Za-z_]\w*", re.ASCII)
 _BRACKETS = re.compile(r"(.*\S)\s*[\[(](.*)[\])]")
@@ -225,6 +231,20 @@ def assign(columns: Mapped, present: Sequence[str], motion: Motion | None) -> tu
     return found, kind
 
 
+def overlooked_columns(found: Mapping[str, Column], present: Sequence[str]) -> dict[str, str]:
+    """Return by channel the columns that nothing uses, and that look like a channel that was not found."""
+    used = [found[channel].column for channel in _OF_THE_DRIVE if channel in found]
+    looked_for = (channel for channel in _WELCOME if channel not in found)
+    likely_ones = ((channel, overlooked(channel, _free(found, present, (channel,)), used)) for channel in looked_for)
+    return {channel: name for channel, name in likely_ones if name is not None}
+
+
+def _free(found: Mapping[str, Column], present: Sequence[str], channels: Sequence[str]) -> list[str]:
+    """Return the columns that are not in use, nor called as other channels than some."""
+    taken = {column.column for column in found.values()}
+    return [name for name in present if name not in taken and name.lower() not in set(NAMES).difference(channels)]
+
+
 def _stated(column: Column) -> str | None:
     return None if column.channel == "run" else stated_unit(column.column, column.channel)
 
@@ -235,8 +255,10 @@ def _require(found: Mapping[str, Column], motion: Motion, present: Sequence[str]
     missing = [(needed, any_of) for needed, any_of in every if not any(channel in found for channel in any_of)]
     if not missing:
         return
-    free = [name for name in present if name not in {column.column for column in found.values()}]
-    options = [f"--column {needed}={_likely(needed, any_of, free) or 'COLUMN'}[:UNIT]" for needed, any_of in missing]
+    options = [
+        f"--column {needed}={likely(needed, any_of, _free(found, present, (needed, *any_of))) or 'COLUMN'}[:UNIT]"
+        for needed, any_of in missing
+    ]
     channels = _listed(["the " + " or ".join((needed, *any_of[1:])) for needed, any_of in missing], "and")
     standard = _listed([STANDARD[motion][channel] for _, any_of in missing for channel in any_of], "or")
     raise InputError(
@@ -247,32 +269,6 @@ def _require(found: Mapping[str, Column], motion: Motion, present: Sequence[str]
 
 def _listed(names: Sequence[str], last: str) -> str:
     return f" {last} ".join(filter(None, (", ".join(names[:-1]), names[-1])))
-
-
-_HABITS = {
-    "time": ("t", "time", "stamp", "zeit", "sec", "timestamp"),
-    "torque": ("torque", "tau", "effort", "tq", "trq", "moment"),
-    "force": ("force", "effort", "thrust", "load"),
-    "current": ("current", "i", "amps", "iq"),
-    "velocity": ("velocity", "vel", "speed", "qd", "dq", "omega", "w", "rpm"),
-    "position": ("position", "pos", "q", "angle", "theta", "encoder"),
-}
-
-
-def _likely(needed: str, any_of: Sequence[str], free: Sequence[str]) -> str | None:
-    habits = [word for channel in dict.fromkeys((needed, *any_of)) for word in _HABITS[channel]]
-    others = set(NAMES).difference(any_of, (needed,))  # a column that is called as another channel is that one
-    lowered = {name.lower(): name for name in free if name.lower() not in others}
-    for habit in habits:
-        for low, name in lowered.items():
-            stem = low.rpartition("/")[2].replace(" ", "_").replace("[", "_").replace("(", "_").split("_")[0]
-            if low == habit or (len(habit) > 2 and low.startswith(habit)) or stem == habit:
-                return name
-    for habit in habits:
-        near = get_close_matches(habit, lowered, n=1, cutoff=0.75)
-        if near:
-            return lowered[near[0]]
-    return None
 
 
 def _near(word: str, present: Sequence[str]) -> str:

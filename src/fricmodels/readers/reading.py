@@ -19,7 +19,7 @@ from fricmodels.readers import units
 from fricmodels.readers.apart import table_apart
 from fricmodels.readers.base import Reader
 from fricmodels.readers.checks import check
-from fricmodels.readers.columns import Column, Mapped, asked, assign
+from fricmodels.readers.columns import Column, Mapped, asked, assign, overlooked_columns
 from fricmodels.readers.gaps import Gaps, kept
 from fricmodels.recording import OTHER, Recording
 from fricmodels.signals.wrapping import unwrap
@@ -75,6 +75,7 @@ def read(
     table = _table(chosen, source, wanted)
     try:
         found, kind = assign(columns, [str(column) for column in table.columns], motion)
+        overlooked = overlooked_columns(found, [str(column) for column in table.columns])
         found = with_stated_units(found, table.attrs.get("units", {}))
         converted = conversions(found, kind, torque_constant)
         further = {channel: units.further(column.unit) for channel, column in _further(found).items() if column.unit}
@@ -111,6 +112,7 @@ def read(
             "sha256": _sha256(source),
             "reader": chosen.name,
             "columns": {channel: str(column) for channel, column in found.items()},
+            **({"overlooked": overlooked} if overlooked else {}),
             **({"runs": run_names} if run_names else {}),
             **left,
             **({"torque_constant": torque_constant} if torque_constant is not None else {}),

@@ -1,0 +1,63 @@
+"""What columns are usually called: which of them looks like a channel that was not found."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Collection, Sequence
+from difflib import get_close_matches
+
+_HABITS = {
+    "time": ("t", "time", "stamp", "zeit", "sec", "timestamp"),
+    "torque": ("torque", "tau", "effort", "tq", "trq", "moment"),
+    "force": ("force", "effort", "thrust", "load"),
+    "current": ("current", "i", "amps", "iq"),
+    "velocity": ("velocity", "vel", "speed", "qd", "dq", "omega", "w", "rpm"),
+    "position": ("position", "pos", "q", "angle", "theta", "encoder"),
+    "temperature": ("temperature", "temp"),
+}
+_ASKED_FOR = re.compile(
+    r"(?<![a-z])(ref|reference|des|desired|cmd|command|commanded|goal|target|set|setpoint|sp|err|error)(?![a-z])"
+)
+"""Words in the name of a column that holds what a controller was asked for, or missed, and not what was measured."""
+_NUMBER = re.compile(r"\d+")
+
+
+def likely(needed: str, any_of: Sequence[str], free: Sequence[str]) -> str | None:
+    """Return the column that looks like a channel by its name; ``None`` if none does.
+
+    Args:
+        needed: the channel.
+        any_of: others that would do as well.
+        free: names of columns that are not in use, nor called as another channel.
+    """
+    habits = [word for channel in dict.fromkeys((needed, *any_of)) for word in _HABITS[channel]]
+    lowered = {name.lower(): name for name in free}
+    for habit in habits:
+        for low, name in lowered.items():
+            words = low.rpartition("/")[2].replace(" ", "_").replace("[", "_").replace("(", "_")
+            stem = words.split("_")[0].rstrip("0123456789")
+            if low == habit or (len(habit) > 2 and low.startswith(habit)) or stem == habit:
+                return name
+    for habit in habits:
+        near = get_close_matches(habit, lowered, n=1, cutoff=0.75)
+        if near:
+            return lowered[near[0]]
+    return None
+
+
+def overlooked(channel: str, free: Sequence[str], used: Collection[str]) -> str | None:
+    """Return the column that looks like a measured channel and is not used; ``None`` if none does, or several do.
+
+    Where the columns in use have a number, as those of one joint of several, it has the same one.
+
+    Args:
+        channel: that the recording lacks.
+        free: names of columns that are not in use.
+        used: names of those that are.
+    """
+    numbers = {tuple(_NUMBER.findall(name)) for name in used} - {()}
+    measured = [name for name in free if not _ASKED_FOR.search(name.lower())]
+    same = [name for name in measured if not numbers or tuple(_NUMBER.findall(name)) in numbers]
+    first = likely(channel, (), same)
+    others = [name for name in same if name != first]
+    return None if first is None or likely(channel, (), others) is not None else first

@@ -1,0 +1,64 @@
+"""Columns that look like a channel which a recording lacks."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from fricmodels.logcheck.check import findings
+from fricmodels.readers import read
+from fricmodels.readers.column_names import likely, overlooked
+
+
+@pytest.mark.parametrize(
+    ("free", "used", "column"),
+    [
+        (["angle_rad"], ["velocity_rad_s", "current_A"], "angle_rad"),
+        (["Position [deg]", "temp"], ["Speed [rpm]"], "Position [deg]"),
+        (["q1_rad", "q6_rad", "qd1_rad_s"], ["qd6_rad_s", "i6_A"], "q6_rad"),  # the joint whose velocity is taken
+        (["q1_rad", "q2_rad"], ["qd6_rad_s"], None),
+        (["q1_rad", "q2_rad"], ["velocity_rad_s"], None),  # which of them is not known
+        (["goal_position", "position_ref", "pos_cmd"], ["velocity_rad_s"], None),  # what was asked for
+        (["goal_position", "pos"], ["velocity_rad_s"], "pos"),
+        (["supply_V", "quality"], ["velocity_rad_s"], None),
+    ],
+)
+def test_the_column_that_looks_like_the_position(free: Sequence[str], used: Sequence[str], column: str | None) -> None:
+    assert overlooked("position", free, used) == column
+
+
+def test_a_column_with_the_number_of_a_joint_is_proposed() -> None:
+    assert likely("velocity", ("position",), ["tau_3", "qd3_rad_s", "q3_rad"]) == "qd3_rad_s"
+
+
+def written(folder: Path, names: Sequence[str]) -> Path:
+    """Write a motion of half a minute; columns by their names."""
+    time = 0.01 * np.arange(3000.0)
+    velocity = 2.0 * np.sin(3.0 * time) + np.sin(5.3 * time)
+    position = -2.0 / 3.0 * np.cos(3.0 * time) - np.cos(5.3 * time) / 5.3
+    torque = 0.02 * np.gradient(velocity, time) + 0.1 * velocity + 0.3 * np.sign(velocity)
+    path = folder / "log.csv"
+    table = np.column_stack([time, torque, velocity, position])
+    np.savetxt(path, table, delimiter=",", header=",".join(names), comments="", fmt="%.9g")
+    return path
+
+
+def test_a_column_that_nothing_uses_is_told_with_the_option_that_takes_it(tmp_path: Path) -> None:
+    recording = read(written(tmp_path, ["time_s", "torque_Nm", "velocity_rad_s", "angle_rad"]))
+    assert "position" not in recording
+    found = [finding for finding in findings(recording) if finding.kind == "unused-column"]
+    assert [str(finding) for finding in found] == [
+        "the column 'angle_rad' is not used, and looks like the position; --column position=angle_rad takes it"
+    ]
+    again = read(tmp_path / "log.csv", columns=["position=angle_rad"])
+    assert np.ptp(again["position"]) == pytest.approx(1.71, abs=0.01)
+    assert "unused-column" not in {finding.kind for finding in findings(again)}
+
+
+def test_what_is_used_and_what_is_called_otherwise_is_no_matter(tmp_path: Path) -> None:
+    for last in ("position_rad", "supply_V"):
+        recording = read(written(tmp_path, ["time_s", "torque_Nm", "velocity_rad_s", last]))
+        assert "unused-column" not in {finding.kind for finding in findings(recording)}
