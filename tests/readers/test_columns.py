@@ -96,6 +96,10 @@ def test_mixed_motion_is_refused():
         ),
         (["time_s", "torque_Nm", "qd"], "velocity or position: .*--column velocity=qd"),
         (["time_s", "torque_Nm", "x1"], "--column velocity=COLUMN"),
+        (
+            ["time [ms]", "torque_Nm", "speed_rpm"],  # what states its unit needs none; a blank needs quotes
+            r"with --column 'time=time \[ms\]' --column velocity=speed_rpm; columns",
+        ),
     ],
 )
 def test_a_missing_channel_is_named_with_a_suggestion(present, message):

@@ -12,6 +12,7 @@ of them. A column that is itself called ``other.NAME`` needs no mapping.
 from __future__ import annotations
 
 import re
+import shlex
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from difflib import get_close_matches
@@ -256,8 +257,7 @@ def _require(found: Mapping[str, Column], motion: Motion, present: Sequence[str]
     if not missing:
         return
     options = [
-        f"--column {needed}={likely(needed, any_of, _free(found, present, (needed, *any_of))) or 'COLUMN'}[:UNIT]"
-        for needed, any_of in missing
+        _option(needed, likely(needed, any_of, _free(found, present, (needed, *any_of)))) for needed, any_of in missing
     ]
     channels = _listed(["the " + " or ".join((needed, *any_of[1:])) for needed, any_of in missing], "and")
     standard = _listed([STANDARD[motion][channel] for _, any_of in missing for channel in any_of], "or")
@@ -265,6 +265,15 @@ def _require(found: Mapping[str, Column], motion: Motion, present: Sequence[str]
         f"no column for {channels}: none is called {standard}; "
         f"map {'one' if len(missing) == 1 else 'them'} with {' '.join(options)}; columns: {_list(present)}"
     )
+
+
+def _option(channel: str, column: str | None) -> str:
+    """Return the option that maps a column, as a shell reads it; one that states its unit needs none."""
+    name = column or "COLUMN"
+    stated = column is not None and stated_unit(column, channel) is not None
+    option = f"{channel}={name}"
+    quoted = shlex.quote(option)
+    return f"--column {quoted}" if stated or quoted != option else f"--column {option}[:UNIT]"
 
 
 def _listed(names: Sequence[str], last: str) -> str:
