@@ -270,7 +270,7 @@ def _require(found: Mapping[str, Column], motion: Motion, present: Sequence[str]
 def _option(channel: str, column: str | None) -> str:
     """Return the option that maps a column, as a shell reads it; one that states its unit needs none."""
     name = column or "COLUMN"
-    stated = column is not None and stated_unit(column, channel) is not None
+    stated = column is not None and stated_unit(column, _ALIASES.get(channel, channel)) is not None
     option = f"{channel}={name}"
     quoted = shlex.quote(option)
     return f"--column {quoted}" if stated or quoted != option else f"--column {option}[:UNIT]"
