@@ -21,9 +21,6 @@ _STROKE = 0.01
 """Share of the longest stroke that another one goes at least. On four joints of a KR300 noise makes pieces of up to
 0.0001 of it; without this bound one of them had a jump after the first such piece. Strokes of a thousandth, which are
 there too, tell little of a friction."""
-_FOLLOWS = 2.0**0.5
-"""Least ratio r of a part's natural frequency to that of the motion. Undamped, the part swings r²/(r² − 1) times as far
-as the drive: twice as far at √2."""
 _SLOW = 0.1
 """Share of its motion in which a drive is so slow that a part follows it: a sweep may pass the resonance after that."""
 _RECORD = 20_000
@@ -80,8 +77,9 @@ def within_motion(recording: Recording, parameter: Parameter) -> Parameter:
     So is a speed below which friction differs: the drive is slower than it for no less than that, as it turns. (One
     that may be negative is a part of such a speed.) And so is a length over which a contact bends or a gap is crossed:
     from standstill the drive goes that far in no less than that.
-    A part on a spring swings, undamped, at most twice as far as the drive: its natural frequency is at least √2 times
-    that of the motion. Nor is it above half the sampling rate, where samples show another one (Nyquist).
+    A part on a spring follows the drive where that is slow: its natural frequency is no less than that of the slow
+    motion, above which it would swing the other way. Nor is it above half the sampling rate, where samples show another
+    one (Nyquist).
     """
     lower, upper = parameter.lower, parameter.upper
     if parameter.dimension == TIME and not (parameter.instant or parameter.delay):
@@ -92,7 +90,7 @@ def within_motion(recording: Recording, parameter: Parameter) -> Parameter:
         lower = min(max(lower, 0.5 * (_SHORTEST * recording.interval) ** 2 * turning(recording)), upper)
     elif parameter.resonance:
         upper = min(upper, np.pi / recording.interval)
-        lower = max(lower, _FOLLOWS * slow_angular_frequency(recording))
+        lower = max(lower, slow_angular_frequency(recording))
     elif parameter.place and "position" in recording:
         position = recording["position"]
         lower, upper = max(lower, float(position.min())), min(upper, float(position.max()))
@@ -122,8 +120,10 @@ def turning(recording: Recording) -> float:
 def slow_angular_frequency(recording: Recording) -> float:
     """Return the angular frequency below which the drive goes back and forth for a tenth of its motion [rad/s].
 
-    That is π over the duration of a stroke; a sweep has short ones and long ones. 0 where the drive never turns.
+    That is π over the duration of a stroke; a sweep has short ones and long ones. A stroke that is cut, where a part of
+    the record is kept back, is as long as it was. 0 where the drive never turns.
     """
+    recording = recording if recording.origin is None else recording.whole()
     velocity, error = smoothed_velocity(recording)
     moving = np.abs(velocity) > 3.0 * error
     forward, run = velocity[moving] > 0.0, recording.run[moving]
