@@ -56,6 +56,17 @@ def test_a_sweep_may_pass_a_resonance() -> None:
     assert within_motion(sweep, JointCompliance.omega_n).lower < 2 * np.pi * 4.0
 
 
+def test_a_rest_is_no_part_of_a_stroke() -> None:
+    """Strokes of a second with rests of three: slow samples at both ends of a stroke are."""
+    time = np.arange(8000) / 200.0
+    phase = time % 4.0
+    velocity = np.where(phase < 1.0, np.sin(np.pi * phase), 0.0) * np.where((time // 4.0) % 2 == 0, 1.0, -1.0)
+    velocity += 0.02 * np.random.default_rng(2).standard_normal(len(time))
+    channels = {"time": time, "torque": np.sign(velocity), "velocity": velocity}
+    moves = Recording("moves", Motion.ROTARY, channels, np.zeros(len(time), dtype=np.int64))
+    assert slow_angular_frequency(moves) == pytest.approx(np.pi, rel=0.15)
+
+
 def test_a_stroke_that_is_cut_is_as_long_as_it_was() -> None:
     """Parts of a record that are kept back for the test cut its strokes into pieces."""
     whole = swinging(0.3).remembering()

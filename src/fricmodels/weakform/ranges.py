@@ -10,7 +10,7 @@ from fricmodels.dimension import DISPLACEMENT, TIME, VELOCITY, Dimension
 from fricmodels.parameter import Parameter
 from fricmodels.recording import Recording
 from fricmodels.signals.lanczos import lanczos_value
-from fricmodels.signals.rest import once, smoothed_velocity
+from fricmodels.signals.rest import once, resting, smoothed_velocity
 
 _SHORTEST = 2.0
 """The shortest duration that can be told, in sampling intervals: sampling alone delays by part of one."""
@@ -120,18 +120,20 @@ def turning(recording: Recording) -> float:
 def slow_angular_frequency(recording: Recording) -> float:
     """Return the angular frequency below which the drive goes back and forth for a tenth of its motion [rad/s].
 
-    That is π over the duration of a stroke; a sweep has short ones and long ones. A stroke that is cut, where a part of
-    the record is kept back, is as long as it was. 0 where the drive never turns.
+    That is π over the duration of a stroke from reversal to reversal, without rests; a sweep has short ones and long
+    ones. A stroke that is cut, where a part of the record is kept back, is as long as it was. 0 where the drive never
+    turns.
     """
     recording = recording if recording.origin is None else recording.whole()
     velocity, error = smoothed_velocity(recording)
-    moving = np.abs(velocity) > 3.0 * error
-    forward, run = velocity[moving] > 0.0, recording.run[moving]
-    ends = np.flatnonzero((forward[1:] != forward[:-1]) | (run[1:] != run[:-1])) + 1
+    clear = np.flatnonzero(np.abs(velocity) > 3.0 * error)
+    forward, run = velocity[clear] > 0.0, recording.run[clear]
     if not np.any(forward[1:] != forward[:-1]):
         return 0.0
-    longest = np.sort(np.diff(np.concatenate([[0], ends, [len(forward)]])))[::-1]
-    slow = longest[np.searchsorted(np.cumsum(longest), _SLOW * len(forward))]
+    begins = np.flatnonzero((forward[1:] != forward[:-1]) | (run[1:] != run[:-1])) + 1
+    moved = np.concatenate([[0], np.cumsum(~resting(recording))])
+    longest = np.sort(np.diff(moved[np.concatenate([clear[:1], clear[begins], clear[-1:] + 1])]))[::-1]
+    slow = longest[np.searchsorted(np.cumsum(longest), _SLOW * longest.sum())]
     return float(np.pi / (slow * recording.interval))
 
 
