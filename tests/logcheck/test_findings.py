@@ -124,6 +124,35 @@ def test_what_is_spoilt_is_named(name):
     assert kinds(recording).get(kind) == severity
 
 
+def hanging(friction: float, seed: int = 1) -> Recording:
+    """Return an arm that hangs and is swung, with a gravity as large as its inertia torque."""
+    base = drive(8000, seed)
+    velocity, position = base.velocity, base["position"]
+    acceleration = np.gradient(velocity, base.time, edge_order=2)
+    smooth = np.convolve(acceleration, np.ones(15) / 15, "same")
+    torque = INERTIA * smooth + 0.6 * np.sin(position) + friction * (0.1 * velocity + 0.6 * np.sign(velocity))
+    return changed(base, torque=torque + 0.01 * np.random.default_rng(seed).standard_normal(len(torque)))
+
+
+def test_a_turned_torque_is_told_by_the_inertia_where_there_is_hardly_any_friction():
+    recording = hanging(0.01)
+    assert "torque-sign" not in kinds(recording)
+    turned = changed(recording, torque=-recording.torque)
+    (found,) = [one for one in findings(turned) if one.kind == "torque-sign"]
+    assert found.severity is STOP
+    assert "negative inertia" in found.text
+    with_friction = changed(hanging(1.0), torque=-hanging(1.0).torque)
+    assert kinds(with_friction)["torque-sign"] is STOP
+
+
+def test_a_late_torque_that_makes_the_inertia_negative_is_not_turned():
+    """Of viscous friction that is late by T the balance has an inertia of −K_v T, and a friction beyond chance."""
+    recording = CLEAN
+    torque = 1.0 * recording.velocity + 0.001 * np.gradient(recording.velocity, recording.time)
+    torque = torque + 0.01 * np.random.default_rng(4).standard_normal(len(torque))
+    assert "torque-sign" not in kinds(changed(recording, torque=late(torque, 10)))
+
+
 @given(st.integers(0, 10**6), st.floats(-3.0, 3.0), st.floats(-3.0, 3.0))
 @settings(max_examples=15, deadline=None)
 def test_findings_do_not_depend_on_the_size_of_force_and_angle_units(seed, force, length):

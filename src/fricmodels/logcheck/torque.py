@@ -30,18 +30,21 @@ _AGREED = 0.05
 
 
 def sign(log: Log, found: Balance) -> Iterator[Finding]:
-    r"""Judge whether friction would drive the joint.
+    r"""Judge whether friction would drive the joint, or its inertia be negative.
 
-    With the torque's sign turned, inertia and friction come out negative. The statistic is the power that the
-    friction of the balance takes up, :math:`K_v\overline{\omega^2} + K_c\overline{|\omega|}`, over its standard error;
-    it is compared with Student's t of 31. Two more things must hold: the inertia is not positive beyond chance (it is
-    where the velocity lags, which makes the viscous coefficient alone negative), and the work of the torque is
-    negative as a whole (a speed loop that fights cogging has a torque that falls with the speed, but still drives).
+    With the torque's sign turned, inertia and friction come out negative. The statistics are the inertia, and the power
+    that the friction of the balance takes up, :math:`K_v\overline{\omega^2} + K_c\overline{|\omega|}`, each over its
+    standard error; the one that is farther below zero is compared with Student's t of 31, and counts for two. Two more
+    things must hold: the other one is not positive beyond chance (the inertia is where the velocity lags, which makes
+    the viscous coefficient alone negative; friction is where a late torque makes the inertia negative), and the work of
+    the torque is negative as a whole (a speed loop that fights cogging has a torque that falls with the speed, but
+    still drives).
     """
     short = log.short
     pushing = short.recording.driving_torque
-    chance = significance(found.power, CLUSTERS)
-    if found.power >= 0.0 or chance >= PROBABLE or certain(found.ratio({"J": 1.0}), CLUSTERS):
+    power, inertia = found.power, found.ratio({"J": 1.0})
+    chance = min(1.0, 2.0 * significance(min(power, inertia), CLUSTERS))
+    if min(power, inertia) >= 0.0 or chance >= PROBABLE or certain(max(power, inertia), CLUSTERS):
         return
     if float(np.mean(pushing * short.velocity)) >= 0.0:
         return
@@ -52,11 +55,12 @@ def sign(log: Log, found: Balance) -> Iterator[Finding]:
         else f"turn its sign, as in {log.turned('torque')}"
     )
     verb, driven = "has" if chance < LEVEL else "may have", "joint" if log.rotary else "axis"
+    why = f"friction would drive the {driven}" if power <= inertia else f"the {driven} would have a negative inertia"
     yield Finding(
         "torque-sign",
         Severity.STOP if chance < LEVEL else Severity.WARN,
         "torque",
-        f"the {log.called('torque')} {verb} the wrong sign: friction would drive the {driven} (p = {chance:.1g})",
+        f"the {log.called('torque')} {verb} the wrong sign: {why} (p = {chance:.1g})",
         remedy,
     )
 
