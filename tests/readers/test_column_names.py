@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from fricmodels.errors import InputError
 from fricmodels.logcheck.check import findings
 from fricmodels.readers import read
 from fricmodels.readers.column_names import likely, overlooked
@@ -62,3 +63,41 @@ def test_what_is_used_and_what_is_called_otherwise_is_no_matter(tmp_path: Path) 
     for last in ("position_rad", "supply_V"):
         recording = read(written(tmp_path, ["time_s", "torque_Nm", "velocity_rad_s", last]))
         assert "unused-column" not in {finding.kind for finding in findings(recording)}
+
+
+def test_a_log_without_a_time_counts_its_rows(tmp_path: Path) -> None:
+    path = written(tmp_path, ["stamp", "torque_Nm", "velocity_rad_s", "position_rad"])
+    with pytest.raises(InputError, match=r"or at a known interval --column time=row:5ms; columns"):
+        read(written(tmp_path, ["x", "torque_Nm", "velocity_rad_s", "position_rad"]))
+    counted = read(path, columns=["time=row:10ms"])
+    np.testing.assert_allclose(counted.time, 0.01 * np.arange(3000.0))
+    np.testing.assert_array_equal(counted.time, read(path, columns=["time=row:0.01 s"]).time)
+    assert counted.provenance["columns"]["time"] == "time=row:10ms"
+    for wrong, message in (
+        ("time=row", "give the interval between two"),
+        ("time=row:", "give the interval between two"),
+        ("time=row:parsecs per", "no column 'row:parsecs per'|unknown unit"),
+        ("time=row:rad", "does not measure the time"),
+        ("velocity=row:rad/s", "there is no column 'row'"),
+    ):
+        with pytest.raises(InputError, match=message):
+            read(path, columns=[wrong])
+
+
+def test_a_column_that_is_called_row_is_that_column(tmp_path: Path) -> None:
+    path = written(tmp_path, ["row", "torque_Nm", "velocity_rad_s", "position_rad"])
+    assert read(path, columns=["time=row:s"]).time[-1] == pytest.approx(29.99)
+    assert read(path, columns=["time=row"]).time[-1] == pytest.approx(29.99)
+
+
+def test_rows_are_counted_on_through_blocks_and_files_of_other_formats(tmp_path: Path) -> None:
+    import pandas as pd
+
+    from fricmodels.readers.blocks import blocks
+
+    table = pd.read_csv(written(tmp_path, ["stamp", "torque_Nm", "velocity_rad_s", "position_rad"]))
+    table.to_parquet(tmp_path / "log.parquet")
+    opened = blocks(tmp_path / "log.parquet", columns=["time=row:10ms"])
+    time = np.concatenate([block.channels["time"] for block in opened.of(["time", "torque"])])
+    np.testing.assert_allclose(time, 0.01 * np.arange(3000.0))
+    np.testing.assert_array_equal(time, read(tmp_path / "log.parquet", columns=["time=row:10ms"]).time)

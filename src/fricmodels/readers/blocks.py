@@ -71,10 +71,11 @@ class Blocks:
 
         chosen = {name: self._columns[self._conversions[name][0]] for name in wanted}
         run = self._columns.get("run")
-        names = sorted({column.column for column in chosen.values()} | ({run.column} if run else set()))
+        names = {column.column for column in chosen.values()} | ({run.column} if run else set())
         first, reader, begin = 0, ParquetReader(), dict[str, Any]()
         with _told(self.source), pyarrow.parquet.ParquetFile(self.source, pre_buffer=False) as file:
-            for batch in file.iter_batches(batch_size=_ROWS, columns=names, use_threads=False):
+            stored = sorted(names.intersection(file.schema_arrow.names))  # a counted row is not
+            for batch in file.iter_batches(batch_size=_ROWS, columns=stored, use_threads=False):
                 channels = {}
                 for name, column in chosen.items():
                     values = self._values(batch, column, first, reader, begin)
@@ -86,6 +87,8 @@ class Blocks:
         """Return the numbers of a column of a batch: as they stand in memory where they are doubles."""
         import pyarrow
 
+        if column.column not in batch.schema.names:
+            return np.arange(float(first), float(first + len(batch)))
         stored = batch.column(batch.schema.get_field_index(column.column))
         if pyarrow.types.is_float64(stored.type) and not stored.null_count:
             values: Array = stored.to_numpy()

@@ -5,6 +5,8 @@ first; only if there is none, what follows the last colon is the unit, and witho
 states (``Speed [rpm]``, ``pos_deg``). So ``velocity=a:b`` is the column ``a:b`` where the table has one, and the column
 ``a`` in the unit ``b`` otherwise. ``a [b]`` says the same.
 
+A log without a time has rows at a known interval: ``time=row:5ms`` counts them, unless a column is called ``row``.
+
 What else was recorded, such as another joint's motion, is a further channel: ``other.NAME=COLUMN[:UNIT]``, any number
 of them. A column that is itself called ``other.NAME`` needs no mapping.
 """
@@ -63,6 +65,8 @@ _WELCOME = ("position", "velocity", "temperature")
 """Channels without which a recording can be read, and shows less."""
 
 _FURTHER = re.compile(re.escape(OTHER) + r"[A-Za-z_]\w*", re.ASCII)
+ROW = "row"
+"""What stands for the column of a time that was not recorded: the number of the row."""
 _BRACKETS = re.compile(r"(.*\S)\s*[\[(](.*)[\])]")
 
 
@@ -104,6 +108,10 @@ def parse(specification: str, present: Sequence[str]) -> Column:
     column, colon, unit = (part.strip() for part in rest.rpartition(":"))
     if bracketed and bracketed[1] in present:
         column, colon, unit = bracketed[1], ":", bracketed[2]
+    if name == "time" and ROW not in present:
+        if rest.rstrip(": ") == ROW:
+            raise InputError(f"'{specification}' counts the rows: give the interval between two, as in time={ROW}:5ms")
+        present = [*present, ROW] if column == ROW else present
     if colon and column in present:
         if not unit:
             return Column(name, column)
@@ -273,6 +281,8 @@ def _option(channel: str, column: str | None) -> str:
     stated = column is not None and stated_unit(column, _ALIASES.get(channel, channel)) is not None
     option = f"{channel}={name}"
     quoted = shlex.quote(option)
+    if channel == "time" and column is None:
+        return f"--column {option}[:UNIT], or at a known interval --column time={ROW}:5ms"
     return f"--column {quoted}" if stated or quoted != option else f"--column {option}[:UNIT]"
 
 

@@ -19,7 +19,7 @@ from fricmodels.readers import units
 from fricmodels.readers.apart import table_apart
 from fricmodels.readers.base import Reader
 from fricmodels.readers.checks import check
-from fricmodels.readers.columns import Column, Mapped, asked, assign, overlooked_columns
+from fricmodels.readers.columns import ROW, Column, Mapped, asked, assign, overlooked_columns
 from fricmodels.readers.gaps import Gaps, kept
 from fricmodels.recording import OTHER, Recording
 from fricmodels.signals.wrapping import unwrap
@@ -246,6 +246,8 @@ def numbers(source: Path, reader: Reader, table: pd.DataFrame, column: Column) -
     """
     import pandas as pd
 
+    if column.column == ROW and ROW not in table:
+        return np.arange(float(len(table)))
     values = table[column.column]
     if values.dtype.kind in "mM":
         if column.channel != "time":
