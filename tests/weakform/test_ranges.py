@@ -39,9 +39,10 @@ def test_the_frequency_of_one_sine_is_its_own(frequency: float, noise: float) ->
 
 
 def test_a_resonance_lies_above_the_motion() -> None:
-    """A link whose resonance is below that swings the other way, and is not carried along."""
+    """A link that swings three times as far as the motor goes back and forth, and farther, is not carried along."""
     bounded = within_motion(swinging(2.0), JointCompliance.omega_n)
-    assert bounded.lower == pytest.approx(4 * np.pi, rel=0.1)
+    assert bounded.lower == pytest.approx(4 * np.pi * np.sqrt(1.5), rel=0.05)
+    assert 1 / abs(1 - (4 * np.pi / bounded.lower) ** 2) == pytest.approx(3.0, rel=0.3)
     assert bounded.upper == pytest.approx(np.pi / swinging(2.0).interval), "half the sampling rate"
     assert within_motion(swinging(2.0), JointCompliance.zeta) == JointCompliance.zeta
 

@@ -21,6 +21,9 @@ _STROKE = 0.01
 """Share of the longest stroke that another one goes at least. On four joints of a KR300 noise makes pieces of up to
 0.0001 of it; without this bound one of them had a jump after the first such piece. Strokes of a thousandth, which are
 there too, tell little of a friction."""
+_FOLLOWS = 1.5**0.5
+"""Least ratio r of a part's natural frequency to that of the slow motion. Undamped, the part swings r²/(r² − 1) times
+as far as the drive: three times. At r = 1 it would do whatever one sine asks for."""
 _SLOW = 0.1
 """Share of its motion in which a drive is so slow that a part follows it: a sweep may pass the resonance after that."""
 _RECORD = 20_000
@@ -77,9 +80,9 @@ def within_motion(recording: Recording, parameter: Parameter) -> Parameter:
     So is a speed below which friction differs: the drive is slower than it for no less than that, as it turns. (One
     that may be negative is a part of such a speed.) And so is a length over which a contact bends or a gap is crossed:
     from standstill the drive goes that far in no less than that.
-    A part on a spring follows the drive where that is slow: its natural frequency is no less than that of the slow
-    motion, above which it would swing the other way. Nor is it above half the sampling rate, where samples show another
-    one (Nyquist).
+    A part on a spring follows the drive where that is slow: there it swings, undamped, at most three times as far, so
+    that its natural frequency is at least √1.5 times that of the slow motion. Nor is it above half the sampling rate,
+    where samples show another one (Nyquist).
     """
     lower, upper = parameter.lower, parameter.upper
     if parameter.dimension == TIME and not (parameter.instant or parameter.delay):
@@ -90,7 +93,7 @@ def within_motion(recording: Recording, parameter: Parameter) -> Parameter:
         lower = min(max(lower, 0.5 * (_SHORTEST * recording.interval) ** 2 * turning(recording)), upper)
     elif parameter.resonance:
         upper = min(upper, np.pi / recording.interval)
-        lower = max(lower, slow_angular_frequency(recording))
+        lower = max(lower, _FOLLOWS * slow_angular_frequency(recording))
     elif parameter.place and "position" in recording:
         position = recording["position"]
         lower, upper = max(lower, float(position.min())), min(upper, float(position.max()))
