@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -10,6 +11,7 @@ from scipy.interpolate import CubicSpline
 
 from fricmodels.diagnosis import diagnose
 from fricmodels.diagnosis.document import document
+from fricmodels.diagnosis.shift import shift_within_sampling
 from fricmodels.dimension import Motion
 from fricmodels.recording import Recording
 from fricmodels.report.answer import answer
@@ -48,6 +50,8 @@ def test_a_shift_of_half_a_sample_is_said_and_no_effect_is_named(late: float) ->
     assert data.shift.held_out_percent is not None
     assert data.rms_torque_error.held_out_percent is not None
     assert data.shift.held_out_percent < 0.5 * data.rms_torque_error.held_out_percent
+    longer = replace(found, policy=replace(found.policy, within_sampling=0.3))
+    assert shift_within_sampling(longer) is None, "sampling does not make so much"
     said = answer(data)
     first, second = ("motion", "torque") if late > 0 else ("torque", "motion")
     words = rf"The {first} was recorded (2|1\.9|2\.1) ms \(0\.(5|4[6-9]|5[1-4]) samples\) after the {second}, "

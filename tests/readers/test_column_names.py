@@ -101,3 +101,5 @@ def test_rows_are_counted_on_through_blocks_and_files_of_other_formats(tmp_path:
     time = np.concatenate([block.channels["time"] for block in opened.of(["time", "torque"])])
     np.testing.assert_allclose(time, 0.01 * np.arange(3000.0))
     np.testing.assert_array_equal(time, read(tmp_path / "log.parquet", columns=["time=row:10ms"]).time)
+    alone = np.concatenate([block.channels["time"] for block in opened.of(["time"])])
+    np.testing.assert_array_equal(alone, time)

@@ -44,7 +44,7 @@ def document(diagnosis: Diagnosis, ladder: Ladder | None = None) -> DiagnosisDoc
         correlation=_correlation(final.comparison if ladder is None else ladder.rungs[-1].comparison),
         coloured_noise=_coloured_noise(final),
         beyond_sampling_percent=_beyond_sampling(final),
-        shift=_shift(final),
+        shift=shift_within_sampling(final),
         could_have_been_seen={
             name: typed.Visible(
                 smallest_percent=row.smallest_percent,
@@ -126,11 +126,6 @@ def _beyond_sampling(diagnosis: Diagnosis) -> float | None:
     """Return the error without what sampling hides, where it is far above noise and nothing predicts it."""
     hidden = diagnosis.verdict == "adequate" and is_above_noise(diagnosis.comparison, diagnosis.policy)
     return beyond_sampling_percent(diagnosis.comparison) if hidden else None
-
-
-def _shift(diagnosis: Diagnosis) -> typed.Shift | None:
-    shift = shift_within_sampling(diagnosis)
-    return None if shift is None else typed.Shift(**asdict(shift))
 
 
 def _candidates(diagnosis: Diagnosis) -> tuple[typed.Candidate, ...]:

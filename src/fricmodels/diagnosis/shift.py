@@ -2,27 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 from fricmodels.diagnosis.diagnose import Diagnosis
 from fricmodels.diagnosis.floor import is_above_noise
-
-
-@dataclass(frozen=True)
-class Shift:
-    """A shift that no cause is named for.
-
-    Attributes:
-        seconds: time by which motion was recorded after the torque [s]; negative where it was the torque.
-        samples: the same in sampling intervals.
-        model: the model with the effect that takes it away.
-        held_out_percent: its test error, in % of the RMS motor torque.
-    """
-
-    seconds: float
-    samples: float
-    model: str
-    held_out_percent: float
+from fricmodels.results.diagnosis import Shift
 
 
 def shift_within_sampling(diagnosis: Diagnosis) -> Shift | None:
@@ -30,6 +12,7 @@ def shift_within_sampling(diagnosis: Diagnosis) -> Shift | None:
 
     The rows allow one of part of a sample, since a torque that is held makes one by itself: it tells no cause, and is
     not named. Yet the error of single samples has all of it, and falls far with an effect whose parameter is a delay.
+    A longer shift than sampling makes is not told here.
     """
     before, policy = diagnosis.comparison, diagnosis.policy
     if diagnosis.verdict != "adequate" or diagnosis.refits is None or diagnosis.result is None:
@@ -45,5 +28,7 @@ def shift_within_sampling(diagnosis: Diagnosis) -> Shift | None:
         symbol = next(p.symbol for p in tested.effect.parameters if p.delay)
         seconds = fitted.estimate.parameters[f"{tested.name}.{symbol}"]
         samples = seconds / before.train.interval
-        return Shift(seconds, samples, fitted.drive.model.name, fitted.errors.held_out_percent)
+        if abs(samples) <= policy.within_sampling:
+            error = fitted.errors.held_out_percent
+            return Shift(seconds=seconds, samples=samples, model=fitted.drive.model.name, held_out_percent=error)
     return None

@@ -42,9 +42,9 @@ def sign(log: Log, found: Balance) -> Iterator[Finding]:
     """
     short = log.short
     pushing = short.recording.driving_torque
-    power, inertia = found.power, found.ratio({"J": 1.0})
-    chance = min(1.0, 2.0 * significance(min(power, inertia), CLUSTERS))
-    if min(power, inertia) >= 0.0 or chance >= PROBABLE or certain(max(power, inertia), CLUSTERS):
+    friction, mass = found.power, found.ratio({"J": 1.0})
+    chance = min(1.0, 2.0 * significance(min(friction, mass), CLUSTERS))
+    if min(friction, mass) >= 0.0 or chance >= PROBABLE or certain(max(friction, mass), CLUSTERS):
         return
     if float(np.mean(pushing * short.velocity)) >= 0.0:
         return
@@ -55,7 +55,7 @@ def sign(log: Log, found: Balance) -> Iterator[Finding]:
         else f"turn its sign, as in {log.turned('torque')}"
     )
     verb, driven = "has" if chance < LEVEL else "may have", "joint" if log.rotary else "axis"
-    why = f"friction would drive the {driven}" if power <= inertia else f"the {driven} would have a negative inertia"
+    why = f"friction would drive the {driven}" if friction <= mass else f"the {driven} would have a negative inertia"
     yield Finding(
         "torque-sign",
         Severity.STOP if chance < LEVEL else Severity.WARN,

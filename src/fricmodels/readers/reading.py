@@ -73,9 +73,10 @@ def read(
     except InputError as error:
         raise InputError(f"{source}: {error}") from None
     table = _table(chosen, source, wanted)
+    present = [str(column) for column in table.columns]
     try:
-        found, kind = assign(columns, [str(column) for column in table.columns], motion)
-        overlooked = overlooked_columns(found, [str(column) for column in table.columns])
+        found, kind = assign(columns, present, motion)
+        overlooked = overlooked_columns(found, present)
         found = with_stated_units(found, table.attrs.get("units", {}))
         converted = conversions(found, kind, torque_constant)
         further = {channel: units.further(column.unit) for channel, column in _further(found).items() if column.unit}
