@@ -7,7 +7,9 @@ together, and only where the answer changes by halves, until those are found by 
 1943): two rules whose changes undo each other are not seen. Rows go to a JSONL file as they come; running again does
 only what is missing. ``--report`` writes docs/ablation.md.
 
-    python benchmarks/ablation.py [--seed N] [--jobs 2] [--count rough:null=60 …] [--report]
+    python benchmarks/ablation.py [--seed N] [--jobs 2] [--count rough:null=60 …] [--logs LOGS.yaml] [--report]
+
+Other logs are the datasets of a tournament: files, columns and, where it is known, the inertia.
 """
 
 from __future__ import annotations
@@ -46,7 +48,7 @@ SEVERAL = ("pair", "several", "beside")
 LONGEST = 1800.0
 
 
-def ablated(key: str, seed: int) -> Row:
+def ablated(key: str, seed: int, logs: Path | None = None) -> Row:
     """Return what is said of one recording with every rule, and what changes without each."""
     from ablated.cases import Case, case
     from fricmodels.diagnosis import examine, improve
@@ -71,7 +73,7 @@ def ablated(key: str, seed: int) -> Row:
         ladder = improve(*of.given, leave_out=of.leave_out, policy=policy)
         return {"verdict": ladder.last.verdict, "names": [list(f.names) for f in added(ladder)]}
 
-    began, of = time.process_time(), case(key, seed)
+    began, of = time.process_time(), case(key, seed, logs)
     row: Row = {"matter": list(of.matter)}
     several = key.split(":")[1] in SEVERAL
     parts: dict[str, Answer] = {"first": first, **({"last": last} if several else {})}
@@ -114,18 +116,21 @@ def run(arguments: argparse.Namespace) -> list[Row]:
     from pebble import ProcessPool
 
     from ablated.cases import keys
+    from fricmodels.tournament.config import load_config
 
+    logs = Path(arguments.logs).resolve() if arguments.logs else None
+    named = [str(dataset.name) for dataset in load_config(logs).datasets] if logs else []
     path = Path(arguments.out)
     path.parent.mkdir(parents=True, exist_ok=True)
     stored = [json.loads(line) for line in path.read_text(encoding="utf-8").splitlines()] if path.exists() else []
     known = {row["key"]: row for row in stored if row["seed"] == arguments.seed}
-    wanted = list(dict.fromkeys(keys(COUNTS | dict(arguments.count), with_real=not arguments.no_real)))
+    wanted = list(dict.fromkeys(keys(COUNTS | dict(arguments.count), with_real=not arguments.no_real, logs=named)))
     waiting = [] if arguments.no_run else [key for key in wanted if known.get(key, {}).get("status") != "ok"]
     stored_of = sum(known.get(key, {}).get("status") == "ok" for key in wanted)
     print(f"{len(wanted)} recordings, {stored_of} of them stored in {path.name}", flush=True)
     began, context = time.perf_counter(), multiprocessing.get_context("spawn")
     with ProcessPool(arguments.jobs, context=context) as pool, path.open("a", encoding="utf-8") as file:
-        futures = {pool.schedule(ablated, args=[key, arguments.seed], timeout=LONGEST): key for key in waiting}
+        futures = {pool.schedule(ablated, args=[key, arguments.seed, logs], timeout=LONGEST): key for key in waiting}
         try:
             for done, future in enumerate(as_completed(futures), 1):
                 key = futures[future]
@@ -167,7 +172,7 @@ def figures(rows: Iterable[Row], rule: str, part: str) -> dict[str, int]:
 def table(rows: Sequence[Row]) -> list[str]:
     """Return what changes without each rule as lines of Markdown."""
     sets = {name: [r for r in rows if r["status"] == "ok" and r["key"].startswith(name)] for name in ("rig", "rough")}
-    real = [r for r in rows if r["status"] == "ok" and r["key"].startswith("real")]
+    real = [r for r in rows if r["status"] == "ok" and r["key"].startswith(("real", "log"))]
     head = [f"{name}: {figure}" for name in sets for figure in (*FIGURES, "answers that change")]
     lines = [f"| without the rule | {' | '.join(head)} | real |", "|" + "---|" * (len(head) + 2)]
     for part, title in (("first", "all rules, first diagnosis"), ("last", "all rules, ladder")):
@@ -232,6 +237,7 @@ def main() -> None:
     parser.add_argument("--out", default=str(ROOT / "runs" / "ablation.jsonl"))
     parser.add_argument("--count", type=counted, action="append", default=[], help="recordings of a kind: KIND=NUMBER")
     parser.add_argument("--no-real", action="store_true", help="leave out real recordings, which take minutes each")
+    parser.add_argument("--logs", help="tournament whose datasets are further real recordings")
     parser.add_argument("--no-run", action="store_true", help="only print what is stored")
     parser.add_argument("--report", action="store_true", help="write docs/ablation.md")
     arguments = parser.parse_args()

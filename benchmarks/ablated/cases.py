@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import functools
 import zlib
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -11,9 +12,10 @@ from typing import Any
 import numpy as np
 
 from fricmodels.diagnosis import Comparison, compare
-from fricmodels.readers import read
+from fricmodels.readers import read, together
 from fricmodels.recording import Recording
 from fricmodels.rig import random_rig
+from fricmodels.tournament.config import load_config
 from hidden.draw import EFFECTS, fitted, generator
 from rough import trials
 from rough.effects import LISTED, UNLISTED
@@ -51,7 +53,7 @@ class Case:
         return self.truth == {"real": ANY} or is_right(self.truth, names)
 
 
-def keys(counts: dict[str, int], *, with_real: bool = True) -> Iterator[str]:
+def keys(counts: dict[str, int], *, with_real: bool = True, logs: Sequence[str] = ()) -> Iterator[str]:
     """Yield the key of every case, ``set:kind:name:index``, in an order in which an early end leaves some of each."""
     each = {
         "rig:null": [""],
@@ -70,11 +72,22 @@ def keys(counts: dict[str, int], *, with_real: bool = True) -> Iterator[str]:
                 yield from (f"{kind}:{name}:{index}" for name in names)
         if index == 0 and with_real and DATA.is_dir():
             yield from (f"real::{name}:0" for name in REAL)
+        if index == 0:
+            yield from (f"log::{name}:0" for name in logs)
 
 
-def case(key: str, seed: int) -> Case:
-    """Return a case; the same for the same key and seed."""
+def case(key: str, seed: int, logs: Path | None = None) -> Case:
+    """Return a case; the same for the same key and seed.
+
+    Args:
+        key: of the case.
+        seed: from which it is drawn.
+        logs: tournament whose datasets are the logs.
+    """
     place, kind, name, index = key.split(":")
+    if logs is not None and place == "log":
+        given = log(logs, name)
+        return Case(given, compare(*given), {"real": ANY}, ())
     if place == "real":
         given = real(name)
         return Case(given, compare(*given), {"real": ANY}, ())
@@ -116,6 +129,16 @@ REAL = (
     "kuka joint 1",
     "kuka joint 6",
 )
+
+
+def log(logs: Path, name: str) -> Given:
+    """Return a dataset of a tournament, its law, and the inertia where it is known."""
+    config = load_config(logs)
+    dataset = next(dataset for dataset in config.datasets if dataset.name == name)
+    paths = [logs.parent / file for file in dataset.files or []]
+    read_as = functools.partial(read, columns=dataset.columns, motion=dataset.motion, reader=dataset.reader)
+    recordings = [read_as(path, torque_constant=dataset.torque_constant, gaps=dataset.gaps) for path in paths]
+    return together(recordings), config.models[0], dataset.inertia
 
 
 def real(name: str) -> Given:

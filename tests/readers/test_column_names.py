@@ -32,7 +32,8 @@ def test_the_column_that_looks_like_the_position(free: Sequence[str], used: Sequ
 
 
 def test_a_column_with_the_number_of_a_joint_is_proposed() -> None:
-    assert likely("velocity", ("position",), ["tau_3", "qd3_rad_s", "q3_rad"]) == "qd3_rad_s"
+    assert likely(("velocity", "position"), ["tau_3", "qd3_rad_s", "q3_rad"]) == ("velocity", "qd3_rad_s")
+    assert likely(("velocity", "position"), ["tau_3", "q3_rad"]) == ("position", "q3_rad")
 
 
 def written(folder: Path, names: Sequence[str]) -> Path:

@@ -96,9 +96,10 @@ def test_mixed_motion_is_refused():
         ),
         (["time_s", "torque_Nm", "qd"], "velocity or position: .*--column velocity=qd"),
         (["time_s", "torque_Nm", "x1"], "--column velocity=COLUMN"),
+        (["time_s", "i", "theta"], r"--column current=i\[:UNIT\] --column position=theta\[:UNIT\]"),
         (
-            ["time [ms]", "torque_Nm", "speed_rpm"],  # what states its unit needs none; a blank needs quotes
-            r"with --column 'time=time \[ms\]' --column velocity=speed_rpm; columns",
+            ["stamp [ms]", "torque_Nm", "speed_rpm"],  # what states its unit needs none; a blank needs quotes
+            r"with --column 'time=stamp \[ms\]' --column velocity=speed_rpm; columns",
         ),
     ],
 )
@@ -122,3 +123,49 @@ def test_a_duplicated_column_is_refused_only_where_it_is_used():
 def test_a_channel_is_mapped_once():
     with pytest.raises(InputError, match="mapped twice"):
         assign(["torque=a", "force=b"], ["a", "b"], None)
+
+
+@pytest.mark.parametrize(
+    ("present", "columns", "motion"),
+    [
+        (
+            ["Time [ms]", "Position [deg]", "velocity_deg_s", "Torque (mN m)", "ref [deg]"],
+            {"time": "Time [ms]:ms", "position": "Position [deg]:deg", "velocity": "velocity_deg_s:deg/s"},
+            Motion.ROTARY,
+        ),
+        (["time_s", "force [kN]", "Position (mm)"], {"position": "Position (mm):mm"}, Motion.LINEAR),
+        (["time_s", "current [A]", "velocity_rad_s", "Velocity [rpm]"], {"velocity": "velocity_rad_s"}, Motion.ROTARY),
+    ],
+)
+def test_a_column_called_as_a_channel_that_states_its_unit_needs_no_mapping(present, columns, motion):
+    found, kind = assign([], present, None)
+    assert kind is motion
+    assert all(str(found[channel]).partition("=")[2] == column for channel, column in columns.items())
+    assert all(column.column != "ref [deg]" for column in found.values())
+
+
+@pytest.mark.parametrize(
+    "present",
+    [
+        ["time_s", "torque_Nm", "position [rad]", "Position [deg]"],  # which one is it?
+        ["time_s", "torque [Nm]", "position [mm]"],  # a motor's torque, and its axis?
+        ["time_s", "torque_Nm", "position"],  # in which unit?
+        ["time_s", "torque_Nm", "position [s]"],
+    ],
+)
+def test_what_only_the_user_knows_is_asked_for(present):
+    with pytest.raises(InputError, match="no column for"):
+        assign([], present, None)
+
+
+def test_counts_of_an_encoder_are_asked_for_as_a_position():
+    with pytest.raises(InputError, match=r"say how much one is, as in --column 'position=Position \[cnt\]:count/4096'"):
+        assign([], ["time_s", "torque_Nm", "Position [cnt]"], None)
+
+
+def test_a_mapping_goes_before_a_name_with_a_unit():
+    found, _ = assign(["position=q:deg"], ["time_s", "torque_Nm", "position [rad]", "q"], None)
+    assert found["position"] == Column("position", "q", "deg")
+    found, _ = assign([], ["time_s", "force_N", "position [mm]", "velocity [rpm]"], Motion.LINEAR)
+    assert found["position"].unit == "mm"
+    assert "velocity" not in found

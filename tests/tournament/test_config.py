@@ -118,6 +118,16 @@ def test_errors_name_line_key_and_the_nearest_right_one(
     assert "\n" not in message
 
 
+def test_a_motor_that_is_mounted_the_other_way_round_has_a_negative_constant(config: Path) -> None:
+    source = "datasets:\n  - files: log.csv\n    torque_constant: {}\nmodels: coulomb-viscous\nestimators: batch\n"
+    config.write_text(source.format(-0.123))
+    assert load_config(config).datasets[0].torque_constant == -0.123
+    for wrong in (0, ".inf"):
+        config.write_text(source.format(wrong))
+        with pytest.raises(InputError, match=":3: key 'torque_constant'"):
+            load_config(config)
+
+
 def test_a_list_at_the_top_is_refused(config: Path) -> None:
     config.write_text("- a\n- b\n")
     with pytest.raises(InputError, match="a mapping of keys is expected"):

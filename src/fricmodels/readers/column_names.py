@@ -22,26 +22,25 @@ _ASKED_FOR = re.compile(
 _NUMBER = re.compile(r"\d+")
 
 
-def likely(needed: str, any_of: Sequence[str], free: Sequence[str]) -> str | None:
-    """Return the column that looks like a channel by its name; ``None`` if none does.
+def likely(channels: Sequence[str], free: Sequence[str]) -> tuple[str, str] | None:
+    """Return the channel and the column that looks like it by its name; ``None`` if no column looks like any.
 
     Args:
-        needed: the channel.
-        any_of: others that would do as well.
+        channels: of which one would do, the first rather than the next.
         free: names of columns that are not in use, nor called as another channel.
     """
-    habits = [word for channel in dict.fromkeys((needed, *any_of)) for word in _HABITS[channel]]
+    habits = [(word, channel) for channel in channels for word in _HABITS[channel]]
     lowered = {name.lower(): name for name in free}
-    for habit in habits:
+    for habit, channel in habits:
         for low, name in lowered.items():
             words = low.rpartition("/")[2].replace(" ", "_").replace("[", "_").replace("(", "_")
             stem = words.split("_")[0].rstrip("0123456789")
             if low == habit or (len(habit) > 2 and low.startswith(habit)) or stem == habit:
-                return name
-    for habit in habits:
+                return channel, name
+    for habit, channel in habits:
         near = get_close_matches(habit, lowered, n=1, cutoff=0.75)
         if near:
-            return lowered[near[0]]
+            return channel, lowered[near[0]]
     return None
 
 
@@ -58,6 +57,7 @@ def overlooked(channel: str, free: Sequence[str], used: Collection[str]) -> str 
     numbers = {tuple(_NUMBER.findall(name)) for name in used} - {()}
     measured = [name for name in free if not _ASKED_FOR.search(name.lower())]
     same = [name for name in measured if not numbers or tuple(_NUMBER.findall(name)) in numbers]
-    first = likely(channel, (), same)
-    others = [name for name in same if name != first]
-    return None if first is None or likely(channel, (), others) is not None else first
+    first = likely((channel,), same)
+    if first is None or likely((channel,), [name for name in same if name != first[1]]) is not None:
+        return None
+    return first[1]

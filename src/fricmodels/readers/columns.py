@@ -5,6 +5,8 @@ first; only if there is none, what follows the last colon is the unit, and witho
 states (``Speed [rpm]``, ``pos_deg``). So ``velocity=a:b`` is the column ``a:b`` where the table has one, and the column
 ``a`` in the unit ``b`` otherwise. ``a [b]`` says the same.
 
+A column that is called as a channel and states its unit, ``Position [deg]`` or ``velocity_deg_s``, needs no mapping.
+
 A log without a time has rows at a known interval: ``time=row:5ms`` counts them, unless a column is called ``row``.
 
 What else was recorded, such as another joint's motion, is a further channel: ``other.NAME=COLUMN[:UNIT]``, any number
@@ -23,7 +25,7 @@ from fricmodels.dimension import Motion
 from fricmodels.errors import InputError, suggestion
 from fricmodels.readers import units
 from fricmodels.readers.column_names import likely, overlooked
-from fricmodels.readers.header_units import stated_unit
+from fricmodels.readers.header_units import stated_unit, without_unit
 from fricmodels.recording import OTHER
 
 STANDARD: Mapping[Motion, Mapping[str, str]] = {
@@ -223,6 +225,7 @@ def assign(columns: Mapped, present: Sequence[str], motion: Motion | None) -> tu
         channel: Column(column.name, column.column, column.unit or _stated(column))
         for channel, column in mapping(columns, present).items()
     }
+    found |= _by_own_names(found, present, motion)
     kind = motion or detect_motion(found, present)
     for channel, name in STANDARD[kind].items():
         if channel not in found and name in present:
@@ -238,6 +241,34 @@ def assign(columns: Mapped, present: Sequence[str], motion: Motion | None) -> tu
             raise InputError(f"the column '{column.column}' is there {count} times; rename all but one")
     _require(found, kind, present)
     return found, kind
+
+
+def _by_own_names(found: Mapping[str, Column], present: Sequence[str], motion: Motion | None) -> dict[str, Column]:
+    """Return the columns that are called as a channel and state a unit of it, as ``Position [deg]``, by channel.
+
+    A mapping and a standard name go first. Where two columns are called so, or their units are those of a linear axis
+    and of a rotary one, none of them is taken: that only the user knows.
+    """
+    called: dict[str, list[Column]] = {}
+    for column in present:
+        name = without_unit(column).lower()
+        channel = _ALIASES.get(name, name)
+        standard = {names.get(channel) for names in STANDARD.values()}
+        if name not in NAMES or channel in ("run", *found) or standard & set(present):
+            continue
+        unit = _stated_size(column, channel)
+        if unit is not None and (motion is None or motion in (units.fits(unit, channel) or Motion)):
+            called.setdefault(channel, []).append(Column(name, column, unit))
+    taken = {channel: columns[0] for channel, columns in called.items() if len(columns) == 1}
+    kinds = [units.fits(str(column.unit), channel) or {*Motion} for channel, column in taken.items()]
+    return taken if {*Motion}.intersection(*kinds) else {}
+
+
+def _stated_size(column: str, channel: str) -> str | None:
+    try:
+        return stated_unit(column, channel)
+    except InputError:  # counts and shares, whose size is asked for where the column is mapped
+        return None
 
 
 def overlooked_columns(found: Mapping[str, Column], present: Sequence[str]) -> dict[str, str]:
@@ -260,17 +291,19 @@ def _stated(column: Column) -> str | None:
 
 def _require(found: Mapping[str, Column], motion: Motion, present: Sequence[str]) -> None:
     force = "force" if motion is Motion.LINEAR else "torque"
-    every = (("time", ("time",)), (force, ("torque", "current")), ("velocity", ("velocity", "position")))
-    missing = [(needed, any_of) for needed, any_of in every if not any(channel in found for channel in any_of)]
+    every = (("time",), (force, "current"), ("velocity", "position"))
+    missing = [any_of for any_of in every if not any(_ALIASES.get(channel, channel) in found for channel in any_of)]
     if not missing:
         return
-    options = [
-        _option(needed, likely(needed, any_of, _free(found, present, (needed, *any_of)))) for needed, any_of in missing
-    ]
-    channels = _listed(["the " + " or ".join((needed, *any_of[1:])) for needed, any_of in missing], "and")
-    standard = _listed([STANDARD[motion][channel] for _, any_of in missing for channel in any_of], "or")
+    options = []
+    for any_of in missing:
+        channels = tuple(dict.fromkeys((*any_of, *(_ALIASES.get(channel, channel) for channel in any_of))))
+        channel, column = likely(channels, _free(found, present, channels)) or (any_of[0], None)
+        options.append(_option(channel if channel in any_of else any_of[0], column))
+    needed = _listed(["the " + " or ".join(any_of) for any_of in missing], "and")
+    standard = _listed([STANDARD[motion][_ALIASES.get(c, c)] for any_of in missing for c in any_of], "or")
     raise InputError(
-        f"no column for {channels}: none is called {standard}; "
+        f"no column for {needed}: none is called {standard}; "
         f"map {'one' if len(missing) == 1 else 'them'} with {' '.join(options)}; columns: {_list(present)}"
     )
 

@@ -83,6 +83,13 @@ def stated_unit(column: str, channel: str) -> str | None:
     return None
 
 
+def without_unit(column: str) -> str:
+    """Return a column's name without a unit at its end, in brackets or after an underscore."""
+    found = _BRACKETS.search(column)
+    ends = [len(end) + 1 for end in _SUFFIXES if column.lower().endswith("_" + end.lower())]
+    return column[: found.start() if found else len(column) - max(ends, default=0)].rstrip()
+
+
 def _usable(unit: str, channel: str) -> bool:
     if not units.known(unit):
         return False

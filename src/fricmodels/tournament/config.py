@@ -56,6 +56,12 @@ def _folder_name(name: str) -> str:
     return name
 
 
+def _not_zero(value: float) -> float:
+    if value == 0.0:
+        raise ValueError("a motor whose torque constant is 0 makes no torque")
+    return value
+
+
 def _estimator(value: Any) -> Any:
     return {"name": value} if isinstance(value, str) else value
 
@@ -141,7 +147,9 @@ class Dataset(Closed):
         default=None, gt=0, allow_inf_nan=False, description="J [kg m²] or M [kg]; left out, it is estimated"
     )
     estimate_inertia: bool = Field(default=False, description="estimate the inertia of a simulated drive too")
-    torque_constant: float | None = Field(default=None, gt=0, allow_inf_nan=False, description="N m/A or N/A")
+    torque_constant: Annotated[float, AfterValidator(_not_zero)] | None = Field(
+        default=None, allow_inf_nan=False, description="N m/A or N/A; negative where the current counts the other way"
+    )
     gaps: Gaps | None = Field(default=None, description="leave out rows without numbers: drop them, or split into runs")
     runs: Annotated[list[str], BeforeValidator(_run_names), Field(min_length=1)] | None = Field(
         default=None, description="numbers or names of the runs to use; all by default"
