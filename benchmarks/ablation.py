@@ -43,8 +43,8 @@ COUNTS = {
     "rough:beside": 3,
     "rough:unlisted": 5,
 }
-SEVERAL = ("pair", "several", "beside")
-"""Kinds of recordings in which rules of the ladder are switched off as well."""
+SEVERAL = ("pair", "several", "beside", "real", "log")
+"""Kinds of recordings, or sets of them, in which rules of the ladder are switched off as well."""
 LONGEST = 1800.0
 
 
@@ -75,7 +75,7 @@ def ablated(key: str, seed: int, logs: Path | None = None) -> Row:
 
     began, of = time.process_time(), case(key, seed, logs)
     row: Row = {"matter": list(of.matter)}
-    several = key.split(":")[1] in SEVERAL
+    several = not {*key.split(":")[:2]}.isdisjoint(SEVERAL)
     parts: dict[str, Answer] = {"first": first, **({"last": last} if several else {})}
     for part, answer in parts.items():
         used.clear()

@@ -66,7 +66,7 @@ def keys(counts: dict[str, int], *, with_real: bool = True, logs: Sequence[str] 
         "rough:beside": tuple(UNLISTED),
         "rough:unlisted": tuple(UNLISTED),
     }
-    for index in range(max(counts.values())):
+    for index in range(max(1, *counts.values())):
         for kind, names in each.items():
             if index < counts[kind]:
                 yield from (f"{kind}:{name}:{index}" for name in names)
