@@ -1,6 +1,7 @@
 """Whether a diagnosis says the same on every processor, and of a recording whose last digits are others.
 
-Recordings of the hidden-effect challenge are diagnosed with the OpenBLAS kernels of several processors, each in a
+Recordings of the hidden-effect challenge, or with ``--challenge rough`` those of drives whose sensors are as real ones
+are, with noise and steps, are diagnosed with the OpenBLAS kernels of several processors, each in a
 process of its own, and once more with every sample changed by a relative 1e-9. What is compared is what is printed:
 the verdict, the names in their order, and every number with the digits shown.
 """
@@ -16,7 +17,7 @@ import sys
 import time
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -24,38 +25,60 @@ sys.path.insert(0, str(Path(__file__).resolve().parent))
 
 from hidden.draw import EFFECTS, generator
 
+if TYPE_CHECKING:
+    from fricmodels.recording import Recording
+
 ROOT = Path(__file__).resolve().parent.parent
 KERNELS = ("Haswell", "SkylakeX", "Zen", "Sandybridge")
 UNSET, CHANGED = "unset", "changed by 1e-9"
 NOTHING = "nothing"
 FEW = ("presliding", "backlash", "joint-compliance", "frictional-lag", "rising-stiction")
 """Drawn first: effects with memory, whose parameters are searched for."""
-ROUND = (NOTHING, *FEW, NOTHING, *(effect for effect in EFFECTS if effect not in FEW), NOTHING, NOTHING)
+_EACH = (*FEW, NOTHING, *(effect for effect in EFFECTS if effect not in FEW), NOTHING, NOTHING)
+ROUNDS = {"hidden": (NOTHING, *_EACH), "rough": ("several", *_EACH)}
+"""What is hidden in turn in the recordings of each challenge."""
 CHANGE = 1e-9
 Row = dict[str, Any]
+Given = tuple["Recording", str, float | None]
 
 
-def drawn(folder: Path, count: int, seed: int) -> Iterator[tuple[str, Path]]:
-    """Yield names and files of the first recordings of the challenge, drawn where they are not stored."""
+def drawn(folder: Path, challenge: str, count: int, seed: int) -> Iterator[tuple[str, Path]]:
+    """Yield names and files of the first recordings of a challenge, drawn where they are not stored."""
+    of = {"hidden": _of_the_rig, "rough": _rough}[challenge]
+    for place in range(count):
+        kind = ROUNDS[challenge][place % len(ROUNDS[challenge])]
+        name = f"{kind}-{place}"
+        path = folder / f"{challenge}-{seed}-{name}.npz"
+        if not path.exists():
+            recording, law, inertia = of(kind, place, seed)
+            told = {"law": law, "inertia": inertia, "motion": recording.motion.value}
+            channels = {f"_{key}": values for key, values in recording.channels.items()}
+            np.savez(path, run=recording.run, of=json.dumps(told), **channels)
+        yield name, path
+
+
+def _of_the_rig(effect: str, place: int, seed: int) -> Given:
+    """Return a recording of the hidden-effect challenge, the law of its drive, and its inertia."""
     from fricmodels.errors import FricmodelsError
     from fricmodels.rig import random_rig
 
-    for place in range(count):
-        effect, index = ROUND[place % len(ROUND)], place // len(ROUND)
-        name = f"{effect}-{place}"
-        path = folder / f"{seed}-{name}.npz"
-        if not path.exists():
-            rng = generator(seed, "processors", effect, place, index)
-            while True:
-                try:
-                    rig = random_rig(rng, [] if effect == NOTHING else [effect])
-                    recording = rig.simulate()
-                except (FricmodelsError, ValueError):  # a drive that is stuck or runs away
-                    continue
-                break
-            of = {"law": rig.friction.law, "inertia": rig.inertia, "motion": rig.motion.value}
-            np.savez(path, run=recording.run, of=json.dumps(of), **{f"_{k}": v for k, v in recording.channels.items()})
-        yield name, path
+    rng = generator(seed, "processors", effect, place, place // len(ROUNDS["hidden"]))
+    while True:
+        try:
+            rig = random_rig(rng, [] if effect == NOTHING else [effect])
+            return rig.simulate(), rig.friction.law, rig.inertia
+        except (FricmodelsError, ValueError):  # a drive that is stuck or runs away
+            continue
+
+
+def _rough(kind: str, place: int, seed: int) -> Given:
+    """Return a recording of the rough drives, the law that is given, and the inertia where it is told."""
+    from rough.record import record
+    from rough.trials import BASE, case_of
+
+    what, name = ("null", "") if kind == NOTHING else (kind, "") if kind == "several" else ("single", kind)
+    case = case_of(what, name, place, seed)[0]
+    return record(case), BASE, case.inertia
 
 
 def answer(path: Path, *, change: float = 0.0, ladder: bool = False) -> Row:
@@ -141,7 +164,10 @@ def difference(first: Row, other: Row) -> tuple[str, list[str]]:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--recordings", type=int, default=208, help=f"how many; {len(ROUND)} are one of each effect")
+    parser.add_argument(
+        "--recordings", type=int, default=208, help=f"how many; {len(_EACH) + 1} are one of each effect"
+    )
+    parser.add_argument("--challenge", choices=ROUNDS, default="hidden")
     parser.add_argument("--begin", type=int, default=0, help="leave out so many of them")
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--improve", action="store_true", help="compare whole ladders")
@@ -158,7 +184,7 @@ def main() -> None:
         return
     folder = Path(arguments.out)
     folder.mkdir(parents=True, exist_ok=True)
-    stored = list(drawn(folder, arguments.recordings, arguments.seed))[arguments.begin :]
+    stored = list(drawn(folder, arguments.challenge, arguments.recordings, arguments.seed))[arguments.begin :]
     paths = [path for _, path in stored]
     cases = [case for case in (*KERNELS, CHANGED) if not arguments.only or case in arguments.only]
     runs = [answers(case, paths, ladder=arguments.improve) for case in (UNSET, *cases)]

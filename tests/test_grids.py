@@ -28,3 +28,12 @@ def test_a_torque_that_is_switched_is_exact_and_one_in_coarse_steps_is_rounded()
     rounded = 4.0 * np.round(13.3 * np.sin(3.0 * time) / 4.0)
     assert not is_switched(rounded)
     assert torque_noise(time, rounded).deviation == pytest.approx(4.0 / np.sqrt(12.0), rel=0.2)
+
+
+@pytest.mark.parametrize("change", [0.0, 1e-12, 1e-9])
+def test_a_step_is_known_from_all_the_way(change: float) -> None:
+    rng = np.random.default_rng(4)
+    step = 2 * np.pi / 4096
+    values = step * np.round(rng.uniform(-3e5, 3e5, 6000))  # neighbours are a hundred steps apart
+    values *= 1 + change * rng.uniform(-1, 1, len(values))
+    assert quantum(values) == pytest.approx(step, rel=1e-8)  # less than a hundredth of a step at the far end

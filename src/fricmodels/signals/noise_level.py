@@ -48,8 +48,18 @@ def quantum(values: Array) -> float:
         first = np.flatnonzero(apart)
         coarse = _step(np.diff(np.add.reduceat(distinct, first) / np.diff(np.r_[first, len(distinct)])))
         if coarse:
-            return coarse
-    return _step(distance)
+            return _over_the_range(coarse, distinct)
+    return _over_the_range(_step(distance), distinct)
+
+
+def _over_the_range(step: float, distinct: Array) -> float:
+    """Return a step that was seen between neighbours, from all the way: there a small error of it is whole steps."""
+    if not step:
+        return 0.0
+    distance = np.diff(distinct)
+    multiple = np.round(distance / step)
+    near = np.abs(distance - multiple * step) < 0.05 * step
+    return float(distance[near].sum() / multiple[near].sum())
 
 
 def _step(distance: Array) -> float:
