@@ -37,3 +37,21 @@ def test_a_step_is_known_from_all_the_way(change: float) -> None:
     values = step * np.round(rng.uniform(-3e5, 3e5, 6000))  # neighbours are a hundred steps apart
     values *= 1 + change * rng.uniform(-1, 1, len(values))
     assert quantum(values) == pytest.approx(step, rel=1e-8)  # less than a hundredth of a step at the far end
+
+
+@pytest.mark.parametrize("apart", [1, 100, 700])
+def test_a_fine_grid_whose_values_were_rounded(apart: int) -> None:
+    """An encoder of 16 bit over up to fourteen turns as single precision holds it, or with its ninth digit changed."""
+    rng = np.random.default_rng(apart)
+    step = 2 * np.pi / 2**16
+    values = step * rng.integers(-650 * apart, 650 * apart, 1000)
+    assert quantum(values.astype(np.float32).astype(float)) == pytest.approx(step, rel=1e-6)
+    assert quantum(values * (1 + 1e-9 * rng.uniform(-1, 1, len(values)))) == pytest.approx(step, rel=1e-7)
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_values_that_stand_anywhere_have_no_grid(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    count = int(rng.integers(20, 3000))
+    assert quantum(rng.standard_normal(count)) == 0.0
+    assert quantum(np.sin(np.linspace(0.0, rng.uniform(1, 60), count))) == 0.0

@@ -9,7 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from fricmodels.arrays import Array
+from fricmodels.arrays import Array, Mask
 from fricmodels.signals.lanczos import DEGREE, even_weights, fit_stretch, lanczos_derivative
 from fricmodels.signals.noise_colour import Noise, coloured_noise
 from fricmodels.signals.segments import Runs, is_even, stretches
@@ -48,30 +48,40 @@ def quantum(values: Array) -> float:
         first = np.flatnonzero(apart)
         coarse = _step(np.diff(np.add.reduceat(distinct, first) / np.diff(np.r_[first, len(distinct)])))
         if coarse:
-            return _over_the_range(coarse, distinct)
-    return _over_the_range(_step(distance), distinct)
-
-
-def _over_the_range(step: float, distinct: Array) -> float:
-    """Return a step that was seen between neighbours, from all the way: there a small error of it is whole steps."""
-    if not step:
-        return 0.0
-    distance = np.diff(distinct)
-    multiple = np.round(distance / step)
-    near = np.abs(distance - multiple * step) < 0.05 * step
-    return float(distance[near].sum() / multiple[near].sum())
+            return _refined(coarse, np.diff(distinct))
+    step = _step(distance)
+    return _refined(step, np.diff(distinct)) if step else 0.0
 
 
 def _step(distance: Array) -> float:
-    """Return the step of which nearly all distances between neighbouring values are multiples; 0 if there is none."""
+    """Return the step of which nearly all distances between neighbouring values are multiples; 0 if there is none.
+
+    A distance of many steps needs a step that is known better than from the least distance: those that are at most
+    twice as large as the ones before tell it, again and again.
+    """
     if len(distance) < 2:
         return 0.0
-    least = float(np.median(distance[distance <= _NEAREST * distance.min()]))
+    ordered = np.sort(distance)
+    least = float(np.median(ordered[ordered <= _NEAREST * ordered[0]]))
     for part in (1, 2, 3):
-        multiple = part * distance / least
-        if np.mean(np.abs(multiple - np.round(multiple)) < 0.05) > 0.95:
-            return least / part
+        step, reached = least / part, _NEAREST * least
+        while reached < ordered[-1]:
+            reached *= 2.0
+            step = _refined(step, ordered[: np.searchsorted(ordered, reached)])
+        if np.mean(_is_multiple(distance, step)) > 0.95:
+            return step
     return 0.0
+
+
+def _is_multiple(distance: Array, step: float) -> Mask:
+    return np.abs(distance / step - np.round(distance / step)) < 0.05
+
+
+def _refined(step: float, distance: Array) -> float:
+    """Return a step from the sum of the distances that are multiples of it."""
+    near = distance[_is_multiple(distance, step)]
+    count = float(np.round(near / step).sum())
+    return float(near.sum()) / count if count else step
 
 
 def noise_of(time: Array, values: Array, runs: Runs | None = None, *, least: bool = False) -> Noise:
