@@ -9,6 +9,7 @@ from typing import Literal, TypeGuard
 
 import numpy as np
 
+from fricmodels.diagnosis.at_bounds import beyond_bounds
 from fricmodels.diagnosis.by_fit import all_together, as_a_whole, confirmed, most_of_the_error, that_can_be_fitted
 from fricmodels.diagnosis.candidate_tests import CandidateTest, CandidateTests, candidate_tests
 from fricmodels.diagnosis.coloured_residual import ColouredNoise, coloured_residual
@@ -34,6 +35,7 @@ from fricmodels.progress import Cancelled, Token, Watcher, stage, watched
 from fricmodels.recording import Recording
 from fricmodels.split import Split
 from fricmodels.weakform.lines import averaged_from
+from fricmodels.weakform.problem import WeakFormProblem
 from fricmodels.weakform.remembered import INTEGRALS
 
 _AS_SHORT = 1.01
@@ -146,9 +148,22 @@ def diagnose(
 
 
 def examine(comparison: Comparison, *, leave_out: Iterable[str] = (), policy: Policy = POLICY) -> Diagnosis:
-    """Test every effect on what a fitted model leaves over."""
-    out, parameters, refits = set(leave_out), comparison.estimate.parameters, Refits(comparison, policy)
-    result = candidate_tests(replace(comparison.problem), parameters, leave_out=out, policy=policy)
+    """Test every effect on what a fitted model leaves over.
+
+    Where something is missing and no effect is named, they are tested once more beside a model that keeps its bounds.
+    """
+    refits = Refits(comparison, policy)
+    diagnosis = _examined(refits, replace(comparison.problem), set(leave_out), policy)
+    if diagnosis.verdict != "unknown-effect":
+        return diagnosis
+    within = beyond_bounds(comparison, policy)
+    other = None if within is None else _examined(refits, within, set(leave_out), policy)
+    return other if other is not None and other.findings else diagnosis
+
+
+def _examined(refits: Refits, problem: WeakFormProblem, out: set[str], policy: Policy) -> Diagnosis:
+    comparison, parameters = refits.comparison, refits.comparison.estimate.parameters
+    result = candidate_tests(problem, parameters, leave_out=out, policy=policy)
     possible = that_can_be_fitted(refits, result)
     best = select_effect(possible)
     ripple = fast_ripple(result.problem, parameters, out, policy)

@@ -19,8 +19,8 @@ _STEP = 1e-4
 def base_directions(problem: WeakFormProblem, parameters: Mapping[str, float]) -> Array:
     """Return the directions in which the model under test can move by itself, shape (k, rows).
 
-    Its linear columns, the tangents of its nonlinear parameters at their estimates, and its inertia if that is
-    estimated.
+    Its linear columns but those of parameters that are kept at their bound, the tangents of its nonlinear parameters at
+    their estimates, and its inertia if that is estimated.
 
     Args:
         problem: drive and rows.
@@ -33,7 +33,8 @@ def base_directions(problem: WeakFormProblem, parameters: Mapping[str, float]) -
     theta = np.array([parameters[p.key] for p, linear in pairs if linear])
     columns, offset = problem.columns(drive, nonlinear)
     whole = float(np.abs(theta) @ np.linalg.norm(columns, axis=1) + np.linalg.norm(offset))
-    stacked = [columns]
+    free = [p.key not in problem.kept for p, linear in pairs if linear]
+    stacked = [columns[free]]
     for i, value in enumerate(nonlinear):
         # An instant is a stair with a step at each sample, and what the clock says no size.
         step = problem.recording.interval if chosen[i].declared.instant else _STEP * abs(value) or 1e-6

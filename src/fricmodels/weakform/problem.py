@@ -53,17 +53,16 @@ class WeakFormProblem:
     Attributes:
         drive: the model under test, with its inertia given or not.
         recording: prepared; ``velocity`` as measured, torques at its time, see :meth:`fricmodels.drive.Drive.timed`.
-        smooth: velocity freed of noise, at which friction is evaluated.
+        smooth, half_width: velocity freed of noise, at which friction is evaluated, and half width of that filter.
         resting: samples at rest.
-        quadrature, bumps: see :mod:`.quadrature`, :mod:`.test_functions`.
-        half_width: of the filter that smooths it.
-        friction_limits: see :mod:`.friction_limits`.
+        quadrature, bumps, friction_limits: see :mod:`.quadrature`, :mod:`.test_functions`, :mod:`.friction_limits`.
         estimated: parameters of the drive's fit, once there is one; see :attr:`motor_torque`.
         delay: by which the model's own delay, if it has one, was taken out of the recording [s].
         carriers: wave numbers that the test functions carry, see :mod:`.carriers`.
         shift: time [s] by which an earlier fit saw motion recorded after the torque; see :attr:`torque_rate`.
         made_for: the parameters that :meth:`of` was given.
         held: whether the motor torque keeps each sample's value until the next; else it is joined by cubics.
+        kept: parameters by key that stay at their bound, see :func:`fricmodels.diagnosis.at_bounds.beyond_bounds`.
     """
 
     drive: Drive
@@ -80,6 +79,7 @@ class WeakFormProblem:
     shift: float = 0.0
     made_for: Mapping[str, float] = field(default_factory=dict)
     held: bool = False
+    kept: frozenset[str] = frozenset()
 
     @classmethod
     def of(

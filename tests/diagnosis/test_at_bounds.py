@@ -1,0 +1,56 @@
+"""What a law's bound keeps it from, and whether that hides what is missing."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from fricmodels.diagnosis import compare, diagnose
+from fricmodels.diagnosis.at_bounds import beyond_bounds
+from fricmodels.diagnosis.policy import POLICY
+from fricmodels.dimension import Motion
+from fricmodels.recording import Recording
+
+
+def moved(fall: float, seed: int, *, viscous: float = 0.0) -> Recording:
+    """Record twelve strokes in closed form, of a drive whose friction falls in proportion to its speed.
+
+    Args:
+        fall: of the friction [N m s/rad].
+        seed: of the torque's noise.
+        viscous: K_v [N m s/rad].
+    """
+    time = 0.01 * np.arange(2400)
+    rate = 2 * np.pi * np.array([0.25, 0.11])
+    size = np.array([2.0, 1.2])
+    phase = np.outer(time, rate)
+    position, velocity = np.sin(phase) @ size, np.cos(phase) @ (size * rate)
+    acceleration = -np.sin(phase) @ (size * rate**2)
+    friction = (0.25 - fall * np.abs(velocity)) * np.sign(velocity) + viscous * velocity
+    noise = 0.01 * np.random.default_rng(seed).standard_normal(len(time))
+    torque = 0.008 * acceleration + friction + noise
+    channels = {"time": time, "torque": torque, "velocity": velocity, "position": position}
+    return Recording("falling", Motion.ROTARY, channels, np.zeros(len(time), dtype=np.int64))
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+def test_friction_that_falls_all_along_is_named(seed: int) -> None:
+    """A negative K_v is all of it, in the rows that effects are tested on, and the fit may not have one."""
+    found = diagnose(moved(0.05, seed), "coulomb-viscous")
+    assert found.comparison.estimate.parameters["K_v"] == 0.0
+    names = {name for finding in found.findings for name in finding.names}
+    assert names & {"stribeck", "nonlinear-viscous"}, (found.verdict, found.findings)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_without_such_a_fall_nothing_is_kept(seed: int) -> None:
+    """K_v is 0 at its bound by chance, or is not."""
+    assert beyond_bounds(compare(moved(0.0, seed), "coulomb-viscous"), POLICY) is None
+    assert beyond_bounds(compare(moved(0.0, seed, viscous=0.02), "coulomb-viscous"), POLICY) is None
+    assert diagnose(moved(0.0, seed), "coulomb-viscous").verdict == "adequate"
+
+
+def test_only_a_parameter_that_would_lie_beyond_its_bound_is_kept() -> None:
+    within = beyond_bounds(compare(moved(0.05, 1), "coulomb-viscous"), POLICY)
+    assert within is not None
+    assert within.kept == {"K_v"}
