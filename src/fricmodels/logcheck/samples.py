@@ -75,6 +75,17 @@ def overlooked(log: Log) -> Iterator[Finding]:
         )
 
 
+def without_sign(log: Log) -> Iterator[Finding]:
+    """Say which channels were written without their sign, and read with it."""
+    for channel, register in log.recording.provenance.get("registers", {}).items():
+        yield Finding(
+            "unsigned",
+            Severity.WARN,
+            channel,
+            f"the {log.called(channel)} was written without its sign, as a register of {register}; it was read with it",
+        )
+
+
 def beginnings(log: Log) -> Iterator[Finding]:
     """Say where the velocity of a first sample is no velocity: a difference begins so."""
     at = false_beginnings(log.recording)

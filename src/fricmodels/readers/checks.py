@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping
 import numpy as np
 
 from fricmodels.errors import InputError
+from fricmodels.readers.columns import ROW
 from fricmodels.recording import Recording
 
 
@@ -43,6 +44,8 @@ def check(recording: Recording, place: Callable[[int], str] = _sample) -> None:
     _check_motion(recording, source)
 
 
+_TICKS = 3
+"""Pairs of equal stamps that are no slip."""
 GREATEST = 1e153
 """Greater numbers, and steps of time below its inverse, have no square: nothing can be computed from them."""
 
@@ -70,6 +73,12 @@ def _check_time(recording: Recording, source: str, place: Callable[[int], str]) 
         cause = f"the time {here:.9g} s is repeated" if here == before else (
             f"the time goes back from {before:.9g} s to {here:.9g} s"
         )  # fmt: skip
+        interval = ticking(recording)
+        if interval:
+            raise InputError(
+                f"{source}: {place(row)}: {cause} with other values, as are {len(back) - 1} more: the clock is coarser "
+                f"than the samples; count the rows at their mean interval with --column time={ROW}:{interval:.4g}ms"
+            )
         way = "drop repeated samples" if here == before else "sort the samples"
         raise InputError(
             f"{source}: {place(row)}: {cause}; {way}, or if a new run begins there name its column "
@@ -80,6 +89,23 @@ def _check_time(recording: Recording, source: str, place: Callable[[int], str]) 
         number = np.unique(recording.run)[int(np.argmin(counts))]
         row = int(np.flatnonzero(recording.run == number)[0])
         raise InputError(f"{source}: {place(row)}: the run {number} has one sample only; remove it")
+
+
+def ticking(recording: Recording) -> float | None:
+    """Return the mean interval [ms] of samples that have the stamps of a clock coarser than they are, or ``None``.
+
+    Such a clock never goes back, and stamps samples alike that are not: a sample that was written twice has the same
+    values. One pair of stamps may be a slip.
+    """
+    within = np.diff(recording.run) == 0
+    step = np.diff(recording.time)[within]
+    if (step < 0.0).any() or np.count_nonzero(step == 0.0) < _TICKS:
+        return None
+    others = [values for channel, values in recording.channels.items() if channel != "time"]
+    same = np.logical_and.reduce([np.diff(values)[within] == 0.0 for values in others])
+    if np.count_nonzero(same[step == 0.0]) > 0.5 * np.count_nonzero(step == 0.0):
+        return None
+    return 1e3 * float(step.mean())
 
 
 def _check_motion(recording: Recording, source: str) -> None:

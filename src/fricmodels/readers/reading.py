@@ -21,6 +21,7 @@ from fricmodels.readers.base import Reader
 from fricmodels.readers.checks import check
 from fricmodels.readers.columns import ROW, Column, Mapped, asked, assign, overlooked_columns
 from fricmodels.readers.gaps import Gaps, kept
+from fricmodels.readers.registers import find_register
 from fricmodels.recording import OTHER, Recording
 from fricmodels.signals.wrapping import unwrap
 
@@ -32,6 +33,8 @@ _WHOLE = 2.0**53
 """Below this every whole number is a float of its own."""
 _AS_IT_IS = units.Conversion(1.0, 0.0)
 _LONGEST_UNIT = 60
+_COUNTED_ON = ("time", "position")
+"""What goes on where a counter begins anew: see :mod:`fricmodels.signals.wrapping`."""
 
 
 def read(
@@ -87,10 +90,13 @@ def read(
     run, run_names = _runs(source, chosen, found, table)
     order = np.argsort(run, kind="stable")
     converted |= {channel: (channel, further.get(channel, (_AS_IT_IS, ""))[0]) for channel in _further(found)}
-    channels = {
-        channel: conversion(numbers(source, chosen, table, found[column]))[order]
-        for channel, (column, conversion) in converted.items()
-    }
+    channels, registers = {}, {}
+    for channel, (column, conversion) in converted.items():
+        values = numbers(source, chosen, table, found[column])[order]
+        register = find_register(values) if column not in _COUNTED_ON else None
+        if register is not None:
+            registers[channel], values = str(register), register.signed(values)
+        channels[channel] = conversion(values)
     run = run[order]
     del table
     chosen.done()
@@ -114,6 +120,7 @@ def read(
             "reader": chosen.name,
             "columns": {channel: str(column) for channel, column in found.items()},
             **({"overlooked": overlooked} if overlooked else {}),
+            **({"registers": registers} if registers else {}),
             **({"runs": run_names} if run_names else {}),
             **left,
             **({"torque_constant": torque_constant} if torque_constant is not None else {}),

@@ -115,9 +115,14 @@ def plan_for(recording: Recording, model: str, inertia: float | None = None) -> 
         inertia: where it is known [kg m² or kg]; it is estimated if not. The sums serve both.
 
     Raises:
-        InputError: where the model is not linear, or the recording moves too little.
+        InputError: where the model is not linear, the recording moves too little, or a channel has no sign.
     """
     linear_model(model)
+    for channel, register in recording.provenance.get("registers", {}).items():
+        raise InputError(
+            f"the {channel} was written without its sign, as a register of {register}; sums read blocks as they are: "
+            f"write it with its sign, or fit without sums"
+        )
     prepared = ready(recording)
     drive = Drive(linear_model(model), inertia, prepared.motion)
     problem, found = estimate(drive, prepared, model_velocity=False)
