@@ -66,6 +66,13 @@ def test_a_torque_that_is_switched_is_an_exact_command():
     assert not kinds & {"quantisation", "saturation"}
 
 
+def test_friction_that_turns_with_a_slow_motion_is_no_noise():
+    time = 0.01 * np.arange(900.0)
+    velocity = 3.0 * np.sin(0.5 * np.pi * time) + 0.03 * np.random.default_rng(1).standard_normal(900)
+    torque = 0.2 * np.sign(np.sin(0.5 * np.pi * time)) + 0.01 * np.random.default_rng(2).standard_normal(900)
+    assert summary(recording(time, velocity=velocity, torque=torque)).channels["torque"].noise < 0.02
+
+
 def test_a_controller_that_hears_the_noise_is_a_closed_loop():
     time = np.arange(0, 20, 2e-3)
     noise = 0.02 * np.random.default_rng(0).standard_normal(len(time))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -120,13 +120,16 @@ class Summary:
 def _noise(log: Log, channel: str) -> float:
     """Return the noise of a channel, at the least that of its rounding; none of a torque that is switched.
 
-    Of a short log it is what every fit takes, where spectra have too few pieces.
+    Of a short log, whose spectra have too few pieces, it is what every fit takes but for what lasts over many samples:
+    that is not told from a slow change of the channel.
     """
     short = log.short.recording
     values, found = short[channel], channel_noise(log.short, short[channel])
     if channel in ("torque", "current") and is_switched(values):
         return 0.0
-    size = found.size if found.pieces else noise_of(short.time, values, short.run).deviation
+    size = found.size
+    if not found.pieces:
+        size = replace(noise_of(short.time, values, short.run), lasting=0.0, samples=0.0).deviation
     return max(size, log.resolution[channel] / float(np.sqrt(12.0)))
 
 
