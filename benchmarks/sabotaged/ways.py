@@ -173,6 +173,21 @@ def coarse(name: str) -> Callable[[Recording, np.random.Generator], Recording | 
     return spoil
 
 
+def spiked(name: str) -> Callable[[Recording, np.random.Generator], Recording | None]:
+    """Let single samples jump to one and a half to five times the largest value, with either sign."""
+
+    def spoil(recording: Recording, rng: np.random.Generator) -> Recording | None:
+        if name not in recording.channels:
+            return None
+        values = recording[name].copy()
+        at = rng.choice(np.arange(2, len(values) - 2), int(rng.integers(1, 4)), replace=False)
+        middle = 0.5 * (values.max() + values.min())
+        values[at] = middle + rng.choice([-1.0, 1.0], len(at)) * rng.uniform(1.6, 5.0) * np.ptp(values)
+        return changed(recording, **{name: values})
+
+    return spoil
+
+
 def low_passed(recording: Recording, rng: np.random.Generator) -> Recording:
     """Low-pass a torque with 2 % noise at a sixtieth of the rate: a delay of nine samples."""
     torque = recording.torque + 0.02 * rms(recording.torque) * rng.standard_normal(len(recording))
@@ -234,6 +249,8 @@ WAYS = (
     Way("one sample in ten repeated", repeated, ("repeated-samples",)),
     Way("torque in steps of a fifth", coarse("torque"), ("quantisation",)),
     Way("velocity in steps of a fifth", coarse("velocity"), ("quantisation",)),
+    Way("single samples of the torque wrong", spiked("torque"), ("spike",)),
+    Way("single samples of the position wrong", spiked("position"), ("spike",)),
     Way("low-passed torque", low_passed, ("filtered-torque", "torque-delay")),
     Way("coloured velocity noise", coloured, ("coloured-noise",)),
     Way("a voltage taken for a torque", voltage, ("not-a-torque",)),

@@ -8,9 +8,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fricmodels.diagnosis import compare
+from fricmodels.diagnosis import compare, diagnose
 from fricmodels.diagnosis.candidate_tests import CandidateTests, candidate_tests
-from fricmodels.diagnosis.places import Place, largest_place, moderated, profile
+from fricmodels.diagnosis.places import Place, largest_place, moderated, places, profile
+from fricmodels.dimension import Motion
 from fricmodels.recording import Recording
 
 Made = Callable[..., Recording]
@@ -138,3 +139,17 @@ def test_a_bin_that_is_not_significant_by_itself_does_not_end_a_place(made: Made
     place = largest_place(examined(recording))
     assert place is not None
     assert place.high - place.low > 0.6 * (high - low)
+
+
+def test_strokes_that_are_shorter_than_rows_have_no_places() -> None:
+    """Every row has a reversal in it, so that no bin has any."""
+    time = 0.01 * np.arange(460)
+    phase = 2 * np.pi * 4.9 * time
+    velocity = 0.09 * np.tanh(4.0 * np.sin(phase))
+    torque = 800.0 * np.gradient(velocity, time) + 700.0 * np.sign(velocity)
+    torque += 20.0 * np.random.default_rng(0).standard_normal(len(time))
+    channels = {"time": time, "torque": torque, "velocity": velocity, "position": 0.01 * np.cumsum(velocity)}
+    recording = Recording("short strokes", Motion.LINEAR, channels, np.zeros(len(time), dtype=np.int64))
+    result = examined(recording)
+    assert places(result.problem, result.regression, result.policy) == []
+    assert diagnose(recording, "coulomb-viscous").verdict in ("adequate", "unknown-effect", "undecided")

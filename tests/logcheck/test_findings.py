@@ -92,6 +92,8 @@ SPOILT = {
         "false-stamps",
         WARN,
     ),
+    "a bad sample": (changed(torque=np.where(np.arange(8000) == 5000, 40.0, CLEAN.torque)), "spike", WARN),
+    "a bad position": (changed(position=np.where(np.arange(8000) == 99, -90.0, CLEAN["position"])), "spike", WARN),
     "polled": (changed(velocity=np.repeat(CLEAN.velocity[::3], 3)[:8000]), "repeated-samples", WARN),
     "coarse": (changed(torque=0.2 * np.round(CLEAN.torque / 0.2)), "quantisation", WARN),
     "coloured": (changed(velocity=CLEAN.velocity + 0.12 * noise_with_memory(8000)), "coloured-noise", WARN),
@@ -321,3 +323,10 @@ def test_a_size_is_said_in_the_unit_of_its_column(column: str, said: str) -> Non
 def test_a_torque_that_is_a_current_has_the_size_of_a_torque() -> None:
     log = Log(replace(CLEAN, provenance={"columns": {"current": "current=iq:A"}, "torque_constant": 0.5}))
     assert log.size("torque", 0.25) == "0.25 N m"
+
+
+def test_what_is_large_for_longer_or_switched_is_no_spike() -> None:
+    blow = np.where(np.abs(np.arange(8000) - 5000) < 2, 40.0, CLEAN.torque)
+    relay = np.where(np.arange(8000) % 977 == 0, 3.0, -3.0)
+    for torque in (CLEAN.torque, blow, relay, np.round(CLEAN.torque)):
+        assert not [found for found in findings(changed(torque=torque)) if found.kind == "spike"]

@@ -75,7 +75,7 @@ def places(problem: WeakFormProblem, regression: Regression, policy: Policy) -> 
     """
     views = list(_views(problem, regression.residual))
     trials = sum(view.bins for view in views)
-    found = [place for view in views for place in view.significant(policy.significance / trials, trials)]
+    found = [place for view in views for place in view.significant(policy.significance / max(trials, 1), trials)]
     return sorted(found, key=lambda place: -place.share)
 
 

@@ -54,6 +54,7 @@ def _all(log: Log, inertia: float | None) -> Iterator[Finding]:
     yield from limits.end_stop(log)
     yield from samples.overlooked(log)
     yield from samples.without_sign(log)
+    yield from samples.spikes(log)
     yield from samples.repeated(log)
     yield from samples.beginnings(log)
     yield from samples.quantisation(log)

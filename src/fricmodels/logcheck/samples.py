@@ -19,6 +19,8 @@ _NEAR = 8
 """Samples on each side from which the usual change is taken."""
 _STEPS = 4.0
 """Steps of the grid by which a channel changes from sample to sample where a repeated value is no rounding."""
+_FEW_JUMP = 500
+"""Of so many samples one may be a spike, and two in a short log."""
 _BLOCK = 512
 _COARSE = 0.01
 """Rounding of a hundredth of a channel's RMS is as large as the torque error that is looked for."""
@@ -59,6 +61,37 @@ def repeated(log: Log) -> Iterator[Finding]:
             f"{100 * share:.2g} % of the samples of the {log.called(channel)} repeat the one before while it changes"
             f"{often}",
             "log each new value once" if share > 0.3 else "drop repeated samples",
+        )
+
+
+def spikes(log: Log) -> Iterator[Finding]:
+    """Say where a channel jumps away for one sample and back at once, further than all else reaches.
+
+    Its distance from both neighbours, to the same side, is more than the range of all samples but the five hundredth
+    that jump furthest. No drive does that; a bus that lost a bit does.
+    """
+    for channel in ("torque", "current", "velocity", "position", "load_torque"):
+        values = log.measured.get(channel)
+        if values is None or (channel == "current" and "torque" in log.measured) or is_switched(values):
+            continue
+        change = np.where(log.joined, np.diff(values), 0.0)
+        there, back = np.r_[0.0, change], np.r_[change, 0.0]
+        jump = np.where(there * back < 0.0, np.minimum(np.abs(there), np.abs(back)), 0.0)
+        order = np.argsort(jump)
+        kept = values[order[: len(values) - max(2, len(values) // _FEW_JUMP)]]
+        usual = float(np.ptp(kept)) if len(kept) else 0.0
+        at = np.flatnonzero(jump > usual) if usual > 0.0 else np.zeros(0, dtype=np.int64)
+        if not len(at):
+            continue
+        unit, time = log.unit(channel), log.recording.time[at[0]] - log.recording.time[0]
+        more = f", and so do {len(at) - 1} more" if len(at) > 1 else ""
+        yield Finding(
+            "spike",
+            Severity.WARN,
+            channel,
+            f"one sample of the {log.called(channel)}, {time:.6g} s from the beginning, jumps to {values[at[0]]:.4g} "
+            f"{unit} and back at once, where all others are {kept.min():.4g} to {kept.max():.4g}{more}",
+            "remove such rows",
         )
 
 
