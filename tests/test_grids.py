@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from fricmodels.signals import quantum
+from fricmodels.signals import noise_of, quantum
 from fricmodels.signals.switched import is_switched, torque_noise
 
 
@@ -55,3 +55,17 @@ def test_values_that_stand_anywhere_have_no_grid(seed: int) -> None:
     count = int(rng.integers(20, 3000))
     assert quantum(rng.standard_normal(count)) == 0.0
     assert quantum(np.sin(np.linspace(0.0, rng.uniform(1, 60), count))) == 0.0
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_the_noise_of_rounding_does_not_hang_on_last_digits(seed: int) -> None:
+    """Means of few rounded values lie on the edges of steps; there a last digit must decide nothing."""
+    time = 0.01 * np.arange(2000)
+    rng = np.random.default_rng(seed)
+    course = 10.0 ** (1 + seed / 2) * (np.sin(3.0 * time + seed) + 0.4 * np.sin(6.9 * time))
+    values = 2 * np.pi / 4096 * np.round(course / (2 * np.pi / 4096))
+    weights = np.array([-0.5, 0.0, 0.5])
+    exact = noise_of(time, values).after(weights)
+    for change in (1e-12, 1e-9):
+        other = values * (1 + change * rng.uniform(-1, 1, len(values)))
+        assert noise_of(time, other).after(weights) == pytest.approx(exact, rel=1e-5)

@@ -22,6 +22,9 @@ _SHORTEST = 8
 
 _NEAREST = 1.2
 """Factor of the smallest distance within which others are the same one, but for rounding."""
+_OFF_THE_EDGE = 1e-3
+"""Share of a step by which comparisons are moved off its half and its whole, on which means of few rounded values lie:
+their last digits decide nothing then."""
 _SPELLING = 0.02
 """Share of the median distance between different values up to which two are one, written with other digits."""
 _FINEST = 1e-8
@@ -123,8 +126,8 @@ def _estimated(time: Array, values: Array, runs: Runs | None, least: bool) -> No
     course, _ = lanczos_derivative(time, between, best_half_width(time, values, runs, noise=plain), runs)
     error = values - course
     # Where steps come as fast as samples, that is what smoothing changed of the motion: there it is rounded anew.
-    fast = np.abs(np.gradient(course)) > step
-    error[fast] = (step * np.round(-error / step) + error)[fast]
+    fast = np.abs(np.gradient(course)) > (1.0 + _OFF_THE_EDGE) * step
+    error[fast] = (error - step * np.floor(error / step + 0.5 + _OFF_THE_EDGE))[fast]
     return replace(plain, step=step, course=course, error=error)
 
 

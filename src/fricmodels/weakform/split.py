@@ -6,6 +6,9 @@ from typing import Any
 
 from numba import njit
 
+_EQUAL = 1e-3
+"""Share by which two speeds of a coarse sensor may differ in their last digits, and are one."""
+
 
 @njit(cache=True, nogil=True)
 def split_cells(step: Any, joined: Any, velocity: Any, resting: Any, half: Any, cell: Any) -> int:
@@ -99,7 +102,8 @@ def hidden_turns(velocity: Any, run: Any, band: float, push: Any, least: Any, mo
     marked[:] = False
     for k in range(len(velocity) - 1):
         first, last = abs(velocity[k]), abs(velocity[k + 1])
-        near = min(first, last) < abs(velocity[k + 1] - velocity[k]) or max(first, last) <= band
+        # A velocity on a grid often changes by exactly what it is: its last digits must not decide.
+        near = (1.0 - _EQUAL) * min(first, last) < abs(velocity[k + 1] - velocity[k]) or max(first, last) <= band
         if near and run[k] == run[k + 1]:
             forward = push[k] > most[k] and push[k + 1] > most[k + 1]
             back = push[k] < least[k] and push[k + 1] < least[k + 1]
