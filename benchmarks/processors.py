@@ -123,7 +123,7 @@ def answer(path: Path, *, change: float = 0.0, ladder: bool = False) -> Row:
     comparison = diagnosis.comparison
     errors = comparison.errors
     noise = noise_text(comparison.noise_floor_percent)
-    shown = f"{errors.SI:.4g} {errors.percent:.4g} {errors.held_out_percent:.4g} {noise}"
+    shown = f"{errors.SI:.3g} {errors.percent:.3g} {errors.held_out_percent:.3g} {noise}"
     console.print(f"errors {shown}")
     show_parameters(console, comparison)
     show_diagnosis(console, diagnosis)
