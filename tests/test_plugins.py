@@ -42,6 +42,7 @@ EFFECTS = [
     "other-friction",
     "other-gravity",
     "other-inertia",
+    "proximal-coupling",
     "run-offset",
 ]
 

@@ -92,9 +92,17 @@ FORMULAS: dict[str, tuple[dict[str, float], Callable[[Any, Array], Array]]] = {
     "other-friction": ({"c": 2.0, "d": 3.0}, lambda r, s: 2 * r["other.x"] + 3 * np.sign(r["other.x"])),
     "other-gravity": ({"a": 2.0, "b": 3.0}, lambda r, s: 2 * np.cos(r["other.x"]) + 3 * np.sin(r["other.x"])),
     "other-inertia": ({"c": 2.0}, lambda r, s: 2 * np.gradient(r["other.x"], r.time)),
+    "proximal-coupling": ({"c": 2.0, "a": 3.0, "b": 5.0}, lambda r, s: coupled_links(r, 2.0, 3.0, 5.0)),
     "run-offset": ({"tau_0": 2.0}, lambda r, s: np.where(r.run == 0, 2.0, 0.0)),
     "step-change": ({"c": 2.0, "d": 3.0, "t_0": 0.2}, lambda r, s: np.where(r["time"] >= 0.2, 2 * s + 3, 0)),
 }
+
+
+def coupled_links(recording: Recording, c: float, a: float, b: float) -> Array:
+    """Return what a link feels of the joint before, with both angles by one amplitude and phase."""
+    rate, speed, angle = np.gradient(recording["other.x"], recording.time), recording["other.x"], recording["position"]
+    size, phase = np.hypot(a, b), np.arctan2(b, a)
+    return c * rate + size * (np.cos(angle - phase) * rate + np.sin(angle - phase) * speed**2)
 
 
 @pytest.mark.parametrize("effect", FORMULAS)

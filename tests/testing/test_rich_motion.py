@@ -28,7 +28,9 @@ def test_the_motion_has_what_a_candidate_asks_for(name: str, units: dict[str, st
     assert all(not np.array_equal(recording[channel], again[channel]) for channel in units), "drawn by seed"
 
 
-@pytest.mark.parametrize("name", ["other", "other-friction", "other-gravity", "other-inertia", "run-offset"])
+@pytest.mark.parametrize(
+    "name", ["other", "other-friction", "other-gravity", "other-inertia", "proximal-coupling", "run-offset"]
+)
 def test_what_asks_for_more_channels_or_runs_is_examined_not_skipped(name: str) -> None:
     exam = type("Exam", (EffectExam,), {"term": EFFECTS[name]})
     for check in ("test_identifiable", "test_recovered"):

@@ -126,17 +126,10 @@ class Policy(Rules):
         "Found on our rig, with nothing hidden. Without it a clean drive takes 1.7 times the time and ends the same.",
         off=0.0,
     )
-    alike_of_effect: float = rule(
-        0.05,
-        "share of the residual",
-        "Another effect is a look-alike if its residual exceeds that of the first by less than this share of it.",
-        "Judgement: equal to least_gain.",
-        off=0.0,
-    )
     alike_of_model: float = rule(
         0.02,
         "share of the residual",
-        "Or by less than this share of what the model leaves without either.",
+        "Another effect is a look-alike if it leaves more than the first by less than this share of what the model does.",
         "Judgement.",
         off=0.0,
     )

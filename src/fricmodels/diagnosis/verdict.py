@@ -113,7 +113,7 @@ def select_effect(result: CandidateTests) -> LookAlikes | None:
         return None
     members = [first]
     best = _rms(result, first)
-    near = max(policy.alike_of_effect * best, policy.alike_of_model * float(np.sqrt(np.mean(result.regression.loss))))
+    near = policy.alike_of_model * float(np.sqrt(np.mean(result.regression.loss)))
     for other in (*passing[passing.index(first) + 1 :], *_better_but_for_their_number(result, first)):
         _, p_worse = compare(other.evidence.loss, first.evidence.loss, result.regression.terms)
         not_worse = p_worse > policy.alike_significance and _rms(result, other) < policy.far_worse * best

@@ -20,6 +20,7 @@ from fricmodels.effects.other_gravity import OtherGravity
 from fricmodels.effects.other_inertia import OtherInertia
 from fricmodels.effects.position_friction import PositionFriction
 from fricmodels.effects.presliding import Presliding
+from fricmodels.effects.proximal_coupling import ProximalCoupling
 from fricmodels.effects.rising_stiction import RisingStiction
 from fricmodels.effects.run_offset import RunOffset
 from fricmodels.effects.sensor_delay import SensorDelay
@@ -65,5 +66,6 @@ def fricmodels_effects() -> list[type[Effect]]:
         OtherFriction,
         OtherGravity,
         OtherInertia,
+        ProximalCoupling,
         RunOffset,
     ]

@@ -36,7 +36,7 @@ class OfChannel(Effect):
         self.unit = unit
         self.name = f"{type(self).name}({channel})"
         self.formula = type(self).formula.replace("x", channel)
-        self.channels = (self.signal_of(self.channel),)
+        self.channels = self.signals_of(self.channel)
         self.parameters = tuple(
             replace(p, per=self.parameter_unit(unit) or f"[{channel}]", meaning=p.meaning.replace("x", channel))
             if p.per
@@ -44,9 +44,9 @@ class OfChannel(Effect):
             for p in type(self).parameters
         )
 
-    def signal_of(self, channel: str) -> str:
-        """Return the signal that enters the torque: the channel, or its rate."""
-        return channel
+    def signals_of(self, channel: str) -> tuple[str, ...]:
+        """Return the signals that enter the torque: the channel, its rate, or both."""
+        return (channel,)
 
     def parameter_unit(self, unit: str) -> str:
         """Return the unit of what the parameters are per unit of, from the channel's."""

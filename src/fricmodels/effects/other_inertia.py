@@ -40,9 +40,9 @@ class OtherInertia(OfChannel):
         accelerations = set(_RATES.values()) & set(recording.units.values())
         return [] if accelerations else super().candidates(recording)
 
-    def signal_of(self, channel: str) -> str:
+    def signals_of(self, channel: str) -> tuple[str, ...]:
         """Return the rate of the channel."""
-        return RATE + channel
+        return (RATE + channel,)
 
     def parameter_unit(self, unit: str) -> str:
         """Return the unit of the rate."""

@@ -28,6 +28,7 @@ OF_LINKS = {
     "gravity": "give the link its mass and its centre",
     "other-gravity": "give the links their masses",
     "other-inertia": "give the links their inertias",
+    "proximal-coupling": "give the links their masses and inertias",
     "inertia-error": "it is added to the inertia",
 }
 """Effects of rigid bodies, which a simulator computes by itself: they are fitted with the rest, and not written."""
