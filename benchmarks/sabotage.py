@@ -93,7 +93,8 @@ def main() -> None:
     rows.append(_row("**all**", (), total))
     rows += [_row(way.name, way.says, tally[way.name]) for way in BOTH]
     parts = {
-        "command": f"python benchmarks/sabotage.py --rigs {asked.rigs} --simulations {asked.simulations}",
+        "command": f"python benchmarks/sabotage.py --rigs {asked.rigs} --simulations {asked.simulations} "
+        f"--seed {asked.seed}",
         "date": f"{datetime.date.today():%Y-%m-%d}",
         "recordings": str(len(simulated) + len(measured)),
         "table": "\n".join(["| what was done | kind | recordings | named | stopped |", "|---|---|---|---|---|", *rows]),
