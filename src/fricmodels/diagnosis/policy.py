@@ -129,7 +129,7 @@ class Policy(Rules):
     alike_of_model: float = rule(
         0.02,
         "share of the residual",
-        "Another effect is a look-alike if it leaves more than the first by less than this share of what the model does.",
+        "A look-alike leaves more than the first effect by less than this share of what the model leaves.",
         "Judgement.",
         off=0.0,
     )
