@@ -115,11 +115,10 @@ def run(arguments: argparse.Namespace) -> list[Row]:
 
     from pebble import ProcessPool
 
-    from ablated.cases import keys
-    from fricmodels.tournament.config import load_config
+    from ablated.cases import keys, listed
 
     logs = Path(arguments.logs).resolve() if arguments.logs else None
-    named = [str(dataset.name) for dataset in load_config(logs).datasets] if logs else []
+    named = [source.dataset for source in listed(logs)[1]] if logs else []
     path = Path(arguments.out)
     path.parent.mkdir(parents=True, exist_ok=True)
     stored = [json.loads(line) for line in path.read_text(encoding="utf-8").splitlines()] if path.exists() else []

@@ -1,9 +1,9 @@
 """Whether a diagnosis says the same on every processor, and of a recording whose last digits are others.
 
-Recordings of the hidden-effect challenge, or with ``--challenge rough`` those of drives whose sensors are as real ones
-are, with noise and steps, are diagnosed with the OpenBLAS kernels of several processors, each in a
-process of its own, and once more with every sample changed by a relative 1e-9. What is compared is what is printed:
-the verdict, the names in their order, and every number with the digits shown.
+Recordings of the hidden-effect challenge are diagnosed with the OpenBLAS kernels of several processors, each in a
+process of its own, and once more with every sample changed by a relative 1e-9. With ``--challenge rough`` they are of
+drives whose sensors have noise and steps, as real ones have. What is compared is what is printed: the verdict, the
+names in their order, and every number with the digits shown.
 """
 
 from __future__ import annotations

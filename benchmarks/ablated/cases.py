@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import functools
 import zlib
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -12,10 +11,11 @@ from typing import Any
 import numpy as np
 
 from fricmodels.diagnosis import Comparison, compare
-from fricmodels.readers import read, together
+from fricmodels.readers import read
 from fricmodels.recording import Recording
 from fricmodels.rig import random_rig
-from fricmodels.tournament.config import load_config
+from fricmodels.tournament.config import Config, load_config
+from fricmodels.tournament.sources import Sources, recordings_of, sources
 from hidden.draw import EFFECTS, fitted, generator
 from rough import trials
 from rough.effects import LISTED, UNLISTED
@@ -131,14 +131,17 @@ REAL = (
 )
 
 
+def listed(logs: Path) -> tuple[Config, Sources]:
+    """Return a tournament and its recordings."""
+    config = load_config(logs)
+    return config, sources(config, logs.parent)[0]
+
+
 def log(logs: Path, name: str) -> Given:
     """Return a dataset of a tournament, its law, and the inertia where it is known."""
-    config = load_config(logs)
-    dataset = next(dataset for dataset in config.datasets if dataset.name == name)
-    paths = [logs.parent / file for file in dataset.files or []]
-    read_as = functools.partial(read, columns=dataset.columns, motion=dataset.motion, reader=dataset.reader)
-    recordings = [read_as(path, torque_constant=dataset.torque_constant, gaps=dataset.gaps) for path in paths]
-    return together(recordings), config.models[0], dataset.inertia
+    config, every = listed(logs)
+    source = next(source for source in every if source.dataset == name)
+    return recordings_of(source)[0], config.models[0], source.inertia
 
 
 def real(name: str) -> Given:

@@ -26,7 +26,7 @@ class Policy(Rules):
     significance: float = rule(
         0.01,
         "probability",
-        "An effect or a channel predictor passes only with a corrected p-value below this.",
+        "An effect or a channel predictor passes only with a corrected p-value below this; so does a law beyond its bound.",
         "Statistic: the chance of any false name in one diagnosis (Holm 1979).",
         off=1.1,
     )

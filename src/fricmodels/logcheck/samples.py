@@ -77,11 +77,13 @@ def spikes(log: Log) -> Iterator[Finding]:
         change = np.where(log.joined, np.diff(values), 0.0)
         there, back = np.r_[0.0, change], np.r_[change, 0.0]
         jump = np.where(there * back < 0.0, np.minimum(np.abs(there), np.abs(back)), 0.0)
-        order = np.argsort(jump)
-        kept = values[order[: len(values) - max(2, len(values) // _FEW_JUMP)]]
-        usual = float(np.ptp(kept)) if len(kept) else 0.0
-        at = np.flatnonzero(jump > usual) if usual > 0.0 else np.zeros(0, dtype=np.int64)
-        if not len(at):
+        few = max(2, len(values) // _FEW_JUMP)
+        if len(values) <= few or 3.0 * jump.max() <= np.ptp(values):  # with spikes to both sides it is more
+            continue
+        kept = values[np.argpartition(jump, -few)[:-few]]
+        usual = float(np.ptp(kept))
+        at = np.flatnonzero(jump > usual)
+        if usual == 0.0 or not len(at):
             continue
         unit, time = log.unit(channel), log.recording.time[at[0]] - log.recording.time[0]
         more = f", and so do {len(at) - 1} more" if len(at) > 1 else ""

@@ -20,6 +20,8 @@ _ENOUGH = 16 * _EXCERPT
 _SHORTEST = 8
 """Samples of a stretch that says anything of noise."""
 
+_TELLING = 32
+"""Distances of which half are multiples on any grid, and one in ten by chance."""
 _NEAREST = 1.2
 """Factor of the smallest distance within which others are the same one, but for rounding."""
 _OFF_THE_EDGE = 1e-3
@@ -60,18 +62,19 @@ def _step(distance: Array) -> float:
     """Return the step of which nearly all distances between neighbouring values are multiples; 0 if there is none.
 
     A distance of many steps needs a step that is known better than from the least distance: those that are at most
-    twice as large as the ones before tell it, again and again.
+    twice as large as the ones before tell it, again and again, as long as most of them are multiples.
     """
     if len(distance) < 2:
         return 0.0
-    ordered = np.sort(distance)
-    least = float(np.median(ordered[ordered <= _NEAREST * ordered[0]]))
+    least, largest = float(np.median(distance[distance <= _NEAREST * distance.min()])), float(distance.max())
     for part in (1, 2, 3):
-        step, reached = least / part, _NEAREST * least
-        while reached < ordered[-1]:
+        step, reached, on_grid = least / part, _NEAREST * least, True
+        while reached < largest and on_grid:
             reached *= 2.0
-            step = _refined(step, ordered[: np.searchsorted(ordered, reached)])
-        if np.mean(_is_multiple(distance, step)) > 0.95:
+            short = distance[distance <= reached]
+            on_grid = len(short) < _TELLING or float(np.mean(_is_multiple(short, step))) > 0.5
+            step = _refined(step, short)
+        if on_grid and np.mean(_is_multiple(distance, step)) > 0.95:
             return step
     return 0.0
 

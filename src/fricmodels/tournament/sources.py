@@ -295,7 +295,7 @@ def load(source: Source) -> Loaded:
     from fricmodels.readers import together
 
     values = source.values
-    recording, tests = _recordings(source, values)
+    recording, tests = recordings_of(source)
     preparation = Preparation.model_validate(values["preparation"])
     test: Recording | None
     if tests:
@@ -331,7 +331,13 @@ def _matters(source: Source, recordings: Sequence[Recording]) -> tuple[tuple[str
     return tuple(lines[Severity.STOP]), tuple(lines[Severity.WARN])
 
 
-def _recordings(source: Source, values: Mapping[str, Any]) -> tuple[Recording, list[Recording]]:
+def recordings_of(source: Source) -> tuple[Recording, list[Recording]]:
+    """Return a whole recording as it is read or simulated, and those that it is tested on, if they are others.
+
+    Raises:
+        InputError: for anything in a file that cannot be used.
+    """
+    values = source.values
     if values["kind"] == "simulate":
         return _simulate(source.dataset, values), []
     if values["kind"] == "rig":
