@@ -26,7 +26,8 @@ class Policy(Rules):
     significance: float = rule(
         0.01,
         "probability",
-        "An effect or a channel predictor passes only with a corrected p-value below this; so does a law beyond its bound.",
+        "An effect or a channel predictor passes only with a corrected p-value below this. A law is held at a bound, "
+        "where no effect passed and it would lie beyond it with one below this.",
         "Statistic: the chance of any false name in one diagnosis (Holm 1979).",
         off=1.1,
     )

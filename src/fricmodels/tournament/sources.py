@@ -341,7 +341,10 @@ def recordings_of(source: Source) -> tuple[Recording, list[Recording]]:
     if values["kind"] == "simulate":
         return _simulate(source.dataset, values), []
     if values["kind"] == "rig":
-        return _record_rig(values, source.dataset), []
+        from fricmodels.rig.file import load_rig
+
+        rig = load_rig(values["file"]).model_copy(update={"seed": values["seed"]})
+        return replace(rig.simulate(), name=source.dataset), []
     tests = [_read([file], values, f"{source.dataset}/{Path(file).stem}") for file in values["test_files"]]
     return _read(values["files"], values, source.dataset), tests
 
@@ -369,13 +372,6 @@ def _read(files: list[str], values: Mapping[str, Any], name: str) -> Recording:
                 f"{', '.join(files)}: there is no run '{name_of_run}'; it has {', '.join(list(names)[:20])}"
             )
     return recording.select(np.isin(recording.run, [names[name_of_run] for name_of_run in wanted]))
-
-
-def _record_rig(values: Mapping[str, Any], name: str) -> Recording:
-    from fricmodels.rig.file import load_rig
-
-    rig = load_rig(values["file"])
-    return replace(rig.model_copy(update={"seed": values["seed"]}).simulate(), name=name)
 
 
 @lru_cache(maxsize=8)
