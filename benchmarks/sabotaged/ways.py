@@ -221,6 +221,11 @@ def hardly_moving(recording: Recording, rng: np.random.Generator) -> Recording |
     return changed(recording, **channels)
 
 
+def without_sign(recording: Recording, rng: np.random.Generator) -> Recording:
+    """Keep the size of the torque, as a converter shows it."""
+    return changed(recording, torque=np.abs(recording.torque))
+
+
 WAYS = (
     Way("torque with the other sign", scaled(torque=-1.0), ("torque-sign",)),
     Way("velocity in deg/s", with_both(scaled(velocity=DEGREES)), ("unit",)),
@@ -261,5 +266,7 @@ WAYS = (
 BOTH = (
     Way("both in degrees, nothing else known", with_both(scaled(position=DEGREES, velocity=DEGREES)), ("unit",)),
     Way("velocity alone, deg/s, nothing else known", alone(DEGREES), ("unit",)),
+    Way("torque without its sign", without_sign, ("torque-magnitude",)),
 )
-"""Ways that most recordings cannot show, counted apart: rescaled angles obey the same equation of motion."""
+"""Ways that most recordings cannot show, counted apart: rescaled angles obey the same equation of motion, and the size
+of a torque that is nearly all Coulomb friction is a constant."""

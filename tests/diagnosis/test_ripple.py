@@ -3,16 +3,25 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from types import ModuleType
+from dataclasses import replace
+from types import ModuleType, SimpleNamespace
+from typing import Any, cast
 
 import numpy as np
 import pytest
 
 from fricmodels.diagnosis import Diagnosis, compare, diagnose
+from fricmodels.diagnosis.candidate_tests import CandidateTest
+from fricmodels.diagnosis.diagnose import _confirmed_ripple
 from fricmodels.diagnosis.document import document
 from fricmodels.diagnosis.explain import explain
+from fricmodels.diagnosis.policy import POLICY
+from fricmodels.diagnosis.refits import Refits
+from fricmodels.diagnosis.ripple import FastRipple
+from fricmodels.diagnosis.verdict import LookAlikes
 from fricmodels.dimension import Motion
 from fricmodels.recording import Recording
+from fricmodels.weakform.ripple import Waves
 
 INERTIA = 2.0
 
@@ -134,3 +143,53 @@ def test_gravity_on_a_spindle_that_turns_within_a_few_samples_is_gravity() -> No
     assert fitted.errors.held_out_percent < 0.5 * diagnosis.comparison.errors.held_out_percent
     found = fitted.estimate.parameters
     assert (found["gravity.a"], found["gravity.b"]) == pytest.approx((0.1, -0.2), abs=0.03)
+
+
+class Fits:
+    """Fits of a model with one effect more, whose test errors in a narrow and in a wide window are known."""
+
+    def __init__(self, **errors: tuple[float, float]) -> None:
+        self.errors, self.policy = errors, POLICY
+        self.comparison = self._of(errors["nothing"])
+
+    def _of(self, errors: tuple[float, float]) -> Any:
+        bands = [SimpleNamespace(window_ms=w, held_out_percent=e) for w, e in zip((5.0, 100.0), errors, strict=True)]
+        return SimpleNamespace(errors=SimpleNamespace(bands=bands))
+
+    def with_effect(self, tested: Any) -> Any:
+        found = self.errors.get(tested.name)
+        return None if found is None else self._of(found)
+
+    lowers_error_within = Refits.lowers_error_within
+    is_better_within = Refits.is_better_within
+
+
+@pytest.mark.parametrize(
+    ("simple", "other", "leads"),
+    [
+        ((2.0, 3.0), (9.0, 9.0), "simple"),
+        ((1.0, 3.0), (9.0, 9.0), "simple"),
+        ((2.1, 1.0), (9.0, 9.0), "wave"),  # in windows that are wider than the wave nothing of it is left
+        ((2.1, 1.0), (1.99, 9.0), "wave"),  # with as many parameters it has to be lower by a margin
+        ((2.1, 1.0), (1.90, 9.0), "other"),
+        (None, (9.0, 9.0), "wave"),
+    ],
+)
+def test_a_wave_is_the_effect_whose_fit_leaves_less(
+    simple: tuple[float, float] | None, other: tuple[float, float], leads: str
+) -> None:
+    """Rows that carry a wave may be explained better by an effect with more harmonics, and the recording not."""
+    tested = {
+        name: cast(CandidateTest, SimpleNamespace(name=name, effect=SimpleNamespace(parameters=(None,) * count)))
+        for name, count in (("simple", 2), ("wave", 5), ("other", 5))
+    }
+    first = LookAlikes(tested["wave"], (tested["wave"],))
+    waves = cast(Waves, SimpleNamespace(duration=0.02))
+    ripple = FastRipple(waves, first, (tested["other"], tested["simple"]))
+    errors = {"nothing": (5.0, 5.0), "wave": (2.0, 2.0), "other": other} | ({"simple": simple} if simple else {})
+    found = _confirmed_ripple(cast(Refits, Fits(**errors)), ripple)
+    assert found is not None
+    assert found.found is not None
+    assert found.found.names == [leads]
+    worse = _confirmed_ripple(cast(Refits, Fits(nothing=(1.0, 1.0), wave=(2.0, 2.0))), replace(ripple, others=()))
+    assert worse is None

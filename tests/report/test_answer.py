@@ -120,6 +120,19 @@ def test_what_nothing_predicts_but_is_far_above_noise_is_said_with_the_answer() 
     assert answer(data(ladder=least, noise_floor_percent=1e-4)).sentence.endswith("gravity."), "no effect is so small"
 
 
+def test_noise_is_that_of_the_last_model() -> None:
+    """It grows with the inertia, which a model that lacks an effect may not find: it had none, and noise of 0.2 %."""
+    steps = [
+        {**step("coulomb-viscous", 99.0), "noise_floor_percent": 0.2},
+        {**step("coulomb-viscous+gravity", 12.6, "gravity"), "noise_floor_percent": 11.9},
+    ]
+    found = answer(data(ladder=steps, noise_floor_percent=0.2))
+    assert "more than noise" not in found.sentence
+    assert "noise alone would leave about 11.9" in found.error
+    older = answer(data(ladder=[step("coulomb-viscous", 99.0), step("coulomb-viscous+gravity", 12.6, "gravity")]))
+    assert "noise alone would leave about 3.2" in older.error, "a file of an older version"
+
+
 def test_an_effect_that_comes_near_is_offered_with_its_command() -> None:
     steps = [step("coulomb-viscous", 60.0), step("coulomb-viscous+gravity", 26.9, "gravity")]
     found = answer(data(ladder=steps, remaining=rest(26.7, 9.0)), ["--leave-out", "drift", "--trust"])

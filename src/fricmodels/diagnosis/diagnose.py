@@ -167,8 +167,8 @@ def _examined(refits: Refits, problem: WeakFormProblem, out: set[str], policy: P
     possible = that_can_be_fitted(refits, result)
     best = select_effect(possible)
     ripple = fast_ripple(result.problem, parameters, out, policy)
-    if _is_larger(ripple, result, best) and _fast(refits, [], ripple):
-        return _beside_ripple(refits, ripple, out, policy)
+    if _is_larger(ripple, result, best) and (fast := _confirmed_ripple(refits, ripple)) is not None:
+        return _beside_ripple(refits, fast, out, policy)
     predictors = passing_predictors(result)
     is_left = best is not None or predictors or is_far_above_noise(comparison, policy)
     judgement = judge(possible, out, best) if is_left else None
@@ -181,13 +181,15 @@ def _examined(refits: Refits, problem: WeakFormProblem, out: set[str], policy: P
     if noise is not None:
         view = None
     elif best is not None and found is None and not _within_sampling(result, best.first):
-        view = view or as_predictor(result, best.first)
+        own = as_predictor(result, best.first)
+        view = own if view is None or own.evidence.left < view.evidence.left else view
     everything = as_a_whole(refits, together) if named is None else all_together(refits, named, together)
     if judgement is not None and judgement.only_jointly and len(everything) < len(together):
         everything = []  # each showed beside all the others only, and with one of them the error does not fall
     if everything:
         ripple = _beside(refits, everything, out, policy)
-    everything += _fast(refits, everything, ripple)
+    fast = _confirmed_ripple(_with_all(refits, everything), ripple)
+    everything += [fast.found] if fast is not None and fast.found is not None else []
     findings = tuple(map(_finding, everything))
     verdict: Verdict = "adequate"
     if findings:
@@ -212,7 +214,7 @@ def _examined(refits: Refits, problem: WeakFormProblem, out: set[str], policy: P
         result,
         noise=noise,
         judgement=judgement,
-        ripple=ripple,
+        ripple=fast or ripple,
     )
 
 
@@ -301,9 +303,7 @@ def _beside_ripple(refits: Refits, ripple: FastRipple, leave_out: set[str], poli
 
 def _beside(refits: Refits, found: list[LookAlikes], leave_out: set[str], policy: Policy) -> FastRipple | None:
     """Return the fast waves that are left beside effects that were found."""
-    beside: Refits | None = refits
-    for one in found:
-        beside = beside and beside.beside(one.first)
+    beside = _with_all(refits, found)
     if beside is None:
         return None
     here = beside.comparison
@@ -311,15 +311,28 @@ def _beside(refits: Refits, found: list[LookAlikes], leave_out: set[str], policy
     return fast_ripple(here.problem, here.estimate.parameters, out, policy)
 
 
-def _fast(refits: Refits, found: list[LookAlikes], ripple: FastRipple | None) -> list[LookAlikes]:
-    """Return a fast wave over position, if the test error falls with it beside what was found, as far as it shows."""
-    if ripple is None or ripple.found is None:
-        return []
+def _with_all(refits: Refits, found: list[LookAlikes]) -> Refits | None:
     beside: Refits | None = refits
     for one in found:
         beside = beside and beside.beside(one.first)
-    helps = beside is not None and beside.lowers_error_within(ripple.found.first, 1000 * ripple.waves.duration)
-    return [ripple.found] if helps else []
+    return beside
+
+
+def _confirmed_ripple(refits: Refits | None, ripple: FastRipple | None) -> FastRipple | None:
+    """Return fast waves over position if the test error falls with their effect, as far as it shows them.
+
+    The rows that carry a wave may be explained better by what they get wrong. So an effect with fewer parameters leads,
+    as gravity where the wave is a turn, if the test error is no higher with it, and one with as many if it is lower.
+    """
+    if refits is None or ripple is None or ripple.found is None:
+        return None
+    window, first = 1000 * ripple.waves.duration, ripple.found.first
+    for other in ripple.others:
+        if refits.is_better_within(other, first, window):
+            first = other
+    if first is not ripple.found.first:
+        ripple = replace(ripple, found=LookAlikes(first, (first,)))
+    return ripple if refits.lowers_error_within(first, window) else None
 
 
 def _noise(

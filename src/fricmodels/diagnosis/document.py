@@ -186,9 +186,16 @@ def _coloured_noise(diagnosis: Diagnosis) -> typed.NoiseLeft | None:
 
 def _ladder(diagnosis: Diagnosis, ladder: Ladder | None) -> tuple[facts.Step, ...]:
     if ladder is None:
-        errors, name = diagnosis.comparison.errors, diagnosis.comparison.drive.model.name
+        comparison = diagnosis.comparison
+        errors, name = comparison.errors, comparison.drive.model.name
         return (
-            facts.Step(model=name, rms_percent=errors.percent, held_out_rms_percent=errors.held_out_percent, added=""),
+            facts.Step(
+                model=name,
+                rms_percent=errors.percent,
+                held_out_rms_percent=errors.held_out_percent,
+                added="",
+                noise_floor_percent=comparison.noise_floor_percent,
+            ),
         )
     return tuple(
         facts.Step(
@@ -199,6 +206,7 @@ def _ladder(diagnosis: Diagnosis, ladder: Ladder | None) -> tuple[facts.Step, ..
             removed=rung.removed,
             parameters=dict(rung.comparison.estimate.parameters),
             standard_errors=dict(rung.comparison.estimate.standard_errors),
+            noise_floor_percent=rung.comparison.noise_floor_percent,
         )
         for rung in ladder.rungs
     )

@@ -91,12 +91,29 @@ class Refits:
 
         What alternates faster is averaged away in a wider one.
         """
-        other, here = self.with_effect(tested), self.comparison
+        other = self.with_effect(tested)
         if other is None:
             return False
-        pairs = [*zip(other.errors.bands, here.errors.bands, strict=True)]
-        seen = [pair for pair in pairs if pair[0].window_ms <= window_ms] or pairs[:1]
-        return any(after.held_out_percent < before.held_out_percent for after, before in seen)
+        pairs = zip(_within(other, window_ms), _within(self.comparison, window_ms), strict=True)
+        return any(after < before for after, before in pairs)
+
+    def is_better_within(self, tested: CandidateTest, other: CandidateTest, window_ms: float) -> bool:
+        """Whether with an effect these test errors are lower than with another one, or no higher with a simpler one.
+
+        With as many parameters they must be lower by the margin of an exchange.
+        """
+        one, two = self.with_effect(tested), self.with_effect(other)
+        if one is None or two is None:
+            return one is not None
+        simpler = len(tested.effect.parameters) < len(other.effect.parameters)
+        most = 1.0 if simpler else 1.0 - self.policy.exchange_margin
+        return all(a <= most * b for a, b in zip(_within(one, window_ms), _within(two, window_ms), strict=True))
+
+
+def _within(comparison: Comparison, window_ms: float) -> list[float]:
+    """Return the test errors of the windows that are no wider than some time, of single samples at least [%]."""
+    bands = comparison.errors.bands
+    return [band.held_out_percent for band in bands if band.window_ms <= window_ms or band is bands[0]]
 
 
 def falls_from(here: Comparison, other: Comparison, policy: Policy) -> bool:

@@ -24,10 +24,12 @@ class FastRipple:
     Attributes:
         waves: all that stand out of the spectrum over position.
         found: the effect that explains the largest of them best, with its look-alikes; ``None`` where none does.
+        others: effects with no more parameters that explain less of the rows that carry it, the least residual first.
     """
 
     waves: Waves
     found: LookAlikes | None
+    others: tuple[CandidateTest, ...] = ()
 
     @property
     def torque(self) -> float:
@@ -68,8 +70,13 @@ def fast_ripple(
         return compare(other.evidence.loss, best.evidence.loss, regression.terms)[1] > policy.alike_significance
 
     alike = [best, *filter(is_alike, tested[1:])]
-    first = min(alike, key=lambda t: len(t.effect.parameters))  # the simplest
-    return FastRipple(waves, LookAlikes(first, (first, *(t for t in alike if t is not first))))
+    first = min(alike, key=_parameters)  # the simplest
+    others = tuple(t for t in tested if t not in alike and _parameters(t) <= _parameters(first))
+    return FastRipple(waves, LookAlikes(first, (first, *(t for t in alike if t is not first))), others)
+
+
+def _parameters(tested: CandidateTest) -> int:
+    return len(tested.effect.parameters)
 
 
 def _is_outpredicted(

@@ -5,7 +5,7 @@ from __future__ import annotations
 SEVERAL_FREQUENCIES = "several frequencies: repeat the motion faster and slower"
 SLOW_REVERSALS = "slow reversals at several accelerations, and rests of different lengths"
 SMALL_REVERSALS = "small reversals recorded with a fine position sensor, at several accelerations"
-WIDER_RANGE = "a wider position range: a full turn or more"
+WIDER_RANGE = "a wider position range: where the drive turns, a full turn or more"
 BOTH_DIRECTIONS = "pass the same positions in both directions and with different torques"
 ANOTHER_LOAD = "another load: losses under load change with it, and a constant torque does not"
 NEW_RECORD = "a new record of the same motion: a jump is at one instant only"

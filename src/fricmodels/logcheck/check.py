@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from fricmodels.logcheck import angle, colour, limits, motion, rates, samples, stamps, torque
+from fricmodels.logcheck import angle, colour, limits, magnitude, motion, rates, samples, stamps, torque
 from fricmodels.logcheck.balance import balances, best
 from fricmodels.logcheck.finding import Finding, Severity
 from fricmodels.logcheck.view import Log
@@ -43,6 +43,7 @@ def _all(log: Log, inertia: float | None) -> Iterator[Finding]:
         related = list(rates.exchanged(log, found))
     yield from related
     if found is not None and not any(finding.severity is Severity.STOP for finding in related):
+        yield from magnitude.magnitude(log, rows)
         yield from torque.sign(log, found)
         yield from torque.inertia(log, found, inertia)
         yield from torque.voltage(log, found)

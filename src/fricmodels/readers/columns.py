@@ -331,4 +331,6 @@ def _near(word: str, present: Sequence[str]) -> str:
 
 def _list(present: Sequence[str]) -> str:
     names = [str(name) for name in present]
+    if len(names) > 1 and names == [str(i) for i, _ in enumerate(names, start=1)]:
+        return f"1 to {len(names)}, since the file names none"
     return ", ".join(names[:20]) + (f" and {len(names) - 20} more" if len(names) > 20 else "")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import io
 import mmap
 import re
 import warnings
@@ -13,6 +14,7 @@ from typing import TYPE_CHECKING
 
 from fricmodels.errors import InputError
 from fricmodels.readers.base import Reader
+from fricmodels.readers.labelled import labels_of, without_labels
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -28,7 +30,7 @@ _MOST_COLUMNS = 10_000
 
 @dataclass(frozen=True)
 class Dialect:
-    """How a text file is written."""
+    """How a text file is written: with a name before every number of a line if it is ``labelled``."""
 
     encoding: str
     delimiter: str
@@ -37,14 +39,16 @@ class Dialect:
     units: dict[str, str]
     first: int
     """Number of lines before the first line of data."""
+    labelled: bool = False
 
 
 class CsvReader(Reader):
-    """Delimited text with a header row.
+    """Delimited text, mostly with a header row.
 
     Delimiter and decimal mark are found from the file. Lines that begin with ``#`` or ``%`` are comments, also before
     the header; where there is no other header, a comment right above the data is it. A row of units below the header
-    (no number in it) gives the units of columns mapped without one.
+    (no number in it) gives the units of columns mapped without one. Lines may also name each of their numbers, as in
+    ``Time: 5001 Position: 595``. Where nothing names the columns they are called by their number, 1 for the first.
     """
 
     name = "csv"
@@ -82,8 +86,12 @@ class CsvReader(Reader):
 def _frame(path: Path, dialect: Dialect) -> pd.DataFrame:
     import pandas as pd
 
+    content: Path | io.StringIO = path
+    if dialect.labelled:
+        text = path.read_text(encoding=dialect.encoding)
+        content = io.StringIO(without_labels(text, dialect.header))
     return pd.read_csv(
-        path,
+        content,
         sep=r"\s+" if dialect.delimiter == " " else dialect.delimiter,
         decimal=dialect.decimal,
         comment=_comment_within(path, dialect),
@@ -132,7 +140,7 @@ def sniff(path: Path) -> Dialect:
     """Find out how a text file is written, from its first lines.
 
     Raises:
-        InputError: for a file without header, or with nothing in it.
+        InputError: for a file with nothing in it, or with what is no table.
     """
     encoding = _encoding(path)
     lines = [pair for pair, _ in zip(_lines(path, encoding), range(50), strict=False)]
@@ -141,20 +149,24 @@ def sniff(path: Path) -> Dialect:
         raise InputError(f"{path}: line {longest[0]} has {len(longest[1])} characters; is this a table of samples?")
     if not lines:
         raise InputError(f"{path}: the file is empty")
+    if (labels := labels_of(lines[0][1])) is not None:
+        return Dialect(encoding, ",", ".", labels, {}, lines[0][0] - 1, labelled=True)
     lines = _commented_header(path, encoding, lines[0][0], lines[0][1]) + lines
     number, header_line = lines[0]
     body = [line for _, line in lines[1:]]
     delimiter = _delimiter(header_line, body)
     header = _split(header_line, delimiter)
-    if header and all(_NUMBER.match(field) for field in header if field):
-        raise InputError(f"{path}: line {number} holds numbers where the column names should be; add a header line")
+    named = not all(_is_number(field, delimiter) for field in header if field)
     if len(header) > _MOST_COLUMNS:
         raise InputError(
             f"{path}: line {number} names {len(header)} columns, more than {_MOST_COLUMNS}; keep those of one drive"
         )
     units: dict[str, str] = {}
     first = number
-    if body:
+    if not named:
+        header = [str(i) for i, _ in enumerate(header, start=1)]
+        first, body = number - 1, [header_line, *body]
+    elif body:
         fields = _split(body[0], delimiter)
         numeric = [bool(_NUMBER.match(field) or _DECIMAL_COMMA.match(field)) for field in fields]
         if len(body) > 1 and any(fields) and not any(numeric) and len(fields) <= len(header):
@@ -167,6 +179,10 @@ def sniff(path: Path) -> Dialect:
     if body and len(_split(body[0], delimiter)) == len(header) + 1 and not _split(body[0], delimiter)[-1]:
         header = [*header, ""]
     return Dialect(encoding, delimiter, "," if commas > points else ".", header, units, first)
+
+
+def _is_number(field: str, delimiter: str) -> bool:
+    return bool(_NUMBER.match(field) or (delimiter != "," and _DECIMAL_COMMA.match(field)))
 
 
 def _commented_header(path: Path, encoding: str, number: int, line: str) -> list[tuple[int, str]]:

@@ -117,7 +117,7 @@ def _much_remains(data: DiagnosisDocument) -> bool:
 
 
 def _far_above_noise(data: DiagnosisDocument) -> bool:
-    end, noise = data.ladder[-1].held_out_rms_percent, data.noise_floor_percent
+    end, noise = data.ladder[-1].held_out_rms_percent, data.last_noise_floor_percent
     return end is not None and noise is not None and end > FAR_ABOVE * noise
 
 
@@ -134,7 +134,7 @@ def error_words(data: ComparisonDocument) -> str:
     before, after = steps[0].held_out_rms_percent, steps[-1].held_out_rms_percent
     noise = f"noise alone would leave {of_noise(data)}"
     if _within_noise(data):
-        noise = f"the noise, estimated at {percent(data.noise_floor_percent)}, must be smaller"
+        noise = f"the noise, estimated at {percent(data.last_noise_floor_percent)}, must be smaller"
     over = f", {window(data)}" if window(data) else ""
     where = f"of the RMS motor {data.quantity} on data that took no part in fitting{over}"
     if len(steps) > 1:
@@ -149,12 +149,12 @@ def of_noise(data: ComparisonDocument) -> str:
 
 
 def _noise(data: ComparisonDocument) -> str:
-    return noise_alone(data.noise_floor_percent).replace("<\u00a0", "less than ")
+    return noise_alone(data.last_noise_floor_percent).replace("<\u00a0", "less than ")
 
 
 def _within_noise(data: ComparisonDocument) -> bool:
     """Whether the error that is left is clearly smaller than what noise was estimated to leave."""
-    end, noise = data.steps[-1].held_out_rms_percent, data.noise_floor_percent
+    end, noise = data.steps[-1].held_out_rms_percent, data.last_noise_floor_percent
     return end is not None and noise is not None and _TOO_LARGE * end < noise
 
 
@@ -209,7 +209,7 @@ def _remains(data: DiagnosisDocument) -> str:
         return "not looked at yet: the work was stopped before."
     if rest is None:
         last = data.ladder[-1].held_out_rms_percent
-        floor = data.noise_floor_percent
+        floor = data.last_noise_floor_percent
         if data.verdict == "adequate" or len(data.ladder) > 1:
             beyond = data.beyond_sampling_percent
             why = "nothing predicts the rest."
@@ -222,7 +222,7 @@ def _remains(data: DiagnosisDocument) -> str:
         return ""
     size = f"{percent(rest.percent)} of the motor {data.quantity} beyond noise ({form(rest.SI, '.2g')} {data.unit} RMS)"
     if not rest.percent:
-        size = f"No more than the noise was estimated to leave ({percent(data.noise_floor_percent)})"
+        size = f"No more than the noise was estimated to leave ({percent(data.last_noise_floor_percent)})"
     shown = f", predicted from {predictor(rest.channel)}" if rest.channel else ", predicted from no recorded channel"
     where = _MINUS.sub("−", rest.where)
     place = f"; largest {where}" if rest.place else f"; {where}" if where else ""

@@ -217,7 +217,7 @@ def tiles(data: ComparisonDocument) -> list[Tile]:
         gained = [name for name in last.model.split("+") if name not in data.model.split("+")]
         shown.append(Tile(percent(last.held_out_rms_percent), "test error with what was found", f"+ {listed(gained)}"))
     shown.append(
-        Tile(noise_alone(data.noise_floor_percent), "sensor noise alone", over or "estimated from the channels")
+        Tile(noise_alone(data.last_noise_floor_percent), "sensor noise alone", over or "estimated from the channels")
     )
     samples = data.recording.samples
     kept_back = 100 * samples.kept_back / samples.total

@@ -154,6 +154,8 @@ class Step(Part):
     """By key, each in its SI unit."""
     standard_errors: Numbers = Field(default_factory=dict)
     """By key, in the units of the parameters; none of what was given."""
+    noise_floor_percent: Number = None
+    """Error that sensor noise alone would leave [% of the RMS motor torque]: it grows with the inertia of the model."""
 
 
 class ComparisonDocument(ResultDocument):
@@ -196,8 +198,15 @@ class ComparisonDocument(ResultDocument):
                 added="",
                 parameters=self.parameters,
                 standard_errors=self.standard_errors,
+                noise_floor_percent=self.noise_floor_percent,
             ),
         )
+
+    @property
+    def last_noise_floor_percent(self) -> float | None:
+        """Error that sensor noise alone would leave of the last model; of the given one in files of old versions."""
+        last = self.steps[-1].noise_floor_percent
+        return self.noise_floor_percent if last is None else last
 
     @property
     def quantity(self) -> str:

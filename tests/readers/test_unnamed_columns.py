@@ -1,0 +1,86 @@
+"""Files that name their columns nowhere, or before every number."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from fricmodels.errors import InputError
+from fricmodels.readers import read
+from fricmodels.readers.labelled import labels_of, without_labels
+
+MAPPED = ("time=1:ms", "torque=2:mN*m", "position=4:deg")
+NAMED = ("time=t [ms]", "torque=T [mN*m]", "position=angle [deg]")
+HEADER = ("t [ms]", "T [mN*m]", "spare", "angle [deg]")
+
+
+def rows(count: int = 40) -> list[tuple[str, ...]]:
+    """Return rows of a motion that turns, as text."""
+    angle = 90.0 * np.sin(0.3 * np.arange(count))
+    return [(f"{10 * i}", f"{0.5 * i:.2f}", "7", f"{value:.3f}") for i, value in enumerate(angle)]
+
+
+def write(path: Path, lines: list[tuple[str, ...]], mark: str, decimal: str = ".") -> Path:
+    path.write_text("\n".join(mark.join(line).replace(".", decimal) for line in lines) + "\n")
+    return path
+
+
+@pytest.mark.parametrize(("mark", "decimal"), [(",", "."), ("\t", "."), (" ", "."), (";", ","), ("\t", ",")])
+def test_columns_without_names_are_called_by_their_number(tmp_path: Path, mark: str, decimal: str) -> None:
+    bare = read(write(tmp_path / "bare.csv", rows(), mark, decimal), columns=MAPPED)
+    named = read(write(tmp_path / "named.csv", [HEADER, *rows()], ";"), columns=NAMED)
+    assert len(bare) == 40, "the first row is data"
+    for channel in ("time", "torque", "position"):
+        assert np.array_equal(bare[channel], named[channel])
+
+
+def test_the_error_says_how_many_there_are_and_that_none_has_a_name(tmp_path: Path) -> None:
+    path = write(tmp_path / "bare.dat", rows(), "\t")
+    with pytest.raises(InputError, match=r"map them with --column time=COLUMN.*columns: 1 to 4, since the file names"):
+        read(path)
+    with pytest.raises(InputError, match="there is no column '5' for the position; columns: 1 to 4, since"):
+        read(path, columns=["time=1:ms", "torque=2", "position=5"])
+
+
+def test_a_bad_value_is_found_at_its_line(tmp_path: Path) -> None:
+    lines = rows()
+    lines[6] = ("60", "much", "7", "3.0")
+    with pytest.raises(InputError, match=r"line 7, column '2': 'much' is not a number"):
+        read(write(tmp_path / "bare.csv", lines, ","), columns=MAPPED)
+
+
+@pytest.mark.parametrize("between", [" ", ", ", "\t", ";"])
+@pytest.mark.parametrize("mark", [":", ": ", " = "])
+def test_numbers_with_their_names_before_them(tmp_path: Path, between: str, mark: str) -> None:
+    names = ("Time", "motor torque", "spare", "Angle (raw)")
+    path = tmp_path / "board.txt"
+    path.write_text("\n".join(between.join(map(f"{{}}{mark}{{}}".format, names, row)) for row in rows()) + "\n")
+    mapped = ("time=Time:ms", "torque=motor torque:mN*m", "position=Angle (raw):deg")
+    found = read(path, columns=mapped)
+    bare = read(write(tmp_path / "bare.csv", rows(), ","), columns=MAPPED)
+    for channel in ("time", "torque", "position"):
+        assert np.array_equal(found[channel], bare[channel])
+
+
+def test_a_line_of_text_between_them_is_found(tmp_path: Path) -> None:
+    lines = [f"time_s: {i / 10} torque_Nm: {i} velocity_rad_s: {np.sin(i):.3f}" for i in range(20)]
+    lines.insert(5, "DONE POSITIONING")
+    (tmp_path / "board.txt").write_text("\n".join(lines))
+    with pytest.raises(InputError, match=r"board\.txt: line 6, column 'time_s': 'DONE POSITIONING' is not a number"):
+        read(tmp_path / "board.txt")
+
+
+@pytest.mark.parametrize("line", ["t,x,y", "0.1 0.2 0.3", "time: now, x: 3", "only: 3", "a: 1 a: 2", "12:30:05, 3.4"])
+def test_other_lines_are_none(line: str) -> None:
+    assert labels_of(line) is None
+
+
+@given(st.lists(st.floats(allow_nan=False, allow_infinity=False), min_size=3, max_size=3))
+def test_every_number_is_read_as_it_stands(values: list[float]) -> None:
+    line = "q1:{}, torque [Nm]:{},v:{}".format(*map(repr, values))
+    assert labels_of(line) == ["q1", "torque [Nm]", "v"]
+    assert [float(x) for x in without_labels(line, ["q1", "torque [Nm]", "v"]).split(",")] == values
