@@ -8,6 +8,7 @@ from fricmodels.readers.base import Reader
 from fricmodels.readers.checks import check
 from fricmodels.readers.csv import CsvReader
 from fricmodels.readers.hdf5 import Hdf5Reader
+from fricmodels.readers.json import JsonReader
 from fricmodels.readers.matlab import MatlabReader
 from fricmodels.readers.parquet import ParquetReader
 from fricmodels.readers.reading import read
@@ -19,4 +20,4 @@ __all__ = ["Reader", "check", "read", "read_together", "together"]
 @hookimpl
 def fricmodels_readers() -> list[type[Reader]]:
     """Return the built-in readers."""
-    return [CsvReader, ParquetReader, MatlabReader, Hdf5Reader, BagReader]
+    return [CsvReader, ParquetReader, MatlabReader, Hdf5Reader, JsonReader, BagReader]
