@@ -92,6 +92,16 @@ def test_blocks_are_spread():
     assert sorted({int(t) for t in test.time}) == [1, 5, 8]
 
 
+@pytest.mark.parametrize("pause", [1.0, 3600.0])
+def test_a_pause_takes_no_part_of_the_blocks(pause):
+    """A log of two sessions with an hour between: no block may lie in the hour, where nothing is."""
+    time = np.linspace(0, 10, 1001)
+    whole = recording(time)
+    apart = recording(np.where(time > 4.005, time + pause, time))
+    kept = np.isin(apart.time, split(apart)[1].time)
+    np.testing.assert_array_equal(kept, np.isin(whole.time, split(whole)[1].time))
+
+
 @pytest.mark.parametrize("cycle", [0.5, 0.333, 1.7])
 @pytest.mark.parametrize("level", [0.0, 0.2])
 def test_the_period_is_found(cycle, level):

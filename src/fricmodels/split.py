@@ -12,6 +12,7 @@ from pydantic import BaseModel, ConfigDict, Field, NonNegativeInt, PositiveFloat
 from fricmodels.arrays import Array, Index, Mask
 from fricmodels.errors import InputError
 from fricmodels.recording import Recording
+from fricmodels.signals.segments import gap_length
 
 _ENOUGH_RUNS = 4
 """With so many runs whole ones are kept back: a cut within one would leave too short pieces."""
@@ -22,8 +23,8 @@ class Split(BaseModel):
 
     Attributes:
         by: ``spread``, whole runs spread over all where there are four or more, else blocks; ``blocks``, every so
-            many-th of equal blocks of time, spread over each run; ``runs``, the last runs; ``cycles``, the last cycles
-            of periodic motion in each run; ``time``, a piece of time in each run.
+            many-th of equal blocks of time, pauses left out, spread over each run; ``runs``, the last runs; ``cycles``,
+            the last cycles of periodic motion in each run; ``time``, a piece of time in each run.
         fraction: share that is kept back: of the runs, of the time of each run (its end), of the blocks.
         test_runs: numbers or names of the runs that are kept back, instead of a fraction.
         test_cycles: cycles kept back at the end of each run.
@@ -137,13 +138,24 @@ def _runs(recording: Recording, how: Split) -> Mask:
     return np.isin(recording.run, wanted)
 
 
-def _elapsed(recording: Recording) -> tuple[Array, Array]:
+def _elapsed(recording: Recording, time: Array | None = None) -> tuple[Array, Array]:
     """Return the time since the start of the run, and the duration of the run, of each sample."""
+    time = recording.time if time is None else time
     numbers, inverse = np.unique(recording.run, return_inverse=True)
     start, stop = np.full(len(numbers), np.inf), np.full(len(numbers), -np.inf)
-    np.minimum.at(start, inverse, recording.time)
-    np.maximum.at(stop, inverse, recording.time)
-    return recording.time - start[inverse], (stop - start)[inverse]
+    np.minimum.at(start, inverse, time)
+    np.maximum.at(stop, inverse, time)
+    return time - start[inverse], (stop - start)[inverse]
+
+
+def _without_pauses(recording: Recording) -> Array:
+    """Return the time of each sample [s] as if every gap were one sampling interval: in a gap there is nothing."""
+    step = np.diff(recording.time)
+    pause = (step >= gap_length(recording.time, recording.run)) & (np.diff(recording.run) == 0)
+    if not pause.any():
+        return recording.time
+    paused = np.cumsum(np.where(pause, step - recording.interval, 0.0))
+    return np.asarray(recording.time - np.append(0.0, paused))
 
 
 def _time(recording: Recording, how: Split) -> Mask:
@@ -163,7 +175,7 @@ def _cycles(recording: Recording, how: Split) -> Mask:
 
 
 def _blocks(recording: Recording, how: Split) -> Mask:
-    elapsed, duration = _elapsed(recording)
+    elapsed, duration = _elapsed(recording, _without_pauses(recording))
     block = np.minimum((how.blocks * elapsed / np.where(duration > 0, duration, 1.0)).astype(int), how.blocks - 1)
     return np.asarray(np.isin(block, _spread_over(how.blocks, how.fraction)))
 

@@ -32,6 +32,9 @@ COUNTS = {
     "units": (400, 30_000),
     "columns": (300, 25_000),
     "csv": (250, 20_000),
+    "csv without names": (100, 10_000),
+    "json": (150, 10_000),
+    "jsonl": (100, 5_000),
     "tournament": (200, 13_000),
     "rig": (200, 10_000),
     "parquet": (150, 4_000),
@@ -284,6 +287,24 @@ def test_csv(length: int, tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("length", LENGTHS)
+def test_csv_without_names(length: int, tmp_path: Path) -> None:
+    of_files(
+        "csv without names", length, tmp_path / "log.csv", edited(motion().to_csv(index=False, header=False)), finite
+    )
+
+
+@pytest.mark.parametrize("length", LENGTHS)
+def test_json(length: int, tmp_path: Path) -> None:
+    shapes = [edited(motion().to_json(orient=shape)) for shape in ("records", "columns", "values")]
+    of_files("json", length, tmp_path / "log.json", st.one_of(shapes), finite)
+
+
+@pytest.mark.parametrize("length", LENGTHS)
+def test_an_object_a_line(length: int, tmp_path: Path) -> None:
+    of_files("jsonl", length, tmp_path / "log.jsonl", edited(motion().to_json(orient="records", lines=True)), finite)
+
+
+@pytest.mark.parametrize("length", LENGTHS)
 def test_tournament(length: int, tmp_path: Path) -> None:
     of_files("tournament", length, tmp_path / "config.yaml", edited(TOURNAMENT), planned)
 
@@ -316,6 +337,7 @@ def test_matlab_of_version_7_3(length: int, tmp_path: Path) -> None:
 def test_what_is_edited_is_right_without_edits(tmp_path: Path) -> None:
     for name, content in (
         ("log.csv", motion().to_csv(index=False).encode()),
+        ("log.json", motion().to_json(orient="records").encode()),
         ("log.parquet", parquet()),
         ("log.mat", matlab()),
         ("log.h5", hdf5(False)),

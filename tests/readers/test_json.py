@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pandas as pd
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -39,7 +40,7 @@ def write(path: Path, content: object) -> Path:
 def assert_read(path: Path, columns: tuple[str, ...] = MAPPED) -> None:
     found = read(path, columns=columns)
     for channel, values in (("time", TIME), ("position", POSITION), ("torque", TORQUE)):
-        assert np.array_equal(found[channel], values)
+        assert np.allclose(found[channel], values, rtol=0.0, atol=1e-14)
 
 
 SHAPES: dict[str, tuple[object, tuple[str, ...]]] = {
@@ -47,6 +48,8 @@ SHAPES: dict[str, tuple[object, tuple[str, ...]]] = {
     "lists": (lists(), MAPPED),
     "entries beside other things": ({"mass": 0.5, "motor": "m", "kp": 32, "entries": records()}, MAPPED),
     "lists beside other things": ({"rate": 100.0, "log": lists(), "tags": ["a", "b"], "empty": []}, MAPPED),
+    "as pandas writes a table": (json.loads(pd.DataFrame(records()).to_json(double_precision=15)), MAPPED),
+    "as pandas writes its rows": (json.loads(pd.DataFrame(records()).T.to_json(double_precision=15)), MAPPED),
     "nested": (
         [{"stamp": {"s": r["t"]}, "joint": {"q": r["q"], "tau": r["tau"]}} for r in records()],
         ("time=stamp.s", "position=joint.q", "torque=joint.tau"),

@@ -203,6 +203,8 @@ def quantisation(log: Log) -> Iterator[Finding]:
         values = log.short.recording[channel]
         if step <= 0.0 or channel in ("temperature", "load_torque"):
             continue
+        if channel == "torque" and "current" in log.measured:
+            continue  # it stands on the grid of the current
         if channel in ("torque", "current") and is_switched(values):
             yield Finding(
                 "switched",

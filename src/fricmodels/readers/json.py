@@ -25,10 +25,10 @@ class JsonReader(Reader):
     """JSON documents.
 
     Samples are a list of objects, ``[{"t": 0.0, "q": 1.2}, …]``, one object a line, or a list for each name, ``{"t":
-    [0.0, …], "q": [1.2, …]}``. They may lie in an object beside shorter ones; then its name is left out. What is nested
-    is called ``joint.q``, the parts of a vector ``q(1)``, ``q(2)``. Rows without names, ``[[0.0, 1.2], …]``, have
-    columns 1, 2, …; several such tables of one width and of different lengths are runs, with their names in the column
-    ``run``.
+    [0.0, …], "q": [1.2, …]}``; in the place of a list may be an object of numbered samples, as pandas writes it. They
+    may lie in an object beside shorter ones; then its name is left out. What is nested is called ``joint.q``, the parts
+    of a vector ``q(1)``, ``q(2)``. Rows without names, ``[[0.0, 1.2], …]``, have columns 1, 2, …; several such tables
+    of one width and of different lengths are runs, with their names in the column ``run``.
     """
 
     name = "json"
@@ -94,6 +94,7 @@ def _parsed(path: Path, text: str, line: int) -> Any:
 
 def _columns(content: Any) -> Mapping[str, Any]:
     """Return arrays by name, nested as the objects are."""
+    content = _unnumbered(content)
     if isinstance(content, list):
         table = _of_rows(content)
         return table if isinstance(table, Mapping) else {} if table is None else _numbered(table)
@@ -115,6 +116,12 @@ def _length(part: Any) -> int:
     return max(map(_length, part.values())) if isinstance(part, Mapping) else len(part)
 
 
+def _unnumbered(content: Any) -> Any:
+    """Return the list of samples of an object that has them by their number; anything else as it is."""
+    numbered = isinstance(content, dict) and len(content) > 1 and all(name.isdecimal() for name in content)
+    return [*content.values()] if numbered else content
+
+
 def _numbered(table: Any) -> dict[str, Any]:
     columns = table[:, None] if table.ndim == 1 else table
     return {str(i): column for i, column in enumerate(columns.T, start=1)}
@@ -122,6 +129,7 @@ def _numbered(table: Any) -> dict[str, Any]:
 
 def _part(value: Any) -> Any:
     """Return an array, or arrays by name; ``None`` for what is neither."""
+    value = _unnumbered(value)
     if isinstance(value, dict):
         return {name: part for name, of in value.items() if (part := _part(of)) is not None} or None
     return _of_rows(value) if isinstance(value, list) else None
