@@ -84,3 +84,47 @@ def test_every_number_is_read_as_it_stands(values: list[float]) -> None:
     line = "q1:{}, torque [Nm]:{},v:{}".format(*map(repr, values))
     assert labels_of(line) == ["q1", "torque [Nm]", "v"]
     assert [float(x) for x in without_labels(line, ["q1", "torque [Nm]", "v"]).split(",")] == values
+
+
+EPOS = (
+    "Date:;2020-07-09 22:38:08",
+    "Firmware Version:;0x0120;0x6150;0x0000;0x0000",
+    "Recorded samples:;500",
+    'Trigger:;1;0.000000;"Parameter values";"Rising above value"',
+)
+SCOPE = ("Name\tProject 1", "File\tC:\\log.svdx", "Start\t12:00\t17.3", "")
+PROSE = ("measured on the bench, 3 A", "", "sampling 10 ms")
+
+
+@pytest.mark.parametrize(("preamble", "mark", "decimal"), [(EPOS, ";", ","), (SCOPE, "\t", "."), (PROSE, ",", ".")])
+@pytest.mark.parametrize("names", ["names", "names and units", "none"])
+def test_what_a_recorder_writes_before_its_table(
+    tmp_path: Path, preamble: tuple[str, ...], mark: str, decimal: str, names: str
+) -> None:
+    table = write(tmp_path / "table.csv", rows(), mark, decimal).read_text()
+    bare = read(tmp_path / "table.csv", columns=MAPPED)
+    header = {"names": HEADER, "names and units": ("t", "T", "spare", "angle"), "none": None}[names]
+    lines = [*preamble, *([mark.join(header)] if header else [])]
+    lines += [mark.join(("ms", "mN*m", "-", "deg"))] if names == "names and units" else []
+    path = tmp_path / "log.csv"
+    path.write_text("\n".join(lines) + "\n" + table)
+    mapped = {"names": NAMED, "names and units": ("time=t", "torque=T", "position=angle"), "none": MAPPED}[names]
+    found = read(path, columns=mapped)
+    for channel in ("time", "torque", "position"):
+        assert np.array_equal(found[channel], bare[channel])
+    spoilt = path.read_text().splitlines()
+    spoilt[-1] = spoilt[-1].replace(mark, f"{mark}much", 1)
+    path.write_text("\n".join(spoilt))
+    with pytest.raises(InputError, match=f"line {len(spoilt)}, column .*much.* is not a number"):
+        read(path, columns=mapped)
+
+
+def test_a_column_without_a_name_beside_others_is_called_by_its_number(tmp_path: Path) -> None:
+    lines = ["Date:;2020-07-09", ";speed;load", "ms;rpm;%", *(f"{10 * i};{50 * np.sin(i):.2f};{i}" for i in range(20))]
+    (tmp_path / "log.csv").write_text("\n".join(lines))
+    found = read(tmp_path / "log.csv", columns=("time=1", "velocity=speed", "torque=load:0.1N*m"))
+    assert found.time[1] == pytest.approx(0.01)
+    assert found.torque[3] == pytest.approx(0.3)
+    assert found.velocity[1] == pytest.approx(42.07 * np.pi / 30)
+    with pytest.raises(InputError, match=r"'%' .*100 %.*as in torque=COLUMN:0\.1N\*m"):
+        read(tmp_path / "log.csv", columns=("time=1", "velocity=speed", "torque=load"))

@@ -166,6 +166,9 @@ def conversion(unit: str, channel: str, motion: Motion) -> Conversion:
         hint = "; state the counts a turn, such as count/2000" if _COUNT.search(unit) else ""
         if is_voltage(unit):
             hint = "; a voltage is not a torque: give the current with --torque-constant, or the torque itself"
+        if "%" in unit:
+            of = {"torque": "0.1N*m", "current": "0.1A"}.get(channel, "0.01")
+            hint = f"; say what 1 % is, a hundredth of what 100 % stands for, as in {channel}=COLUMN:{of}"
         hint = hint or ("; use turn/s or rad/s" if "hz" in unit.lower() else "")
         raise InputError(
             f"the unit '{unit}' does not measure the {channel.replace('_', ' ')} of a {motion} drive, "

@@ -1,0 +1,175 @@
+"""How a text file with a table is written: delimiter, decimal mark, names of the columns, where the data begin."""
+
+from __future__ import annotations
+
+import csv
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from fricmodels.errors import InputError
+from fricmodels.readers import units
+from fricmodels.readers.labelled import labels_of
+
+_COMMENTS = ("#", "%")
+_NUMBER = re.compile(r"\s*[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?\s*$|\s*[-+]?(nan|inf(inity)?)\s*$", re.IGNORECASE)
+DECIMAL_COMMA = re.compile(r"^(\s*[-+]?\d*),(\d+(?:[eE][-+]?\d+)?\s*)$")
+
+
+_LONGEST_LINE = 1_000_000
+_MOST_COLUMNS = 10_000
+_LOOKED_AT = 200
+"""Lines from which the dialect is told. A recorder may write dozens of its own settings before its table."""
+_ROWS = 4
+"""So many lines of numbers of one width are the beginning of a table."""
+
+_PREAMBLE = 2
+"""Lines before a table, names included, if there is more than names that the first line gives."""
+
+
+@dataclass(frozen=True)
+class Dialect:
+    """How a text file is written: with a name before every number of a line if it is ``labelled``."""
+
+    encoding: str
+    delimiter: str
+    decimal: str
+    header: list[str]
+    units: dict[str, str]
+    first: int
+    """Number of lines before the first line of data."""
+    labelled: bool = False
+
+
+def lines_of(path: Path, encoding: str, skip: int = 0) -> Iterator[tuple[int, str]]:
+    """Yield (line number from 1, line) without comments and blank lines."""
+    with path.open(encoding=encoding, errors="replace", newline=None) as stream:
+        for number, line in enumerate(stream, start=1):
+            if number > skip and line.strip() and not line.lstrip().startswith(_COMMENTS):
+                yield number, line.rstrip("\r\n")
+
+
+def _encoding(path: Path) -> str:
+    with path.open("rb") as stream:
+        start = stream.read(1 << 16)
+    if start.startswith((b"\xff\xfe", b"\xfe\xff")):
+        return "utf-16"
+    if b"\x00" in start:
+        raise InputError(f"{path}: this is not text; name its format by the suffix or --reader")
+    try:
+        start[: len(start) - 4 if len(start) == 1 << 16 else None].decode("utf-8-sig")
+    except UnicodeDecodeError:
+        return "latin-1"
+    return "utf-8-sig"
+
+
+def fields_of(line: str, delimiter: str) -> list[str]:
+    """Return the fields of a line, without blanks about them."""
+    if delimiter == " ":
+        return line.split()
+    try:
+        return [field.strip() for field in next(csv.reader([line], delimiter=delimiter, skipinitialspace=True))]
+    except csv.Error:  # a field of more than 131 072 characters
+        return [field.strip() for field in line.split(delimiter)]
+
+
+def sniff(path: Path) -> Dialect:
+    """Find out how a text file is written, from its first lines.
+
+    Raises:
+        InputError: for a file with nothing in it, or with what is no table.
+    """
+    encoding = _encoding(path)
+    lines = [pair for pair, _ in zip(lines_of(path, encoding), range(_LOOKED_AT), strict=False)]
+    longest = max(lines, key=lambda pair: len(pair[1]), default=(0, ""))
+    if len(longest[1]) > _LONGEST_LINE:
+        raise InputError(f"{path}: line {longest[0]} has {len(longest[1])} characters; is this a table of samples?")
+    if not lines:
+        raise InputError(f"{path}: the file is empty")
+    if (labels := labels_of(lines[0][1])) is not None:
+        return Dialect(encoding, ",", ".", labels, {}, lines[0][0] - 1, labelled=True)
+    lines = _without_preamble(_commented_header(path, encoding, lines[0][0], lines[0][1]) + lines)
+    number, header_line = lines[0]
+    body = [line for _, line in lines[1:]]
+    delimiter = _delimiter(header_line, body)
+    header = fields_of(header_line, delimiter)
+    named = not all(_is_number(field, delimiter) for field in header if field)
+    if len(header) > _MOST_COLUMNS:
+        raise InputError(
+            f"{path}: line {number} names {len(header)} columns, more than {_MOST_COLUMNS}; keep those of one drive"
+        )
+    stated: dict[str, str] = {}
+    first = number
+    if not named:
+        header = [str(i) for i, _ in enumerate(header, start=1)]
+        first, body = number - 1, [header_line, *body]
+    elif body:
+        header = [name or str(i) for i, name in enumerate(header, start=1)] if header[0] == "" else header
+        fields = fields_of(body[0], delimiter)
+        numeric = [bool(_NUMBER.match(field) or DECIMAL_COMMA.match(field)) for field in fields]
+        if len(body) > 1 and any(fields) and not any(numeric) and len(fields) <= len(header):
+            pairs = [(name, field.strip("[]() ")) for name, field in zip(header, fields, strict=False)]
+            stated = {name: unit for name, unit in pairs if unit not in ("", "-")}
+            first, body = lines[1][0], body[1:]
+    fields = [field for line in body for field in fields_of(line, delimiter)]
+    commas = sum(bool(DECIMAL_COMMA.match(field)) for field in fields)
+    points = sum("." in field and bool(_NUMBER.match(field)) for field in fields)
+    if body and len(fields_of(body[0], delimiter)) == len(header) + 1 and not fields_of(body[0], delimiter)[-1]:
+        header = [*header, ""]
+    return Dialect(encoding, delimiter, "," if commas > points else ".", header, stated, first)
+
+
+def _without_preamble(lines: list[tuple[int, str]]) -> list[tuple[int, str]]:
+    """Return the lines from the names of the columns on, where a recorder wrote settings of its own before them.
+
+    That is where the first line has another number of fields than the table of numbers. The names are in
+    the last line before it that is as wide, or in the one before that where the last has units; where none is as wide
+    the table has no names.
+    """
+    for delimiter in ("\t", ";", ",", " "):
+        rows = [fields_of(line, delimiter) for _, line in lines]
+        widths = [len(row) if _all_numbers(row, delimiter) else 0 for row in rows]
+        ends = range(_ROWS, len(rows) + 1)
+        begin = next((i - _ROWS for i in ends if min(widths[i - _ROWS : i]) == max(widths[i - _ROWS : i]) > 1), 0)
+        width = len(rows[begin])
+        if begin < _PREAMBLE or len(rows[0]) == width:
+            continue
+        names = begin - 1 if len(rows[begin - 1]) == width else begin
+        if names and names < begin and len(rows[names - 1]) == width and _are_units(rows[names]):
+            names -= 1
+        return lines[names:]
+    return lines
+
+
+def _all_numbers(fields: list[str], delimiter: str) -> bool:
+    return any(fields) and all(_is_number(field, delimiter) for field in fields if field)
+
+
+def _are_units(fields: list[str]) -> bool:
+    """Whether most of some fields can be read as units."""
+    said = [field.strip("[]() ") for field in fields]
+    known = [field in ("", "-") or units.known(field) for field in said]
+    return any(said) and 2 * sum(known) > len(known)
+
+
+def _is_number(field: str, delimiter: str) -> bool:
+    return bool(_NUMBER.match(field) or (delimiter != "," and DECIMAL_COMMA.match(field)))
+
+
+def _commented_header(path: Path, encoding: str, number: int, line: str) -> list[tuple[int, str]]:
+    """Return the comment right above the data if it names the columns, where the first line is numbers already."""
+    if number == 1 or not all(_NUMBER.match(field) for field in re.split(r"[\s,;]+", line.strip()) if field):
+        return []
+    with path.open(encoding=encoding, errors="replace") as stream:
+        comment = [text for _, text in zip(range(number - 1), stream, strict=False)][-1].strip().lstrip("#% ")
+    delimiter = _delimiter(comment, [line])
+    names = len(fields_of(comment, delimiter))
+    return [(number - 1, comment)] if names > 1 and names == len(fields_of(line, delimiter)) else []
+
+
+def _delimiter(header: str, body: list[str]) -> str:
+    for candidate in ("\t", ";", ","):
+        if candidate in header:
+            return candidate
+    return " " if body and len(header.split()) == len(body[0].split()) > 1 else ","
