@@ -330,3 +330,20 @@ def test_what_is_large_for_longer_or_switched_is_no_spike() -> None:
     relay = np.where(np.arange(8000) % 977 == 0, 3.0, -3.0)
     for torque in (CLEAN.torque, blow, relay, np.round(CLEAN.torque)):
         assert not [found for found in findings(changed(torque=torque)) if found.kind == "spike"]
+
+
+@pytest.mark.parametrize(("unit", "said"), [("rad", "steps of 0.5 rad"), ("", "steps of 0.5,")])
+@pytest.mark.parametrize("column", ["other.elbow=q2:rad", "other.elbow=q2", "other.elbow=q2:deg"])
+def test_a_further_channel_on_a_grid_is_said_with_its_unit(column: str, unit: str, said: str) -> None:
+    elbow = 0.5 * np.round(4.0 * np.sin(3.0 * CLEAN.time) + 0.3 * CLEAN.velocity)
+    recording = replace(changed(**{"other.elbow": elbow}), units={"other.elbow": unit})
+    recording = replace(recording, provenance={"columns": {"other.elbow": column}})
+    found = [one.text for one in findings(recording) if one.channel == "other.elbow"]
+    assert any(said in text for text in found)
+
+
+def test_a_further_channel_that_hardly_takes_values_is_said_and_a_smooth_one_is_not() -> None:
+    noise = np.random.default_rng(0).standard_normal(8000)
+    for values, kinds_of in ((np.full(8000, 3.0), []), (np.arange(8000.0), []), (np.sign(noise), ["quantisation"])):
+        found = findings(changed(**{"other.x": values}))
+        assert [one.kind for one in found if one.channel == "other.x"] == kinds_of

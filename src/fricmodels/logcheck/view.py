@@ -197,11 +197,14 @@ class Log:
 
     def unit(self, channel: str) -> str:
         """Return the SI unit of a channel, as it is printed."""
-        return UNITS.get(channel, "").format(length=self.length_unit, force=self.force_unit).replace("*", " ")
+        written = UNITS.get(channel) or self.recording.units.get(channel, "")
+        return written.format(length=self.length_unit, force=self.force_unit).replace("*", " ")
 
     def size(self, channel: str, value: float) -> str:
         """Return a value of a channel with its unit: in that of its column first, where that is another."""
-        plain = f"{value:.4g} {self.unit(channel)}"
+        plain = f"{value:.4g} {self.unit(channel)}".rstrip()
+        if channel not in UNITS:
+            return plain
         given = self.column(channel)[1].removeprefix("-1 ")
         if self.recording.motion not in units.fits(given, channel):  # none, or one of a current
             return plain
