@@ -4,11 +4,11 @@ The weak form says whether an effect is there; how much it matters is what the e
 allow a shift by 0.6 samples, so that a longer delay is nearly nothing in them, and all of the error of single samples.
 So where nothing is large enough in the rows, what is significant there is fitted, and counts if the error falls far.
 
-The weak form also leaves out where a drive may have stuck, or turned twice, between two samples. An effect with memory
-may do nearly all that it does there: a contact bends and a gap is crossed within a few samples of standstill. So where
-the weak form names nothing, or an effect with which the error hardly falls, effects with memory are tested on all
-motion. There sampling alone may look like one of them. One counts only if the model that is fitted with it leaves far
-less of the whole recording.
+The weak form also leaves out where a drive may have stuck, or turned twice, between two samples. An effect may do
+nearly all that it does there: a contact bends, a gap is crossed and friction falls within a few samples of standstill.
+So where the weak form names nothing, or an effect with memory with which the error hardly falls, effects are tested on
+all motion. There sampling alone may look like one of them. One counts only if most of it lies outside of the rows, and
+if the model that is fitted with it leaves far less of the whole recording.
 """
 
 from __future__ import annotations
@@ -18,7 +18,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from fricmodels import plugins
 from fricmodels.diagnosis.candidate_tests import CandidateTest, CandidateTests, candidate_tests
 from fricmodels.diagnosis.comparison import Comparison
 from fricmodels.diagnosis.floor import beyond_sampling_percent, is_above_noise
@@ -135,16 +134,13 @@ def _helps(refits: Refits, tested: CandidateTest, policy: Policy) -> bool:
 
 
 def _on_all_motion(refits: Refits, leave_out: set[str], bound: float, policy: Policy) -> LookAlikes | None:
-    """Return the effect with memory that explains all motion and leaves less than a bound [% of the RMS torque]."""
+    """Return the effect that explains all motion and leaves less than a bound [% of the RMS torque]."""
     comparison = refits.comparison
     if _error(comparison) < policy.refit_fall:
         return None
-    effects, parameters = plugins.load().effects, comparison.estimate.parameters
-    with_memory = [name for name in effects if effects[name].states]
     problem = replace(comparison.problem)  # a copy: what it remembers goes with it
-    result = candidate_tests(
-        problem.including_uncertain_motion, parameters, leave_out=leave_out, only=with_memory, policy=policy
-    )
+    every, parameters = problem.including_uncertain_motion, comparison.estimate.parameters
+    result = candidate_tests(every, parameters, leave_out=leave_out, policy=policy)
     passing = [t for t in passing_significance(result) if _share_in_rows(problem, t) < policy.judged_by_weak_form]
     return _best(refits, result, passing, leave_out, bound)
 

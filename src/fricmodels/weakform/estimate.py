@@ -49,6 +49,8 @@ _EXTRAPOLATES = 2.0
 """Factor of the sum of squares that the fit to all rows leaves of the whole recording: a fit to a part of the rows that
 leaves more says what these rows cannot know. Clear of reversals no speed may be low, and a stick torque that decays
 before the first of them has no bound: the ratio was 10^11."""
+_FAR_LESS = 0.1
+"""Share of what a fit to all motion gains over the whole recording that it may lose in the rows of certain motion."""
 _WELL = 0.1
 """Standard error of a parameter that is known well, as a share of it: with all of them so, no second fit is made."""
 _ROWS = 4
@@ -258,9 +260,12 @@ def _whatever_the_direction(
         return final
     again, scanned = (_solved(every, begin) for begin in ({**start, **final.parameters}, start))
     other = scanned if scanned.solution.cost < (1.0 - _CLEARLY) * again.solution.cost else again
-    asked_for = too_much(left(final), left(other))
-    allowed = asked_for and not too_much(final.left_by(other.values), final.solution.cost)
-    return identified(other) if allowed else final
+    everywhere, certain = (left(final), left(other)), (final.solution.cost, final.left_by(other.values))
+    if not too_much(*everywhere):
+        return final
+    gained = (everywhere[0] - everywhere[1]) / float(np.sum(problem.recording.driving_torque**2))
+    lost = (certain[1] - certain[0]) / float(np.sum(problem.driving**2))
+    return final if too_much(certain[1], certain[0]) and lost > _FAR_LESS * gained else identified(other)
 
 
 def _explains_torque_by_itself(drive: Drive) -> bool:
