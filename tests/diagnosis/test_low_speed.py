@@ -1,4 +1,4 @@
-"""Friction that acts about standstill, where the direction of motion is not certain and the rows see hardly any of it."""
+"""Friction about standstill, where the direction of motion is not certain and the rows see hardly any of it."""
 
 from __future__ import annotations
 

@@ -18,6 +18,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from fricmodels.diagnosis.by_fit import most_of_the_error
 from fricmodels.diagnosis.candidate_tests import CandidateTest, CandidateTests, candidate_tests
 from fricmodels.diagnosis.comparison import Comparison
 from fricmodels.diagnosis.floor import beyond_sampling_percent, is_above_noise
@@ -28,7 +29,6 @@ from fricmodels.diagnosis.verdict import (
     LookAlikes,
     contains,
     passing_all_gates,
-    passing_significance,
     significant,
     torque_share,
 )
@@ -141,7 +141,10 @@ def _on_all_motion(refits: Refits, leave_out: set[str], bound: float, policy: Po
     problem = replace(comparison.problem)  # a copy: what it remembers goes with it
     every, parameters = problem.including_uncertain_motion, comparison.estimate.parameters
     result = candidate_tests(every, parameters, leave_out=leave_out, policy=policy)
-    passing = [t for t in passing_significance(result) if _share_in_rows(problem, t) < policy.judged_by_weak_form]
+    # Few events hold what an effect does there, and of very different size, so that its gain is not significant. The
+    # test error of the fitted model has to fall far in its place.
+    seen = [t for t in result.tested if t.adjusted < policy.significance and t.evidence.gain > 0.0]
+    passing = [t for t in seen if _share_in_rows(problem, t) < policy.judged_by_weak_form]
     return _best(refits, result, passing, leave_out, bound)
 
 
@@ -170,7 +173,9 @@ def _best(
             break
     else:
         return None
-    if not judge(result, leave_out, LookAlikes(first, (first,))).stands(first, policy):
+    judgement = judge(result, leave_out, LookAlikes(first, (first,)))
+    by_error = any(found.first is first for found in most_of_the_error(refits, judgement))
+    if not judgement.stands(first, policy) and not by_error:
         return None
     alike = policy.alike_after_refit
     near = [t for other, _, t in trials if other <= alike * error]

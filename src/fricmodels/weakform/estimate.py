@@ -27,7 +27,7 @@ from fricmodels.recording import Recording
 from fricmodels.score.torque import filtered_torque_error, sliding_half_width
 from fricmodels.signals.rest import once
 from fricmodels.weakform.friction_limits import limits_of_friction
-from fricmodels.weakform.identification import identified
+from fricmodels.weakform.identification import FAR_WORSE, identified
 from fricmodels.weakform.inference import is_contradicted
 from fricmodels.weakform.least_squares import NormalEquations
 from fricmodels.weakform.model_velocity import at_model_velocity
@@ -45,10 +45,6 @@ Array = NDArray[np.float64]
 _SMOOTH = 64
 """Samples that a test function spans where an effect with memory is searched for: through narrower ones a contact that
 closes a sample late is an error of its own, and the search ends where few are late, far from the truth."""
-_EXTRAPOLATES = 2.0
-"""Factor of the sum of squares that the fit to all rows leaves of the whole recording: a fit to a part of the rows that
-leaves more says what these rows cannot know. Clear of reversals no speed may be low, and a stick torque that decays
-before the first of them has no bound: the ratio was 10^11."""
 _FAR_LESS = 0.1
 """Share of what a fit to all motion gains over the whole recording that it may lose in the rows of certain motion."""
 _WELL = 0.1
@@ -207,7 +203,7 @@ def _estimated(
         clear = clear_of_reversals(held, left)
         if clear is not held:
             final = identified(solve(clear.problem, found.plan, timing=found.timing))
-    if whole is not None and final.problem is not whole.problem and left(final) > _EXTRAPOLATES * left(whole):
+    if whole is not None and final.problem is not whole.problem and left(final) > FAR_WORSE * left(whole):
         final = identified(whole)
     if not drive.model.states and not drive.model.delay and _may_be_extrapolated(drive, final):
         final = _whatever_the_direction(final, problem, start, left)
@@ -265,7 +261,7 @@ def _whatever_the_direction(
         return final
     gained = (everywhere[0] - everywhere[1]) / float(np.sum(problem.recording.driving_torque**2))
     lost = (certain[1] - certain[0]) / float(np.sum(problem.driving**2))
-    return final if too_much(certain[1], certain[0]) and lost > _FAR_LESS * gained else identified(other)
+    return final if too_much(certain[1], certain[0]) and lost > _FAR_LESS * gained else identified(other, left)
 
 
 def _explains_torque_by_itself(drive: Drive) -> bool:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -24,11 +24,15 @@ _MEMBER = 0.05
 """Share of a direction of length 1 from which a parameter belongs to it."""
 _NO_PART = 1e-6
 """Share below which it does not."""
+FAR_WORSE = 2.0
+"""Factor of the sum of squares that a fit leaves of the whole recording. One to a part of the rows that leaves more
+says what these rows cannot know. Clear of reversals no speed may be low, and a stick torque that decays before the
+first of them has no bound: the ratio was 10^11."""
 _ANYTHING = 1e6
 """Variance along a direction that is not determined, in units of the largest that is."""
 
 
-def identified(found: Solved) -> Solved:
+def identified(found: Solved, left: Callable[[Solved], float] | None = None) -> Solved:
     """Return the fit with what the recording does not determine named, and held at nothing where that costs nothing.
 
     One parameter after the other is held, the least determined first, as long as all that are held may together be what
@@ -39,6 +43,8 @@ def identified(found: Solved) -> Solved:
 
     Args:
         found: the fit with nothing held.
+        left: sum of squares that a fit leaves of the whole recording, which may not contradict it either: a small shift
+            of the reversals may stand for a friction that acts there in the rows, and in nothing else.
     """
     problem, drive = found.problem, found.problem.drive
     recording = problem.recording
@@ -67,7 +73,8 @@ def identified(found: Solved) -> Solved:
             refused.add(key)
             continue
         smaller = with_or_without_shift(found, plan)
-        if key != loose and _contradict(now, smaller):
+        far_worse = left is not None and left(smaller) > FAR_WORSE * left(now)
+        if key != loose and (far_worse or _contradict(now, smaller)):
             refused.add(key)
             continue
         held[key] = f"{reasons[key]}; held at {value:.3g}"
