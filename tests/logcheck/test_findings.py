@@ -347,3 +347,9 @@ def test_a_further_channel_that_hardly_takes_values_is_said_and_a_smooth_one_is_
     for values, kinds_of in ((np.full(8000, 3.0), []), (np.arange(8000.0), []), (np.sign(noise), ["quantisation"])):
         found = findings(changed(**{"other.x": values}))
         assert [one.kind for one in found if one.channel == "other.x"] == kinds_of
+
+
+@pytest.mark.parametrize(("unit", "said"), [("0.5 deg", "2 × 0.5 deg ("), ("deg", "1 deg (")])
+def test_a_unit_that_has_a_size_is_not_run_together_with_a_number(unit: str, said: str) -> None:
+    log = Log(replace(CLEAN, provenance={"columns": {"position": f"position=q:{unit}"}}))
+    assert log.size("position", np.pi / 180.0).startswith(said)

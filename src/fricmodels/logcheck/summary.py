@@ -7,15 +7,15 @@ from typing import Any
 
 import numpy as np
 
-from fricmodels.arrays import Array
 from fricmodels.logcheck.check import findings_of
 from fricmodels.logcheck.colour import channel_noise
 from fricmodels.logcheck.finding import Finding
 from fricmodels.logcheck.view import Log
 from fricmodels.recording import Recording
 from fricmodels.signals.clusters import LEVEL
+from fricmodels.signals.in_place import BAND
 from fricmodels.signals.noise_level import noise_of
-from fricmodels.signals.rest import resting
+from fricmodels.signals.rest import resting, smoothed_velocity
 from fricmodels.signals.stamps import unevenness
 from fricmodels.signals.switched import is_switched
 
@@ -169,7 +169,7 @@ def summary(recording: Recording, inertia: float | None = None) -> Summary:
         gap_time=float(lost.sum()),
         rest=1.0 - float(np.mean(moving)),
         forward=float(np.mean(velocity[moving] > 0.0)) if moving.any() else 0.0,
-        reversals=_reversals(velocity[moving], recording.run[moving]),
+        reversals=_reversals(recording),
         travel=None if position is None else float(np.ptp(position)),
         band=_band(log),
         feedback=_feedback(log.short),
@@ -177,9 +177,12 @@ def summary(recording: Recording, inertia: float | None = None) -> Summary:
     )
 
 
-def _reversals(velocity: Array, run: Array) -> int:
-    sign = np.sign(velocity)
-    return int(np.count_nonzero((np.diff(sign) != 0) & (np.diff(run) == 0)))
+def _reversals(recording: Recording) -> int:
+    """Return how often the velocity changes its sign, where noise does not decide on that."""
+    velocity, error = smoothed_velocity(recording)
+    sure = np.abs(velocity) > BAND * error
+    turned = np.diff(np.sign(velocity[sure])) != 0.0
+    return int(np.count_nonzero(turned & (np.diff(recording.run[sure]) == 0)))
 
 
 def _band(log: Log) -> float:

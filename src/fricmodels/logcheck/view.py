@@ -209,4 +209,5 @@ class Log:
         if self.recording.motion not in units.fits(given, channel):  # none, or one of a current
             return plain
         factor = units.conversion(given, channel, self.recording.motion).factor
-        return plain if abs(factor - 1.0) < 1e-12 else f"{value / factor:.4g} {given} ({plain})"
+        times = " × " if given[:1].isdigit() else " "
+        return plain if abs(factor - 1.0) < 1e-12 else f"{value / factor:.4g}{times}{given} ({plain})"
