@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from fricmodels.diagnosis import improve
+from fricmodels.diagnosis import diagnose, improve
 from fricmodels.dimension import Motion
 from fricmodels.recording import Recording
 
@@ -44,6 +44,14 @@ def test_friction_that_falls_at_low_speed_is_named_though_the_rows_do_not_see_it
     own = found["stribeck.F_s"] * np.exp(-((6.0 / found["stribeck.omega_s"]) ** found["stribeck.delta"]))
     assert found["K_c"] + own == pytest.approx(rest, rel=0.04), "the friction at 6 rad/s"
     assert ladder.last.verdict == "adequate"
+
+
+def test_what_would_have_been_seen_is_no_less_than_what_was_not() -> None:
+    """Of a Stribeck friction the rows see next to nothing: what they would have shown is far more of the whole."""
+    seen = diagnose(sine(0.0, 1), "coulomb-viscous", INERTIA).visibility
+    assert seen["torque-offset"].smallest_percent < 1.0
+    hidden = seen["stribeck"]
+    assert hidden.smallest_percent > 20.0 or "direction of motion is not certain" in hidden.missing
 
 
 @pytest.mark.parametrize("seed", [1, pytest.param(2, marks=pytest.mark.long)])

@@ -12,9 +12,12 @@ from fricmodels.diagnosis.candidate_tests import CandidateTest, CandidateTests
 from fricmodels.diagnosis.floor import above_noise
 from fricmodels.signals.order_spectrum import LEAST_PERIODS
 from fricmodels.weakform.lines import Whitened, fast_band, smallest_line
+from fricmodels.weakform.problem import WeakFormProblem
 from fricmodels.weakform.regression import LEAST_P
 from fricmodels.weakform.search import fastest_in_rows
 from fricmodels.weakform.steps import Steps
+
+_HIDDEN = "it acts where the direction of motion is not certain; to see it, record "
 
 
 @dataclass(frozen=True)
@@ -74,9 +77,30 @@ def _smallest(result: CandidateTests, tested: CandidateTest) -> Visibility:
         spread, directions = np.linalg.eigh(tested.evidence.covariance)
         theta = directions[:, -1] * np.sqrt(critical * max(spread[-1], 0.0))
         needed = max(gain_needed, float(np.sqrt(np.mean((theta @ free) ** 2))))
-    share = max(needed / reference, policy.least_torque) if reference > 0 else float("nan")
+    beyond = _beyond_rows(problem, tested)
+    share = beyond * max(needed / reference, policy.least_torque) if reference > 0 else float("nan")
+    if beyond > 1.0 and share > 1.0:  # more than all of the torque
+        return Visibility(float("nan"), float("nan"), _HIDDEN + tested.effect.needs_motion)
     torque = share * float(np.sqrt(np.mean(problem.recording.torque**2)))
     return Visibility(100 * share, torque, "")
+
+
+def _beyond_rows(problem: WeakFormProblem, tested: CandidateTest) -> float:
+    """Return the RMS torque of an effect over all motion, in units of that in the rows whose direction is certain.
+
+    Friction that falls with speed does nearly all that it does about standstill, where there are no rows: as much of it
+    as they would show is far more of the whole. Of several columns that counts of which the rows see least.
+    """
+    every = problem.including_uncertain_motion
+    if every.rows == problem.rows or not problem.rows:
+        return 1.0
+    alone, found = problem.alone(tested.effect), tested.found
+    whole, seen = (np.mean(of.columns(alone, found.nonlinear, found.delay)[0] ** 2, axis=1) for of in (every, problem))
+    acts = whole > 0.0
+    if not np.any(acts):
+        return 1.0
+    ratio = np.divide(whole[acts], seen[acts], out=np.full(int(acts.sum()), np.inf), where=seen[acts] > 0.0)
+    return max(1.0, float(np.sqrt(ratio.max())))
 
 
 def critical_f(level: float, q: int, n: int) -> float:
