@@ -60,7 +60,8 @@ def test_the_models_on_the_way_have_parameters_wherever_these_stand(earlier: Dia
     (alone,) = earlier.model_copy(update={"ladder": (bare,)}).steps
     assert alone == earlier.ladder[0]
     (given,) = ComparisonDocument.steps.fget(earlier)  # type: ignore[attr-defined]
-    assert given == earlier.ladder[0]
+    assert given == earlier.ladder[0].model_copy(update={"noise_floor_percent": earlier.noise_floor_percent})
+    assert earlier.last_noise_floor_percent == earlier.noise_floor_percent, "its ladder has no noise of its own"
 
 
 def test_keys_that_a_later_version_adds_are_kept(tmp_path: Path) -> None:
