@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from pathlib import Path
 
 import numpy as np
@@ -128,3 +129,14 @@ def test_a_column_without_a_name_beside_others_is_called_by_its_number(tmp_path:
     assert found.velocity[1] == pytest.approx(42.07 * np.pi / 30)
     with pytest.raises(InputError, match=r"'%' .*100 %.*as in torque=COLUMN:0\.1N\*m"):
         read(tmp_path / "log.csv", columns=("time=1", "velocity=speed", "torque=load"))
+
+
+@pytest.mark.parametrize("blank", [" ", "\t", ", ", ";"])
+def test_many_blanks_take_no_time(blank: str) -> None:
+    """The time of a search that goes back over them grows with their cube: minutes for some thousand."""
+    line = "a:1" + blank * 50_000 + "b:2"
+    started = time.process_time()
+    assert labels_of("a" + blank * 50_000 + "b") is None
+    found = without_labels(line + "\na:3" + blank * 50_000, ["a", "b"])
+    assert time.process_time() - started < 2.0
+    assert found.splitlines()[0] == "1,2"

@@ -127,6 +127,9 @@ def _without_preamble(lines: list[tuple[int, str]]) -> list[tuple[int, str]]:
     the last line before it that is as wide, or in the one before that where the last has units; where none is as wide
     the table has no names.
     """
+    own = _delimiter(lines[0][1], [lines[-1][1]])
+    if len(fields_of(lines[0][1], own)) == len(fields_of(lines[-1][1], own)) > 1:
+        return lines
     for delimiter in ("\t", ";", ",", " "):
         rows = [fields_of(line, delimiter) for _, line in lines]
         widths = [len(row) if _all_numbers(row, delimiter) else 0 for row in rows]

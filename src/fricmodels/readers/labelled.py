@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 
-_NAME = r"[^\W\d][^:=,;\t\n]*?"
+_NAME = r"[^\W\d](?:[^:=,;\t\n]*[^:=,;\s])?"
 _VALUE = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?|nan|[-+]?inf"
 _PAIR = re.compile(rf"\s*({_NAME})\s*[:=]\s*({_VALUE})\s*(?:[,;\t]\s*|\s|$)", re.IGNORECASE)
 
@@ -23,6 +23,7 @@ def labels_of(line: str) -> list[str] | None:
 
 def without_labels(text: str, labels: list[str]) -> str:
     """Return the text with a comma in the place of every name but the first of a line, which is left out."""
-    first, *others = (rf"{re.escape(label)}[ \t]*[:=]" for label in labels)
-    text = re.sub(rf"^[ \t]*{first}", "", text, flags=re.MULTILINE)
-    return re.sub(rf"[ \t]*[,;]?[ \t]*(?:{'|'.join(others)})", ",", text)
+    first, *others = (rf"{re.escape(label)}[ \t]*+[:=]" for label in labels)
+    text = re.sub(rf"^[ \t]*+{first}", "", text, flags=re.MULTILINE)
+    # From the first blank of several, and no way back: many of them are looked at once.
+    return re.sub(rf"(?<![ \t,;])[ \t,;]++(?:{'|'.join(others)})", ",", text)

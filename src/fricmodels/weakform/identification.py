@@ -27,7 +27,8 @@ _NO_PART = 1e-6
 FAR_WORSE = 2.0
 """Factor of the sum of squares that a fit leaves of the whole recording. One to a part of the rows that leaves more
 says what these rows cannot know. Clear of reversals no speed may be low, and a stick torque that decays before the
-first of them has no bound: the ratio was 10^11."""
+first of them has no bound: the ratio was 10^11. Of twelve sines with a Stribeck friction two have no name without it.
+"""
 _ANYTHING = 1e6
 """Variance along a direction that is not determined, in units of the largest that is."""
 
