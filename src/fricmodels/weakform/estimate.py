@@ -35,16 +35,12 @@ from fricmodels.weakform.nonlinear import Plan
 from fricmodels.weakform.problem import WeakFormProblem
 from fricmodels.weakform.reversals import clear_of_reversals
 from fricmodels.weakform.ripple import carriers_of
-from fricmodels.weakform.search import search
 from fricmodels.weakform.sharpened import at_sharpened_velocity
-from fricmodels.weakform.shifted import regression_of
 from fricmodels.weakform.solve import WITHIN, Solved, begins_where, solve
+from fricmodels.weakform.starting import starts_of
 
 Array = NDArray[np.float64]
 
-_SMOOTH = 64
-"""Samples that a test function spans where an effect with memory is searched for: through narrower ones a contact that
-closes a sample late is an error of its own, and the search ends where few are late, far from the truth."""
 _FAR_LESS = 0.1
 """Share of what a fit to all motion gains over the whole recording that it may lose in the rows of certain motion: it
 was 0.4 % where one was refused. Of twelve sines with a Stribeck friction three have no name if it may lose nothing."""
@@ -165,12 +161,25 @@ def _of_smaller(
 def _estimated(
     drive: Drive, recording: Recording, start: Mapping[str, float], width: int | None, *, model_velocity: bool
 ) -> tuple[WeakFormProblem, Estimate]:
-    """Return :func:`estimate`, which keeps what was found."""
+    """Return :func:`estimate`, which keeps what was found; of several places to begin from, what leaves least."""
+
+    def fit(smaller: Drive, width: int | None) -> tuple[WeakFormProblem, Mapping[str, float]]:
+        rows, found = _of_smaller(smaller, recording, start, width)
+        return rows, found.parameters
+
+    starts = starts_of(drive, start, fit)
+    fits = [_begun_at(drive, recording, begin, width, model_velocity=model_velocity) for begin in starts]
+    return fits[0] if len(fits) == 1 else min(fits, key=lambda fit: _left(drive, recording, fit[1].parameters))
+
+
+def _begun_at(
+    drive: Drive, recording: Recording, start: Mapping[str, float], width: int | None, *, model_velocity: bool
+) -> tuple[WeakFormProblem, Estimate]:
+    """Return the fit that begins from some nonlinear parameters."""
 
     def left(found: Solved) -> float:
         return _left(drive, recording, found.parameters)
 
-    start = _started(drive, recording, start)
     first = WeakFormProblem.of(drive, recording, _guess(drive, recording, start), width)
     carriers = carriers_of(first, start)
     found = _solved(first.carrying(carriers), start)
@@ -188,7 +197,8 @@ def _estimated(
             problem = replace(plain, estimated=found.parameters).carrying(carriers)
             found = _solved(problem, {**start, **found.parameters})
     whole = None  # the fit to all rows, where there may be one to a part of them
-    if drive.model.states or drive.model.delay:
+    by_recording = bool(drive.model.states or drive.model.delay)
+    if by_recording:
         # A memory or a delay has most to say where it is not certain how the drive moved; that may mislead it, too.
         other = _solved(problem.including_uncertain_motion, {**start, **found.parameters})
         found = min(found, other, key=left)
@@ -197,8 +207,9 @@ def _estimated(
         if whole.problem.smooth is problem.smooth:
             whole = at_sharpened_velocity(whole)
         found = clear_of_reversals(whole, left)
-    final = identified(found)
-    if model_velocity and final.plan.held and not drive.model.delay and not drive.model.states:
+    # What the whole recording has chosen it may also hold.
+    final = identified(found, left if by_recording else None)
+    if model_velocity and final.plan.held and not by_recording:
         # With less to find, the rows clear of reversals may say more than all of them.
         held = final.changed(free=None, others=())
         clear = clear_of_reversals(held, left)
@@ -206,7 +217,7 @@ def _estimated(
             final = identified(solve(clear.problem, found.plan, timing=found.timing))
     if whole is not None and final.problem is not whole.problem and left(final) > FAR_WORSE * left(whole):
         final = identified(whole)
-    if not drive.model.states and not drive.model.delay and _may_be_extrapolated(drive, final):
+    if not by_recording and _may_be_extrapolated(drive, final):
         final = _whatever_the_direction(final, problem, start, left)
     limits = limits_of_friction(drive, plain.recording, final.parameters)
     rows = replace(plain, friction_limits=limits, estimated=dict(final.parameters), shift=_known(final))
@@ -269,11 +280,16 @@ def _explains_torque_by_itself(drive: Drive) -> bool:
     """Whether an effect goes with the motor torque, as a gain does: the recorded one it could explain by itself.
 
     A law whose friction goes with the load takes the recorded torque: what a fit explains of it is less true at
-    reversals, where the acceleration jumps.
+    reversals, where the acceleration jumps. So does a wave over position times the torque, τ·cos kq: noise n of the
+    torque has no part in it, since n²·cos kq averages out. What a fit explains of the torque lacks what a controller
+    does against the wave itself, and that times the wave does not average out: K_v and K_c were off by up to 20 standard
+    errors, of twenty rough drives (`benchmarks/effect_coverage.py --effects torque-ripple`).
     """
-    return any("motor_torque" in Model(drive.model.law, [effect]).needs for effect in drive.model.effects) and (
-        "motor_torque" not in Model(drive.model.law).needs
-    )
+    law = Model(drive.model.law)
+    if "motor_torque" in law.needs:
+        return False
+    steady = [e for e in drive.model.effects if not any(p.periodic for p in e.parameters)]
+    return any("motor_torque" in Model(drive.model.law, [effect]).needs for effect in steady)
 
 
 def _solved(problem: WeakFormProblem, start: Mapping[str, float], found: Solved | None = None) -> Solved:
@@ -321,32 +337,6 @@ def _left(drive: Drive, recording: Recording, parameters: Mapping[str, float]) -
     """Return the sum of squares that a model leaves over all of a recording."""
     error = filtered_torque_error(drive, parameters, recording, sliding_half_width(recording))
     return float(error @ error)
-
-
-def _started(drive: Drive, recording: Recording, start: Mapping[str, float]) -> Mapping[str, float]:
-    """Return where to begin: what is not given of an effect is searched for in what the model without it leaves.
-
-    A wave number, a delay or an instant must be near the truth for a fit of the whole model to find it.
-    """
-    keys = {p.key for p in drive.model_parameters if (not p.linear or p.declared.delay) and p.key not in start}
-    for effect in reversed(drive.model.effects):
-        wanted = [p.symbol for p in effect.parameters if f"{effect.name}.{p.symbol}" in keys]
-        if not wanted:
-            continue
-        smaller = Drive(drive.model.minus(effect.name), drive.inertia, drive.motion)
-        problem, rest = _of_smaller(smaller, recording, start, _SMOOTH if effect.states else None)
-        found = search(problem, regression_of(problem, rest.parameters), effect, problem.alone(effect))
-        if found is None:
-            return start
-        nonlinear = [p.symbol for p in effect.parameters if not _linear_in(drive, f"{effect.name}.{p.symbol}")]
-        values = {f"{effect.name}.{s}": value for s, value in zip(nonlinear, found.nonlinear, strict=True)}
-        values |= {f"{effect.name}.{p.symbol}": found.delay for p in effect.parameters if p.delay}
-        return {**rest.parameters, **values, **start}
-    return start
-
-
-def _linear_in(drive: Drive, key: str) -> bool:
-    return next(p.linear for p in drive.model_parameters if p.key == key)
 
 
 def _guess(drive: Drive, recording: Recording, start: Mapping[str, float]) -> dict[str, float]:
