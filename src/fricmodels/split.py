@@ -16,6 +16,8 @@ from fricmodels.signals.segments import gap_length
 
 _ENOUGH_RUNS = 4
 """With so many runs whole ones are kept back: a cut within one would leave too short pieces."""
+_FAIR = 0.25
+"""Least share of its fair part that blocks kept back hold of what a drive does for a block's time or longer."""
 
 
 class Split(BaseModel):
@@ -175,9 +177,30 @@ def _cycles(recording: Recording, how: Split) -> Mask:
 
 
 def _blocks(recording: Recording, how: Split) -> Mask:
+    """Mark blocks at even distances, the first choice of which that holds of all that the drive does for long.
+
+    A slow drive may rest, or go one way, in none of the blocks that come first. What it does then could not be judged.
+    """
     elapsed, duration = _elapsed(recording, _without_pauses(recording))
     block = np.minimum((how.blocks * elapsed / np.where(duration > 0, duration, 1.0)).astype(int), how.blocks - 1)
-    return np.asarray(np.isin(block, _spread_over(how.blocks, how.fraction)))
+    first = _spread_over(how.blocks, how.fraction)
+    choices = [np.isin(block, (first + moved) % how.blocks) for moved in range(how.blocks)]
+    kinds = [kind for kind in _kinds(recording) if float(np.mean(kind)) >= 1.0 / how.blocks]
+    for test in choices:
+        there = float(np.mean(test))
+        if all(float(np.mean(test[kind])) >= _FAIR * there for kind in kinds):
+            return np.asarray(test)
+    return np.asarray(choices[0])
+
+
+def _kinds(recording: Recording) -> list[Mask]:
+    """Return where the drive rests, goes forward and goes backward, where a channel tells."""
+    from fricmodels.signals import resting, smoothed_velocity
+
+    if "velocity" not in recording and "position" not in recording:
+        return []
+    rest, velocity = resting(recording), smoothed_velocity(recording)[0]
+    return [rest, ~rest & (velocity > 0.0), ~rest & (velocity < 0.0)]
 
 
 def period(recording: Recording) -> float:

@@ -73,4 +73,7 @@ def test_an_inertia_beside_a_fast_wave_is_not_that_of_noise(made: Made, noise: f
     assert found.parameters["J"] == pytest.approx(TRUE["J"], rel=0.01)
     assert error["J"] < 0.01 * TRUE["J"]
     for key, value in {**TRUE, "cogging.k": FAST}.items():
+        if key in found.not_identified:  # 10 % of noise may hide the wave, and the fit says so
+            assert (noise, key) == (10.0, "cogging.k")
+            continue
         assert abs(found.parameters[key] - value) < 5 * error[key] + 0.005 * value, key

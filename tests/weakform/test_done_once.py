@@ -18,7 +18,8 @@ from fricmodels.weakform.cases import as_held, with_or_without_shift
 from fricmodels.weakform.nonlinear import Plan
 from fricmodels.weakform.predicted_velocity import wandering_level
 from fricmodels.weakform.problem import WeakFormProblem
-from fricmodels.weakform.solve import STRONG, Solved, begins_where, solve
+from fricmodels.weakform.shift_evidence import STRONG, could_be_shifted, log_odds_of_a_shift, log_odds_of_held
+from fricmodels.weakform.solve import Solved, begins_where, solve
 
 Made = Callable[..., Recording]
 EXPONENTIAL = Drive(Model.parse("exponential-stick-slip"))
@@ -76,18 +77,18 @@ def test_no_variance_makes_a_shift_evident_that_could_not_be(problem: WeakFormPr
         place = len(theta) - 1
         variances = np.zeros((len(found.solution.jacobian),) * 2)
         variances[place, place] = (spread * interval) ** 2
-        other.__dict__["_spread"] = variances
+        other.__dict__["spread"] = variances
         return other
 
     for samples in (-0.4, -0.1, 0.0, 0.05, 0.15, 0.2, 0.24, 0.5, 0.9):
         fits = [shifted(samples, spread) for spread in np.geomspace(1e-4, 10.0, 40).tolist()]
-        evident = [fit for fit in fits if fit.log_odds_of_a_shift(reversals=False) > STRONG]
-        assert fits[0].could_be_shifted or not evident
+        evident = [fit for fit in fits if log_odds_of_a_shift(fit, reversals=False) > STRONG]
+        assert could_be_shifted(fits[0]) or not evident
         if samples < 0.25:
-            assert all(fit.log_odds_of_held(reversals=False) <= np.log(5.0) + 1e-9 for fit in fits)
+            assert all(log_odds_of_held(fit, reversals=False) <= np.log(5.0) + 1e-9 for fit in fits)
             assert all(as_held(fit) is None for fit in fits)
-    assert not shifted(0.0, 1.0).could_be_shifted
-    assert shifted(0.9, 1.0).could_be_shifted
+    assert not could_be_shifted(shifted(0.0, 1.0))
+    assert could_be_shifted(shifted(0.9, 1.0))
 
 
 def test_only_cases_that_may_be_are_fitted(problem: WeakFormProblem) -> None:

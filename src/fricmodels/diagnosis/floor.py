@@ -85,9 +85,8 @@ def is_far_above_noise(comparison: Comparison, policy: Policy = POLICY) -> bool:
 def is_noticed(comparison: Comparison, percent: float, policy: Policy = POLICY) -> bool:
     """Whether what could be predicted makes up a noticeable part of the error that users are shown.
 
-    Of an error that is no more than the noise was estimated to leave nothing is, where it was fitted and where it was
-    not: what a channel predicts of it is the noise itself, as that of the counts from which a drive derives its
-    velocity.
+    As large a part must be more than the noise was estimated to leave, where it was fitted and where it was not: else
+    what a channel predicts of it is the noise itself, as that of the counts from which a drive derives its velocity.
 
     Args:
         comparison: the fitted model.
@@ -96,7 +95,8 @@ def is_noticed(comparison: Comparison, percent: float, policy: Policy = POLICY) 
     """
     line = comparison.errors.headline
     whole = 0.5 * (line.percent**2 + line.held_out_percent**2)
-    is_more = min(whole, line.held_out_percent**2) > line.noise_floor_percent**2
+    least = min(whole, line.held_out_percent**2)
+    is_more = least - line.noise_floor_percent**2 > policy.noticed * least
     return is_more and percent**2 >= policy.noticed * whole
 
 

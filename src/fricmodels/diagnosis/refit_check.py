@@ -70,8 +70,9 @@ def _led_by_fit(refits: Refits, named: LookAlikes, policy: Policy) -> LookAlikes
     What explains the rows as well need not fit the record as well. The first in the rows gives way to one with no more
     parameters whose error is lower by the margin of an exchange, and to one with more whose error is far lower. What
     happened once gives way to what repeats with no more parameters and as low an error: that can be tested again. One
-    that comes out as nothing, or as a friction that drives, is no look-alike. One that does not show with what repeats
-    counted once stays in the class, behind the others; what is at its search bound does not come before what is not.
+    that comes out as nothing, or as a friction that drives, is no look-alike; nor is one that explains less than half
+    of the squared test error that the first does. One that does not show with what repeats counted once stays in the
+    class, behind the others; what is at its search bound does not come before what is not.
     """
     tried = named.members[: policy.step_trials]
     if len(tried) == 1:
@@ -81,7 +82,6 @@ def _led_by_fit(refits: Refits, named: LookAlikes, policy: Policy) -> LookAlikes
     if not possible:
         return named
     first, *others = possible
-    members = (*possible, *doubtful, *named.members[len(tried) :])
     least = refits.test_error(first)
     for other in others:
         if other.found.at_search_bound and not first.found.at_search_bound:
@@ -91,6 +91,10 @@ def _led_by_fit(refits: Refits, named: LookAlikes, policy: Policy) -> LookAlikes
         margin = 1 + policy.exchange_margin if repeats else 1 - policy.exchange_margin if simple else policy.refit_share
         if error <= margin * least:
             first, least = other, error
+    before = refits.comparison.sliding.held_out_percent
+    enough = before**2 - policy.own_share * max(before**2 - least**2, 0.0)
+    alike = [t for t in possible if t is first or least >= before or refits.test_error(t) ** 2 <= enough]
+    members = (*alike, *doubtful, *named.members[len(tried) :])
     return LookAlikes(first, (first, *(t for t in members if t is not first)))
 
 

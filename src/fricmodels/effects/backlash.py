@@ -62,7 +62,7 @@ class Backlash(Effect):
         initial=10.0,
         lower=1e-9,
         meaning="deceleration of the load by its own dry friction",
-        scan=(0.5, 1.0, 2.0, 4.0),
+        scan=(0.03, 0.1, 0.3, 1.0, 3.0),
     )
     omega_v = Parameter(
         "omega_v",

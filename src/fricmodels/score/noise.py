@@ -22,6 +22,8 @@ _MEAN = 0.02
 """Time over which motion is averaged [s]."""
 _MEDIAN = 0.4549
 """Median of the square of a standard normal number."""
+_STILL = 1e-8
+"""Share of the RMS change from sample to sample below which a signal stands still: the last digits of a filter."""
 
 
 def white_noise(recording: Recording, channel: str) -> float:
@@ -37,14 +39,21 @@ def white_noise(recording: Recording, channel: str) -> float:
 
 
 def _fast(recording: Recording, channel: str) -> float | None:
-    """Return the standard deviation of what passes the high-pass filter; ``None`` on uneven or few samples."""
-    values, filtered = recording[channel], []
+    """Return the standard deviation of what passes the high-pass filter; ``None`` on uneven or few samples.
+
+    Counts that stand still, as those of a drive that rests for most of a recording, say nothing of noise.
+    """
+    values, filtered, weights = recording[channel], [], _high_pass()
+    change = np.abs(np.diff(values, prepend=values[:1]))
+    changes = change > _STILL * float(np.sqrt(np.mean(change**2)))
     for part in stretches(recording.time, recording.run):
         if part.stop - part.start >= 2 * _TAPS:
             if not is_even(recording.time[part]):
                 return None
-            filtered.append(np.convolve(values[part] - values[part.start], _high_pass(), "valid"))
-    return float(np.sqrt(np.median(np.concatenate(filtered) ** 2) / _MEDIAN)) if filtered else None
+            within = np.convolve(changes[part][1:], np.ones(len(weights) - 1), "valid") > 0.5
+            filtered.append(np.convolve(values[part] - values[part.start], weights, "valid")[within])
+    squares = np.concatenate(filtered) ** 2 if filtered else np.zeros(0)
+    return float(np.sqrt(np.median(squares) / _MEDIAN)) if len(squares) else (0.0 if filtered else None)
 
 
 def noise_like(recording: Recording, channel: str, rng: np.random.Generator) -> Array:

@@ -2,36 +2,53 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from fricmodels.weakform.nonlinear import Plan
-from fricmodels.weakform.solve import STRONG, Solved, solve
+from fricmodels.weakform.shift_evidence import (
+    STRONG,
+    log_odds_of_a_shift,
+    log_odds_of_exact,
+    log_odds_of_held,
+    nearly_unshifted,
+)
+from fricmodels.weakform.solve import Solved, solve
 
+_EXACT, _NEARLY, _SHIFTED, _HELD = range(4)
+"""Cases: instants that are exact, or true to a twentieth of a sample; shifted by up to a sample; a held torque."""
 _UNLIKELY = 1e-4
 """A choice of nuisances that is less probable than this is not reckoned with."""
 
 
 def with_or_without_shift(found: Solved, plan: Plan) -> Solved:
-    """Fit without a shift in time, with that of a held torque, and with any small one; return the one to be taken.
+    """Fit with exact instants, with nearly exact ones, held, and with any small shift; return the one to be taken.
 
-    A torque goes on between samples or is held, as controllers do; both are equally probable before anything is known,
-    and standard errors are over all cases, each as probable as it is. What is taken for the estimate has to have strong
-    evidence if it is a shift, that of a held torque too: chance would shift every second recording that says nothing.
-    Where the rows are at a velocity that the fit predicts, that velocity has already told whether the torque is held.
+    A torque goes on between samples or is held, as controllers do, its instants are exact, true to a twentieth of a
+    sample, or shifted; all are equally probable before anything is known, and standard errors are over all cases, each
+    as probable as it is. What is taken for the estimate has to have strong evidence if it is less simple: chance would
+    shift every second recording that says nothing. Where the rows are at a velocity that the fit predicts, that
+    velocity has already told where in its interval the torque acts.
     """
+    plan = replace(plan, shifts=())
     shifted = found.with_shift if plan == found.again else found.once_more(plan, timing=True)
-    odds = [0.0, shifted.log_odds_of_a_shift()]
+    odds = [log_odds_of_exact(shifted), 0.0, log_odds_of_a_shift(shifted)]
     if _may_be_held(shifted):
-        odds.append(shifted.log_odds_of_held())
-    fixed = 2 if len(odds) > 2 and found.feedback is None and odds[2] > STRONG else 0
-    chosen = 1 if odds[1] - odds[fixed] > STRONG else fixed
+        odds.append(log_odds_of_held(shifted))
+    chosen = _EXACT
+    for case in (_SHIFTED,) if found.feedback is not None else (_NEARLY, *range(_HELD, len(odds)), _SHIFTED):
+        simpler = [_EXACT] if case == _NEARLY else [_EXACT, _NEARLY, chosen]
+        chosen = case if odds[case] - max(odds[other] for other in simpler) > STRONG else chosen
     weights = np.exp(np.array(odds) - max(odds))
     weights /= weights.sum()
 
     def fit(case: int) -> Solved:
-        if case == 1:
+        if case == _SHIFTED:
             return shifted
-        if case == 0:
+        if case == _NEARLY:
+            return nearly_unshifted(shifted, plan)
+        if case == _EXACT:
             return found.once_more(plan, timing=False)
         return solve(found.problem.at(held=True), plan, timing=False)
 
@@ -47,9 +64,9 @@ def as_held(found: Solved) -> Solved | None:
     have the odds are ln 5 at most.
     """
     nearer_to_none = found.shift < 0.25 * found.problem.recording.interval
-    if nearer_to_none or not _may_be_held(found) or found.log_odds_of_held(reversals=False) <= STRONG:
+    if nearer_to_none or not _may_be_held(found) or log_odds_of_held(found, reversals=False) <= STRONG:
         return None
-    if found.log_odds_of_a_shift(reversals=False, than=0.5) > STRONG:
+    if log_odds_of_a_shift(found, reversals=False, than=0.5) > STRONG:
         return None
     return solve(found.problem.at(held=True), found.plan)
 

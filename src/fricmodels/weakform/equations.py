@@ -84,6 +84,7 @@ def projection(problem: WeakFormProblem, plan: Plan, *, timing: bool) -> tuple[P
     linear = [p for p in problem.drive.parameters if p.linear]
     constraints, limits = _constraints(problem.drive, problem.delay, _largest_push(problem.recording))
     held = {i: plan.held[p.key] for i, p in enumerate(linear) if p.key in plan.held}
+    held |= dict(enumerate(plan.shifts, len(linear)))
     search = nonlinear_search(problem.drive, problem.recording, plan)
     return Projection(equations(problem, timing=timing), constraints, limits, held), search
 

@@ -202,6 +202,8 @@ def _begun_at(
         # A memory or a delay has most to say where it is not certain how the drive moved; that may mislead it, too.
         other = _solved(problem.including_uncertain_motion, {**start, **found.parameters})
         found = min(found, other, key=left)
+        if drive.model.states:
+            found = at_sharpened_velocity(found)
     elif model_velocity:
         whole = at_model_velocity(found, widen=width is None)
         if whole.problem.smooth is problem.smooth:
@@ -282,8 +284,8 @@ def _explains_torque_by_itself(drive: Drive) -> bool:
     A law whose friction goes with the load takes the recorded torque: what a fit explains of it is less true at
     reversals, where the acceleration jumps. So does a wave over position times the torque, τ·cos kq: noise n of the
     torque has no part in it, since n²·cos kq averages out. What a fit explains of the torque lacks what a controller
-    does against the wave itself, and that times the wave does not average out: K_v and K_c were off by up to 20 standard
-    errors, of twenty rough drives (`benchmarks/effect_coverage.py --effects torque-ripple`).
+    does against the wave itself, and that times the wave does not average out: on rough drives K_v and K_c were off by
+    up to 20 standard errors (`benchmarks/effect_coverage.py --effects torque-ripple`).
     """
     law = Model(drive.model.law)
     if "motor_torque" in law.needs:

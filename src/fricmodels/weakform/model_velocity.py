@@ -21,7 +21,8 @@ from fricmodels.weakform.hidden import drowned, sign_is_hidden
 from fricmodels.weakform.inference import is_contradicted
 from fricmodels.weakform.predicted_velocity import ModelVelocity, both_ways, model_velocity, risk, sought
 from fricmodels.weakform.row_noise import FEWEST_WHERE_ALL_COUNT, NOISE_SHARE_WHERE_ALL_COUNT, bump_width
-from fricmodels.weakform.solve import STRONG, Solved, solve
+from fricmodels.weakform.shift_evidence import STRONG, could_be_shifted, log_odds_of_a_shift
+from fricmodels.weakform.solve import Solved, solve
 from fricmodels.weakform.tangent import tangents
 
 Array = NDArray[np.float64]
@@ -73,9 +74,9 @@ def at_model_velocity(found: Solved, *, widen: bool = True) -> Solved:
         if velocity and (predicted is None or velocity.prediction_error < predicted.prediction_error):
             best, predicted = solve(other.problem, found.plan, timing=False), velocity
     # Simulated with the torque at another time the velocity would be another, and what it is now hides the shift.
-    if found.could_be_shifted and found.log_odds_of_a_shift(reversals=False) > STRONG:
+    if could_be_shifted(found) and log_odds_of_a_shift(found, reversals=False) > STRONG:
         return at_smooth
-    if best.with_shift.log_odds_of_a_shift() > STRONG:
+    if log_odds_of_a_shift(best.with_shift) > STRONG:
         return at_smooth
     more = found.left_by(best.values) / found.solution.cost - 1.0
     contradicted = found is not at_smooth and is_contradicted(more, len(found.values), found.problem.independent)

@@ -149,11 +149,13 @@ class Plan:
         start: values of nonlinear parameters to start from, by key.
         held: values at which parameters are held that the recording does not determine, by key.
         nearly: whether the start is the optimum of nearly the same rows.
+        shifts: coefficients at which the nuisances are held, in their order; free if there are none.
     """
 
     start: Mapping[str, float] = field(default_factory=dict)
     held: Mapping[str, float] = field(default_factory=dict)
     nearly: bool = False
+    shifts: tuple[float, ...] = ()
 
 
 def nonlinear_search(drive: Drive, recording: Recording, plan: Plan = Plan()) -> Nonlinear:

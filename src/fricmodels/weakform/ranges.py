@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from fricmodels.dimension import DISPLACEMENT, TIME, VELOCITY, Dimension
+from fricmodels.dimension import ACCELERATION, DISPLACEMENT, TIME, VELOCITY, Dimension
 from fricmodels.parameter import Parameter
 from fricmodels.recording import Recording
 from fricmodels.signals.lanczos import lanczos_value
@@ -56,13 +56,24 @@ def _sizes(recording: Recording) -> tuple[float, float, float, float]:
 def scan_size(recording: Recording, parameter: Parameter) -> float:
     """Return the recording's own size of a parameter, in which its ``scan`` is counted.
 
-    A time of the drive's own does not grow with how long was recorded: it is counted in 20 000 samples at most.
+    A time of the drive's own does not grow with how long was recorded: it is counted in 20 000 samples at most. An
+    acceleration is counted in that of the motion, which does not fall with how far the drive goes.
     """
+    if parameter.dimension == ACCELERATION:
+        return _acceleration(recording)
     size = natural_size(recording, parameter.dimension)
     if not parameter.own_time:
         return size
     records = _sizes(recording)[1] / (_RECORD * recording.interval)
     return float(size * max(records, 1.0) ** -float(parameter.dimension.time))
+
+
+@once
+def _acceleration(recording: Recording) -> float:
+    """Return the RMS acceleration of a motion, or of an even one that which its natural sizes make."""
+    velocity, _ = smoothed_velocity(recording)
+    rate = lanczos_value(recording.time, velocity, _WIDTH, recording.run, order=1)
+    return float(np.sqrt(np.mean(rate**2))) or natural_size(recording, ACCELERATION)
 
 
 def scan_values(recording: Recording, parameter: Parameter) -> list[float]:

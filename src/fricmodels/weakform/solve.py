@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Hashable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 from typing import Any
@@ -11,15 +11,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fricmodels.recording import Recording
-from fricmodels.signals.rest import once
 from fricmodels.weakform.equations import projection
 from fricmodels.weakform.inference import at_least, covariance
 from fricmodels.weakform.instants import instant_error
 from fricmodels.weakform.least_squares import NormalEquations
 from fricmodels.weakform.nonlinear import Plan
 from fricmodels.weakform.problem import WeakFormProblem
-from fricmodels.weakform.regression import cosine_terms
 from fricmodels.weakform.staircase import scatter_of_steps
 from fricmodels.weakform.stepwise import by_steps, to_the_end
 from fricmodels.weakform.variable_projection import THINNED, Solution, ranked
@@ -29,15 +26,8 @@ Array = NDArray[np.float64]
 _NEARLY_ALL, _MUCH_MORE = 0.9, 2.0
 """Share of the rows that two sets have in common, to tell which start leaves least of either, and how many times as
 much the next best start must leave."""
-STRONG = 3.0
-"""Logarithm of 20 to 1: strong evidence on the scale of Kass and Raftery (1995)."""
 WITHIN = 0.999
 """Share of a sample up to which a shift is within its bound."""
-_NO_FRICTION = 1e-9
-"""A Coulomb torque of less than this share of the largest torque is none."""
-_TRUE_TO, _HELD_TO = 0.025, 0.005
-"""A twentieth and a hundredth of a sample, in units of two samples: how true instants are if there is no shift, and if
-the torque is held. By another twentieth the inertia torque, ten times the viscous one, would change K_v by a tenth."""
 
 
 @dataclass(frozen=True)
@@ -54,6 +44,7 @@ class Solved:
         not_identified: key → reason.
         free: the fit with nothing held, whose covariance counts: what is held is not known to be so.
         feedback: by how much an error grows, because the rows follow the fit, shape (n, n); see :mod:`.model_velocity`.
+        of_shifts: covariance by what the nuisances may be that the plan holds, in the order of the drive's parameters.
     """
 
     problem: WeakFormProblem
@@ -64,12 +55,13 @@ class Solved:
     not_identified: Mapping[str, str] = field(default_factory=dict)
     free: Solved | None = None
     feedback: Array | None = None
+    of_shifts: Array | None = None
 
     def changed(self, **changes: Any) -> Solved:
         """Return a copy with other attributes than the rows, the plan or the solution; what these show is kept."""
         copy = replace(self, **changes)
-        for name in ("places", "values", "_spread", "with_shift", "_known_odds"):
-            if name in self.__dict__:
+        for name in ("places", "values", "spread", "with_shift", "known_odds"):
+            if name in self.__dict__ and not (name == "spread" and "of_shifts" in changes):
                 copy.__dict__[name] = self.__dict__[name]
         return copy
 
@@ -105,17 +97,23 @@ class Solved:
     def shift(self) -> float:
         """Time [s] by which motion was recorded after the torque: of a held one half a sample."""
         bounded = "motor_torque_rate" not in self.problem.drive.model.needs
-        nuisances = self._nuisances
+        nuisances = self.nuisances
         held = 0.5 * self.problem.recording.interval if self.problem.held else 0.0
         return held + (float(self.solution.theta[nuisances[-1]]) if bounded and len(nuisances) else 0.0)
 
     @property
-    def _nuisances(self) -> NDArray[np.int64]:
+    def nuisances(self) -> NDArray[np.int64]:
+        """Places of the nuisances in the solution."""
         linear = sum(p.linear for p in self.problem.drive.parameters)
         return np.arange(linear, len(self.solution.theta))
 
     @cached_property
-    def _spread(self) -> Array:
+    def known_odds(self) -> dict[Hashable, float]:
+        """What :mod:`.shift_evidence` has found, by what was asked."""
+        return {}
+
+    @cached_property
+    def spread(self) -> Array:
         """Covariance in the order of the solution; 0 for what is held."""
         solution, (free, normal) = self.solution, self._free
         result = np.zeros((len(solution.jacobian),) * 2)
@@ -126,6 +124,8 @@ class Solved:
             moved = scatter @ jacobian.T @ normal.inverse
             found = at_least(found, moved.T @ moved / len(scatter))
         result[np.ix_(free, free)] = found
+        if self.of_shifts is not None:
+            result[np.ix_(self.places, self.places)] += self.of_shifts
         return result
 
     def left_by(self, values: Array) -> float:
@@ -153,7 +153,8 @@ class Solved:
         keys = self.problem.drive.keys
         parameters = self.problem.drive.parameters
         fixed = {int(self.places[i]) for i, p in enumerate(parameters) if p.declared.constant or p.declared.instant}
-        return {int(self.places[keys.index(key)]) for key in self.plan.held} | fixed
+        shifts = set(self.nuisances.tolist()) if self.plan.shifts else set()
+        return {int(self.places[keys.index(key)]) for key in self.plan.held} | fixed | shifts
 
     @cached_property
     def _instants(self) -> dict[int, float]:
@@ -179,7 +180,7 @@ class Solved:
         """Independent equations less the parameters, over by how much variances exceed those of independent errors."""
         solution, independent = self.solution, self.problem.independent
         free, normal = self._free
-        own, plain = np.diag(self._spread)[free], np.diag(normal.inverse) * solution.cost / independent
+        own, plain = np.diag(self.spread)[free], np.diag(normal.inverse) * solution.cost / independent
         exceed = np.divide(own, plain, out=np.ones(len(free)), where=plain > 0.0)
         return max(independent - len(solution.jacobian), 1.0) / max(1.0, float(np.max(exceed, initial=1.0)))
 
@@ -197,11 +198,11 @@ class Solved:
         """Covariance of the estimates: over all choices of nuisances, by their probability, with what they differ."""
         if self.free is not None:
             return self.free.covariance
-        result = _with_feedback(self._spread[np.ix_(self.places, self.places)], self.feedback)
+        result = _with_feedback(self.spread[np.ix_(self.places, self.places)], self.feedback)
         result *= 1.0 - sum(weight for _, weight in self.others)
         for other, weight in self.others:
             apart = self.values - other.values
-            result += weight * (other._spread[np.ix_(other.places, other.places)] + np.outer(apart, apart))
+            result += weight * (other.spread[np.ix_(other.places, other.places)] + np.outer(apart, apart))
         for i, error in self._instants.items():
             result[i, i] += error**2 if error < math.inf else 0.0
         return result
@@ -240,91 +241,6 @@ class Solved:
         """Why the fit did not end well; empty where it did."""
         solution = self.solution
         return "" if solution.converged else f"no minimum after {solution.iterations} iterations"
-
-    def log_odds_of_held(self, *, reversals: bool = True) -> float:
-        """Return the logarithm of how much more probable a torque that is held between samples is than another."""
-        whole = self.log_odds_of_a_shift(reversals=reversals)
-        of_held = self.log_odds_of_a_shift(reversals=reversals, than=0.5)
-        return whole - of_held if math.isfinite(whole) and math.isfinite(of_held) else 0.0
-
-    def log_odds_of_a_shift(self, *, reversals: bool = True, than: float = 0.0) -> float:
-        r"""Return the logarithm of how much more probable a shift in time is than none, or than a given one.
-
-        A shift is equally probable anywhere within a sample either way; with none, instants are true to a twentieth of
-        a sample, s, and to a hundredth where the torque is held: the samples of a controller need no other clock. With
-        an estimate n in units of what is possible before anything was measured, its variance V from ν cosines, and
-        :math:`S = V + s^2`,
-
-        .. math:: \ln\frac{P(\text{shift})}{P(\text{none})} = \tfrac{\nu + 1}2 \ln\Bigl(1 + \frac{n^2}{\nu S}\Bigr)
-                  + \tfrac12 \ln(2\pi S)
-
-        summed over the nuisances, along the axes of their covariance.
-
-        Args:
-            reversals: whether their instants count as well, or only that of the torque against the motion. A smoothed
-                velocity turns at another instant, whatever the recording.
-            than: the shift of the torque against which it is judged [samples]; half a one is that of a held torque.
-
-        Source: R. E. Kass, A. E. Raftery, "Bayes factors", J. Amer. Statist. Assoc. 90 (1995), with Student's t for a
-        variance that is estimated.
-        """
-        known = self._known_odds
-        if (reversals, than) not in known:
-            known[reversals, than] = self._log_odds(reversals, than)
-        return known[reversals, than]
-
-    @cached_property
-    def _known_odds(self) -> dict[tuple[bool, float], float]:
-        return {}
-
-    def _log_odds(self, reversals: bool, than: float) -> float:
-        nuisances = self._nuisances
-        sizes = np.full(len(nuisances), 2 * self.problem.recording.interval)
-        centre, true_to = np.zeros(len(nuisances)), np.full(len(nuisances), _TRUE_TO)
-        if than and "motor_torque_rate" not in self.problem.drive.model.needs:
-            centre[-1:], true_to[-1:] = than * self.problem.recording.interval, _HELD_TO
-        if len(nuisances):  # in samples, times the Coulomb torque: without that no reversal can be shifted
-            sizes[0] = 2 * self.problem.friction_limits[1]
-            torque = _largest_torque(self.problem.recording)
-            some = np.append(sizes[:1] > _NO_FRICTION * torque, np.ones(len(sizes) - 1, dtype=bool))
-            some[0] &= reversals
-            # At its bound a shift is of unknown size, and speaks for none.
-            some[-1] &= abs(self.shift) < WITHIN * self.problem.recording.interval
-            nuisances, sizes, centre, true_to = nuisances[some], sizes[some], centre[some], true_to[some]
-        own = self._spread[np.ix_(nuisances, nuisances)] / np.outer(sizes, sizes)
-        estimate = (self.solution.theta[nuisances] - centre) / sizes
-        seen = (np.diag(own) > 0.0) & np.any(self.solution.jacobian[nuisances] != 0.0, axis=1)
-        total, axes = np.linalg.eigh(own[np.ix_(seen, seen)] + np.diag(true_to[seen] ** 2))
-        along = axes.T @ estimate[seen]
-        known = 2 * math.pi * total < 1.0  # what is known worse than all that is possible says nothing
-        freedom = cosine_terms(self.problem.independent, self.problem.rows)
-        return float(np.sum(_odds(along[known], total[known], freedom))) if known.any() else -math.inf
-
-    @property
-    def could_be_shifted(self) -> bool:
-        """Whether there could be strong evidence for a shift of the torque against the motion, were only that known.
-
-        The odds are greatest where the shift has no variance, or as much as leaves it known at all: no covariance is
-        needed to say that there is none.
-        """
-        nuisances = self._nuisances
-        if not len(nuisances) or "motor_torque_rate" in self.problem.drive.model.needs:
-            return False
-        size = float(self.solution.theta[nuisances[-1]]) / (2 * self.problem.recording.interval)
-        freedom = cosine_terms(self.problem.independent, self.problem.rows)
-        return bool(np.any(_odds(size, np.array([_TRUE_TO**2, 1.0 / (2 * math.pi)]), freedom) > STRONG))
-
-
-@once
-def _largest_torque(recording: Recording) -> float:
-    """Return the largest motor torque [N m or N]."""
-    return float(np.max(np.abs(recording.torque)))
-
-
-def _odds(estimate: Array | float, variance: Array, freedom: int) -> Array:
-    """Return the logarithm of how much more probable a shift is than none; see :meth:`Solved.log_odds_of_a_shift`."""
-    squares = np.log1p(np.square(estimate) / (freedom * variance))
-    return np.asarray(0.5 * (freedom + 1) * squares + 0.5 * np.log(2 * math.pi * variance))
 
 
 def _with_feedback(covariance: Array, feedback: Array | None) -> Array:

@@ -16,8 +16,9 @@ from fricmodels.weakform.search import search
 from fricmodels.weakform.shifted import regression_of
 
 _SMOOTH = 64
-"""Samples that a test function spans where an effect with memory is searched for: through narrower ones a contact that
-closes a sample late is an error of its own, and the search ends where few are late, far from the truth."""
+"""Samples that a test function spans where an effect with memory is searched for a second time: through narrower ones a
+contact that closes a sample late is an error of its own, and the search may end where few are late, far from the truth;
+through wider ones a gap that is crossed in a few samples shows nothing."""
 _A_LINE = 0.05
 """Corrected p-value below which a fast wave is a place to begin from; what the fit leaves decides which place it is."""
 
@@ -27,7 +28,7 @@ Fitted = tuple[WeakFormProblem, Mapping[str, float]]
 def starts_of(
     drive: Drive, start: Mapping[str, float], fit: Callable[[Drive, int | None], Fitted]
 ) -> list[Mapping[str, float]]:
-    """Return parameters to begin from, by key: one place, or two where a wave may be slow or fast.
+    """Return parameters to begin from, by key: one place, or two where a wave may be slow or fast, or there is memory.
 
     Args:
         drive: the model, and the inertia if that is given.
@@ -39,9 +40,13 @@ def starts_of(
         if not any(f"{effect.name}.{p.symbol}" in keys for p in effect.parameters):
             continue
         smaller = Drive(drive.model.minus(effect.name), drive.inertia, drive.motion)
-        problem, rest = fit(smaller, _SMOOTH if effect.states else None)
-        slow, fast = _in_rows(drive, problem, rest, effect), _in_samples(drive, problem, rest, effect)
-        return [{**rest, **values, **start} for values in (slow, fast) if values] or [start]
+        found: list[Mapping[str, float]] = []
+        for width in (None, _SMOOTH) if effect.states else (None,):
+            problem, rest = fit(smaller, width)
+            ways = (_in_rows, _in_samples) if any(p.periodic for p in effect.parameters) else (_in_rows,)
+            places = [way(drive, problem, rest, effect) for way in ways]
+            found += [{**rest, **values, **start} for values in places if values]
+        return found or [start]
     return [start]
 
 
@@ -61,7 +66,7 @@ def _in_samples(
 ) -> Mapping[str, float] | None:
     """Return the wave number of an effect over position that is too fast for the rows, if there is such a wave."""
     keys = _nonlinear(drive, effect)
-    if effect.states or len(keys) != 1 or not any(p.periodic for p in effect.parameters):
+    if effect.states or len(keys) != 1:
         return None
     waves = fast_waves(problem, rest, _A_LINE, 0.0)
     if waves is None:
