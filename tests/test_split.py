@@ -92,6 +92,16 @@ def test_blocks_are_spread():
     assert sorted({int(t) for t in test.time}) == [1, 5, 8]
 
 
+@pytest.mark.parametrize(("rest", "kept"), [((2.2, 3.6), [2, 6, 9]), ((2.2, 3.1), [1, 5, 8]), ((5.2, 6.6), [1, 5, 8])])
+def test_blocks_kept_back_hold_what_the_drive_does_for_long(rest, kept):
+    """A rest of more than a block's time that lies in none of the usual blocks moves them on by one."""
+    time = np.linspace(0, 10, 5000)
+    resting = (time > rest[0]) & (time < rest[1])
+    velocity = np.where(resting, 0.0, np.sin(2 * np.pi * time / 0.2))
+    _, test = split(recording(time).with_channels(torque=velocity, velocity=velocity))
+    assert sorted({min(int(t), 9) for t in test.time}) == kept
+
+
 @pytest.mark.parametrize("pause", [1.0, 3600.0])
 def test_a_pause_takes_no_part_of_the_blocks(pause):
     """A log of two sessions with an hour between: no block may lie in the hour, where nothing is."""

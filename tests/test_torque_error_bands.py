@@ -15,6 +15,7 @@ from fricmodels.drive import Drive
 from fricmodels.model import Model
 from fricmodels.recording import Recording
 from fricmodels.score import headline_window, torque_error, torque_error_over, torque_errors, windows
+from fricmodels.score.bands import noise_floors
 from fricmodels.signals import prepare
 
 ROOT = Path(__file__).parents[1]
@@ -112,6 +113,21 @@ def test_white_noise_leaves_what_is_printed(source: str, jitter: float) -> None:
     for band in errors.bands[:3]:
         assert band.percent == pytest.approx(band.noise_floor_percent, rel=0.1)
     assert errors.bands[3].percent == pytest.approx(errors.bands[3].noise_floor_percent, rel=0.25)
+
+
+@pytest.mark.parametrize("moving", [0.2, 0.8])
+def test_counts_that_stand_still_say_nothing_of_noise(moving: float) -> None:
+    """A drive that rests most of the time had no noise at all, and an error of 207 % for the steps of its encoder."""
+    time, step = np.arange(8000) * STEP, 2 * np.pi / 65536
+    away = np.clip(np.mod(time, 1.0) / moving, 0.0, 1.0)
+    path = 0.4 * np.where(np.floor(time) % 2 == 0, 1.0, -1.0) * (0.5 - 0.5 * np.cos(2 * np.pi * away))
+    counts = np.round(path / step) * step
+    channels = {"time": time, "torque": np.ones(8000), "position": counts}
+    recording = Recording("counts", Motion.ROTARY, channels, np.zeros(8000, dtype=np.int64))
+    _, motion = noise_floors(prepare(recording))[0.0]
+    moved = np.mod(time, 1.0)[1:-1] < moving
+    rounding = np.sqrt(np.mean(np.diff(counts - path, 2)[moved] ** 2)) / STEP**2
+    assert 0.5 * rounding < motion < 1.5 * rounding
 
 
 @pytest.mark.parametrize(("source", "response"), [("velocity", 0.9549), ("position", 0.9120)])

@@ -74,12 +74,15 @@ def test_a_gain_is_that_of_what_noise_leaves(made: Made) -> None:
     assert gains[10.0][0] < POLICY.least_gain < 0.2 < gains[10.0][1]
 
 
-@pytest.mark.parametrize(("share", "noticed"), [(0.98, True), (1.02, False)])
+@pytest.mark.parametrize(("share", "noticed"), [(0.94, True), (0.96, False), (1.02, False)])
 @pytest.mark.parametrize("tested", [False, True])
 def test_of_an_error_that_noise_alone_would_leave_nothing_is_noticed(
     made: Made, share: float, noticed: bool, tested: bool
 ) -> None:
-    """In the mean of both parts, and on test data: what remains is the test error beyond noise."""
+    """In the mean of both parts, and on test data, a tenth of the squared error must lie beyond noise.
+
+    Counts of an encoder had left 5.47 % where their noise leaves 5.45, and a clean drive was called unknown.
+    """
     comparison = compare(made(noise=1.0), LAW, 2.0)
     whole = comparison.errors.headline.percent
     line = replace(comparison.errors.headline, held_out_percent=whole * (0.99 if tested else 1.01))

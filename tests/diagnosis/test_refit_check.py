@@ -319,10 +319,22 @@ def led(made: Made, truth: dict[str, float], *names: str, once: float = 1e-9, bo
 
 def test_of_look_alikes_that_which_fits_the_record_comes_first(made: Made) -> None:
     truth = {"gravity.a": 0.6, "gravity.b": 0.3}
-    assert led(made, truth, "stiffness", "gravity") == ["gravity", "stiffness"]
-    assert led(made, truth, "gravity", "stiffness") == ["gravity", "stiffness"]
+    assert led(made, truth, "stiffness", "gravity")[0] == "gravity"
+    assert led(made, truth, "gravity", "stiffness")[0] == "gravity"
     assert led(made, truth, "stiffness", "gravity", once=0.5) == ["stiffness", "gravity"], "it repeats, and is not sure"
     assert led(made, truth, "stiffness", "gravity", bound="gravity") == ["stiffness", "gravity"]
+
+
+def test_what_explains_less_than_half_of_the_test_error_is_no_look_alike(
+    made: Made, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A torque ripple of 23.1 % stood in a class whose first left 3.8 of 22.8 %."""
+    truth = {"gravity.a": 0.6, "gravity.b": 0.3}
+    before = compare(made("coulomb-viscous+gravity", truth), "coulomb-viscous", 2.0).sliding.held_out_percent
+    for share, names in ((0.72, ["gravity"]), (0.70, ["gravity", "stiffness"])):  # of the RMS error; √½ = 0.707
+        errors = {"gravity": 1e-3 * before, "stiffness": share * before}
+        monkeypatch.setattr(Refits, "test_error", lambda _, tested, errors=errors: errors[tested.name])
+        assert led(made, truth, "stiffness", "gravity") == names
 
 
 def test_what_happened_once_gives_way_to_what_repeats_and_fits_as_well(made: Made) -> None:
