@@ -5,9 +5,8 @@ from __future__ import annotations
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from fricmodels.arrays import Array, Index
 
 NORMAL_95 = 1.959963984540054
 """Standard errors that 95 % of a normal distribution lie within."""
@@ -122,6 +121,27 @@ def covariance(jacobian: Array, residual: Array, inverse: Array, independent: fl
     by_cosines = widen**2 * inverse @ meat @ inverse
     by_blocks = jackknife_covariance(jacobian, residual, inverse, independent)
     return at_least(by_cosines, by_blocks)
+
+
+def covariance_once(jacobian: Array, residual: Array, inverse: Array, independent: float, parts: Index) -> Array | None:
+    """Return :func:`covariance` by cosines where a motion repeats, with what repeats counted once.
+
+    What a model gets wrong is the same in each repetition: scores at the same phase are added before their variance is
+    estimated. ``None`` where a period has too few rows to tell anything.
+
+    Args:
+        jacobian, residual, inverse, independent: see :func:`covariance`.
+        parts: in which part of what repeats each equation lies, numbered without gaps, shape (N,).
+    """
+    from scipy.special import stdtrit
+
+    count = int(parts.max(initial=-1)) + 1
+    if count < jacobian.shape[1] + _FEWEST:
+        return None
+    scores = np.stack([np.bincount(parts, column, count) for column in jacobian.T * residual], axis=1).astype(float)
+    meat, terms = long_run_covariance(scores, independent * count / len(residual))
+    widen = float(stdtrit(terms, 0.975)) / NORMAL_95
+    return np.asarray(widen**2 * inverse @ meat @ inverse)
 
 
 def at_least(matrix: Array, other: Array) -> Array:

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fricmodels.weakform.equations import projection
-from fricmodels.weakform.inference import at_least, covariance
+from fricmodels.weakform.inference import at_least, covariance, covariance_once
 from fricmodels.weakform.instants import instant_error
 from fricmodels.weakform.least_squares import NormalEquations
 from fricmodels.weakform.nonlinear import Plan
@@ -119,6 +119,10 @@ class Solved:
         result = np.zeros((len(solution.jacobian),) * 2)
         jacobian = solution.jacobian if len(free) == len(result) else solution.jacobian[free]
         found = covariance(jacobian.T, solution.residual, normal.inverse, self.problem.independent)
+        parts = self.problem.repeats
+        if parts is not None:
+            once = covariance_once(jacobian.T, solution.residual, normal.inverse, self.problem.independent, parts)
+            found = found if once is None else at_least(found, once)
         scatter = scatter_of_steps(self.problem, self.parameters)
         if len(scatter):
             moved = scatter @ jacobian.T @ normal.inverse
