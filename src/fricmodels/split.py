@@ -25,8 +25,9 @@ class Split(BaseModel):
 
     Attributes:
         by: ``spread``, whole runs spread over all where there are four or more, else blocks; ``blocks``, every so
-            many-th of equal blocks of time, pauses left out, spread over each run; ``runs``, the last runs; ``cycles``,
-            the last cycles of periodic motion in each run; ``time``, a piece of time in each run.
+            many-th of equal blocks of time, pauses left out, spread over each run, such that they hold of all that the
+            drive does for long; ``runs``, the last runs; ``cycles``, the last cycles of periodic motion in each run;
+            ``time``, a piece of time in each run.
         fraction: share that is kept back: of the runs, of the time of each run (its end), of the blocks.
         test_runs: numbers or names of the runs that are kept back, instead of a fraction.
         test_cycles: cycles kept back at the end of each run.

@@ -279,7 +279,7 @@ def test_no_parameter_goes_far_beyond_what_is_tried_first(made: Made) -> None:
     found = examined(recording, "backlash")
     for parameter in found.effect.parameters:
         if len(parameter.scan) > 1:
-            size = found.parameters[parameter.symbol] / natural_size(recording, parameter.dimension)
+            size = found.parameters[parameter.symbol] / scan_size(recording, parameter)
             assert min(parameter.scan) / 5.001 <= size <= 5.001 * max(parameter.scan), parameter.symbol
 
 
