@@ -44,6 +44,9 @@ Array = NDArray[np.float64]
 _FAR_LESS = 0.1
 """Share of what a fit to all motion gains over the whole recording that it may lose in the rows of certain motion: it
 was 0.4 % where one was refused. Of twelve sines with a Stribeck friction three have no name if it may lose nothing."""
+_PERIODS = 4.0
+"""Periods in the travel from which on a wave is no gain. A cart that was recorded on one period was explained down to
+0.0 % by waves times its recorded torque; the drives that need the recorded one passed 12 to 143."""
 _WELL = 0.1
 """Standard error of a parameter that is known well, as a share of it: with all of them so, no second fit is made."""
 _ROWS = 4
@@ -190,7 +193,7 @@ def _begun_at(
     plain = plain.at(shift=_known(found))
     problem = plain.carrying(carriers)
     found = _solved(problem, start, found)
-    if drive.model.delay or _explains_torque_by_itself(drive):
+    if drive.model.delay or _explains_torque_by_itself(problem, found.parameters):
         for _ in range(_STAGES):
             if drive.model.delay:
                 plain = WeakFormProblem.of(drive, recording, found.parameters, width)
@@ -278,20 +281,26 @@ def _whatever_the_direction(
     return final if too_much(certain[1], certain[0]) and lost > _FAR_LESS * gained else identified(other, left)
 
 
-def _explains_torque_by_itself(drive: Drive) -> bool:
+def _explains_torque_by_itself(problem: WeakFormProblem, parameters: Mapping[str, float]) -> bool:
     """Whether an effect goes with the motor torque, as a gain does: the recorded one it could explain by itself.
 
     A law whose friction goes with the load takes the recorded torque: what a fit explains of it is less true at
     reversals, where the acceleration jumps. So does a wave over position times the torque, τ·cos kq: noise n of the
     torque has no part in it, since n²·cos kq averages out. What a fit explains of the torque lacks what a controller
     does against the wave itself, and that times the wave does not average out: on rough drives K_v and K_c were off by
-    up to 20 standard errors (`benchmarks/effect_coverage.py --effects torque-ripple`).
+    up to 20 standard errors (`benchmarks/effect_coverage.py --effects torque-ripple`). But a wave of few periods in the
+    travel is nearly a gain, and does not average out.
     """
-    law = Model(drive.model.law)
+    drive, law = problem.drive, Model(problem.drive.model.law)
     if "motor_torque" in law.needs:
         return False
-    steady = [e for e in drive.model.effects if not any(p.periodic for p in e.parameters)]
-    return any("motor_torque" in Model(drive.model.law, [effect]).needs for effect in steady)
+    for effect in drive.model.effects:
+        if "motor_torque" not in Model(drive.model.law, [effect]).needs:
+            continue
+        waves = [parameters[f"{effect.name}.{p.symbol}"] for p in effect.parameters if p.periodic]
+        if not waves or min(waves) * np.ptp(problem.recording["position"]) < 2.0 * np.pi * _PERIODS:
+            return True
+    return False
 
 
 def _solved(problem: WeakFormProblem, start: Mapping[str, float], found: Solved | None = None) -> Solved:
