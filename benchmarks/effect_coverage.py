@@ -54,6 +54,8 @@ def truth(case: Case) -> dict[str, float]:
         own = wave(one) if one.name in WAVES else _of_fields(case, one, one.fields)
         if one.course == "step":
             own = {"c": one.coulomb * p.coulomb_forward, "d": 0.0, "t_0": one.at * d.runs * (d.duration + PAUSE)}
+        if one.name == "nonlinear-viscous" and not own:  # the model's two powers stand for another one, and so does K_v
+            del found["K_v"], found["K_c"]
         found |= {f"{one.name}.{symbol}": value for symbol, value in own.items()}
     return found
 
@@ -112,10 +114,12 @@ def trial(task: tuple[str, int, int]) -> Row:
     """Fit the true model to one recording."""
     name, index, seed = task
     case, _, _ = case_of("null" if name == NONE else "single", name, index, seed)
-    true, began = truth(case), time.process_time()
+    recording, true, began = record(case), truth(case), time.process_time()
+    if "step-change.t_0" in true:
+        true["step-change.t_0"] -= float(recording.time[0])  # instants are told from the first sample
     row: Row = {"effect": name, "index": index, "seed": seed, "motion": case.motion, "status": "ok"}
     try:
-        found = compare(record(case), BASE if name == NONE else f"{BASE}+{name}", case.inertia)
+        found = compare(recording, BASE if name == NONE else f"{BASE}+{name}", case.inertia)
     except FricmodelsError as refused:
         return {**row, "status": "refused", "message": str(refused), "seconds": time.process_time() - began}
     estimate, asked = found.estimate, dict(true)
