@@ -43,7 +43,7 @@ def test_a_resonance_lies_above_the_motion() -> None:
     bounded = within_motion(swinging(2.0), JointCompliance.omega_n)
     assert bounded.lower == pytest.approx(4 * np.pi * np.sqrt(1.5), rel=0.05)
     assert 1 / abs(1 - (4 * np.pi / bounded.lower) ** 2) == pytest.approx(3.0, rel=0.3)
-    assert bounded.upper == pytest.approx(np.pi / swinging(2.0).interval), "half the sampling rate"
+    assert bounded.upper == pytest.approx(np.pi / (2 * swinging(2.0).interval)), "four samples a period"
     assert within_motion(swinging(2.0), JointCompliance.zeta) == JointCompliance.zeta
 
 

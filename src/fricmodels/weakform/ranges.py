@@ -92,8 +92,8 @@ def within_motion(recording: Recording, parameter: Parameter) -> Parameter:
     that may be negative is a part of such a speed.) And so is a length over which a contact bends or a gap is crossed:
     from standstill the drive goes that far in no less than that.
     A part on a spring follows the drive where that is slow: there it swings, undamped, at most three times as far, so
-    that its natural frequency is at least √1.5 times that of the slow motion. Nor is it above half the sampling rate,
-    where samples show another one (Nyquist).
+    that its natural frequency is at least √1.5 times that of the slow motion. Nor does it swing from side to side in
+    less than two samples: faster, what it does is when samples were taken.
     """
     lower, upper = parameter.lower, parameter.upper
     if parameter.dimension == TIME and not (parameter.instant or parameter.delay):
@@ -103,7 +103,7 @@ def within_motion(recording: Recording, parameter: Parameter) -> Parameter:
     elif parameter.dimension == DISPLACEMENT and not (parameter.place or parameter.periodic):
         lower = min(max(lower, 0.5 * (_SHORTEST * recording.interval) ** 2 * turning(recording)), upper)
     elif parameter.resonance:
-        upper = min(upper, np.pi / recording.interval)
+        upper = min(upper, np.pi / (_SHORTEST * recording.interval))
         lower = max(lower, _FOLLOWS * slow_angular_frequency(recording))
     elif parameter.place and "position" in recording:
         position = recording["position"]
