@@ -74,12 +74,14 @@ def test_a_gain_is_that_of_what_noise_leaves(made: Made) -> None:
     assert gains[10.0][0] < POLICY.least_gain < 0.2 < gains[10.0][1]
 
 
-@pytest.mark.parametrize(("share", "noticed"), [(0.94, True), (0.96, False), (1.02, False)])
+@pytest.mark.parametrize(
+    ("share", "clear", "noticed"), [(0.98, True, True), (0.98, False, False), (0.94, False, True), (1.02, True, False)]
+)
 @pytest.mark.parametrize("tested", [False, True])
 def test_of_an_error_that_noise_alone_would_leave_nothing_is_noticed(
-    made: Made, share: float, noticed: bool, tested: bool
+    made: Made, share: float, clear: bool, noticed: bool, tested: bool
 ) -> None:
-    """In the mean of both parts, and on test data, a tenth of the squared error must lie beyond noise.
+    """In the mean of both parts, and on test data; in some window a tenth of the squared error lies beyond noise.
 
     Counts of an encoder had left 5.47 % where their noise leaves 5.45, and a clean drive was called unknown.
     """
@@ -87,5 +89,7 @@ def test_of_an_error_that_noise_alone_would_leave_nothing_is_noticed(
     whole = comparison.errors.headline.percent
     line = replace(comparison.errors.headline, held_out_percent=whole * (0.99 if tested else 1.01))
     bar = share * (line.held_out_percent if tested else np.hypot(whole, line.held_out_percent) / np.sqrt(2.0))
-    errors = replace(comparison.errors, headline=replace(line, noise_floor_percent=bar))
+    line = replace(line, noise_floor_percent=bar)
+    wide = replace(line, noise_floor_percent=0.5 * bar if clear else bar)
+    errors = replace(comparison.errors, headline=line, bands=(line, wide))
     assert is_noticed(replace(comparison, errors=errors), 1.1 * whole) == noticed

@@ -317,7 +317,7 @@ def test_friction_that_lags_is_no_wrong_inertia(made: Made, samples: int) -> Non
 def test_what_is_predicted_is_noticed_only_as_a_part_of_the_error(made: Made) -> None:
     comparison = compare(made(noise=1.0), LAW, 2.0)
     line = replace(comparison.errors.headline, noise_floor_percent=0.0)
-    comparison = replace(comparison, errors=replace(comparison.errors, headline=line))
+    comparison = replace(comparison, errors=replace(comparison.errors, headline=line, bands=(line,)))
     whole = float(np.hypot(line.percent, line.held_out_percent)) / np.sqrt(2.0)
     policy = errors_floor.POLICY
     assert errors_floor.is_noticed(comparison, 1.01 * np.sqrt(policy.noticed) * whole)

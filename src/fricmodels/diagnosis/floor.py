@@ -7,6 +7,7 @@ import numpy as np
 from fricmodels.diagnosis.comparison import Comparison, noise_torques
 from fricmodels.diagnosis.policy import POLICY, Policy
 from fricmodels.recording import Recording
+from fricmodels.score.bands import Band
 from fricmodels.score.torque import filtered_torque_error, sliding_half_width
 from fricmodels.score.zeroed import zeroed
 from fricmodels.weakform.problem import WeakFormProblem
@@ -85,19 +86,24 @@ def is_far_above_noise(comparison: Comparison, policy: Policy = POLICY) -> bool:
 def is_noticed(comparison: Comparison, percent: float, policy: Policy = POLICY) -> bool:
     """Whether what could be predicted makes up a noticeable part of the error that users are shown.
 
-    As large a part must be more than the noise was estimated to leave, where it was fitted and where it was not: else
-    what a channel predicts of it is the noise itself, as that of the counts from which a drive derives its velocity.
+    The error must be more than the noise was estimated to leave, where it was fitted and where it was not, and in some
+    window by as large a part of it: else what a channel predicts is the noise itself, as that of the counts from which
+    a drive derives its velocity.
 
     Args:
         comparison: the fitted model.
         percent: RMS torque that a channel predicts, in % of the RMS torque.
         policy: decides how much is noticed.
     """
-    line = comparison.errors.headline
+
+    def least(band: Band) -> float:
+        return min(0.5 * (band.percent**2 + band.held_out_percent**2), band.held_out_percent**2)
+
+    line, bands = comparison.errors.headline, comparison.errors.bands
     whole = 0.5 * (line.percent**2 + line.held_out_percent**2)
-    least = min(whole, line.held_out_percent**2)
-    is_more = least - line.noise_floor_percent**2 > policy.noticed * least
-    return is_more and percent**2 >= policy.noticed * whole
+    is_more = least(line) > line.noise_floor_percent**2
+    is_clear = any(least(band) - band.noise_floor_percent**2 > policy.noticed * least(band) for band in bands)
+    return is_more and is_clear and percent**2 >= policy.noticed * whole
 
 
 def _is_far_above(percents: tuple[float, float], comparison: Comparison, policy: Policy) -> bool:
