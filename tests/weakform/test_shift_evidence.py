@@ -16,7 +16,7 @@ from fricmodels.weakform.cases import with_or_without_shift
 from fricmodels.weakform.estimate import estimate
 from fricmodels.weakform.nonlinear import Plan
 from fricmodels.weakform.problem import WeakFormProblem
-from fricmodels.weakform.shift_evidence import log_odds_of_exact, nearly_unshifted
+from fricmodels.weakform.shift_evidence import log_odds_of_exact, nearly_exact, nearly_unshifted
 from fricmodels.weakform.solve import Solved, solve
 
 Made = Callable[..., Recording]
@@ -80,3 +80,16 @@ def test_what_is_left_of_a_shift_is_in_the_errors(made: Made) -> None:
     assert np.all(np.diag(near.of_shifts) >= 0.9 * slope**2 * left)
     free = np.diag(near.covariance) > 0.0
     assert np.all(np.diag(near.covariance)[free] >= np.diag(near.of_shifts)[free])
+
+
+def test_to_first_order_it_is_the_same(made: Made) -> None:
+    found = fitted(shifted(made(noise=0.2), 0.02))
+    whole = nearly_unshifted(found.with_shift, found.again)
+    exact = found.once_more(found.again, timing=False)
+    near = nearly_exact(found.with_shift, exact)
+    moved = whole.values - exact.values
+    np.testing.assert_allclose(near.values - exact.values, moved, rtol=1e-3, atol=1e-6)
+    assert np.any(np.abs(moved) > 1e-4)
+    assert near.of_shifts is not None
+    assert whole.of_shifts is not None
+    np.testing.assert_allclose(near.of_shifts, whole.of_shifts, rtol=1e-3)

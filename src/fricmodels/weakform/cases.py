@@ -12,6 +12,7 @@ from fricmodels.weakform.shift_evidence import (
     log_odds_of_a_shift,
     log_odds_of_exact,
     log_odds_of_held,
+    nearly_exact,
     nearly_unshifted,
 )
 from fricmodels.weakform.solve import Solved, solve
@@ -52,9 +53,14 @@ def with_or_without_shift(found: Solved, plan: Plan) -> Solved:
             return found.once_more(plan, timing=False)
         return solve(found.problem.at(held=True), plan, timing=False)
 
-    reckoned = [case for case, w in enumerate(weights.tolist()) if w > _UNLIKELY and case != chosen]
-    others = [(fit(case).changed(feedback=found.feedback), float(weights[case])) for case in reckoned]
-    return fit(chosen).changed(feedback=found.feedback, others=tuple(others))
+    taken = fit(chosen)
+    others = []
+    for case, weight in enumerate(weights.tolist()):
+        if weight > _UNLIKELY and case != chosen:
+            beside = chosen == _EXACT and case == _NEARLY
+            other = nearly_exact(shifted, taken) if beside else fit(case)
+            others.append((other.changed(feedback=found.feedback), weight))
+    return taken.changed(feedback=found.feedback, others=tuple(others))
 
 
 def as_held(found: Solved) -> Solved | None:

@@ -96,19 +96,37 @@ def nearly_unshifted(found: Solved, plan: Plan) -> Solved:
         found: the fit with a small shift in time.
         plan: of the fit that is wanted.
     """
-    sizes, some = _sizes(found)
-    own = found.spread[np.ix_(found.nuisances, found.nuisances)]
-    some = some & (np.diag(own) > 0.0)
+    some, held, left = _true_shifts(found)
     if not np.any(some):
         return found.once_more(plan, timing=False)
+    fit = solve(found.problem, replace(plan, shifts=tuple(held.tolist())))
+    moved = fit.moved_by(fit.solution.jacobian[found.nuisances[some]])
+    return fit.changed(of_shifts=moved @ left @ moved.T)
+
+
+def nearly_exact(found: Solved, exact: Solved) -> Solved:
+    """Return :func:`nearly_unshifted` to first order, from the fit with exact instants: enough for standard errors."""
+    some, held, left = _true_shifts(found)
+    if not np.any(some):
+        return exact
+    moved = exact.moved_by(found.solution.jacobian[found.nuisances[some]])
+    other = exact.changed(of_shifts=moved @ left @ moved.T)
+    other.__dict__["values"] = exact.values - moved @ held[some]
+    return other
+
+
+def _true_shifts(found: Solved) -> tuple[NDArray[np.bool_], Array, Array]:
+    """Return which nuisances can be told, all of them at instants true to a twentieth of a sample, and what covariance
+    is left of those that can.
+    """
+    sizes, some = _sizes(found)
+    own = found.spread[np.ix_(found.nuisances, found.nuisances)]
+    some, held = some & (np.diag(own) > 0.0), np.zeros(len(sizes))
     own = own[np.ix_(some, some)]
     true = np.diag((_TRUE_TO * sizes[some]) ** 2)
     gain = true @ np.linalg.inv(true + own)
-    held = np.zeros(len(sizes))
     held[some] = gain @ found.solution.theta[found.nuisances[some]]
-    fit = solve(found.problem, replace(plan, shifts=tuple(held.tolist())))
-    moved = fit.moved_by(fit.solution.jacobian[found.nuisances[some]])
-    return fit.changed(of_shifts=moved @ (gain @ own) @ moved.T)
+    return some, held, gain @ own
 
 
 def _known(found: Solved, asked: Hashable, compute: Callable[[], float]) -> float:
