@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+from typing import Any
+
 import numpy as np
 import pytest
 from tests.conftest import INERTIA, Made
@@ -10,8 +13,12 @@ from fricmodels.diagnosis import compare, one_cause
 from fricmodels.diagnosis.basis_functions import FINELY
 from fricmodels.diagnosis.candidate_tests import candidate_tests
 from fricmodels.diagnosis.effect_set import Member, member_of
+from fricmodels.diagnosis.one_cause import _are_slow_waves
 from fricmodels.diagnosis.predictability import ChannelPredictor
 from fricmodels.diagnosis.verdict import LookAlikes
+from fricmodels.drive import Drive
+from fricmodels.effects.cogging import Cogging
+from fricmodels.model import Model
 
 WAVES = {
     "position-friction.a": 0.3,
@@ -54,3 +61,16 @@ def test_an_effect_that_does_all_of_it_needs_no_other(made: Made, monkeypatch: p
     monkeypatch.setattr(one_cause, "passing_beside", lambda *_, **__: [predictor])
     found = one_cause.that_are_one_cause(result, list(members.values()), list(members.values()))
     assert [m.found.first.name for m in found] == ["cogging"]
+
+
+@pytest.mark.parametrize(("of_model", "found", "series"), [(1.0, 2.7, True), (1.0, 9.0, False), (9.0, 25.0, False)])
+def test_two_slow_waves_of_a_kind_are_a_shape(made: Made, of_model: float, found: float, series: bool) -> None:
+    """Periods in the travel: a bump of a linear axis was five waves of 1.0 to 3.5, with amplitudes that cancel."""
+    recording = made()
+    unit = 2 * np.pi / float(np.ptp(recording["position"]))
+    drive = Drive(Model.parse("coulomb-viscous+cogging"), 2.0)
+    problem = SimpleNamespace(drive=drive, recording=recording)
+    result: Any = SimpleNamespace(problem=problem, parameters={"cogging.k": of_model * unit})
+    tested = SimpleNamespace(found=SimpleNamespace(nonlinear=(found * unit,)))
+    member: Any = SimpleNamespace(effect=Cogging(2), found=SimpleNamespace(first=tested))
+    assert _are_slow_waves(result, [member]) is series

@@ -18,6 +18,10 @@ from fricmodels.weakform.shifted import regression_of
 
 Array = NDArray[np.float64]
 
+_PERIODS = 4.0
+"""Periods in the travel from which on a wave, with its harmonic, is one, and no part of a shape over position. A bump
+of a linear axis was five waves of 1.0 to 3.5 periods, with amplitudes of hundreds that cancel, and a test error of 2 %.
+"""
 _RIVALS = 4
 """The best predictors of the whole residual, of which a place is two, that are asked whether they take the place of
 several effects."""
@@ -86,8 +90,10 @@ def _is_one_cause(
 
 
 def is_drawn(result: CandidateTests, members: list[Member], member: Member) -> bool:
-    """Whether one channel explains as much as all effects of a member's kind together, with fewer terms."""
+    """Whether effects of a kind draw a shape: slow waves, or what one channel explains as well with fewer terms."""
     kind = [m for m in members if _are_of_a_kind(m, member)]
+    if _are_slow_waves(result, kind):
+        return True
     beside, together = stacked(result, [m for m in members if m not in kind]), stacked(result, kind)
     alone = regression_of(result.problem, result.parameters, beside)
     return any(
@@ -145,6 +151,18 @@ def _takes_place(result: CandidateTests, predictor: ChannelPredictor, member: Me
     beside = stacked(result, [other for other in every if other is not member])
     own = gain_of(result, beside, member).fall
     return gain_of(result, np.vstack([beside, predictor.columns]), member).fall < result.policy.kept * own
+
+
+def _are_slow_waves(result: CandidateTests, kind: list[Member]) -> bool:
+    """Whether more than one wave of a kind passes few periods in the travel, those of the model included."""
+    name = kind[0].effect.first_of_kind().name
+    effects = [e for e in result.problem.drive.model.effects if e.first_of_kind().name == name]
+    known = [result.parameters[f"{e.name}.{p.symbol}"] for e in effects for p in e.parameters if p.periodic]
+    waves = [*known, *(k for m in kind if _is_a_wave(m) for k in m.found.first.found.nonlinear)]
+    if not waves:
+        return False
+    slow = 2.0 * np.pi * _PERIODS / float(np.ptp(result.problem.recording["position"]))
+    return sum(k < slow for k in waves) > 1
 
 
 def credited(result: CandidateTests, before: float, *falls: float) -> tuple[float, ...]:
