@@ -185,13 +185,13 @@ def _blocks(recording: Recording, how: Split) -> Mask:
     elapsed, duration = _elapsed(recording, _without_pauses(recording))
     block = np.minimum((how.blocks * elapsed / np.where(duration > 0, duration, 1.0)).astype(int), how.blocks - 1)
     first = _spread_over(how.blocks, how.fraction)
-    choices = [np.isin(block, (first + moved) % how.blocks) for moved in range(how.blocks)]
     kinds = [kind for kind in _kinds(recording) if float(np.mean(kind)) >= 1.0 / how.blocks]
-    for test in choices:
+    for moved in range(how.blocks):
+        test = np.isin(block, (first + moved) % how.blocks)
         there = float(np.mean(test))
         if all(float(np.mean(test[kind])) >= _FAIR * there for kind in kinds):
             return np.asarray(test)
-    return np.asarray(choices[0])
+    return np.asarray(np.isin(block, first))
 
 
 def _kinds(recording: Recording) -> list[Mask]:

@@ -14,6 +14,7 @@ from fricmodels.diagnosis.basis_functions import FINELY
 from fricmodels.diagnosis.candidate_tests import candidate_tests
 from fricmodels.diagnosis.effect_set import Member, member_of
 from fricmodels.diagnosis.one_cause import _are_slow_waves
+from fricmodels.diagnosis.policy import POLICY
 from fricmodels.diagnosis.predictability import ChannelPredictor
 from fricmodels.diagnosis.verdict import LookAlikes
 from fricmodels.drive import Drive
@@ -70,7 +71,9 @@ def test_two_slow_waves_of_a_kind_are_a_shape(made: Made, of_model: float, found
     unit = 2 * np.pi / float(np.ptp(recording["position"]))
     drive = Drive(Model.parse("coulomb-viscous+cogging"), 2.0)
     problem = SimpleNamespace(drive=drive, recording=recording)
-    result: Any = SimpleNamespace(problem=problem, parameters={"cogging.k": of_model * unit})
+    result: Any = SimpleNamespace(problem=problem, parameters={"cogging.k": of_model * unit}, policy=POLICY)
     tested = SimpleNamespace(found=SimpleNamespace(nonlinear=(found * unit,)))
     member: Any = SimpleNamespace(effect=Cogging(2), found=SimpleNamespace(first=tested))
     assert _are_slow_waves(result, [member]) is series
+    result.policy = POLICY.without("wave_periods")
+    assert not _are_slow_waves(result, [member])

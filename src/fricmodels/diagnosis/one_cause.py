@@ -18,10 +18,6 @@ from fricmodels.weakform.shifted import regression_of
 
 Array = NDArray[np.float64]
 
-_PERIODS = 4.0
-"""Periods in the travel from which on a wave, with its harmonic, is one, and no part of a shape over position. A bump
-of a linear axis was five waves of 1.0 to 3.5 periods, with amplitudes of hundreds that cancel, and a test error of 2 %.
-"""
 _RIVALS = 4
 """The best predictors of the whole residual, of which a place is two, that are asked whether they take the place of
 several effects."""
@@ -161,7 +157,7 @@ def _are_slow_waves(result: CandidateTests, kind: list[Member]) -> bool:
     waves = [*known, *(k for m in kind if _is_a_wave(m) for k in m.found.first.found.nonlinear)]
     if not waves:
         return False
-    slow = 2.0 * np.pi * _PERIODS / float(np.ptp(result.problem.recording["position"]))
+    slow = 2.0 * np.pi * result.policy.wave_periods / float(np.ptp(result.problem.recording["position"]))
     return sum(k < slow for k in waves) > 1
 
 

@@ -1,8 +1,7 @@
 """Every constant that decides what a diagnosis says: its value, its unit, the rule that uses it, and its evidence.
 
-The functions of the diagnosis take a :class:`Policy` along; another one, ``replace(POLICY, …)``, changes a rule or
-switches it off, so that a benchmark can show what the rule is worth. Constants of numerical methods (widths, grids,
-starts of a search) decide nothing and stay where they are used.
+The functions of the diagnosis take a :class:`Policy` along; ``replace(POLICY, …)`` changes a rule or switches it off,
+and a benchmark shows what it is worth. Constants of numerical methods decide nothing and stay where they are used.
 """
 
 from __future__ import annotations
@@ -199,7 +198,7 @@ class Policy(Rules):
         0.5,
         "share of the squared residual above the floor",
         "An effect must explain this of what is left without it, beside other effects and a description of the rest; "
-        "if nothing predicts that, of the printed error. Of a wave too fast for the rows, of any such wave.",
+        "if nothing predicts that, of the printed error; a fast wave of any such; a look-alike of what the first does.",
         "Judgement: the threshold of naming against silence; docs/decisions/unknown.md draws its curve. Of fast waves "
         "off the list on 44 drives of the rig 3 got a wrong name without it, 1 with it; EMPS has 0.87 and 0.91.",
         off=-_INF,
@@ -209,6 +208,13 @@ class Policy(Rules):
         "share",
         "An effect must explain this share of what a channel explains that predicts more in its place.",
         "Judgement: on 86 drives all true effects but one lie above it, most mimics of what is on no list below.",
+        off=0.0,
+    )
+    wave_periods: float = rule(
+        4.0,
+        "periods in the travel",
+        "Of one kind no more than one wave may pass fewer: several of them draw a shape over the position.",
+        "Judgement: a bump got five waves without it, three with it; of twenty pairs of waves 15 are found with and without.",
         off=0.0,
     )
     fewer_terms: float = rule(
@@ -280,7 +286,7 @@ class Policy(Rules):
         0.1,
         "share of the squared error",
         "What a channel predicts, and no effect explains, is called unknown only if it makes up so much of the squared "
-        "error of the headline, the mean of fit and test error, and that is above noise. Else a model is adequate.",
+        "error of the headline, mean of fit and test, and as much is above noise in some window. Else it is adequate.",
         "Judgement: without a tenth of its square the error is 5 % lower. Of 212 rough drives with nothing hidden six "
         "were unknown for 0.3 to 0.6 % of the torque beside errors of 1.3 to 8 % that sampling makes.",
         off=0.0,
