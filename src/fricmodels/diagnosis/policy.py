@@ -214,7 +214,7 @@ class Policy(Rules):
         4.0,
         "periods in the travel",
         "Of one kind no more than one wave may pass fewer: several of them draw a shape over the position.",
-        "Judgement: a bump got five waves without it, three with it; of twenty pairs of waves 15 are found with and without.",
+        "Judgement: a bump got five waves without it, three with it; of 20 pairs of waves 15 are found either way.",
         off=0.0,
     )
     fewer_terms: float = rule(
