@@ -69,7 +69,7 @@ def identified(found: Solved, left: Callable[[Solved], float] | None = None) -> 
         if choice is None:
             return now.changed(not_identified=reasons, free=free if held else None)
         key, value = choice
-        plan = replace(now.plan, held={**now.plan.held, key: value})
+        plan = now.holding(key, value)
         if key != loose and key not in lost_in_noise(noisy) and not _may_be(free, plan.held):
             refused.add(key)
             continue

@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Hashable, Mapping
+from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property, partial
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fricmodels.weakform.equations import projection
-from fricmodels.weakform.inference import at_least, covariance, covariance_once
-from fricmodels.weakform.instants import instant_error
+from fricmodels.weakform.inference import NORMAL_95, at_least, covariance, covariance_once
+from fricmodels.weakform.instants import likely_instants
 from fricmodels.weakform.least_squares import NormalEquations
 from fricmodels.weakform.nonlinear import Plan
 from fricmodels.weakform.problem import WeakFormProblem
@@ -161,23 +161,41 @@ class Solved:
         return {int(self.places[keys.index(key)]) for key in self.plan.held} | fixed | shifts
 
     @cached_property
-    def _instants(self) -> dict[int, float]:
-        """Place among the drive's parameters → standard error [s] of each instant that is not held."""
+    def _instants(self) -> dict[int, tuple[float, Sequence[Solved]]]:
+        """Place among the drive's parameters → standard error [s] of each instant that is not held, and the fits at
+        other likely instants."""
         drive, linear = self.problem.drive, len(self.solution.theta)
         if not any(p.declared.instant for p in drive.parameters):
             return {}
         least_squares, _ = projection(self.problem, self.plan, timing=self.timing)
-        errors, alpha = {}, self.solution.alpha
+        found: dict[int, tuple[float, Sequence[Solved]]] = {}
+        alpha = self.solution.alpha
 
-        def cost(own: int, instant: float) -> float:
-            return least_squares.cost(np.where(np.arange(len(alpha)) == own, instant, alpha))
+        def at(own: int, instant: float) -> Array:
+            return np.where(np.arange(len(alpha)) == own, instant, alpha)
 
         for i, p in enumerate(drive.parameters):
             if p.declared.instant and p.key not in self.plan.held:
                 own = int(self.places[i]) - linear
-                instant, certain = float(alpha[own]), self._certain
-                errors[i] = instant_error(self.problem.recording, partial(cost, own), instant, certain)
-        return errors
+
+                def cost(instant: float, own: int = own) -> float:
+                    return least_squares.cost(at(own, instant))
+
+                likely = likely_instants(self.problem.recording, cost, float(alpha[own]), self._certain)
+                fits = (replace(self, solution=least_squares.at(at(own, one))) for one in likely.within)
+                found[i] = likely.error, list(fits)
+        return found
+
+    def holding(self, key: str, value: float) -> Plan:
+        """Return the plan to hold one more parameter; an instant begins at the likely one that then leaves least."""
+        plan = replace(self.plan, held={**self.plan.held, key: value})
+        for i, (_, fits) in self._instants.items():
+            least_squares, _ = projection(self.problem, plan, timing=self.timing)
+            tried = [fit.solution.alpha for fit in (self, *fits)]
+            best = min(tried, key=least_squares.cost)
+            own = int(self.places[i]) - len(self.solution.theta)
+            plan = replace(plan, start={**plan.start, self.problem.drive.keys[i]: float(best[own])})
+        return plan
 
     @property
     def _certain(self) -> float:
@@ -190,12 +208,21 @@ class Solved:
 
     @property
     def undetermined(self) -> Array:
-        """Directions that change nothing, in the order of the drive's parameters, (n, any number); of nothing held."""
+        """Directions that change nothing, in the order of the drive's parameters, (n, any number); of nothing held.
+
+        What changes nothing at another likely instant is among them.
+        """
+        loose = np.eye(len(self.values))[:, [i for i, (error, _) in self._instants.items() if error == math.inf]]
+        fits = [self, *(fit for _, fits in self._instants.values() for fit in fits)]
+        return np.hstack([max((fit._null for fit in fits), key=lambda null: null.shape[1]), loose])
+
+    @property
+    def _null(self) -> Array:
+        """Directions that change nothing at these instants."""
         free, normal = self._free
         found = np.zeros((len(self.solution.jacobian), normal.null.shape[1]))
         found[free] = normal.null
-        loose = np.eye(len(self.values))[:, [i for i, error in self._instants.items() if error == math.inf]]
-        return np.hstack([found[self.places], loose])
+        return found[self.places]
 
     @cached_property
     def covariance(self) -> Array:
@@ -207,7 +234,10 @@ class Solved:
         for other, weight in self.others:
             apart = self.values - other.values
             result += weight * (other.spread[np.ix_(other.places, other.places)] + np.outer(apart, apart))
-        for i, error in self._instants.items():
+        for i, (error, fits) in self._instants.items():
+            for fit in fits:
+                apart = np.where(np.arange(len(result)) == i, 0.0, fit.values - self.values) / NORMAL_95
+                result = at_least(result, fit.spread[np.ix_(self.places, self.places)] + np.diag(apart**2))
             result[i, i] += error**2 if error < math.inf else 0.0
         return result
 
