@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from fricmodels.diagnosis.policy import POLICY, Policy
-from fricmodels.diagnosis.supported import Support
+from fricmodels.diagnosis.support import Support
 from hidden.figures import NOTES, share
 from rough.judge import alike, first_right, is_right, matters, named, rest_is_unknown, rest_matters, there, wrong
 

@@ -14,7 +14,8 @@ from fricmodels.diagnosis.candidate_tests import CandidateTests, candidate_tests
 from fricmodels.diagnosis.effect_set import Member, columns_and_tangents, pruned
 from fricmodels.diagnosis.ladder import _Search
 from fricmodels.diagnosis.policy import POLICY
-from fricmodels.diagnosis.supported import Judgement, Support
+from fricmodels.diagnosis.support import Support
+from fricmodels.diagnosis.supported import Judgement
 from fricmodels.diagnosis.verdict import LookAlikes
 
 

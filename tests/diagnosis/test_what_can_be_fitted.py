@@ -12,7 +12,8 @@ from tests.conftest import INERTIA, Made
 from fricmodels.diagnosis import by_fit, compare
 from fricmodels.diagnosis.policy import POLICY, Policy
 from fricmodels.diagnosis.refits import is_nothing, is_undetermined
-from fricmodels.diagnosis.supported import Judgement, Support
+from fricmodels.diagnosis.support import Support
+from fricmodels.diagnosis.supported import Judgement
 from fricmodels.diagnosis.verdict import LookAlikes
 
 CONTACT = {"presliding.F_1": 2.0, "presliding.F_2": 2.0, "presliding.D": 1.0, "presliding.x_s": 0.2}

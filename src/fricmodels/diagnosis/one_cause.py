@@ -44,8 +44,7 @@ def _is_one_cause(
     can be.
     """
     policy = result.policy
-    lasting = AUTOREGRESSIVE if not member.effect.states else frozenset()
-    for predictor in [p for p in channels if p.channels not in lasting][:_RIVALS]:
+    for predictor in [p for p in channels if p.channels not in AUTOREGRESSIVE][:_RIVALS]:
         every = [*others, member]
         if not _takes_place(result, predictor, member, every):
             continue  # whatever else the channel does, it does not do what this effect does

@@ -12,6 +12,7 @@ from fricmodels.results.words import NORMAL_95
 from fricmodels.term import Effect
 from fricmodels.weakform.candidate import within_recording
 from fricmodels.weakform.search import is_at_end
+from fricmodels.weakform.shifted import FREE_SHIFT
 
 _CLOSE = 1e-6
 """Relative distance within which a value is a bound itself."""
@@ -34,9 +35,10 @@ class Refits:
     def with_effect(self, tested: CandidateTest) -> Comparison | None:
         """Return the model with an effect, fitted from the estimate of it.
 
-        ``None`` where that fails, or where the effect comes out as nothing, or as a slow change that is over at once: a
-        smaller error is then not its doing. Nor is a friction that drives what it says it is, and of one of
-        whose torques none is determined the form is not known; nor of one so large that only another cancels it.
+        ``None`` where that fails, or where the effect comes out as nothing, as a slow change that is over at once, or
+        as a delay that the free shift of the rows is as well: a smaller error is then not its doing. Nor is a friction
+        that drives what it says it is, and of one of whose torques none is determined the form is not known; nor of one
+        so large that only another cancels it.
         """
         key = _key(tested)
         if key not in self._found:
@@ -46,7 +48,11 @@ class Refits:
             except FricmodelsError:
                 self._found[key] = None
             else:
-                useless = is_undetermined(fitted, tested.name) or _is_over_at_once(fitted, tested.effect)
+                useless = (
+                    is_undetermined(fitted, tested.name)
+                    or _is_over_at_once(fitted, tested.effect)
+                    or _is_within_free_shift(fitted, tested.effect)
+                )
                 self._found[key] = None if useless or self._is_unphysical(fitted, tested.effect) else fitted
         return self._found[key]
 
@@ -169,6 +175,12 @@ def _is_over_at_once(fitted: Comparison, effect: Effect) -> bool:
     """Whether a fit made of a slow change one that is over sooner than any that is sought."""
     slow = [within_recording(fitted.problem, p) for p in effect.parameters if p.slow]
     return any(fitted.estimate.parameters[f"{effect.name}.{p.symbol}"] < p.lower * (1 - _CLOSE) for p in slow)
+
+
+def _is_within_free_shift(fitted: Comparison, effect: Effect) -> bool:
+    """Whether a fit made of a delay one that every row may have by itself: beside that nothing was found."""
+    values, most = fitted.estimate.parameters, FREE_SHIFT * fitted.train.interval
+    return any(abs(values[f"{effect.name}.{p.symbol}"]) <= most for p in effect.parameters if p.delay)
 
 
 def _key(tested: CandidateTest) -> Key:

@@ -47,7 +47,7 @@ def is_better(
     """Whether what is in the place of an effect predicts clearly more than it.
 
     It does if it has no more terms: of two such forms the one that explains more is the better one, and no chance is to
-    be allowed for. (The past of the residual or of the torque is no form.) Otherwise it does if the errors, compared as
+    be allowed for. Otherwise it does if the errors, compared as
     those of two forecasts, say so (Diebold and Mariano 1995). It also does if it predicts what the effect leaves, and
     the effect nothing of what it leaves, or next to nothing beside that (Chong and Hendry 1986): where an effect lies
     within what a channel can be, that is the test of its form, of which the errors tell little. Not so of waves at
@@ -63,8 +63,7 @@ def is_better(
         instead: what is in its place.
     """
     policy = result.policy
-    simple = instead.terms <= len(effect.found.columns) + len(effect.found.nonlinear)
-    if simple and not instead.channels & AUTOREGRESSIVE:
+    if instead.terms <= len(effect.found.columns) + len(effect.found.nonlinear):
         return True
     _, p_more = compare(gain.regression.loss, loss, gain.without.terms)
     if p_more * instead.tried <= policy.outpredicted_significance:
@@ -85,7 +84,7 @@ def against_channels(
 ) -> tuple[float, str]:
     """Return the least ratio of what an effect explains to what a channel explains that predicts clearly more, and it.
 
-    The past of the residual or of the torque counts only against an effect with memory: it shows all that lasts. A
+    The past of the residual or of the torque is no such channel: it shows all that lasts, whatever its form. A
     channel beside which the effect still does most of what it does is another cause. Against an effect of the time
     itself, which happens once, other courses of time test the form: a comparison that was planned, not one of many.
 
@@ -100,7 +99,7 @@ def against_channels(
     policy, least, rival = result.policy, np.inf, ""
     planned = OF_TIME if first.effect.depends_on_time else ()
     for predictor in passing_beside(result, gain.without, as_rivals=True, planned=planned):
-        if predictor.channels in AUTOREGRESSIVE and not first.effect.states:
+        if predictor.channels in AUTOREGRESSIVE:
             continue
         own, theirs = credited(result, gain.before, gain.fall, gain.before - float(np.sum(predictor.evidence.loss)))
         if own >= theirs:
