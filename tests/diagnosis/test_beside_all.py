@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fricmodels.diagnosis import Diagnosis, compare, diagnose
+from fricmodels.diagnosis import Diagnosis, compare, diagnose, refits
 from fricmodels.diagnosis.candidate_tests import candidate_tests
 from fricmodels.diagnosis.passive import own_torque
 from fricmodels.diagnosis.policy import POLICY
@@ -100,17 +100,8 @@ def test_two_waves_of_one_wave_number_are_larger_than_the_drive(made: Made) -> N
     assert Refits(bare, replace(POLICY, own_torque=0.5 * share)).with_effect(tested) is None
 
 
-@pytest.mark.parametrize(
-    ("samples", "named"),
-    [
-        pytest.param(0.0, False, marks=pytest.mark.long),
-        (0.5, False),
-        pytest.param(0.85, True, marks=pytest.mark.long),
-        pytest.param(-0.9, True, marks=pytest.mark.long),
-    ],
-)
-def test_a_delay_of_more_than_the_hold_of_a_torque_has_its_name(samples: float, named: bool) -> None:
-    """Half a sample is how recordings are made, where a torque was held; what is clearly more is a delay."""
+def late(samples: float) -> Recording:
+    """Return a drive at 100 Hz whose motion was recorded so many samples late."""
     time, rate = np.arange(8000) / 100.0, 100.0
     turns, sizes = 2 * np.pi * np.array([0.31, 1.43, 4.7, 8.3]), np.array([4.0, 2.0, 1.0, 0.5])
 
@@ -126,9 +117,31 @@ def test_a_delay_of_more_than_the_hold_of_a_torque_has_its_name(samples: float, 
         "velocity": motion(time - samples / rate) + 2e-3 * rng.standard_normal(len(time)),
         "torque": torque + 0.02 * rng.standard_normal(len(time)),
     }
-    recording = Recording("late", Motion.ROTARY, channels, np.zeros(len(time), dtype=np.int64))
-    diagnosis = diagnose(recording, "coulomb-viscous", INERTIA)
+    return Recording("late", Motion.ROTARY, channels, np.zeros(len(time), dtype=np.int64))
+
+
+def test_a_delay_that_the_free_shift_of_the_rows_is_as_well_is_none(monkeypatch: pytest.MonkeyPatch) -> None:
+    """It was found beside a shift of that size: what is fitted must be more."""
+    bare = compare(late(0.85), "coulomb-viscous", INERTIA)
+    (tested,) = candidate_tests(bare.problem, bare.estimate.parameters, only=["sensor-delay"]).tested
+    assert Refits(bare, POLICY).with_effect(tested) is not None
+    monkeypatch.setattr(refits, "FREE_SHIFT", 0.9)
+    assert Refits(bare, POLICY).with_effect(tested) is None
+
+
+@pytest.mark.parametrize(
+    ("samples", "named"),
+    [
+        pytest.param(0.0, False, marks=pytest.mark.long),
+        (0.5, False),
+        pytest.param(0.85, True, marks=pytest.mark.long),
+        pytest.param(-0.9, True, marks=pytest.mark.long),
+    ],
+)
+def test_a_delay_of_more_than_the_hold_of_a_torque_has_its_name(samples: float, named: bool) -> None:
+    """Half a sample is how recordings are made, where a torque was held; what is clearly more is a delay."""
+    diagnosis = diagnose(late(samples), "coulomb-viscous", INERTIA)
     assert [found.names[0] for found in diagnosis.findings] == (["sensor-delay"] if named else [])
     if named:
         assert abs(samples) > FREE_SHIFT
-        assert diagnosis.findings[0].tested.parameters["T"] == pytest.approx(samples / rate, rel=0.1)
+        assert diagnosis.findings[0].tested.parameters["T"] == pytest.approx(samples / 100.0, rel=0.1)
