@@ -212,11 +212,13 @@ class _Search:
         """Add two effects of which neither helps alone: what one brings may be lost in what is still missing.
 
         They are the first two of the set that the residual suggests, each found beside the other; not one that has
-        another form than what is missing.
+        another form than what is missing, or only imitates an unknown cause together with others.
         """
         judgement = self.diagnosis.judgement
-        members = [] if judgement is None else [found.first for found, _ in judgement.members]
-        possible = [t for t in members if judgement is not None and not judgement.contradicts(t, self._policy)]
+        members = () if judgement is None else judgement.members
+        one_cause = () if judgement is None else judgement.one_cause
+        firsts = [found.first for found, _ in members if not any(found.first is one.first for one in one_cause)]
+        possible = [t for t in firsts if judgement is not None and not judgement.contradicts(t, self._policy)]
         pair = self._chain([Finding(tested, (tested.name,), "") for tested in possible[:2]])
         return pair if len(pair) == 2 and _test_error(pair[1][1].comparison) < _test_error(self._here) else []
 
