@@ -76,6 +76,7 @@ def test_what_only_lacks_its_share_is_asked_by_the_printed_error(
     found = LookAlikes(first, (first,))
     judgement = Judgement(((found, support),), (), (), 0.0, unpredicted)
     assert judgement.unsure_of_its_share(POLICY) is (found if is_one else None)
+    assert replace(judgement, one_cause=(found,)).unsure_of_its_share(POLICY) is None  # it only imitates a cause
 
     def error(percent: float) -> Any:
         headline = SimpleNamespace(noise_floor_percent=1.0)

@@ -83,11 +83,14 @@ class Judgement:
     def unsure_of_its_share(self, policy: Policy) -> LookAlikes | None:
         """Return the first effect of a set of which none is there, if it only lacks its share, and nothing tells why.
 
-        What neither a channel nor its own past predicts may be noise that was estimated too small.
+        What neither a channel nor its own past predicts may be noise that was estimated too small. What imitates an
+        unknown cause with others lacks more than its share.
         """
         if not self.members or not self.unpredicted or self.supported(policy):
             return None
         found, support = self.members[0]
+        if any(found.first is one.first for one in self.one_cause):
+            return None
         seen = found.first.once < policy.significance_once and support.is_large(policy)
         return found if seen and support.but_for_its_share(policy) else None
 
