@@ -36,9 +36,9 @@ class Refits:
         """Return the model with an effect, fitted from the estimate of it.
 
         ``None`` where that fails, or where the effect comes out as nothing, as a slow change that is over at once, or
-        as a delay that the free shift of the rows is as well: a smaller error is then not its doing. Nor is a friction
-        that drives what it says it is, and of one of whose torques none is determined the form is not known; nor of one
-        so large that only another cancels it.
+        as a delay that the free shift of the rows is as well, unless the error falls far: a smaller error is then not
+        its doing. Nor is a friction that drives what it says it is, and of one of whose torques none is determined the
+        form is not known; nor of one so large that only another cancels it.
         """
         key = _key(tested)
         if key not in self._found:
@@ -51,7 +51,7 @@ class Refits:
                 useless = (
                     is_undetermined(fitted, tested.name)
                     or _is_over_at_once(fitted, tested.effect)
-                    or _is_within_free_shift(fitted, tested.effect)
+                    or self._is_within_free_shift(fitted, tested.effect)
                 )
                 self._found[key] = None if useless or self._is_unphysical(fitted, tested.effect) else fitted
         return self._found[key]
@@ -76,6 +76,16 @@ class Refits:
         """Whether an effect that is a part of the friction makes of it one that drives, or is too large to be there."""
         drives = effect.friction and driving_share(fitted) > self.policy.driving_friction
         return drives or own_torque(fitted, effect) > self.policy.own_torque
+
+    def _is_within_free_shift(self, fitted: Comparison, effect: Effect) -> bool:
+        """Whether a fit made of a delay one that every row may have by itself, and the test error does not fall far.
+
+        It was found beside a free shift of that size: it is more than that, or the error must say that it is there.
+        """
+        values, most = fitted.estimate.parameters, FREE_SHIFT * fitted.train.interval
+        within = any(abs(values[f"{effect.name}.{p.symbol}"]) <= most for p in effect.parameters if p.delay)
+        before, after = (c.errors.held_out_percent for c in (self.comparison, fitted))
+        return within and after > self.policy.refit_share * before
 
     def test_error(self, tested: CandidateTest) -> float:
         """Return the test error of the decisions with an effect [%]; infinite where it cannot be fitted."""
@@ -175,12 +185,6 @@ def _is_over_at_once(fitted: Comparison, effect: Effect) -> bool:
     """Whether a fit made of a slow change one that is over sooner than any that is sought."""
     slow = [within_recording(fitted.problem, p) for p in effect.parameters if p.slow]
     return any(fitted.estimate.parameters[f"{effect.name}.{p.symbol}"] < p.lower * (1 - _CLOSE) for p in slow)
-
-
-def _is_within_free_shift(fitted: Comparison, effect: Effect) -> bool:
-    """Whether a fit made of a delay one that every row may have by itself: beside that nothing was found."""
-    values, most = fitted.estimate.parameters, FREE_SHIFT * fitted.train.interval
-    return any(abs(values[f"{effect.name}.{p.symbol}"]) <= most for p in effect.parameters if p.delay)
 
 
 def _key(tested: CandidateTest) -> Key:
