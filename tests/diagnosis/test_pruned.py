@@ -89,7 +89,7 @@ def test_an_effect_without_which_the_test_error_is_no_higher_leaves_the_ladder(
     assert alone.errors.held_out_percent <= comparison.errors.held_out_percent
     sure = SimpleNamespace(gain=0.5, p_value=1e-9)
     monkeypatch.setattr(ladder, "necessity", lambda comparison, name: sure)
-    monkeypatch.setattr(ladder, "is_nothing", lambda comparison, name: False)
+    monkeypatch.setattr(ladder, "is_void", lambda comparison, name: False)
     search = _Search(set(), set(), POLICY, examine(comparison))
     assert search.prune()
     assert search.rungs[-1].model == "coulomb-viscous+gravity"

@@ -352,9 +352,18 @@ def test_the_printed_error_must_fall_by_more_than_that_of_the_decisions_rises(
 ) -> None:
     """An impact shows in the balance of momentum only: from 5.82 and 6.01 % a backlash came to 6.05 and 1.81 %."""
 
-    def comparison(sliding: float, headline: float) -> Any:
-        bands = [SimpleNamespace(held_out_percent=headline)]
-        errors = SimpleNamespace(held_out_percent=headline, bands=bands)
-        return SimpleNamespace(sliding=SimpleNamespace(held_out_percent=sliding), errors=errors)
+    assert falls_from(scored(5.82, 6.01), scored(decisions, printed), POLICY) is falls
 
-    assert falls_from(comparison(5.82, 6.01), comparison(decisions, printed), POLICY) is falls
+
+@pytest.mark.parametrize(("noise", "falls"), [(0.5, True), (4.4, False)])
+def test_what_falls_below_noise_counts_for_nothing(noise: float, falls: bool) -> None:
+    """A link that takes all of the inertia takes the noise of the acceleration, too: 5.18 to 1.62 %."""
+    assert falls_from(scored(0.717, 5.175, noise), scored(1.334, 1.62, noise), POLICY) is falls
+
+
+def scored(sliding: float, headline: float, noise: float = 0.5) -> Any:
+    """Return a comparison with the test errors of the decisions and of the headline, and the floor of the latter."""
+    bands = [SimpleNamespace(held_out_percent=headline)]
+    first = SimpleNamespace(noise_floor_percent=noise)
+    errors = SimpleNamespace(held_out_percent=headline, bands=bands, headline=first)
+    return SimpleNamespace(sliding=SimpleNamespace(held_out_percent=sliding), errors=errors)

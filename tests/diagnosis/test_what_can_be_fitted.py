@@ -11,7 +11,7 @@ from tests.conftest import INERTIA, Made
 
 from fricmodels.diagnosis import by_fit, compare
 from fricmodels.diagnosis.policy import POLICY, Policy
-from fricmodels.diagnosis.refits import is_nothing, is_undetermined
+from fricmodels.diagnosis.refits import is_undetermined, is_void
 from fricmodels.diagnosis.support import Support
 from fricmodels.diagnosis.supported import Judgement
 from fricmodels.diagnosis.verdict import LookAlikes
@@ -92,7 +92,7 @@ def test_what_only_lacks_its_share_is_asked_by_the_printed_error(
 
 def test_damping_alone_is_no_contact_that_bends(made: Made) -> None:
     fitted = compare(made("coulomb-viscous+presliding", CONTACT, samples=4000), "coulomb-viscous+presliding", INERTIA)
-    assert not is_nothing(fitted, "presliding")
+    assert not is_void(fitted, "presliding")
     assert not is_undetermined(fitted, "presliding")
 
     def with_values(**values: float) -> Any:
@@ -102,3 +102,21 @@ def test_damping_alone_is_no_contact_that_bends(made: Made) -> None:
 
     assert is_undetermined(with_values(F_1=0.0, F_2=0.0), "presliding")
     assert not is_undetermined(with_values(F_1=0.0), "presliding")
+
+
+def test_an_inertia_that_takes_all_that_it_may_is_no_wrong_inertia(made: Made) -> None:
+    fitted = compare(
+        made("coulomb-viscous+inertia-error", {"inertia-error.dJ": 0.2}), "coulomb-viscous+inertia-error", INERTIA
+    )
+
+    def with_value(share: float) -> Any:
+        own = {"inertia-error.dJ": share * INERTIA}
+        estimate = replace(fitted.estimate, parameters={**fitted.estimate.parameters, **own})
+        return replace(fitted, estimate=estimate)
+
+    assert [is_void(with_value(share), "inertia-error") for share in (-0.9, -0.89, 0.0, 0.9)] == [
+        True,
+        False,
+        True,
+        False,
+    ]

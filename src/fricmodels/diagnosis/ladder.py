@@ -11,7 +11,7 @@ from fricmodels.diagnosis.diagnose import Diagnosis, Finding, comes_near, examin
 from fricmodels.diagnosis.look_alikes import separated_by
 from fricmodels.diagnosis.necessity import necessity
 from fricmodels.diagnosis.policy import POLICY, Policy
-from fricmodels.diagnosis.refits import Refits, is_nothing, is_undetermined
+from fricmodels.diagnosis.refits import Refits, is_undetermined, is_void
 from fricmodels.display import Displayed
 from fricmodels.model import Model
 from fricmodels.progress import Cancelled, Token, Watcher, stage, watched
@@ -244,10 +244,10 @@ class _Search:
         removed: list[str] = []
         while len(self._added) - len(removed) > 1:
             left = [name for name in self._added if name not in removed]
-            nothing = next((name for name in left if is_nothing(comparison, name)), None)
-            if nothing is not None:
-                comparison = self._without(comparison, nothing)
-                removed.append(nothing)
+            void = next((name for name in left if is_void(comparison, name)), None)
+            if void is not None:
+                comparison = self._without(comparison, void)
+                removed.append(void)
                 continue
             tested = {name: necessity(comparison, name) for name in left}
             order = sorted(tested, key=lambda name: tested[name].gain)

@@ -137,22 +137,31 @@ def falls_from(here: Comparison, other: Comparison, policy: Policy) -> bool:
 
     What rings fast shows in single samples, what is slow in wide windows, and an impact, which no difference of
     velocities tells, in the balance of momentum only. Where the error of the decisions rises, the printed one must fall
-    far, and by as much more.
+    far, and by as much more. What falls below noise counts for nothing there: an effect that takes away a part of the
+    inertia takes away the noise of the acceleration with it.
     """
     if other.sliding.held_out_percent >= here.sliding.held_out_percent:
-        both = [c.sliding.held_out_percent * c.errors.held_out_percent for c in (here, other)]
+        noise = policy.noise_known_to * here.errors.headline.noise_floor_percent
+        both = [c.sliding.held_out_percent * max(c.errors.held_out_percent, noise) for c in (here, other)]
         return both[1] <= policy.refit_share * both[0]
     pairs = zip(other.errors.bands, here.errors.bands, strict=True)
     return any(after.held_out_percent < before.held_out_percent for after, before in pairs)
 
 
-def is_nothing(fitted: Comparison, name: str) -> bool:
-    """Whether an effect of a fitted model has no torque: all coefficients that it is linear in are zero.
+def is_void(fitted: Comparison, name: str) -> bool:
+    """Whether an effect of a fitted model is none: all coefficients that it is linear in are zero, or it takes away all
+    of the drive's inertia that it may.
 
-    What only accompanies its torques is not the effect.
+    What only accompanies its torques is not the effect. Under one sine a spring and an inertia are the same, and with
+    both in a model one may cancel the other, down to a bound.
     """
-    values = fitted.estimate.parameters
+    values, inertia = fitted.estimate.parameters, fitted.drive.inertia
     own = [values[key] for key in _linear_in(fitted, name)]
+    for p in fitted.drive.model.parameters:
+        share = p.declared.less_of_drive
+        if share and inertia is not None and p.key.startswith(f"{name}."):
+            if values[p.key] <= -share * inertia * (1.0 - _CLOSE):
+                return True
     return bool(own) and not any(own)
 
 
@@ -170,7 +179,7 @@ def is_undetermined(fitted: Comparison, name: str) -> bool:
     def may_be_nothing(key: str) -> bool:
         return values[key] == 0.0 or (key in unknown and abs(values[key]) < NORMAL_95 * errors.get(key, float("inf")))
 
-    return is_nothing(fitted, name) or (len(own) > 1 and all(may_be_nothing(key) for key in own))
+    return is_void(fitted, name) or (len(own) > 1 and all(may_be_nothing(key) for key in own))
 
 
 def _linear_in(fitted: Comparison, name: str) -> list[str]:
