@@ -157,11 +157,9 @@ def is_void(fitted: Comparison, name: str) -> bool:
     """
     values, inertia = fitted.estimate.parameters, fitted.drive.inertia
     own = [values[key] for key in _linear_in(fitted, name)]
-    for p in fitted.drive.model.parameters:
-        share = p.declared.less_of_drive
-        if share and inertia is not None and p.key.startswith(f"{name}."):
-            if values[p.key] <= -share * inertia * (1.0 - _CLOSE):
-                return True
+    bounded = [p for p in fitted.drive.model.parameters if p.declared.less_of_drive and p.key.startswith(f"{name}.")]
+    if any(values[p.key] <= -p.declared.less_of_drive * (inertia or float("inf")) * (1.0 - _CLOSE) for p in bounded):
+        return True
     return bool(own) and not any(own)
 
 
