@@ -160,6 +160,8 @@ def unknown(diagnosis: Diagnosis) -> str:
         parts.append(f"'{diagnosis.refused.name}' explains part of it, but the test error does not fall with it.")
     if rest.place is not None:
         parts.append(f"It is largest {rest.where}.")
+    elif diagnosis.view is not None:
+        parts.append(f"{rest.where}.")
     if rest.nearest:
         here = diagnosis.comparison.errors.held_out_percent
         near = ", ".join(f"'{one.name}' ({here:.3g} → {one.held_out_percent:.3g} %)" for one in rest.nearest)

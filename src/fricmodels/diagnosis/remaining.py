@@ -16,8 +16,12 @@ from fricmodels.diagnosis.refits import Refits
 from fricmodels.diagnosis.sought_functions import ends_of_stretch
 from fricmodels.diagnosis.where import in_words
 from fricmodels.dimension import Motion
+from fricmodels.signals import resting
 
 _NEAREST = 3
+_SLOW, _MOST, _MUCH = 1e-9, 0.99, 0.2
+"""Speed of a drive that begins to move, as a share of its peak; the quantile of what it holds beyond its model that is
+said, and from which share of its friction on."""
 
 
 @dataclass(frozen=True)
@@ -71,19 +75,48 @@ def remaining(
     errors = comparison.errors
     percent = float(np.sqrt(max(errors.held_out_percent**2 - comparison.noise_floor_percent**2, 0.0)))
     size = percent / 100 * float(np.sqrt(np.mean(comparison.test.torque**2)))
+    worst = comparison.where[0]
+    held = held_at_rest(comparison) if place is None and worst.regime == "rest" else ""
+    # Rows of motion do not tell which friction acts at rest: each is fitted then.
+    shown = [t for t in tested if np.any(t.found.kept)]
+    chosen = shown[:_NEAREST] + [t for t in shown[_NEAREST:] if held and t.effect.friction]
     near = []
-    for candidate in [t for t in tested if np.any(t.found.kept)][:_NEAREST]:
+    for candidate in chosen:
         other = refits.with_effect(candidate)
         if other is not None:
             near.append(Nearest(candidate.name, other.drive.model.name, other.errors.held_out_percent))
-    near.sort(key=lambda one: one.held_out_percent)
+    near = sorted(near, key=lambda one: one.held_out_percent)[:_NEAREST]
     if place is None:
-        worst = comparison.where[0]
-        where = f"{100 * worst.share_of_squared_error:.0f} % of the squared error lies {in_words(worst.regime)}"
+        where = f"{100 * worst.share_of_squared_error:.0f} % of the squared error lies {in_words(worst.regime)}{held}"
     else:
         where = at_place(place, comparison.drive.motion)
         channel = channel or place.channel.replace("_", " ")
     return Remaining(percent, size, channel, where, place, tuple(near))
+
+
+def held_at_rest(comparison: Comparison) -> str:
+    """Return in words by how much a drive holds more at rest than its model; empty where that is not known, or nothing.
+
+    A friction that acts at rest only, or in the first sample of a motion, is in no equation of the motion: what a
+    controller had to give in vain tells of it.
+    """
+    drive, prepared = comparison.drive, comparison.train
+    if drive.model.states:
+        return ""
+    still = prepared.select(np.flatnonzero(resting(prepared)))
+    slow = np.full(len(still), _SLOW * (prepared.peak_speed or 1.0))
+    forward, backward = (
+        drive.friction(still, comparison.estimate.parameters, velocity=side * slow) for side in (1.0, -1.0)
+    )
+    beyond = np.maximum(still.driving_torque - forward, backward - still.driving_torque)
+    held, friction = np.quantile(beyond, _MOST), float(np.median(0.5 * np.abs(forward - backward)))
+    if held <= friction * _MUCH:
+        return ""
+    unit = "N m" if drive.motion is Motion.ROTARY else "N"
+    return (
+        f", where the drive holds up to {held:.2g} {unit} more than the {friction:.2g} {unit} of the model: "
+        "its friction at rest is larger than in motion, or another torque holds it"
+    )
 
 
 def place_of_stretch(result: CandidateTests, predictor: ChannelPredictor) -> Place | None:
