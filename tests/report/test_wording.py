@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from types import SimpleNamespace
+from typing import Any
 
 import pytest
 from hypothesis import given
@@ -102,3 +104,10 @@ def test_an_inertia_of_nothing_is_explained(key: str) -> None:
     assert not wording.shows_no_inertia({key: 1.0}, {key: 0.4})
     assert not wording.shows_no_inertia({key: 1.0, "K_c": 0.0}, {"K_c": 1.0}), "it is given"
     assert not wording.shows_no_inertia({"K_c": 0.0}, {})
+
+
+@pytest.mark.parametrize(("remaining", "said"), [(None, False), (object(), True)])
+def test_what_remains_may_have_moved_the_values(remaining: object, said: bool) -> None:
+    final = SimpleNamespace(parameters={"K_c": 1.0}, standard_errors={"K_c": 0.1})
+    data: Any = SimpleNamespace(steps=[final], effects=[], ladder=[final], remaining=remaining)
+    assert any("What remains is not in it" in remark for remark in wording.on_parameters(data)) is said

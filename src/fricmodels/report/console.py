@@ -14,7 +14,7 @@ from fricmodels.report.captions import where_words
 from fricmodels.report.channels import channel_of_rest, shown_over
 from fricmodels.report.figures.against import error_over
 from fricmodels.report.wording import change as change_of
-from fricmodels.report.wording import counted, listed_classes, percent, shows_no_inertia, small, values_hold_with
+from fricmodels.report.wording import counted, listed_classes, on_parameters, percent, small
 from fricmodels.results.words import ALONG, of_motion
 from fricmodels.terminal import Band, Column, Marks, bar, plain, show_plot, show_table, spoken
 
@@ -44,9 +44,7 @@ def show_answer_of_ladder(console: Console, ladder: Ladder, options: Sequence[st
     last = ladder.rungs[-1].comparison
     console.print()
     show_parameters(console, last, f"Parameters of {last.drive.model.name}")
-    chosen = values_hold_with(finding.names for finding in added(ladder)) if len(ladder.rungs) > 1 else ""
-    final = data.steps[-1]
-    for remark in filter(None, (chosen, shows_no_inertia(final.parameters, final.standard_errors))):
+    for remark in on_parameters(data):
         say(console, remark)
     _last(console, data)
 

@@ -22,10 +22,9 @@ from fricmodels.report.wording import (
     counted,
     listed,
     noise_alone,
+    on_parameters,
     percent,
     physics,
-    shows_no_inertia,
-    values_hold_with,
 )
 
 if TYPE_CHECKING:
@@ -127,16 +126,14 @@ def story(
 ) -> list[Section]:
     """Return the sections in reading order."""
     ends = _ends([rung.comparison for rung in rungs])
-    chosen = values_hold_with(effect.names for effect in data.effects) if len(data.ladder) > 1 else ""
-    final = data.steps[-1]
-    chosen = " ".join(filter(None, (chosen, shows_no_inertia(final.parameters, final.standard_errors))))
+    remarks = " ".join(on_parameters(data))
     parts: list[Callable[[], Section]] = [lambda: sections.found(data, rungs, after)]
     if len(data.ladder) > 1:
         parts.append(lambda: sections.ladder(data, _ladder_picture(data, rungs)))
     if ends:
         parts += [lambda: _measured(ends, simulate=simulate), lambda: sections.fails(ends)]
     parts += [
-        lambda: sections.all_parameters(data, data.correlation, chosen),
+        lambda: sections.all_parameters(data, data.correlation, remarks),
         lambda: sections.limits(data, ends),
         lambda: recording_section(data, command, options),
     ]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterable, Mapping, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from fricmodels import plugins
 from fricmodels.dimension import Motion
@@ -14,6 +14,12 @@ from fricmodels.parameter import Parameter
 from fricmodels.report.figures.style import EXPONENT
 from fricmodels.results.words import LEAST_CHANCE, LEAST_NOISE, NORMAL_95, borne, change_text, share_text
 
+if TYPE_CHECKING:
+    from fricmodels.results.diagnosis import DiagnosisDocument
+
+_STILL_MISSING = (
+    "Standard errors are those of this model. What remains is not in it, and may have moved the values by more."
+)
 _POWER = re.compile(r"(?<![\w.])(\d+(?:\.\d+)?)e([+-]?\d+)\b")
 _SUPERSCRIPT = str.maketrans("-0123456789/.", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹ᐟ·")
 _LEAST_PERCENT = 0.001
@@ -108,6 +114,15 @@ def listed_classes(classes: Iterable[Sequence[str]]) -> str:
     if len(names) < 2 or all(len(names) == 1 for names in found):
         return listed(names)
     return f"{', '.join(names[:-1])}, and {names[-1]}"
+
+
+def on_parameters(data: DiagnosisDocument) -> list[str]:
+    """Say what limits the values and standard errors of the final model: what was chosen, what cannot be told or is
+    missing."""
+    final = data.steps[-1]
+    chosen = values_hold_with(effect.names for effect in data.effects) if len(data.ladder) > 1 else ""
+    missing = _STILL_MISSING if data.remaining is not None else ""
+    return [*filter(None, (chosen, shows_no_inertia(final.parameters, final.standard_errors), missing))]
 
 
 def values_hold_with(classes: Iterable[Sequence[str]]) -> str:
