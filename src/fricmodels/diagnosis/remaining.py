@@ -49,7 +49,8 @@ class Remaining:
         where: the place in that channel, its width and the mean torque there, or else the regime of motion in which
             most of it lies.
         place: the same place as numbers; ``None`` where it lies in none.
-        nearest: the listed effects that come nearest to it, the one with the least test error first.
+        nearest: the listed effects that come nearest to it, the one with the least test error first; of those that are
+            as good but for the least gain that counts the simplest.
     """
 
     percent: float
@@ -80,12 +81,20 @@ def remaining(
     # Rows of motion do not tell which friction acts at rest: each is fitted then.
     shown = [t for t in tested if np.any(t.found.kept)]
     chosen = shown[:_NEAREST] + [t for t in shown[_NEAREST:] if held and t.effect.friction]
-    near = []
+    near, parameters = [], dict[str, int]()
     for candidate in chosen:
         other = refits.with_effect(candidate)
         if other is not None:
             near.append(Nearest(candidate.name, other.drive.model.name, other.errors.held_out_percent))
-    near = sorted(near, key=lambda one: one.held_out_percent)[:_NEAREST]
+            parameters[candidate.name] = len(candidate.effect.parameters)
+    least = (1 + refits.policy.least_gain) * min((one.held_out_percent for one in near), default=0.0)
+
+    def rank(one: Nearest) -> tuple[int, float]:
+        """Of those that are as good as the best the simplest comes first."""
+        as_good = one.held_out_percent <= least
+        return (parameters[one.name] if as_good else max(parameters.values()) + 1), one.held_out_percent
+
+    near = sorted(near, key=rank)[:_NEAREST]
     if place is None:
         where = f"{100 * worst.share_of_squared_error:.0f} % of the squared error lies {in_words(worst.regime)}{held}"
     else:
