@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from fricmodels.diagnosis.basis_functions import hats_within, one_torque_within
 from fricmodels.diagnosis.candidate_tests import CandidateTest, CandidateTests, candidate_tests, not_yet, tested_at
-from fricmodels.diagnosis.floor import floor
+from fricmodels.diagnosis.floor import floor, leaves_nothing
 from fricmodels.diagnosis.journal import searched
 from fricmodels.diagnosis.places import largest_place
 from fricmodels.diagnosis.predictability import AUTOREGRESSIVE, ChannelPredictor, channel_predictors, each_predictor
@@ -254,6 +254,17 @@ def gain_of(result: CandidateTests, beside: Array, member: Member) -> Gain:
     evidence = delayed.test(member.columns[visible], without)
     after = regression_of(result.problem, result.parameters, np.vstack([beside, member.columns]), member.effect)
     return Gain(without, after, member.columns[visible], before, before - float(np.sum(after.loss)), evidence.p_value)
+
+
+def the_past_counts(result: CandidateTests, effect: Effect, gain: Gain) -> bool:
+    """Whether the past of the residual or of the torque may stand in the place of an effect.
+
+    It shows all that lasts, whatever its form, so that only an effect with memory, which may imitate what lasts, has to
+    do more. Not one that leaves nothing above noise: in slow motion the past is all of any torque.
+    """
+    return bool(effect.states) and not leaves_nothing(
+        result.problem, gain.before, gain.before - gain.fall, result.policy
+    )
 
 
 def passing_beside(

@@ -56,6 +56,11 @@ def share_explained(problem: WeakFormProblem, before: float, left: float, policy
     return (before - left) / above if above > max(before - left, 0.0) else 1.0 if before > left else 0.0
 
 
+def leaves_nothing(problem: WeakFormProblem, before: float, left: float, policy: Policy = POLICY) -> bool:
+    """Whether what is left of a sum of squares is above noise by less than a gain that counts, see above."""
+    return share_explained(problem, before, left, policy) >= 1.0 - policy.least_gain
+
+
 def gain_above_noise(problem: WeakFormProblem, regression: Regression, evidence: Evidence, policy: Policy) -> float:
     """Return by which share columns lower the RMS of a residual on held-out blocks, but for what noise leaves of it.
 

@@ -9,7 +9,15 @@ from numpy.typing import NDArray
 
 from fricmodels.diagnosis.basis_functions import OF_WAVES
 from fricmodels.diagnosis.candidate_tests import CandidateTests
-from fricmodels.diagnosis.effect_set import Member, gain_of, passing_beside, stacked, visible_of, without
+from fricmodels.diagnosis.effect_set import (
+    Member,
+    gain_of,
+    passing_beside,
+    stacked,
+    the_past_counts,
+    visible_of,
+    without,
+)
 from fricmodels.diagnosis.floor import creditable
 from fricmodels.diagnosis.predictability import AUTOREGRESSIVE, ChannelPredictor
 from fricmodels.diagnosis.verdict import predicts
@@ -44,7 +52,9 @@ def _is_one_cause(
     can be.
     """
     policy = result.policy
-    for predictor in [p for p in channels if p.channels not in AUTOREGRESSIVE][:_RIVALS]:
+    own_gain = gain_of(result, stacked(result, others), member)
+    out = frozenset() if the_past_counts(result, member.effect, own_gain) else AUTOREGRESSIVE
+    for predictor in [p for p in channels if p.channels not in out][:_RIVALS]:
         every = [*others, member]
         if not _takes_place(result, predictor, member, every):
             continue  # whatever else the channel does, it does not do what this effect does
@@ -70,6 +80,8 @@ def _is_one_cause(
         theirs, own, all_own = credited(result, before, *falls)
         if len(member.columns) < predictor.terms and own >= policy.of_channel * theirs:
             continue  # it needs no other effect to do what the channel does
+        if predictor.channels in AUTOREGRESSIVE and all_own >= (1.0 - policy.least_gain) * theirs:
+            continue  # all that lasts has causes; these leave next to nothing of it
         effects = np.vstack([member.columns, *(other.columns for other in taken)])
         if predictor.terms < len(effects) and theirs >= policy.of_channel * all_own:
             return True

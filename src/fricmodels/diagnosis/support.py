@@ -20,6 +20,7 @@ from fricmodels.diagnosis.effect_set import (
     nothing,
     passing_beside,
     stacked,
+    the_past_counts,
     visible_of,
     without_tangents,
 )
@@ -100,8 +101,8 @@ def _support_beside(result: CandidateTests, member: Member, others: list[Member]
     # An effect of the time itself beside one course of time could be any other: such a part describes no other cause.
     same = {i for i, name in enumerate(names) if member.effect.depends_on_time and name in OF_TIME}
     apart = [beside, *(part for i, part in enumerate(rest.parts) if i not in same.union(taking))]
-    # The past of the residual or of the torque can be all that an effect is: then it says nothing of it.
-    lasting = nothing(result) if len(rest.lasting) and in_its_place(rest.lasting) else rest.lasting
+    past = the_past_counts(result, member.effect, gain_of(result, np.vstack(apart), member))
+    lasting = rest.lasting if past or not in_its_place(rest.lasting) else nothing(result)
     if taking and not same:
         both = _beside_all(result, member, beside, rest, lasting)
         if both is not None:
