@@ -16,6 +16,8 @@ from fricmodels.diagnosis.document import document
 from fricmodels.diagnosis.ladder import Rung
 from fricmodels.diagnosis.policy import POLICY
 from fricmodels.diagnosis.refits import Refits
+from fricmodels.diagnosis.support import Support
+from fricmodels.diagnosis.supported import Judgement
 from fricmodels.diagnosis.verdict import LookAlikes, passing_all_gates
 from fricmodels.recording import Recording
 
@@ -47,6 +49,25 @@ def test_up_to_the_lowest_error(errors: list[float], kept: str, left_out: str, m
     assert "".join(rung.added for _, rung in search._lowering(step)) == kept
     assert "".join(search._superfluous) == left_out
     assert (left_out != "") == ("does not fall" in search.note)
+
+
+@pytest.mark.parametrize(("imitating", "tried"), [("", "ab"), ("a", "bc"), ("b", "ac"), ("bc", "a")])
+def test_a_pair_is_not_of_what_imitates_one_cause(imitating: str, tried: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    tested = {name: cast(CandidateTest, SimpleNamespace(name=name)) for name in "abc"}
+    classes = {name: LookAlikes(one, (one,)) for name, one in tested.items()}
+    support = Support(own_share=0.4, of_channel=1.0, torque=0.1, p_value=1e-9)
+    members = tuple((found, support) for found in classes.values())
+    judgement = Judgement(members, tuple(classes[name] for name in imitating), (), 0.0, 0.0)
+    first: Any = SimpleNamespace(comparison=fitted(10.0), judgement=judgement)
+    search, chained = ladder._Search(set(), set(), ladder.POLICY, first), list[str]()
+
+    def chain(findings: list[Finding]) -> list[Any]:
+        chained.extend(finding.tested.name for finding in findings)
+        return []
+
+    monkeypatch.setattr(search, "_chain", chain)
+    assert search._pair() == []
+    assert "".join(chained) == tried
 
 
 @pytest.mark.parametrize(

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from tests.conftest import INERTIA, Made
 
-from fricmodels.diagnosis import compare, one_cause
+from fricmodels.diagnosis import compare, effect_set, one_cause
 from fricmodels.diagnosis.basis_functions import FINELY
 from fricmodels.diagnosis.candidate_tests import candidate_tests
 from fricmodels.diagnosis.effect_set import Member, member_of, the_past_counts
@@ -55,14 +55,15 @@ def test_several_waves_that_were_sought_are_no_one_cause_of_several_waves(
     ("memory", "left", "counts"), [(True, 30.0, True), (True, 3.0, False), (False, 30.0, False), (False, 3.0, False)]
 )
 def test_the_past_of_a_torque_counts_against_what_has_memory_and_leaves_something(
-    made: Made, memory: bool, left: float, counts: bool
+    made: Made, monkeypatch: pytest.MonkeyPatch, memory: bool, left: float, counts: bool
 ) -> None:
     """Of 100 above noise 30 are something, and 3 are no gain that counts."""
     problem = compare(made(), "coulomb-viscous", INERTIA).problem
     result: Any = SimpleNamespace(problem=problem, policy=POLICY)
-    effect: Any = SimpleNamespace(states=("z",) if memory else ())
-    gain: Any = SimpleNamespace(before=1e6, fall=1e6 * (1 - left / 100))
-    assert the_past_counts(result, effect, gain) is counts
+    member: Any = SimpleNamespace(effect=SimpleNamespace(states=("z",) if memory else ()))
+    gain = SimpleNamespace(before=1e6, fall=1e6 * (1 - left / 100))
+    monkeypatch.setattr(effect_set, "gain_of", lambda *_: gain)
+    assert the_past_counts(result, member, np.zeros((0, 1))) is counts
 
 
 def test_an_effect_that_does_all_of_it_needs_no_other(made: Made, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -256,15 +256,16 @@ def gain_of(result: CandidateTests, beside: Array, member: Member) -> Gain:
     return Gain(without, after, member.columns[visible], before, before - float(np.sum(after.loss)), evidence.p_value)
 
 
-def the_past_counts(result: CandidateTests, effect: Effect, gain: Gain) -> bool:
-    """Whether the past of the residual or of the torque may stand in the place of an effect.
+def the_past_counts(result: CandidateTests, member: Member, beside: Array) -> bool:
+    """Whether the past of the residual or of the torque may stand in the place of an effect beside columns.
 
     It shows all that lasts, whatever its form, so that only an effect with memory, which may imitate what lasts, has to
     do more. Not one that leaves nothing above noise: in slow motion the past is all of any torque.
     """
-    return bool(effect.states) and not leaves_nothing(
-        result.problem, gain.before, gain.before - gain.fall, result.policy
-    )
+    if not member.effect.states:
+        return False
+    gain = gain_of(result, beside, member)
+    return not leaves_nothing(result.problem, gain.before, gain.before - gain.fall, result.policy)
 
 
 def passing_beside(

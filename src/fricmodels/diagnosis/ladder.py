@@ -215,10 +215,10 @@ class _Search:
         another form than what is missing, or only imitates an unknown cause together with others.
         """
         judgement = self.diagnosis.judgement
-        members = () if judgement is None else judgement.members
-        one_cause = () if judgement is None else judgement.one_cause
-        firsts = [found.first for found, _ in members if not any(found.first is one.first for one in one_cause)]
-        possible = [t for t in firsts if judgement is not None and not judgement.contradicts(t, self._policy)]
+        if judgement is None:
+            return []
+        firsts = [found.first for found, _ in judgement.members if not judgement.imitates(found.first)]
+        possible = [t for t in firsts if not judgement.contradicts(t, self._policy)]
         pair = self._chain([Finding(tested, (tested.name,), "") for tested in possible[:2]])
         return pair if len(pair) == 2 and _test_error(pair[1][1].comparison) < _test_error(self._here) else []
 

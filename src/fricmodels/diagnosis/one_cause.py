@@ -49,12 +49,11 @@ def _is_one_cause(
     have. Else they are several causes if they explain as much with far fewer terms, or encompass it (Chong and Hendry
     1986): beside them it predicts nothing that counts, and beside it they do. Load torque and direction hold friction
     of the load and an asymmetry both, but know neither's form; a channel of the position is all that two waves over it
-    can be. The past of the residual or of the torque, which all that lasts shows in, is asked of effects with memory
-    only, see :func:`.effect_set.the_past_counts`, and of those only what more it does by a gain that counts.
+    can be. The past of the residual or of the torque is asked only where :func:`.effect_set.the_past_counts`, and is one
+    cause only if it does more than the effects together by a gain that counts.
     """
     policy = result.policy
-    own_gain = gain_of(result, stacked(result, others), member)
-    out = frozenset() if the_past_counts(result, member.effect, own_gain) else AUTOREGRESSIVE
+    out = frozenset() if the_past_counts(result, member, stacked(result, others)) else AUTOREGRESSIVE
     for predictor in [p for p in channels if p.channels not in out][:_RIVALS]:
         every = [*others, member]
         if not _takes_place(result, predictor, member, every):

@@ -41,7 +41,7 @@ class Policy(Rules):
         0.05,
         "share of the residual",
         "On blocks that are kept back an effect must lower by this share what the residual has above noise; a channel "
-        "that is to make a drive unknown, the residual itself.",
+        "that is to make a drive unknown, the residual itself. What leaves less than this leaves nothing to the past.",
         "Judgement: what an effect must be worth to have a place in a model.",
         off=-_INF,
     )
@@ -302,7 +302,7 @@ class Policy(Rules):
     noise_known_to: float = rule(
         1.2,
         "factor",
-        "The noise floor may be so many times as high as it was estimated.",
+        "The noise floor may be so many times as high as it was estimated; what falls below that counts for nothing.",
         "Found on 48 simulated drives: 0.96 to 1.07 of white noise is estimated, of lasting noise 0.92 to 1.27.",
         off=1.0,
     )
@@ -318,7 +318,7 @@ class Policy(Rules):
     refit_share: float = rule(
         0.9,
         "factor of the RMS torque error",
-        "And to this share. Where the error of the decisions rises, its product with the printed test error must.",
+        "And to this share. So must its product with the printed one where it rises, or a delay within the free shift.",
         "Found on our rig: on the same drives none lowers it to less than 0.9.",
         off=_INF,
     )

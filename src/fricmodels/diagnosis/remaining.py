@@ -21,7 +21,7 @@ from fricmodels.signals import resting
 _NEAREST = 3
 _SLOW, _MOST, _MUCH = 1e-9, 0.99, 0.2
 """Speed of a drive that begins to move, as a share of its peak; the quantile of what it holds beyond its model that is
-said, and from which share of its friction on."""
+said, and from which share of its friction on. Judgements, of what is said beside a verdict; they name nothing."""
 
 
 @dataclass(frozen=True)
@@ -112,12 +112,12 @@ def held_at_rest(comparison: Comparison) -> str:
     drive, prepared = comparison.drive, comparison.train
     if drive.model.states:
         return ""
-    still = prepared.select(np.flatnonzero(resting(prepared)))
-    slow = np.full(len(still), _SLOW * (prepared.peak_speed or 1.0))
+    still, slow = resting(prepared), np.full(len(prepared), _SLOW * (prepared.peak_speed or 1.0))
     forward, backward = (
-        drive.friction(still, comparison.estimate.parameters, velocity=side * slow) for side in (1.0, -1.0)
+        drive.friction(prepared, comparison.estimate.parameters, velocity=side * slow)[still] for side in (1.0, -1.0)
     )
-    beyond = np.maximum(still.driving_torque - forward, backward - still.driving_torque)
+    torque = prepared.driving_torque[still]
+    beyond = np.maximum(torque - forward, backward - torque)
     held, friction = np.quantile(beyond, _MOST), float(np.median(0.5 * np.abs(forward - backward)))
     if held <= friction * _MUCH:
         return ""

@@ -101,8 +101,9 @@ def _support_beside(result: CandidateTests, member: Member, others: list[Member]
     # An effect of the time itself beside one course of time could be any other: such a part describes no other cause.
     same = {i for i, name in enumerate(names) if member.effect.depends_on_time and name in OF_TIME}
     apart = [beside, *(part for i, part in enumerate(rest.parts) if i not in same.union(taking))]
-    past = the_past_counts(result, member.effect, gain_of(result, np.vstack(apart), member))
-    lasting = rest.lasting if past or not in_its_place(rest.lasting) else nothing(result)
+    lasting = rest.lasting
+    if len(lasting) and in_its_place(lasting) and not the_past_counts(result, member, np.vstack(apart)):
+        lasting = nothing(result)  # it can be all that the effect is, and says nothing of it
     if taking and not same:
         both = _beside_all(result, member, beside, rest, lasting)
         if both is not None:

@@ -89,7 +89,7 @@ class Judgement:
         if not self.members or not self.unpredicted or self.supported(policy):
             return None
         found, support = self.members[0]
-        if any(found.first is one.first for one in self.one_cause):
+        if self.imitates(found.first):
             return None
         seen = found.first.once < policy.significance_once and support.is_large(policy)
         return found if seen and support.but_for_its_share(policy) else None
@@ -99,8 +99,11 @@ class Judgement:
         if tested.once >= policy.significance_once:
             return False
         own = [support for found, support in self.members if found.first is tested]
-        imitates = any(found.first is tested for found in self.one_cause)
-        return bool(own) and own[0].suffices(policy) and not imitates
+        return bool(own) and own[0].suffices(policy) and not self.imitates(tested)
+
+    def imitates(self, tested: CandidateTest) -> bool:
+        """Whether an effect of the set only imitates one unknown cause together with others."""
+        return any(found.first is tested for found in self.one_cause)
 
     def contradicts(self, tested: CandidateTest, policy: Policy) -> bool:
         """Whether an effect of the set has another form than what is missing: a channel says so.
