@@ -49,8 +49,8 @@ def _is_one_cause(
     have. Else they are several causes if they explain as much with far fewer terms, or encompass it (Chong and Hendry
     1986): beside them it predicts nothing that counts, and beside it they do. Load torque and direction hold friction
     of the load and an asymmetry both, but know neither's form; a channel of the position is all that two waves over it
-    can be. The past of the residual or of the torque is asked only where :func:`.effect_set.the_past_counts`, and is one
-    cause only if it does more than the effects together by a gain that counts.
+    can be. The past of the residual or of the torque is asked only where :func:`.effect_set.the_past_counts`, and is
+    one cause only if it does more than the effects together by a gain that counts.
     """
     policy = result.policy
     out = frozenset() if the_past_counts(result, member, stacked(result, others)) else AUTOREGRESSIVE
