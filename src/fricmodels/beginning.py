@@ -66,19 +66,21 @@ class Beginning:
             left: what a unit more of each first state adds, as long as it lasts, shape (q, m).
         """
         nothing, known, there = np.zeros(len(left)), len(self._beside) - 1, left.shape[1]
-        columns = np.zeros((1 + len(left), len(forced)))
-        columns[0] = np.where(self._moving, without + forced, 0.0)
-        columns[1:, :there] = np.where(self._moving[:there], left, 0.0)
-        gram = np.empty((known + len(columns),) * 2)
+        whole = np.where(self._moving, without + forced, 0.0)
+        beginning = np.where(self._moving[:there], left, 0.0)
+        beside, lasting = self._beside @ whole, self._beside[:, :there] @ beginning.T
+        gram = np.empty((known + 1 + len(left),) * 2)
         gram[:known, :known] = self._gram[:known, :known]
-        beside = columns @ self._beside.T
-        gram[known:, :known], gram[:known, known:] = beside[:, :known], beside[:, :known].T
-        gram[known:, known:] = columns @ columns.T
+        gram[known, :known] = gram[:known, known] = beside[:known]
+        gram[known, known] = whole @ whole
+        gram[:known, known + 1 :], gram[known + 1 :, :known] = lasting[:known], lasting[:known].T
+        gram[known + 1 :, known] = gram[known, known + 1 :] = beginning @ whole[:there]
+        gram[known + 1 :, known + 1 :] = beginning @ beginning.T
         size = np.sqrt(np.diag(gram))
         if self._count <= len(gram) or not size[known] > 0.0:
             return nothing
         size = np.where(size > 0.0, size, 1.0)
-        right = np.concatenate([self._gram[:known, known], beside[:, known]]) / size
+        right = np.concatenate([self._gram[:known, known], [beside[known]], lasting[known]]) / size
         found = np.linalg.lstsq(gram / np.outer(size, size), right, rcond=1e-12)[0] / size
         if not found[known] > 0.0:
             return nothing

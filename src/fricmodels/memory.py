@@ -61,16 +61,18 @@ class Memory:
         width: float,
         balance: Balance | None = None,
     ) -> None:
-        self._scan, self._width = _scan(model, balance is not None), width
+        self._scan, self._width = _scan(model), width
         self._count, self._first = len(model.states), _first(model)
         needed = _needed(model)
         self._signals = np.array([np.broadcast_to(signals[name], time.shape) for name in needed]).reshape(-1, len(time))
-        self._rows = np.column_stack([np.diff(time), self._signals[:, :-1].T, self._signals[:, 1:].T])
+        rows = np.column_stack([np.diff(time), self._signals[:, :-1].T, self._signals[:, 1:].T])
+        self._rows = np.ascontiguousarray(rows)  # as it is scanned
         self._edges = [0, *(np.flatnonzero(np.diff(run)) + 1).tolist(), len(time)]
         self._past = Past(signals, time, self._edges)
         self._from_recording = list(_from_recording(model))
         self._begun: list[tuple[slice, slice, UnitTorque, list[Beginning]]] = []
         if balance is not None:
+            self._scan_beginning = _scan(model, True)
             parts = [slice(*ends) for ends in itertools.pairwise(self._edges)]
             given = dict(zip(needed, self._signals, strict=True))
             for term, own, places in unknown_beginnings(model):
@@ -83,23 +85,11 @@ class Memory:
         Args:
             parameters: all of the model's parameters, in order.
         """
-        scanned = np.empty((self._edges[-1], self._scan.n_states))
+        states = np.empty((self._count, self._edges[-1]))
         values = np.asarray(parameters, dtype=float)
         if sum(len(term.states) for term, _, _ in self._from_recording) < self._count:
-            units = np.concatenate([np.zeros(0), *(np.eye(_count(places)).ravel() for _, places, _, _ in self._begun)])
-            constants = [*values, self._width]
-            for begin, end in itertools.pairwise(self._edges):
-                scanned[begin] = first = np.concatenate([self._first(self._signals[:, begin], values), units])
-                self._scan(first, self._rows[begin : end - 1], constants, outputs=scanned[begin + 1 : end])
-        states = np.ascontiguousarray(scanned[:, : self._count].T) if self._begun else scanned.T
-        beyond = self._count
-        for own, places, torque, runs in self._begun:
-            q = _count(places)
-            left = scanned.T[beyond : beyond + q * q].reshape(q, q, -1)  # a view: little of it is looked at
-            beyond += q * q
-            for beginning, ends in zip(runs, itertools.pairwise(self._edges), strict=True):
-                run = slice(*ends)
-                _begin(beginning, torque(values[own], run), states[places, run], left[:, :, run])
+            for number, ends in enumerate(itertools.pairwise(self._edges)):
+                self._integrate(number, slice(*ends), values, states[:, slice(*ends)])
         for term, first_parameter, first_state in self._from_recording:
             symbols = [p.symbol for p in term.parameters]
             own = values[first_parameter : first_parameter + len(symbols)].tolist()
@@ -108,28 +98,59 @@ class Memory:
                 states[i] = found[state.symbol]
         return tuple(states)
 
+    def _integrate(self, number: int, run: slice, values: Array, states: Array) -> None:
+        """Write the states along a run, shape (S, n)."""
+        rows, constants = self._rows[run.start : run.stop - 1], [*values, self._width]
+        states[:, 0] = self._first(self._signals[:, run.start], values)
+        units = [torque(values[own], run) for own, _, torque, _ in self._begun]
+        left = self._left(rows, constants, states, units) if self._begun else []
+        done = left[0].shape[-1] if left else 1
+        if done < states.shape[1]:
+            _, following, _ = self._scan(states[:, done - 1], rows[done - 1 :], constants)
+            states[:, done:] = following.T
+        for (_, places, _, runs), unit, of_term in zip(self._begun, units, left, strict=True):
+            _add_beginning(runs[number], unit, states[places], of_term)
 
-def _begin(beginning: Beginning, unit: tuple[Array, Array], states: Array, left: Array) -> None:
+    def _left(
+        self, rows: Array, constants: list[float], states: Array, units: list[tuple[Array, Array]]
+    ) -> list[Array]:
+        """Return what a unit more of each first value leaves of each state of a term, shape (q, q, samples).
+
+        It goes as far as some of it is left. The states up to there, which are integrated with it, are written.
+        """
+        counts = [_count(places) for _, places, _, _ in self._begun]
+        scanned = np.empty((states.shape[1], self._scan_beginning.n_states))
+        scanned[0] = np.concatenate([states[:, 0], *(np.eye(q).ravel() for q in counts)])
+        ends = np.cumsum([self._count, *(q * q for q in counts)])
+        done, length, whole = 1, min(_FADES_WITHIN, len(scanned)), len(scanned)
+        while True:
+            part = scanned[done:length]
+            self._scan_beginning(scanned[done - 1], rows[done - 1 : length - 1], constants, outputs=part)
+            parts = (scanned[:length, slice(*pair)].T for pair in itertools.pairwise(ends))
+            left = [part.reshape(q, q, length) for q, part in zip(counts, parts, strict=True)]
+            lasting = (_lasting(_seen(slope, part)) for (_, slope), part in zip(units, left, strict=True))
+            if length == whole or max(lasting) < _FADED:
+                states[:, :length] = scanned[:length, : self._count].T
+                return left
+            done, length = length, min(4 * length, whole)
+
+
+def _add_beginning(beginning: Beginning, unit: tuple[Array, Array], states: Array, left: Array) -> None:
     """Add to the states of a term in a run, shape (q, n), what its beginning leaves that the motion does not tell.
 
     Args:
         beginning: finds it.
         unit: torque per unit of the amplitude without states, and its slope along them.
         states: from the declared beginning; they are changed in place.
-        left: what a unit more of each first value leaves of each state, shape (q, q, n).
+        left: what a unit more of each first value leaves of each state, as long as it lasts, shape (q, q, samples).
     """
     without, slope = unit
-    length, whole = min(_FADES_WITHIN, states.shape[1]), states.shape[1]
-    while True:
-        torque = _seen(slope, left[:, :, :length])
-        lasting = _lasting(torque)
-        if length == whole or lasting < _FADED:
-            break
-        length = min(4 * length, whole)
+    torque = _seen(slope, left)
+    lasting = _lasting(torque)
     if lasting < _LASTS:
         first = beginning(without, _seen(slope, states), torque)
         first *= min(math.log(_LASTS / lasting) / math.log(_LASTS / _FADED), 1.0) if lasting > 0.0 else 1.0
-        states[:, :length] += np.tensordot(first, left[:, :, :length], 1)
+        states[:, : left.shape[-1]] += np.tensordot(first, left, 1)
 
 
 def _seen(slope: Array, states: Array) -> Array:

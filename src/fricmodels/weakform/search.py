@@ -38,6 +38,8 @@ _UNLIKELY = 0.25
 """Nor is what explains less than this share of that from its best start."""
 _HARMONIC = 0.2
 """A wave of half the wave number must explain a fifth of all more; other waves make it explain a little more."""
+_LOWER_WAVE = 0.5
+"""What explains less than half as much after the first rounds will not explain nearly as much."""
 _AT_END = 1e-3
 """Within a thousandth of a bound a parameter is at its end."""
 _FINER, _AS_HIGH = 16, 0.75
@@ -105,7 +107,8 @@ def _summit(
         more = starts[1:_STARTS] if len(bounds) > 1 and value(best) >= _UNLIKELY * worth else ()
         begun = (coordinate_search(value, start, bounds, spacing, _FIRST_ROUNDS) for start in more)
         best = max((best, *begun), key=value)
-        best = coordinate_search(value, best, bounds, halved(spacing, _FIRST_ROUNDS), ROUNDS - _FIRST_ROUNDS)
+        if value(best) >= _UNLIKELY * worth:
+            best = coordinate_search(value, best, bounds, halved(spacing, _FIRST_ROUNDS), ROUNDS - _FIRST_ROUNDS)
     return refine(value, best, bounds, spacing) if value(best) >= _UNLIKELY * worth else best
 
 
@@ -142,7 +145,10 @@ def _fundamental(
     for factor in (0.5, 2.0):
         moved = tuple(factor * x if p.periodic else x for p, x in zip(nonlinear, found, strict=True))
         if all(lower <= x <= upper for x, (lower, upper) in zip(moved, bounds, strict=True)):
-            points.add(coordinate_search(value, moved, bounds, spacing))
+            near = coordinate_search(value, moved, bounds, spacing, _FIRST_ROUNDS)
+            if value(near) >= _LOWER_WAVE * value(found):
+                near = coordinate_search(value, near, bounds, halved(spacing, _FIRST_ROUNDS), ROUNDS - _FIRST_ROUNDS)
+            points.add(near)
     enough = (1 - _HARMONIC) * max(map(value, points))
     return max(point for point in points if value(point) >= enough)
 
