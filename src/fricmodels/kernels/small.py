@@ -123,6 +123,78 @@ def products_of_blocks(rows: Any, residual: Any, edges: Any, shares: Any, scores
                 shares[g, i, j] = shares[g, j, i] = product(row, rows[j, begin:end])
 
 
+@njit(cache=True, nogil=True)
+def visible(gram: Any, power: Any, seen: float, asked: Any, factor: Any, kept: Any) -> int:
+    """Write which of some columns can be told from those before them, and their Cholesky factor; return how many.
+
+    Args:
+        gram: products of the columns freed of others, shape (n, n). power: of each before it was freed, shape (n,).
+        seen: share of its power of which a column must keep more.
+        asked: whether a column is considered, shape (n,).
+        factor: to be written, lower triangular, shape (n, n). kept: to be written, the columns in order, shape (n,).
+    """
+    count = 0
+    for i in range(len(power)):
+        if not (asked[i] and 0.0 < power[i] < np.inf):
+            continue
+        left = gram[i, i]
+        for a in range(count):
+            part = gram[i, kept[a]]
+            for b in range(a):
+                part -= factor[a, b] * factor[count, b]
+            factor[count, a] = part / factor[a, a]
+            left -= factor[count, a] ** 2
+        if left > seen * power[i]:
+            factor[count, count] = np.sqrt(left)
+            kept[count] = i
+            count += 1
+    return count
+
+
+@njit(cache=True, nogil=True)
+def explained_within(
+    gram: Any, power: Any, seen: float, right: Any, lower: Any, upper: Any, asked: Any, theta: Any
+) -> float:
+    """Write least-squares coefficients, and return the explained sum of squares.
+
+    A column whose coefficient would pass its bounds is left out, and those that are left are taken anew.
+
+    Args:
+        gram, power, seen, asked: as of :func:`visible`; a column that is left out is not asked for any more.
+        right: products with the target, shape (n,).
+        lower, upper: bounds of the coefficients, shape (n,).
+        theta: to be written, zeros, shape (n,).
+    """
+    count = len(power)
+    factor, kept, along = np.empty((count, count)), np.empty(count, np.int64), np.empty(count)
+    while True:
+        there = visible(gram, power, seen, asked, factor, kept)
+        if there == 0:
+            return 0.0
+        gained = 0.0
+        for a in range(there):
+            part = right[kept[a]]
+            for b in range(a):
+                part -= factor[a, b] * along[b]
+            along[a] = part / factor[a, a]
+            gained += along[a] ** 2
+        for a in range(there - 1, -1, -1):
+            for b in range(a + 1, there):
+                along[a] -= factor[b, a] * along[b]
+            along[a] /= factor[a, a]
+        within = True
+        for i in range(count):
+            asked[i] = False
+        for a in range(there):
+            i = kept[a]
+            asked[i] = not (along[a] < lower[i] or along[a] > upper[i])
+            within = within and asked[i]
+        if within:
+            for a in range(there):
+                theta[kept[a]] = along[a]
+            return gained
+
+
 _TURNS_EXACT = 1e6
 """Angle [rad] up to which its quarter turns times the first part of π/2 are exact."""
 _WHOLE = 1.5 * 2.0**52

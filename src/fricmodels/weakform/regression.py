@@ -15,7 +15,6 @@ import math
 from copy import copy
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
-from operator import mul
 
 import numpy as np
 from numpy.typing import NDArray
@@ -81,10 +80,15 @@ class ProjectedGram:
     gram: Array
     power: Array
 
-    @property
+    @cached_property
     def kept(self) -> list[int]:
         """The columns of which enough is left, beside the base directions and the columns before them."""
-        return self._visible[0]
+        from fricmodels.kernels.small import visible
+
+        count = len(self.power)
+        kept = np.empty(count, dtype=np.int64)
+        there = visible(self.gram, self.power, _SEEN, np.ones(count, np.bool_), np.empty((count, count)), kept)
+        return kept[:there].tolist()  # type: ignore[no-any-return]
 
     def explained(self, right: Array, lower: Array, upper: Array) -> tuple[float, Array]:
         """Return the explained sum of squares and the coefficients, as far as these may go.
@@ -93,55 +97,11 @@ class ProjectedGram:
             right: products of the columns with the base model's residual, shape (q,).
             lower, upper: bounds of the coefficients, shape (q,).
         """
-        theta = np.zeros(len(right))
-        kept, factor = self._visible
-        while kept:
-            along = _forward(factor, right[kept].tolist())
-            found = np.array(_backward(factor, along))
-            beyond = (found < lower[kept]) | (found > upper[kept])
-            if not beyond.any():
-                theta[kept] = found
-                return sum(part * part for part in along), theta
-            kept, factor = self._factor([i for i, is_beyond in zip(kept, beyond, strict=True) if not is_beyond])
-        return 0.0, theta
+        from fricmodels.kernels.small import explained_within
 
-    @cached_property
-    def _visible(self) -> tuple[list[int], list[list[float]]]:
-        return self._factor([i for i, power in enumerate(self.power.tolist()) if 0 < power < math.inf])
-
-    def _factor(self, candidates: list[int]) -> tuple[list[int], list[list[float]]]:
-        """Return which of the candidates are visible, in order, and the Cholesky factor of their products.
-
-        These are a few numbers, for which lists are faster than arrays.
-        """
-        gram, power = self.gram.tolist(), self.power.tolist()
-        kept: list[int] = []
-        factor: list[list[float]] = []
-        for i in candidates:
-            row = _forward(factor, [gram[i][j] for j in kept])
-            left = gram[i][i] - sum(part * part for part in row)
-            if left > _SEEN * power[i]:
-                kept.append(i)
-                factor.append([*row, math.sqrt(left)])
-        return kept, factor
-
-
-def _forward(factor: list[list[float]], right: list[float]) -> list[float]:
-    """Solve L x = b, with the rows of the lower triangular L up to the diagonal."""
-    found: list[float] = []
-    for row, value in zip(factor, right, strict=True):
-        found.append((value - sum(map(mul, row, found))) / row[-1])
-    return found
-
-
-def _backward(factor: list[list[float]], right: list[float]) -> list[float]:
-    """Solve L' x = b."""
-    found = list(right)
-    for i in reversed(range(len(found))):
-        found[i] /= factor[i][i]
-        for j in range(i):
-            found[j] -= factor[i][j] * found[i]
-    return found
+        theta, asked = np.zeros(len(right)), np.ones(len(right), np.bool_)
+        gained = explained_within(self.gram, self.power, _SEEN, right, lower, upper, asked, theta)
+        return gained, theta
 
 
 SAME = 1e-9
