@@ -45,7 +45,7 @@ def _is_one_cause(
     """Whether one channel does by itself what several effects do together: then these imitate one unknown cause.
 
     Against the channel stand the effect and those others whose place it takes. If the effect does as much by itself,
-    with fewer terms, it needs none of them. They are one cause if the channel does as much with fewer terms than they
+    with no more terms, it needs none of them. They are one cause if the channel does as much with fewer terms than they
     have. Else they are several causes if they explain as much with far fewer terms, or encompass it (Chong and Hendry
     1986): beside them it predicts nothing that counts, and beside it they do. Load torque and direction hold friction
     of the load and an asymmetry both, but know neither's form; a channel of the position is all that two waves over it
@@ -78,7 +78,7 @@ def _is_one_cause(
         before = float(np.sum(base.loss))
         falls = (before - float(np.sum(r.loss)) for r in (channel, alone, together))
         theirs, own, all_own = credited(result, before, *falls)
-        if len(member.columns) < predictor.terms and own >= policy.of_channel * theirs:
+        if len(member.columns) <= predictor.terms and own >= policy.of_channel * theirs:
             continue  # it needs no other effect to do what the channel does
         if predictor.channels in AUTOREGRESSIVE and all_own >= (1.0 - policy.least_gain) * theirs:
             continue  # all that lasts has causes; these leave next to nothing of it
