@@ -76,7 +76,7 @@ class ConstantVelocity(Estimator):
         linear = [p for p, ok in zip(drive.model.parameters, drive.model.linear, strict=True) if ok]
         keys = [p.key for p in linear]
         held = [p.key for p in drive.model.parameters if p.key not in keys]
-        guess = scanned_guess(drive, kept).values if held else {}
+        guess = scanned_guess(drive, kept) if held else {}
         found = self._plateaus(kept, inertia, len(keys))
         count = len(np.unique(found.number))
         method = "samples of near-zero acceleration" if found.modified else "plateaus of constant speed"

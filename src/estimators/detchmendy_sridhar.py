@@ -195,7 +195,7 @@ def start_values(drive: Drive, recording: Recording, scales: Scales, scan: str) 
     law = {p.key for p in drive.model.parameters[:own]}
     nonlinear = {p.key for p in drive.parameters if not p.linear} - (law if scan == "effects" else set())
     if nonlinear and scan != "none":
-        guess = scanned_guess(drive, recording).values
+        guess = scanned_guess(drive, recording)
         values |= {key: guess[key] for key in nonlinear}
     if drive.inertia is None:
         values[drive.inertia_key] = scales.of(INERTIA)

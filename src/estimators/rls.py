@@ -179,7 +179,7 @@ class RecursiveLeastSquares(SequentialEstimator):
         linear = dict(zip((p.key for p in drive.model.parameters), drive.model.linear, strict=True))
         fixed: dict[str, float] = {}
         if not all(linear.values()):
-            guess = scanned_guess(drive, recording).values
+            guess = scanned_guess(drive, recording)
             fixed = {key: guess[key] for key, is_linear in linear.items() if not is_linear}
         if drive.inertia is not None:
             fixed[drive.inertia_key] = drive.inertia

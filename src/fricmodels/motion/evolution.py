@@ -17,11 +17,10 @@ _LARGEST = 1e14
 
 @dataclass(frozen=True)
 class Evolved:
-    """The best point that was met, its cost, and how often the function was evaluated."""
+    """The best point that was met, and its cost."""
 
     at: Array
     cost: float
-    evaluations: int
 
 
 def evolved(
@@ -108,7 +107,7 @@ def evolved(
             around = costs[order[: parents + 1]]
             if math.isfinite(best) and before - best <= settled * best and around[-1] - around[0] <= settled * best:
                 break
-    return Evolved(best_at, best, used)
+    return Evolved(best_at, best)
 
 
 def _finite(cost: float) -> float:
