@@ -99,32 +99,6 @@ def page(
         after: the model with one effect more, by its name, where no rung has it.
         simulate: whether to show the motion that the model makes of the measured torque.
     """
-    found = story(data, rungs, command, options, after, simulate=simulate)
-    return _page(data, verdict(data, options), found)
-
-
-def _page(data: ComparisonDocument, answer: Verdict, found: Sequence[Section]) -> Page:
-    page = Page(
-        title=data.dataset,
-        kicker="Friction report on a recording",
-        verdict=answer,
-        tiles=tiles(data),
-        sections=found,
-        made_by=f"fricmodels {data.versions['fricmodels']}",
-    )
-    return in_forces(page) if data.motion is Motion.LINEAR else page
-
-
-def story(
-    data: DiagnosisDocument,
-    rungs: Sequence[Rung],
-    command: str,
-    options: Sequence[str] = (),
-    after: Mapping[str, Comparison] | None = None,
-    *,
-    simulate: bool = True,
-) -> list[Section]:
-    """Return the sections in reading order."""
     ends = _ends([rung.comparison for rung in rungs])
     remarks = " ".join(on_parameters(data))
     parts: list[Callable[[], Section]] = [lambda: sections.found(data, rungs, after)]
@@ -141,7 +115,19 @@ def story(
     for make in each("drawing the report", parts):
         found.append(make())
         give_back(data.recording.samples.total)
-    return found
+    return _page(data, verdict(data, options), found)
+
+
+def _page(data: ComparisonDocument, answer: Verdict, found: Sequence[Section]) -> Page:
+    page = Page(
+        title=data.dataset,
+        kicker="Friction report on a recording",
+        verdict=answer,
+        tiles=tiles(data),
+        sections=found,
+        made_by=f"fricmodels {data.versions['fricmodels']}",
+    )
+    return in_forces(page) if data.motion is Motion.LINEAR else page
 
 
 def _measured(ends: Sequence[Comparison], *, simulate: bool) -> Section:
