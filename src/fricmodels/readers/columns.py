@@ -28,30 +28,25 @@ from fricmodels.readers.column_names import likely, overlooked
 from fricmodels.readers.header_units import stated_unit, without_unit
 from fricmodels.recording import OTHER
 
-STANDARD: Mapping[Motion, Mapping[str, str]] = {
-    Motion.ROTARY: {
-        "time": "time_s",
-        "torque": "torque_Nm",
-        "velocity": "velocity_rad_s",
-        "position": "position_rad",
-        "acceleration": "acceleration_rad_s2",
-        "load_torque": "load_torque_Nm",
-        "temperature": "temperature_degC",
-        "current": "current_A",
-        "run": "run",
-    },
-    Motion.LINEAR: {
-        "time": "time_s",
-        "torque": "force_N",
-        "velocity": "velocity_m_s",
-        "position": "position_m",
-        "acceleration": "acceleration_m_s2",
-        "load_torque": "load_force_N",
-        "temperature": "temperature_degC",
-        "current": "current_A",
-        "run": "run",
-    },
+_ROTARY = {
+    "time": "time_s",
+    "torque": "torque_Nm",
+    "velocity": "velocity_rad_s",
+    "position": "position_rad",
+    "acceleration": "acceleration_rad_s2",
+    "load_torque": "load_torque_Nm",
+    "temperature": "temperature_degC",
+    "current": "current_A",
+    "run": "run",
 }
+_LINEAR = {
+    "torque": "force_N",
+    "velocity": "velocity_m_s",
+    "position": "position_m",
+    "acceleration": "acceleration_m_s2",
+    "load_torque": "load_force_N",
+}
+STANDARD: Mapping[Motion, Mapping[str, str]] = {Motion.ROTARY: _ROTARY, Motion.LINEAR: {**_ROTARY, **_LINEAR}}
 """Standard column of each channel, by kind of motion."""
 
 _ALIASES = {"force": "torque", "load_force": "load_torque"}
