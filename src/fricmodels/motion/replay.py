@@ -14,12 +14,12 @@ from fricmodels.motion.between import torque_between_samples
 from fricmodels.motion.simulator import Simulator
 from fricmodels.motion.start import SAMPLES
 from fricmodels.recording import Recording
+from fricmodels.results.words import NORMAL_95
 from fricmodels.score.noise import noise_like
 from fricmodels.signals.lanczos import lanczos_value
 from fricmodels.signals.rest import motion_noise, resting, smoothed_velocity, velocity_noise
 from fricmodels.simulation import Between
 
-_NORMAL_95 = 1.959964
 MOST = 20_000
 """Samples that are simulated; of a longer recording windows that are spread evenly over it."""
 
@@ -167,7 +167,7 @@ def undetermined(drive: Drive, inertia: float, error: float | None) -> str:
     name = "mass" if drive.motion.value == "linear" else "inertia"
     if not inertia > 0:
         return f"the {name} is zero"
-    if drive.inertia is None and not (error and inertia > _NORMAL_95 * error):
+    if drive.inertia is None and not (error and inertia > NORMAL_95 * error):
         return f"this recording does not determine the {name}"
     return ""
 

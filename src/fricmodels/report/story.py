@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
+from types import SimpleNamespace
 from typing import TYPE_CHECKING, cast
 
 from fricmodels import plugins
@@ -145,18 +146,11 @@ def _ladder_picture(data: DiagnosisDocument, rungs: Sequence[Rung]) -> Picture |
 
     if not rungs:
         return None
-    figure = figures.ladder(cast("Ladder", _Steps(tuple(rungs))))
+    figure = figures.ladder(cast("Ladder", SimpleNamespace(rungs=rungs)))  # it looks at nothing else of a ladder
     words = f"{sections.ladder_words(data)} The axis is logarithmic."
     if all(trace.name != "sensor noise alone" for trace in figure.data):
         words += f" What noise would leave, {of_noise(data)}, lies beyond it."
     return Picture("The error, step by step", words, figure, name="ladder-steps")
-
-
-@dataclass(frozen=True)
-class _Steps:
-    """All that the figure of a ladder looks at."""
-
-    rungs: tuple[Rung, ...]
 
 
 def verdict(data: DiagnosisDocument, options: Sequence[str] = ()) -> Verdict:

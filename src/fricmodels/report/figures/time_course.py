@@ -11,7 +11,17 @@ from fricmodels.arrays import Array
 from fricmodels.recording import RUN
 from fricmodels.report.figures.downsample import together
 from fricmodels.report.figures.samples import Samples
-from fricmodels.report.figures.style import LIGHT, POINTS, Figure, add_lines, graph_objects, styled, subplots, words
+from fricmodels.report.figures.style import (
+    LIGHT,
+    POINTS,
+    Figure,
+    add_lines,
+    graph_objects,
+    stroke,
+    styled,
+    subplots,
+    words,
+)
 
 if TYPE_CHECKING:
     from fricmodels.diagnosis.comparison import Comparison
@@ -60,7 +70,7 @@ def overlay(
         between: first and last time [s] to show; everything if not given.
         before: a smaller model of the same recording, whose residual is drawn behind, on the same axis.
     """
-    go, samples = graph_objects(), Samples.of(comparison)
+    samples = Samples.of(comparison)
     torque = words("torque", samples.motion)
     figure = stacked()
     chosen = slice(None)
@@ -87,20 +97,10 @@ def overlay(
     _borders(figure, place, samples.recording.signal(RUN)[chosen])
     noise = 2 * comparison.noise_floor_percent / 100 * float(np.sqrt(np.mean(comparison.train.torque**2)))
     for i, level in enumerate((noise, -noise)):
-        figure.add_trace(
-            go.Scatter(
-                x=place[[0, -1]],
-                y=[level, level],
-                name="sensor noise alone (±2σ)",
-                legendgroup="noise",
-                showlegend=i == 0,
-                mode="lines",
-                line={"color": LIGHT["muted"], "width": 1.2, "dash": "dot"},
-                hoverinfo="skip",
-            ),
-            row=2,
-            col=1,
-        )
+        ends, once = place[[0, -1]], {"legendgroup": "noise", "showlegend": i == 0}
+        name = "sensor noise alone (±2σ)"
+        trace = stroke(ends, [level, level], name, "muted", 1.2, "dot", hoverinfo="skip", **once)
+        figure.add_trace(trace, row=2, col=1)
     figure.update_yaxes(title_text=samples.torque_axis("torque"), row=1, col=1)
     figure.update_yaxes(title_text=samples.torque_axis("residual"), row=2, col=1)
     figure.update_xaxes(title_text=samples.time_axis, row=2, col=1)
