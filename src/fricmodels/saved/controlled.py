@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib.metadata
 from collections.abc import Mapping
 
 import numpy as np
@@ -96,7 +95,4 @@ def _brought_by(controller: Controller | PluginController) -> tuple[str, str | N
     if isinstance(controller, Controller):
         return "fricmodels", None
     distribution = plugins.load().controllers.entry(controller.kind).distribution
-    try:
-        return distribution, importlib.metadata.version(distribution)
-    except importlib.metadata.PackageNotFoundError:
-        return distribution, None
+    return distribution, plugins.version_of(distribution)
