@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fricmodels.arrays import Array
 from fricmodels.drive import Drive
 from fricmodels.errors import EstimationError
 from fricmodels.model import Model
@@ -17,8 +17,6 @@ from fricmodels.weakform.nonlinear import Outcome, Plan, linear_constraints, non
 from fricmodels.weakform.separable import SeparableTerm, separable
 from fricmodels.weakform.stretches import segments
 from fricmodels.weakform.variable_projection import Equations, Projection
-
-Array = NDArray[np.float64]
 
 
 def derivative_equations(drive: Drive, recording: Recording, preparation: Preparation) -> tuple[Equations, Recording]:

@@ -8,9 +8,8 @@ from collections.abc import Sequence
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
-from fricmodels.arrays import Array
+from fricmodels.arrays import Array, Mask
 from fricmodels.dimension import Dimension, Scales
 from fricmodels.drive import Drive
 from fricmodels.errors import EstimationError
@@ -71,7 +70,7 @@ def smoothed_acceleration(recording: Recording) -> Array:
     return prepare(recording, Preparation())["acceleration"]
 
 
-def ordinary(recording: Recording, acceleration: Array) -> NDArray[np.bool_]:
+def ordinary(recording: Recording, acceleration: Array) -> Mask:
     """Return the samples that no spike has spoilt: neither speed nor acceleration ten times over their usual peaks."""
     magnitude = np.abs(acceleration)
     usual = magnitude <= 10 * max(float(np.quantile(magnitude, 0.95)), np.finfo(float).tiny)
