@@ -46,7 +46,8 @@ def table_apart(reader: Reader, path: Path, asked: Collection[str] = ()) -> pd.D
             "path": str(path),
             "asked": list(asked),
         }
-        order |= {"out": str(out), "memory": _memory(path), "seconds": limit, "parent": os.getpid()}
+        memory = _LEAST_MEMORY + _MEMORY_FOR_A_BYTE * path.stat().st_size
+        order |= {"out": str(out), "memory": memory, "seconds": limit, "parent": os.getpid()}
         code = [sys.executable, "-c", _CHILD, json.dumps(sys.path), json.dumps(order)]
         quiet = {"stdin": subprocess.DEVNULL, "stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
         try:
@@ -54,10 +55,6 @@ def table_apart(reader: Reader, path: Path, asked: Collection[str] = ()) -> pd.D
         except subprocess.TimeoutExpired:
             raise InputError(f"{path}: reading it takes longer than {limit:g} s ({LIMIT} sets the limit)") from None
         return _taken(path, out, ended)
-
-
-def _memory(path: Path) -> int:
-    return _LEAST_MEMORY + _MEMORY_FOR_A_BYTE * path.stat().st_size
 
 
 def _taken(path: Path, out: Path, ended: int) -> pd.DataFrame:

@@ -11,7 +11,8 @@ from fricmodels.errors import InputError
 from fricmodels.loop import PREFIX, Loop
 from fricmodels.motion import Controller, MotionFit, PluginController, Simulator, check_controller, stored_controller
 from fricmodels.recording import Recording
-from fricmodels.saved.document import StoredController, StoredParameter, finite
+from fricmodels.results.part import finite
+from fricmodels.saved.document import StoredController, StoredParameter
 from fricmodels.saved.fitted import FittedModel
 
 

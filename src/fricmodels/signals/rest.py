@@ -385,12 +385,9 @@ def _passage(recording: Recording, velocity: Array, band: float) -> float:
     if not moving.any():
         return 0.0
     low = moving & (speed <= max(np.quantile(speed[moving], 0.25), 2.0 * band))
-    acceleration = np.sort(np.abs(_slope(recording, velocity))[low])
+    slope = lanczos_value(recording.time, velocity, 5, recording.run, order=1)
+    acceleration = np.sort(np.abs(slope)[low])
     passed = np.cumsum(acceleration)
     slow = float(acceleration[np.searchsorted(passed, _SLOW * passed[-1])])
     shortest = 3.0 * recording.interval
     return max(2.0 * band / slow, shortest) if slow > 0.0 else shortest
-
-
-def _slope(recording: Recording, velocity: Array) -> Array:
-    return lanczos_value(recording.time, velocity, 5, recording.run, order=1)
