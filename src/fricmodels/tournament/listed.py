@@ -47,12 +47,10 @@ class Jobs(Sequence[Job]):
         self._config, self._digests = config, digests
         self._measure = "torque" if config.score == "held-out" else config.score
         self._controller = "" if config.controller is None else config.controller.model_dump_json()
-        self._kinds = [self._kind(model, number) for model in config.model_names for number in range(self._entrants)]
+        self._kinds = [
+            self._kind(model, number) for model in config.model_names for number in range(len(config.entrants))
+        ]
         self._places = places
-
-    @property
-    def _entrants(self) -> int:
-        return len(self._config.entrants)
 
     def _kind(self, model: str, number: int) -> _Kind:
         config, entrant = self._config, self._config.entrants[number]
