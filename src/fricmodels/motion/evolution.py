@@ -13,6 +13,9 @@ from fricmodels.arrays import Array
 
 _LARGEST = 1e14
 """Ratio of variances in the distribution of steps beyond which it is flat to rounding."""
+_SETTLED = 1e-5
+"""A generation whose costs lie within this share of the best one, and which found nothing better by more than that, is
+the last."""
 
 
 @dataclass(frozen=True)
@@ -31,7 +34,6 @@ def evolved(
     *,
     most: int,
     seed: int = 0,
-    settled: float = 1e-5,
 ) -> Evolved:
     r"""Return the best point of a search in which the distribution of steps learns the shape of the valley.
 
@@ -46,8 +48,6 @@ def evolved(
         bounds: least and greatest value of each.
         most: evaluations.
         seed: of the draws.
-        settled: a generation whose costs lie within this share of the best one, and which found nothing better by more
-            than that, is the last.
 
     Source: N. Hansen, "The CMA evolution strategy: a tutorial", arXiv:1604.00772, 2016, with its default settings.
     """
@@ -105,7 +105,7 @@ def evolved(
                 break
             values = np.sqrt(np.maximum(squares, squares[-1] / _LARGEST))
             around = costs[order[: parents + 1]]
-            if math.isfinite(best) and before - best <= settled * best and around[-1] - around[0] <= settled * best:
+            if math.isfinite(best) and before - best <= _SETTLED * best and around[-1] - around[0] <= _SETTLED * best:
                 break
     return Evolved(best_at, best)
 
