@@ -10,13 +10,13 @@ from typing import Any
 
 import numpy as np
 
+import paper_figures
 from fricmodels import plugins
 from fricmodels.drive import Drive
 from fricmodels.files import write_text
 from fricmodels.fit import Fit
 from fricmodels.model import Model
 from fricmodels.recording import Recording
-from fricmodels.report import paper_figures
 from fricmodels.score import filtered_torque_error, last_cycles, sliding_half_width, torque_amplitude
 from fricmodels.simulation import simulate
 from fricmodels.tournament import load_config, run

@@ -78,10 +78,10 @@ def test_where_files_cannot_be_locked_they_are_written_all_the_same(
 
 
 def test_a_long_document_is_written_as_json_writes_it(tmp_path: Path) -> None:
-    content = {"schema": "x", "rows": [{"a": 1.5, "b": [None, True, {"ω": "é"}]}, {}], "none": []}
-    files.write_json(tmp_path / "a.json", content)
-    text = json.dumps(content, indent=1, allow_nan=False, ensure_ascii=False) + "\n"
+    head, rows = {"schema": "x", "none": []}, [{"a": 1.5, "b": [None, True, {"ω": "é"}]}, {}]
+    files.write_listed(tmp_path / "a.json", head, "rows", rows)
+    text = json.dumps({**head, "rows": rows}, indent=1, allow_nan=False, ensure_ascii=False) + "\n"
     assert (tmp_path / "a.json").read_text(encoding="utf-8") == text
     with pytest.raises(ValueError, match="not JSON compliant"):
-        files.write_json(tmp_path / "a.json", {"a": float("nan")})
+        files.write_listed(tmp_path / "a.json", head, "rows", [{"a": float("nan")}])
     assert (tmp_path / "a.json").read_text(encoding="utf-8") == text, "what was there stays"

@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field
 
+from fricmodels.arrays import Array, Index, Mask
 from fricmodels.dimension import Scales
 from fricmodels.drive import Drive
 from fricmodels.errors import EstimationError
@@ -22,8 +22,6 @@ from fricmodels.filtering.preparation import (
 from fricmodels.fit import Status
 from fricmodels.recording import Recording
 from fricmodels.signals import velocity_noise
-
-Array = NDArray[np.float64]
 
 _MOVING = 0.05
 """Least speed of a plateau, as a fraction of the peak speed: below, the drive may stick."""
@@ -45,7 +43,7 @@ class ConstantVelocitySettings(EstimatorSettings):
 @dataclass(frozen=True)
 class _Plateaus:
     samples: Recording
-    number: NDArray[np.int64]
+    number: Index
     modified: bool
 
 
@@ -76,7 +74,7 @@ class ConstantVelocity(Estimator):
         linear = [p for p, ok in zip(drive.model.parameters, drive.model.linear, strict=True) if ok]
         keys = [p.key for p in linear]
         held = [p.key for p in drive.model.parameters if p.key not in keys]
-        guess = scanned_guess(drive, kept).values if held else {}
+        guess = scanned_guess(drive, kept) if held else {}
         found = self._plateaus(kept, inertia, len(keys))
         count = len(np.unique(found.number))
         method = "samples of near-zero acceleration" if found.modified else "plateaus of constant speed"
@@ -129,7 +127,7 @@ class ConstantVelocity(Estimator):
         return _Plateaus(recording.select(used), number[used], modified=True)
 
 
-def _stretches(recording: Recording, mask: NDArray[np.bool_]) -> NDArray[np.int64]:
+def _stretches(recording: Recording, mask: Mask) -> Index:
     """Number the uninterrupted stretches of one direction in which the mask holds; −1 elsewhere."""
     direction = np.sign(recording.velocity)
     starts = mask.copy()
@@ -137,7 +135,7 @@ def _stretches(recording: Recording, mask: NDArray[np.bool_]) -> NDArray[np.int6
     return np.where(mask, np.cumsum(starts) - 1, -1)
 
 
-def clustered_least_squares(columns: Array, right: Array, cluster: NDArray[np.int64]) -> tuple[Array, Array, float]:
+def clustered_least_squares(columns: Array, right: Array, cluster: Index) -> tuple[Array, Array, float]:
     """Return the solution of least squares, its covariance with one observation a cluster, and its conditioning.
 
     The conditioning is the smallest over the largest eigenvalue of the correlation of the regressors.

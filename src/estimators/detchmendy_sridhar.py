@@ -6,9 +6,9 @@ from collections.abc import Mapping
 from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field
 
+from fricmodels.arrays import Array
 from fricmodels.dimension import INERTIA, Scales
 from fricmodels.drive import Drive
 from fricmodels.estimator import EstimatorSettings, OnlineFilter, SequentialEstimator, Solution, usable
@@ -22,8 +22,6 @@ from fricmodels.filtering.stored_problem import checked_state, problem_of
 from fricmodels.filtering.substeps import stable_substeps
 from fricmodels.kernels import Scan
 from fricmodels.recording import Recording
-
-Array = NDArray[np.float64]
 
 
 def detchmendy_sridhar_step(space: NormalisedSpace, drive: Drive) -> Any:
@@ -195,7 +193,7 @@ def start_values(drive: Drive, recording: Recording, scales: Scales, scan: str) 
     law = {p.key for p in drive.model.parameters[:own]}
     nonlinear = {p.key for p in drive.parameters if not p.linear} - (law if scan == "effects" else set())
     if nonlinear and scan != "none":
-        guess = scanned_guess(drive, recording).values
+        guess = scanned_guess(drive, recording)
         values |= {key: guess[key] for key in nonlinear}
     if drive.inertia is None:
         values[drive.inertia_key] = scales.of(INERTIA)

@@ -8,7 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from estimators.regression import Array, Design, cubic, span
+from estimators.regression import Design, cubic, span
+from fricmodels.arrays import Array
 from fricmodels.kernels import Scan
 from fricmodels.recording import channel_of
 

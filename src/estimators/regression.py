@@ -8,13 +8,11 @@ from functools import cached_property, lru_cache
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
-from numpy.typing import NDArray
 
+from fricmodels.arrays import Array
 from fricmodels.dimension import Scales
 from fricmodels.drive import Drive
 from fricmodels.recording import Recording
-
-Array = NDArray[np.float64]
 
 RESTING = 0.01
 """Speed below which a sample counts as standing still, as a fraction of the peak speed."""

@@ -8,11 +8,11 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field
 
 from estimators.newest_window import NewestWindow
 from estimators.regression import RESTING, Design, cubic
+from fricmodels.arrays import Array
 from fricmodels.drive import Drive
 from fricmodels.errors import EstimationError, InputError
 from fricmodels.estimator import EstimatorSettings, OnlineFilter, SequentialEstimator, Solution, usable
@@ -29,8 +29,6 @@ from fricmodels.filtering.stored_problem import SCHEMA, checked_state, drive_doc
 from fricmodels.filtering.windowed import WindowedRegression
 from fricmodels.kernels import Scan
 from fricmodels.recording import Recording, channel_of
-
-Array = NDArray[np.float64]
 
 _VAGUE = 1e6
 """Initial variance of the normalised parameters."""
@@ -179,7 +177,7 @@ class RecursiveLeastSquares(SequentialEstimator):
         linear = dict(zip((p.key for p in drive.model.parameters), drive.model.linear, strict=True))
         fixed: dict[str, float] = {}
         if not all(linear.values()):
-            guess = scanned_guess(drive, recording).values
+            guess = scanned_guess(drive, recording)
             fixed = {key: guess[key] for key, is_linear in linear.items() if not is_linear}
         if drive.inertia is not None:
             fixed[drive.inertia_key] = drive.inertia

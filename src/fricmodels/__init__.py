@@ -35,26 +35,17 @@ if TYPE_CHECKING:
 __version__ = "0.1.0"
 
 _HOMES = {
-    "Drive": "fricmodels.drive",
-    "Effect": "fricmodels.term",
-    "Estimator": "fricmodels.estimator",
-    "Fit": "fricmodels.fit",
-    "FittedModel": "fricmodels.saved",
-    "Law": "fricmodels.term",
-    "Model": "fricmodels.model",
-    "Parameter": "fricmodels.parameter",
-    "Recording": "fricmodels.recording",
-    "Solution": "fricmodels.estimator",
-    "State": "fricmodels.parameter",
-    "compare": "fricmodels.diagnosis",
-    "diagnose": "fricmodels.diagnosis",
-    "improve": "fricmodels.diagnosis",
-    "keep": "fricmodels.saved",
-    "keep_fit": "fricmodels.saved",
-    "keep_row": "fricmodels.saved",
-    "load": "fricmodels.saved",
-    "read": "fricmodels.readers",
-    "run": "fricmodels.tournament",
+    "fricmodels.diagnosis": ("compare", "diagnose", "improve"),
+    "fricmodels.drive": ("Drive",),
+    "fricmodels.estimator": ("Estimator", "Solution"),
+    "fricmodels.fit": ("Fit",),
+    "fricmodels.model": ("Model",),
+    "fricmodels.parameter": ("Parameter", "State"),
+    "fricmodels.readers": ("read",),
+    "fricmodels.recording": ("Recording",),
+    "fricmodels.saved": ("FittedModel", "keep", "keep_fit", "keep_row", "load"),
+    "fricmodels.term": ("Effect", "Law"),
+    "fricmodels.tournament": ("run",),
 }
 
 __all__ = [

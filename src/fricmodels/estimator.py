@@ -101,7 +101,8 @@ class Estimator(ABC):
         without = np.array([key in found.no_interval for key in keys], dtype=bool)
         covariance = np.where(without | without[:, None], np.nan, covariance)
         no_interval = {**no_interval, **found.no_interval}
-        free = [i for i, key in enumerate(keys) if key not in _constants(drive)]
+        constant = {p.key for p in drive.model.parameters if p.declared.constant}
+        free = [i for i, key in enumerate(keys) if key not in constant]
         keys, covariance = tuple(keys[i] for i in free), covariance[np.ix_(free, free)]
         no_interval = {key: reason for key, reason in no_interval.items() if key in keys}
         return Fit(
@@ -171,10 +172,6 @@ class OnlineFilter(ABC):
     @abstractmethod
     def covariance(self) -> Array:
         """The filter's own covariance of the estimated parameters; overconfident when the law is wrong."""
-
-
-def _constants(drive: Drive) -> frozenset[str]:
-    return frozenset(p.key for p in drive.model.parameters if p.declared.constant)
 
 
 @cache

@@ -103,21 +103,8 @@ def write_bytes(path: Path, content: bytes) -> Path:
     return path
 
 
-def write_json(path: Path, content: Any) -> Path:
-    """Write a JSON document, a line each key, part by part: the text of a long one is never held; see :func:`replaced`.
-
-    Raises:
-        ValueError: for a number that JSON does not have.
-    """
-    encoder = json.JSONEncoder(indent=1, allow_nan=False, ensure_ascii=False)
-    with replaced(path) as beside, beside.open("w", encoding="utf-8") as stream:
-        stream.writelines(encoder.iterencode(content))
-        stream.write("\n")
-    return path
-
-
 def write_listed(path: Path, content: Mapping[str, Any], name: str, items: Iterable[Any]) -> array[int]:
-    """Write a JSON document that ends with a list, as :func:`write_json` would; no two items are held at a time.
+    """Write a JSON document that ends with a list, a line each key; no two items are held at a time: :func:`replaced`.
 
     Args:
         path: the file.

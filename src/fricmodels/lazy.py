@@ -3,21 +3,22 @@
 from __future__ import annotations
 
 import importlib
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 
-def first_use(package: str, homes: Mapping[str, str]) -> Callable[[str], Any]:
+def first_use(package: str, homes: Mapping[str, Sequence[str]]) -> Callable[[str], Any]:
     """Return the ``__getattr__`` of a package.
 
     Args:
         package: its name.
-        homes: the module in which each of its names is defined.
+        homes: its names by the module in which they are defined.
     """
+    home = {name: module for module, names in homes.items() for name in names}
 
     def imported(name: str) -> Any:
-        if name in homes:
-            return getattr(importlib.import_module(homes[name]), name)
+        if name in home:
+            return getattr(importlib.import_module(home[name]), name)
         raise AttributeError(f"module '{package}' has no attribute '{name}'")
 
     return imported

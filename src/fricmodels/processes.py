@@ -1,4 +1,4 @@
-"""Processes that end with the one that started them, however that ends, and that give back memory."""
+"""Processes that end with the one that started them, that give back memory, and that have a limit of time."""
 
 from __future__ import annotations
 
@@ -7,6 +7,8 @@ import signal
 import sys
 import threading
 import time
+
+from fricmodels.errors import InputError
 
 _LOOK = 1.0
 _PR_SET_PDEATHSIG = 1
@@ -26,6 +28,25 @@ def give_back(samples: int) -> None:
         trim = getattr(ctypes.CDLL(None), "malloc_trim", None)
         if trim is not None:
             trim(0)
+
+
+def time_limit(variable: str, default: float, what: str) -> float:
+    """Return the seconds that an environment variable allows.
+
+    Args:
+        variable: its name. default: where it is not set. what: takes as long, for the error.
+
+    Raises:
+        InputError: where it is no positive number.
+    """
+    given = os.environ.get(variable)
+    try:
+        limit = float(given) if given else default
+    except ValueError:
+        limit = 0.0
+    if not 0 < limit < float("inf"):
+        raise InputError(f"{variable} is '{given}'; it is the seconds that {what}, such as 60")
+    return limit
 
 
 def end_with_parent(parent: int) -> None:

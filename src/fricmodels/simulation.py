@@ -147,12 +147,7 @@ def measure(velocity: Array, *, noise: float = 0.0, quantisation: float = 0.0, h
 
 
 def simulated_velocity(
-    drive: Drive,
-    values: Mapping[str, float],
-    recording: Recording,
-    *,
-    between_samples: Between = "linear",
-    substeps: int = 1,
+    drive: Drive, values: Mapping[str, float], recording: Recording, *, between_samples: Between = "linear"
 ) -> Array:
     """Return the velocity that the drive would have under the recorded torque alone, shape (N,).
 
@@ -161,22 +156,13 @@ def simulated_velocity(
     simulated = np.empty(len(recording))
     for mask, one in _each_run(recording):
         position = float(one["position"][0]) if "position" in one else 0.0
-        simulated[mask], _ = _integrate(drive, values, one, float(one.velocity[0]), position, between_samples, substeps)
+        simulated[mask], _ = _integrate(drive, values, one, float(one.velocity[0]), position, between_samples, 1)
     return simulated
 
 
-def simulated_velocity_error(
-    drive: Drive,
-    values: Mapping[str, float],
-    recording: Recording,
-    *,
-    between_samples: Between = "linear",
-    substeps: int = 1,
-) -> Array:
+def simulated_velocity_error(drive: Drive, values: Mapping[str, float], recording: Recording) -> Array:
     """Return recorded minus simulated velocity, shape (N,); see :func:`simulated_velocity`."""
-    return recording.velocity - simulated_velocity(
-        drive, values, recording, between_samples=between_samples, substeps=substeps
-    )
+    return recording.velocity - simulated_velocity(drive, values, recording)
 
 
 def _integrate(

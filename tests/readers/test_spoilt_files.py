@@ -198,7 +198,7 @@ def importable(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 def test_a_limit_that_is_none_is_refused(limit: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv(apart.LIMIT, limit)
     with pytest.raises(InputError, match=f"FRICMODELS_READ_TIMEOUT is '{limit}'"):
-        apart.seconds()
+        apart.table_apart(Deadly(), Path("x.dead"))
 
 
 def test_matlab_files_of_the_other_byte_order_come_back(tmp_path: Path) -> None:

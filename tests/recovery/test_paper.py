@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 
 from fricmodels import plugins
-from fricmodels.report import paper_figures
 from fricmodels.score import filtered_torque_error
 from fricmodels.tournament import load_config
 
@@ -93,8 +92,8 @@ def test_the_pictures_are_written_and_repeat(paper: ModuleType, tmp_path: Path) 
     fit = paper.fitted("detchmendy-sridhar", recording)
     units = dict.fromkeys(paper.KEYS, "SI")
     for name in ("first.png", "second.png"):
-        paper_figures.coefficients_against_sample(tmp_path / name, fit, paper.MEASURED, units)
+        paper.paper_figures.coefficients_against_sample(tmp_path / name, fit, paper.MEASURED, units)
     assert (tmp_path / "first.png").read_bytes() == (tmp_path / "second.png").read_bytes()
-    paper_figures.friction_as_it_develops(tmp_path / "fig8.png", recording, paper.drive(), fit)
-    paper_figures.torque_and_velocity(tmp_path / "fig6.png", recording, 4, paper.FREQUENCY)
+    paper.paper_figures.friction_as_it_develops(tmp_path / "fig8.png", recording, paper.drive(), fit)
+    paper.paper_figures.torque_and_velocity(tmp_path / "fig6.png", recording, 4, paper.FREQUENCY)
     assert {path.name for path in tmp_path.iterdir()} == {"first.png", "second.png", "fig8.png", "fig6.png"}

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fricmodels.arrays import Array
 from fricmodels.drive import Drive
 from fricmodels.errors import EstimationError
 from fricmodels.model import Model
@@ -18,8 +18,6 @@ from fricmodels.weakform.separable import SeparableTerm, separable
 from fricmodels.weakform.stretches import segments
 from fricmodels.weakform.variable_projection import Equations, Projection
 
-Array = NDArray[np.float64]
-
 
 def derivative_equations(drive: Drive, recording: Recording, preparation: Preparation) -> tuple[Equations, Recording]:
     """Return the equation of motion at samples of filtered signals and their derivatives, and the filtered recording.
@@ -28,6 +26,8 @@ def derivative_equations(drive: Drive, recording: Recording, preparation: Prepar
     filtering"). Source: M. Gautier, "Dynamic identification of robots with power model", 1997; A. Janot, M. Gautier,
     M. Brunot, "Data set and reference models of EMPS", 2019.
     """
+    from scipy.signal import decimate
+
     from fricmodels.signals import prepare, resting
 
     marked = recording.with_channels(at_rest=resting(recording).astype(float))
@@ -39,7 +39,8 @@ def derivative_equations(drive: Drive, recording: Recording, preparation: Prepar
         raise EstimationError(f"recording '{recording.name}' is too short to keep every {factor}th sample only")
 
     def seen(rows: Array) -> Array:
-        return np.concatenate([_decimated(rows[:, part] * in_motion[part], factor) for part in parts], axis=1)
+        kept = [rows[:, part] * in_motion[part] for part in parts]
+        return np.concatenate(kept if factor == 1 else [decimate(each, factor, axis=1) for each in kept], axis=1)
 
     split = separable(drive.model)
 
@@ -85,9 +86,3 @@ def derivative_fit(drive: Drive, recording: Recording, preparation: Preparation,
     values = np.concatenate([solution.theta, solution.alpha])[order]
     outcome = Outcome(values, spread[np.ix_(order, order)], solution.normal.null[order], solution.converged, message)
     return outcome, float(np.linalg.norm(solution.residual) / np.linalg.norm(equations.driving))
-
-
-def _decimated(rows: Array, factor: int) -> Array:
-    from scipy.signal import decimate
-
-    return rows if factor == 1 else np.asarray(decimate(rows, factor, axis=1))

@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field
 
 from estimators.batch.derivative_form import derivative_fit
@@ -19,8 +18,6 @@ from fricmodels.weakform.estimate import Estimate, estimate
 from fricmodels.weakform.identification import not_identified, searched_range
 from fricmodels.weakform.nonlinear import Plan, check_start
 from fricmodels.weakform.prepared import prepared
-
-Array = NDArray[np.float64]
 
 
 class BatchSettings(EstimatorSettings):

@@ -19,8 +19,8 @@ from functools import lru_cache
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fricmodels.arrays import Array, Index, Mask
 from fricmodels.drive import Drive
 from fricmodels.model import Model
 from fricmodels.recording import Recording
@@ -31,8 +31,6 @@ from fricmodels.weakform.nonlinear import Outcome, linear_constraints
 from fricmodels.weakform.predicted_velocity import model_velocity
 from fricmodels.weakform.ranges import natural_size
 from fricmodels.weakform.stretches import segments
-
-Array = NDArray[np.float64]
 
 WIDTHS = (3e-2, 1e-2, 3e-3, 1e-3)
 """Widths of the smooth sign, in peak velocities."""
@@ -107,13 +105,13 @@ class Mesh:
     """
 
     time: Array
-    sample: NDArray[np.int64]
-    first: NDArray[np.int64]
+    sample: Index
+    first: Index
     place: Array
     lean: Array
 
     @classmethod
-    def of(cls, recording: Recording, velocity: Array, resting: NDArray[np.bool_]) -> Mesh:
+    def of(cls, recording: Recording, velocity: Array, resting: Mask) -> Mesh:
         """Divide the intervals in which the velocity passes zero, stops or starts, and their neighbours."""
         direction = np.where(resting, 0.0, np.sign(velocity))
         joined = np.zeros(len(recording) - 1, dtype=bool)
@@ -135,7 +133,7 @@ class Mesh:
         return np.interp(self.place, np.arange(len(self.sample)), samples)
 
     @property
-    def beginnings(self) -> NDArray[np.int64]:
+    def beginnings(self) -> Index:
         """Nodes that no step leads to."""
         return np.setdiff1d(np.arange(len(self.time)), self.first + 1)
 

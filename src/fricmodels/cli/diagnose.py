@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from fricmodels.cli.measurement import Measurement, measured
+from fricmodels.cli.measurement import OF_MOTION, Measurement, measured
 
 
-@measured
+@measured(*OF_MOTION)
 def command(given: Measurement) -> None:
     """Name the effect that a model is missing, with its evidence, or say that the data cannot tell."""
     from fricmodels.cli.answers import so_far

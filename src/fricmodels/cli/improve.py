@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from fricmodels.cli.measurement import Measurement, scored
+from fricmodels.cli.measurement import Measurement, measured
 from fricmodels.cli.motion import Score
 
 
-@scored
+@measured()
 def command(given: Measurement) -> None:
     """Add the missing effect, refit everything, and repeat until nothing is missing: the ladder.
 

@@ -40,37 +40,28 @@ def command(
     registered = plugins.load()
     warn(registered.failures)
     motion = Motion.LINEAR if linear else Motion.ROTARY
+    registry: Any = getattr(registered, kind.value, None)
+    entries = [] if registry is None else [(name, registry.entry(name)) for name in registry.names]
     if kind is Kind.DATASETS:
         rows, titles = _datasets(config), ["name", "recordings", "from"]
     elif kind in (Kind.LAWS, Kind.EFFECTS):
-        registry = registered.laws if kind is Kind.LAWS else registered.effects
-        rows, titles = _terms(registry, motion), ["name", "equation", "parameters", "distribution"]
+        rows = [[name, e.cls.formula, _parameters(e.cls, motion), e.distribution] for name, e in entries]
+        titles = ["name", "equation", "parameters", "distribution"]
     elif kind is Kind.ESTIMATORS:
-        entries = [(name, registered.estimators.entry(name)) for name in registered.estimators]
         rows = [[name, e.cls.summary, ", ".join(e.cls.Settings.model_fields), e.distribution] for name, e in entries]
         titles = ["name", "what it does", "settings", "distribution"]
     elif kind is Kind.CONTROLLERS:
-        rows = []
-        for name in registered.controllers:
-            entry = registered.controllers.entry(name)
-            parameters = ", ".join(f"{p.symbol} [{p.unit_for(motion)}]" for p in entry.cls.parameters)
-            rows.append([name, ", ".join(entry.cls.channels), parameters, entry.distribution])
+        rows = [[name, ", ".join(e.cls.channels), _parameters(e.cls, motion), e.distribution] for name, e in entries]
         titles = ["name", "follows", "parameters", "distribution"]
     else:
-        readers = [(name, registered.readers.entry(name)) for name in registered.readers]
-        rows = [[name, " ".join(e.cls.suffixes), e.distribution] for name, e in readers]
+        rows = [[name, " ".join(e.cls.suffixes), e.distribution] for name, e in entries]
         titles = ["name", "files", "distribution"]
     cells = list(zip(*rows, strict=True)) or [()] * len(titles)
     print_table([Column(title, tuple(column)) for title, column in zip(titles, cells, strict=True)])
 
 
-def _terms(registry: Any, motion: Motion) -> list[list[str]]:
-    rows = []
-    for name in registry.names:
-        entry = registry.entry(name)
-        parameters = ", ".join(f"{p.symbol} [{p.unit_for(motion)}]" for p in entry.cls.parameters)
-        rows.append([name, entry.cls.formula, parameters, entry.distribution])
-    return rows
+def _parameters(cls: Any, motion: Motion) -> str:
+    return ", ".join(f"{p.symbol} [{p.unit_for(motion)}]" for p in cls.parameters)
 
 
 def _datasets(config: Path | None) -> list[list[str]]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -171,33 +171,35 @@ def say_gaps(recording: Recording) -> None:
         warn([f"{recording.provenance['source']}: {recording.provenance['gaps']}"])
 
 
-def unusable_effects(known: Sequence[str]) -> list[str]:
-    """Return the names of effects of plugins that would spoil a diagnosis, each with a warning.
+def effects_left_out(named: Sequence[str]) -> tuple[str, ...]:
+    """Return the effects that are left out: the named ones, and those of plugins that would spoil a diagnosis.
 
-    Args:
-        known: names that need no look, as they are left out already.
+    What is named needs no look; each of the others has a warning.
     """
     from fricmodels import plugins
     from fricmodels.cli.printing import warn
     from fricmodels.tournament.jobs import check_plugins
 
-    effects, found = plugins.load().effects, []
+    effects, found = plugins.load().effects, list(named)
     warn([*plugins.load().failures, *plugins.load().unsafe])
     for name in effects:
         distribution = effects.entry(name).distribution
-        if distribution == "fricmodels" or name in known:
+        if distribution == "fricmodels" or name in named:
             continue
         try:
             check_plugins(f"coulomb-viscous+{name}")
         except (Exception, SystemExit) as error:
             warn([f"effect '{name}' of {distribution} is left out: {error}"])
             found.append(name)
-    return found
+    return tuple(found)
 
 
 @dataclass(frozen=True)
 class Measurement:
-    """What ``diagnose`` and ``improve`` are given on the command line, read."""
+    """What ``compare``, ``diagnose`` and ``improve`` are given on the command line, read.
+
+    Its options are those that a report repeats, so that its command gives the same answer.
+    """
 
     recording: Recording
     model: Model
@@ -205,88 +207,80 @@ class Measurement:
     leave_out: tuple[str, ...]
     out: Path | None
     report: Path | None
-    trust: bool = False
-    gaps: Gaps | None = None
-    verbose: bool = False
-    score: Score = Score.TORQUE
-    horizon: int | None = None
-    loop: Loop | None = None
-    of_controller: dict[str, float] = field(default_factory=dict)
-
-    @property
-    def options(self) -> list[str]:
-        """The options that a report repeats, so that its command gives the same answer."""
-        names = [part for name in self.leave_out for part in ("--leave-out", name)]
-        return [*names, *["--trust"] * self.trust, *gaps_option(self.gaps)]
+    options: list[str]
+    verbose: bool
+    fixed: bool
+    score: Score
+    horizon: int | None
+    loop: Loop | None
+    of_controller: dict[str, float]
 
 
-def gaps_option(gaps: Gaps | None) -> list[str]:
-    """Return the option as it was given."""
-    return [] if gaps is None else ["--gaps", gaps.value]
+def options_again(left_out: Sequence[str], trust: bool, gaps: Gaps | None) -> list[str]:
+    """Return the options with which another command gives the same answer."""
+    names = [part for name in left_out for part in ("--leave-out", name)]
+    return [*names, *["--trust"] * trust, *([] if gaps is None else ["--gaps", gaps.value])]
 
 
-def scored(work: Callable[[Measurement], None]) -> Callable[..., None]:
-    """Return the command that does some work on a measurement, and may judge it by simulated motion."""
-    return _command(work)
+OF_MOTION = ("score", "horizon", "controller")
+"""The options by which a command judges by simulated motion."""
 
 
-def measured(work: Callable[[Measurement], None]) -> Callable[..., None]:
-    """Return the command, with all options but those of simulated motion, that does some work on a measurement."""
-    command = _command(work)
-    signature = inspect.signature(command, eval_str=True)
-    kept = [p for name, p in signature.parameters.items() if name not in ("score", "horizon", "controller")]
-    command.__signature__ = signature.replace(parameters=kept)  # type: ignore[attr-defined]
-    return command
+def measured(*without: str) -> Callable[[Callable[[Measurement], None]], Callable[..., None]]:
+    """Return what makes a command of some work on a measurement; it has all options ``without`` these."""
 
+    def made(work: Callable[[Measurement], None]) -> Callable[..., None]:
+        def command(
+            data: Data,
+            model: ModelName,
+            inertia: Inertia = None,
+            column: Column = None,
+            torque_constant: TorqueConstant = None,
+            reader: Format = None,
+            linear: Linear = False,
+            leave_out: LeaveOut = None,
+            trust: Trust = False,
+            gaps: GapsOption = None,
+            fixed: Fixed = False,
+            out: Out = None,
+            report: Report = None,
+            verbose: Verbose = False,
+            score: ScoreOption = Score.TORQUE,
+            horizon: Horizon = None,
+            controller: ControllerFile = None,
+        ) -> None:
+            from fricmodels.cli.answers import answered
 
-def _command(work: Callable[[Measurement], None]) -> Callable[..., None]:
+            given = load(data, model, column, torque_constant, reader, linear, leave_out, inertia, trust, gaps, fixed)
+            check(report)
+            check_score(score, given.recording, horizon, controller)
+            loop = loop_of(controller, given.recording, given.file if score is Score.POSITION else None)
+            left_out = () if "leave_out" in without else effects_left_out(leave_out or ())
+            measurement = Measurement(
+                given.recording,
+                given.model,
+                given.inertia,
+                left_out,
+                out,
+                report,
+                options_again(left_out, trust, gaps),
+                verbose,
+                fixed,
+                score,
+                horizon,
+                loop,
+                given.of_controller if score is Score.POSITION else {},
+            )
+            with answered(given.recording, given.model):
+                work(measurement)
 
-    def command(
-        data: Data,
-        model: ModelName,
-        inertia: Inertia = None,
-        column: Column = None,
-        torque_constant: TorqueConstant = None,
-        reader: Format = None,
-        linear: Linear = False,
-        leave_out: LeaveOut = None,
-        trust: Trust = False,
-        gaps: GapsOption = None,
-        fixed: Fixed = False,
-        out: Out = None,
-        report: Report = None,
-        verbose: Verbose = False,
-        score: ScoreOption = Score.TORQUE,
-        horizon: Horizon = None,
-        controller: ControllerFile = None,
-    ) -> None:
-        from fricmodels.cli.answers import answered
+        command.__doc__ = work.__doc__
+        signature = inspect.signature(command, eval_str=True)
+        kept = [p for name, p in signature.parameters.items() if name not in without]
+        command.__signature__ = signature.replace(parameters=kept)  # type: ignore[attr-defined]
+        return command
 
-        given = load(data, model, column, torque_constant, reader, linear, leave_out, inertia, trust, gaps, fixed)
-        check(report)
-        check_score(score, given.recording, horizon, controller)
-        loop = loop_of(controller, given.recording, given.file if score is Score.POSITION else None)
-        left_out = (*(leave_out or ()), *unusable_effects(leave_out or ()))
-        measurement = Measurement(
-            given.recording,
-            given.model,
-            given.inertia,
-            left_out,
-            out,
-            report,
-            trust,
-            gaps,
-            verbose,
-            score,
-            horizon,
-            loop,
-            given.of_controller if score is Score.POSITION else {},
-        )
-        with answered(given.recording, given.model):
-            work(measurement)
-
-    command.__doc__ = work.__doc__
-    return command
+    return made
 
 
 def check(report: Path | None) -> None:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import importlib.metadata
-
 
 def command() -> None:
     """List installed distributions with their version, what they give, and their state."""
@@ -22,7 +20,7 @@ def command() -> None:
     rows = [
         (
             distribution,
-            _version(distribution),
+            plugins.version_of(distribution) or "?",
             _given(distribution, names),
             "; ".join(f.reason for f in problems if f.distribution == distribution) or "ok",
         )
@@ -30,13 +28,6 @@ def command() -> None:
     ]
     titles = ("distribution", "version", "gives", "state")
     print_table([Column(title, cells) for title, cells in zip(titles, zip(*rows, strict=True), strict=True)])
-
-
-def _version(distribution: str) -> str:
-    try:
-        return importlib.metadata.version(distribution)
-    except importlib.metadata.PackageNotFoundError:
-        return "?"
 
 
 def _given(distribution: str, names: list[str]) -> str:

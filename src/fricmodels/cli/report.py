@@ -16,9 +16,9 @@ from fricmodels.cli.measurement import (
     Linear,
     TorqueConstant,
     Trust,
-    gaps_option,
+    effects_left_out,
     load,
-    unusable_effects,
+    options_again,
 )
 
 
@@ -72,17 +72,15 @@ def command(
     from fricmodels.diagnosis import improve
     from fricmodels.progress import Cancelled
 
-    left_out = [*(leave_out or ()), *unusable_effects(leave_out or ())]
+    left_out = effects_left_out(leave_out or ())
     with answered(recording, chosen):
         try:
             with working("improving") as say:
                 ladder = improve(recording, chosen, given.inertia, leave_out=left_out, progress=say)
         except Cancelled as stopped:
             ladder = so_far(console(), stopped)
-        options = [part for name in left_out for part in ("--leave-out", name)] + ["--trust"] * trust
-        options += gaps_option(gaps)
         with working("writing the report") as say, watched(say):
-            written = write(story.of_ladder(ladder, options), page)
+            written = write(story.of_ladder(ladder, options_again(left_out, trust, gaps)), page)
         print(f"wrote {written}")
         if ladder.partial:
             raise Stopped

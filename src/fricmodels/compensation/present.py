@@ -90,9 +90,10 @@ def _show_one(console: Console, study: Study, file: str, seed: int | None) -> No
         f"{_percent(bound)}: that is what delay and encoder leave where the drive is known completely. "
         f"A simulated drive has no hysteresis or noise of the amplifier: a real one leaves more.",
     )
+    late = first.settings.delay
     say(
         console,
-        f"Controller: PD at {first.settings.rate:g} Hz, {_samples(first.settings.delay)} late, bandwidth "
+        f"Controller: PD at {first.settings.rate:g} Hz, {late:g} sample{'' if late == 1 else 's'} late, bandwidth "
         f"{first.bandwidth:.3g} Hz, encoder step {first.encoder_step:.3g} "
         f"{'m' if study.rig.motion is Motion.LINEAR else 'rad'}; friction compensated "
         f"{'along the reference' if first.settings.at == 'reference' else 'at the measured motion'}.",
@@ -171,7 +172,3 @@ def _rest(way: Way) -> str:
     if way.limit_cycle:
         return f"swings, {counts:.3g} counts" if math.isfinite(counts) else "swings"
     return "still"
-
-
-def _samples(delay: float) -> str:
-    return f"{delay:g} sample" + ("" if delay == 1 else "s")

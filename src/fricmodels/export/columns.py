@@ -23,7 +23,6 @@ NOT_SURE = {
     "?": "?: so many parameters are not determined, or not distinguished from zero",
     "|": "|: so many parameters are at their bounds",
 }
-"""What the marks behind a status mean."""
 """What the marks of a leaderboard mean."""
 
 

@@ -97,7 +97,7 @@ class KalmanEstimator(Estimator):
         space = normalised_space(drive)
         size = drive.parameter_scales(scales)
         lower, upper = normalised_bounds(drive, scales)
-        guess = scanned_guess(drive, recording).values
+        guess = scanned_guess(drive, recording)
         start = np.clip(np.array([guess[key] for key in drive.keys]) / size, lower, upper)
         deviation = initial_deviation(drive, recording, start * size) / size
         if drive.inertia is None:

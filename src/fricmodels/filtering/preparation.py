@@ -4,14 +4,12 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
-from fricmodels.arrays import Array
+from fricmodels.arrays import Array, Mask
 from fricmodels.dimension import Dimension, Scales
 from fricmodels.drive import Drive
 from fricmodels.errors import EstimationError
@@ -72,7 +70,7 @@ def smoothed_acceleration(recording: Recording) -> Array:
     return prepare(recording, Preparation())["acceleration"]
 
 
-def ordinary(recording: Recording, acceleration: Array) -> NDArray[np.bool_]:
+def ordinary(recording: Recording, acceleration: Array) -> Mask:
     """Return the samples that no spike has spoilt: neither speed nor acceleration ten times over their usual peaks."""
     magnitude = np.abs(acceleration)
     usual = magnitude <= 10 * max(float(np.quantile(magnitude, 0.95)), np.finfo(float).tiny)
@@ -131,16 +129,8 @@ def scan_unit(dimension: Dimension, recording: Recording) -> float:
     return float(size * peak ** (-time) * reach ** (along + time))
 
 
-@dataclass(frozen=True)
-class Guess:
-    """Values of the drive's parameters in SI, by key, and the residual [N m] of the regression that gave them."""
-
-    values: Mapping[str, float]
-    residual: float
-
-
-def scanned_guess(drive: Drive, recording: Recording) -> Guess:
-    """Return a first guess: nonlinear parameters from their scan values, the linear ones regressed.
+def scanned_guess(drive: Drive, recording: Recording) -> dict[str, float]:
+    """Return a first guess of parameters in SI, by key: nonlinear ones from their scan values, linear ones regressed.
 
     Parameters without scan values keep their declared initial values. Internal states are integrated along the measured
     motion of the first 20 000 samples.
@@ -184,7 +174,7 @@ def scanned_guess(drive: Drive, recording: Recording) -> Guess:
     nonlinear_values, linear_values = iter(best[1]), iter(best[2])
     for p, is_linear in zip(parameters, drive.model.linear, strict=True):
         found[p.key] = float(next(linear_values) if is_linear else next(nonlinear_values))
-    return Guess(found, best[0])
+    return found
 
 
 def bounded_least_squares(

@@ -14,7 +14,6 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fricmodels.arrays import Array
 from fricmodels.dimension import Scales
@@ -59,7 +58,6 @@ class Trajectory:
 
     Attributes:
         time: of each sample [s].
-        run: its run.
         states: x after the sample, shape (N, n).
         variances: diagonal of P after the sample, shape (N, n).
         innovation: measured minus predicted velocity, shape (N,); NaN at the first sample of a run.
@@ -69,7 +67,6 @@ class Trajectory:
     """
 
     time: Array
-    run: NDArray[np.int64]
     states: Array
     variances: Array
     innovation: Array
@@ -217,7 +214,7 @@ class FilterProblem:
                 diverged = int(where[done])
                 break
         columns = (outputs[:, :n], outputs[:, n : 2 * n], outputs[:, 2 * n], outputs[:, 2 * n + 1])
-        return Trajectory(recording.time, recording.run, *columns, memory, diverged)
+        return Trajectory(recording.time, *columns, memory, diverged)
 
     def parameters(self, x: Array) -> Array:
         """Return the parameters in SI units from normalised x, shape (…, n) → (…, parameters)."""

@@ -29,7 +29,7 @@ def stable_substeps(drive: Drive, recording: Recording, scales: Scales) -> int:
     block = casadi.Function(
         "block", [space.x, space.u, space.width], [casadi.jacobian(space.rate[:moving], space.x)[:, :moving]]
     )
-    guess = scanned_guess(drive, recording).values
+    guess = scanned_guess(drive, recording)
     parameters = [guess[key] for key in drive.keys]
     states = [state.initial for state in drive.model.states]
     middle = [float(np.median(recording.signal(name))) for name in space.inputs]

@@ -34,7 +34,6 @@ class Transition:
     ``u`` holds the inputs in the middle of the step.
     """
 
-    space: NormalisedSpace
     duration: Any
     following: Any
     jacobian: Any
@@ -72,7 +71,7 @@ def transition(space: NormalisedSpace) -> Transition:
     reverses = direction * backward < 0
     after_rest = casadi.if_else(reverses, remaining * backward, 0)
     following = casadi.vertcat(casadi.if_else(turns, after_rest, end[0]), end[1:moving], x[moving:])
-    return Transition(space, duration, following, casadi.jacobian(following, x))
+    return Transition(duration, following, casadi.jacobian(following, x))
 
 
 def _fading(space: NormalisedSpace) -> Any:

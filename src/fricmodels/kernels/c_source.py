@@ -52,7 +52,7 @@ _C: dict[str, str] = {
 
 
 def c_lines(
-    function: Any, inputs: Sequence[Callable[[int], str]], outputs: Sequence[Callable[[int], str]], start: str = "w"
+    function: Any, inputs: Sequence[Callable[[int], str]], outputs: Sequence[Callable[[int], str]]
 ) -> list[str]:
     """Return statements of C that evaluate a CasADi ``SX`` function.
 
@@ -60,7 +60,6 @@ def c_lines(
         function: the function.
         inputs, outputs: for each input and output, how its element i is written in C. Every element of an output is
             assigned, structural zeros included.
-        start: what the names of intermediate results begin with.
 
     Raises:
         FricmodelsError: for an operation that C does not have.
@@ -83,8 +82,8 @@ def c_lines(
             if step.operation not in _C:
                 raise FricmodelsError(f"the operation {step.operation} of this model cannot be written in C")
             operands = [names[i] for i in step.inputs if i in names]
-            lines.append(f"const double {start}{count} = {_C[step.operation].format(*operands)};")
-            names[step.outputs[0]] = f"{start}{count}"
+            lines.append(f"const double w{count} = {_C[step.operation].format(*operands)};")
+            names[step.outputs[0]] = f"w{count}"
             count += 1
     for index, write in enumerate(outputs):
         lines += [f"{write(row)} = {found.get((index, row), '0.0')};" for row in range(function.numel_out(index))]

@@ -91,7 +91,9 @@ def judged(
     """
     found: list[Judged] = []
     errors = []
-    parts = folds(train.origin.whole) if _of_one(train, test) and refit and train.origin is not None else []
+    one, other = train.origin, test.origin
+    cut = one is not None and other is not None and one.whole is other.whole  # from the same recording
+    parts = folds(one.whole) if one is not None and cut and refit else []
     before: dict[str, float] = {}
     largest = max(rungs, key=lambda rung: len(rung.drive.parameters))
     between = torque_between_samples(largest.drive, largest.parameters, train, loop=loop)
@@ -131,11 +133,6 @@ def judged(
         Judged(each.rung, each.kept, each.by_torque, each.fit, each.test, behind[i], i == chosen)
         for i, each in enumerate(found)
     ]
-
-
-def _of_one(train: Recording, test: Recording) -> bool:
-    """Say whether both were cut from the same recording."""
-    return train.origin is not None and test.origin is not None and train.origin.whole is test.origin.whole
 
 
 def _by_piece(simulator: Simulator, values: Mapping[str, float]) -> Array:

@@ -12,6 +12,7 @@ from fricmodels.dimension import Motion
 from fricmodels.files import write_text
 from fricmodels.motion.choose import Judged
 from fricmodels.motion.errors import MotionErrors
+from fricmodels.results.part import finite
 
 SCHEMA = "fricmodels/motion/1"
 
@@ -61,8 +62,8 @@ def motion_document(found: Sequence[Judged], horizon: int | None, motion: Motion
                 "test": None if each.test is None else _finite(each.test.as_dict()),
                 "parameters": None if fit is None else _finite(dict(fit.parameters)),
                 "standard_errors": None if fit is None else _finite(fit.standard_errors),
-                "behind_best": _number(each.behind[0]),
-                "behind_best_standard_error": _number(each.behind[1]),
+                "behind_best": finite(each.behind[0]),
+                "behind_best_standard_error": finite(each.behind[1]),
                 "chosen": each.chosen,
             }
         )
@@ -82,8 +83,4 @@ def write_motion(document: dict[str, Any], directory: Path) -> Path:
 
 
 def _finite(values: dict[str, Any]) -> dict[str, Any]:
-    return {key: _number(value) for key, value in values.items()}
-
-
-def _number(value: Any) -> Any:
-    return None if isinstance(value, float) and not math.isfinite(value) else value
+    return {key: finite(value) for key, value in values.items()}

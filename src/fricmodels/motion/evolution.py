@@ -13,15 +13,17 @@ from fricmodels.arrays import Array
 
 _LARGEST = 1e14
 """Ratio of variances in the distribution of steps beyond which it is flat to rounding."""
+_SETTLED = 1e-5
+"""A generation whose costs lie within this share of the best one, and which found nothing better by more than that, is
+the last."""
 
 
 @dataclass(frozen=True)
 class Evolved:
-    """The best point that was met, its cost, and how often the function was evaluated."""
+    """The best point that was met, and its cost."""
 
     at: Array
     cost: float
-    evaluations: int
 
 
 def evolved(
@@ -32,7 +34,6 @@ def evolved(
     *,
     most: int,
     seed: int = 0,
-    settled: float = 1e-5,
 ) -> Evolved:
     r"""Return the best point of a search in which the distribution of steps learns the shape of the valley.
 
@@ -47,8 +48,6 @@ def evolved(
         bounds: least and greatest value of each.
         most: evaluations.
         seed: of the draws.
-        settled: a generation whose costs lie within this share of the best one, and which found nothing better by more
-            than that, is the last.
 
     Source: N. Hansen, "The CMA evolution strategy: a tutorial", arXiv:1604.00772, 2016, with its default settings.
     """
@@ -106,9 +105,9 @@ def evolved(
                 break
             values = np.sqrt(np.maximum(squares, squares[-1] / _LARGEST))
             around = costs[order[: parents + 1]]
-            if math.isfinite(best) and before - best <= settled * best and around[-1] - around[0] <= settled * best:
+            if math.isfinite(best) and before - best <= _SETTLED * best and around[-1] - around[0] <= _SETTLED * best:
                 break
-    return Evolved(best_at, best, used)
+    return Evolved(best_at, best)
 
 
 def _finite(cost: float) -> float:

@@ -22,13 +22,11 @@ class Minimum:
     """Where a search ended.
 
     Attributes:
-        at: parameters. cost: sum of squares. evaluations: of the function.
+        at: parameters.
         converged: whether the cost fell no more, or the search was cut off.
     """
 
     at: Array
-    cost: float
-    evaluations: int
     converged: bool
 
 
@@ -85,21 +83,14 @@ def minimised(
         relative_step: of a difference, in sizes of a parameter.
     """
     low, high = bounds
-    count = 0
-
-    def evaluated(x: Array) -> Array:
-        nonlocal count
-        count += 1
-        return residual(x)
-
     at = np.clip(start, low, high)
-    here = evaluated(at)
+    here = residual(at)
     if not np.all(np.isfinite(here)):
-        return Minimum(at, np.inf, count, False)
+        return Minimum(at, False)
     damping, stalled = _FIRST_DAMPING, 0
     for _ in range(most):
         step = relative_step * np.maximum(np.abs(at), size)
-        slope = jacobian(evaluated, at, here, step, bounds, central=relative_step > STEP)
+        slope = jacobian(residual, at, here, step, bounds, central=relative_step > STEP)
         good = np.all(np.isfinite(slope), axis=0)
         slope = np.where(good, slope, 0.0)
         weight = np.ones(len(here)) if weights is None else weights(here)
@@ -109,7 +100,7 @@ def minimised(
         fall = 0.0
         while damping < _LARGEST_DAMPING and free.any():
             trial = _trial(at, normal, gradient, free, damping, bounds)
-            there = evaluated(trial)
+            there = residual(trial)
             reached = float(weight @ there**2) if np.all(np.isfinite(there)) else np.inf
             if reached < cost:
                 fall, at, here = 1.0 - reached / cost, trial, there
@@ -118,8 +109,8 @@ def minimised(
             damping *= _STRONGER
         stalled = stalled + 1 if fall < _CONVERGED else 0
         if fall == 0.0 or stalled >= _TWICE:
-            return Minimum(at, float(here @ here), count, True)
-    return Minimum(at, float(here @ here), count, False)
+            return Minimum(at, True)
+    return Minimum(at, False)
 
 
 def _trial(at: Array, normal: Array, gradient: Array, free: Mask, damping: float, bounds: tuple[Array, Array]) -> Array:

@@ -14,12 +14,12 @@ from fricmodels.motion.between import torque_between_samples
 from fricmodels.motion.simulator import Simulator
 from fricmodels.motion.start import SAMPLES
 from fricmodels.recording import Recording
+from fricmodels.results.words import NORMAL_95
 from fricmodels.score.noise import noise_like
 from fricmodels.signals.lanczos import lanczos_value
 from fricmodels.signals.rest import motion_noise, resting, smoothed_velocity, velocity_noise
 from fricmodels.simulation import Between
 
-_NORMAL_95 = 1.959964
 MOST = 20_000
 """Samples that are simulated; of a longer recording windows that are spread evenly over it."""
 
@@ -108,7 +108,8 @@ def stretch_of(recording: Recording, most: int = MOST) -> Stretch:
     if len(recording) <= most:
         seconds = (longest - 1 if whole else length) * recording.interval
         return Stretch(recording, None if whole else length, seconds, not whole and length == stroke, len(recording))
-    starts = np.concatenate([part[: -length : length + 1] for part in _pieces(recording.run) if len(part) > length])
+    pieces = np.split(np.arange(len(recording)), np.flatnonzero(np.diff(recording.run)) + 1)
+    starts = np.concatenate([part[: -length : length + 1] for part in pieces if len(part) > length])
     count = min(len(starts), max(1, most // (length + 1)))
     taken = starts[((np.arange(count) + 0.5) * len(starts) / count).astype(np.int64)]
     chosen = np.zeros(len(recording), dtype=bool)
@@ -116,10 +117,6 @@ def stretch_of(recording: Recording, most: int = MOST) -> Stretch:
     part = recording.select(chosen)
     part = replace(part, run=np.repeat(np.arange(count), length + 1))
     return Stretch(part, None, length * recording.interval, stroke == length, len(recording))
-
-
-def _pieces(run: Index) -> list[Index]:
-    return np.split(np.arange(len(run)), np.flatnonzero(np.diff(run)) + 1)
 
 
 def _stroke(recording: Recording) -> int | None:
@@ -167,7 +164,7 @@ def undetermined(drive: Drive, inertia: float, error: float | None) -> str:
     name = "mass" if drive.motion.value == "linear" else "inertia"
     if not inertia > 0:
         return f"the {name} is zero"
-    if drive.inertia is None and not (error and inertia > _NORMAL_95 * error):
+    if drive.inertia is None and not (error and inertia > NORMAL_95 * error):
         return f"this recording does not determine the {name}"
     return ""
 

@@ -63,7 +63,6 @@ def searched(
     loss: Loss = "squares",
     most: int = 60,
     kinks: bool = True,
-    seed: int = 0,
 ) -> Found:
     r"""Return the best of all ends.
 
@@ -79,7 +78,7 @@ def searched(
     Args:
         residual: of shape (N,). starts: each of shape (n,). size: of each parameter. bounds: least and greatest.
         loss: what is summed. most: Jacobians, for each start.
-        kinks: whether to take the second step. seed: of the draws.
+        kinks: whether to take the second step.
     """
     weights = absolute if loss == "absolute" else None
     count = 0
@@ -111,7 +110,7 @@ def searched(
         if number == 0 and _is_bowl(cost, best, axes, risen, bounds):
             break
         before = best.cost
-        further = evolved(cost, best.at, axes, bounds, most=_EVALUATIONS * len(size), seed=seed + number)
+        further = evolved(cost, best.at, axes, bounds, most=_EVALUATIONS * len(size), seed=number)
         if further.cost < best.cost:
             best = Found(further.at, further.cost, 0, best.converged)
             ended = descended(best.at, (STEP,))

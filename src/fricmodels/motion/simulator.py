@@ -74,7 +74,7 @@ class Simulator:
         _require(drive, loop, recording)
         self.drive, self.recording, self.loop, self.horizon = drive, recording, loop, horizon
         self.between_samples: Between = between_samples
-        self.keys = (*drive.keys, *(key for key in _free(loop)))
+        self.keys = (*drive.keys, *(f"{PREFIX}{p.symbol}" for p in (() if loop is None else loop.free)))
         if initial_samples is None:
             initial_samples = max(SAMPLES, 2 * recording.derived_over + 1)
         self._substeps, self._windows, first = substeps, list[_Window](), list[int]()
@@ -173,12 +173,6 @@ class Simulator:
             if begins:
                 velocity[window.first], position[window.first] = at
         return position, velocity
-
-
-def _free(loop: Loop | None) -> list[str]:
-    if loop is None:
-        return []
-    return [key for key, p in zip(loop.keys, loop.parameters, strict=True) if p.symbol not in loop.fixed]
 
 
 def _require(drive: Drive, loop: Loop | None, recording: Recording) -> None:

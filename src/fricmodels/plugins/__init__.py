@@ -2,7 +2,18 @@
 
 from __future__ import annotations
 
-from fricmodels.plugins.loading import load, unheard, versions
+from fricmodels.plugins.loading import load, unheard, version_of, versions
 from fricmodels.plugins.registry import GROUP, Failure, LeftOut, Plugins, Registered, Registry
 
-__all__ = ["GROUP", "Failure", "LeftOut", "Plugins", "Registered", "Registry", "load", "unheard", "versions"]
+__all__ = [
+    "GROUP",
+    "Failure",
+    "LeftOut",
+    "Plugins",
+    "Registered",
+    "Registry",
+    "load",
+    "unheard",
+    "version_of",
+    "versions",
+]

@@ -89,11 +89,17 @@ def versions() -> dict[str, str]:
     distributions = {registry.entry(name).distribution for registry in registries for name in registry.names}
     found = {"python": platform.python_version()}
     for name in (_OWN, *_DECISIVE, *sorted(distributions - {_OWN})):
-        try:
-            found[name] = importlib.metadata.version(name)
-        except importlib.metadata.PackageNotFoundError:
-            continue  # a module that no distribution brought
+        if (version := version_of(name)) is not None:
+            found[name] = version
     return found
+
+
+def version_of(distribution: str) -> str | None:
+    """Return the version of a distribution, or ``None`` for the name of a module that no distribution brought."""
+    try:
+        return importlib.metadata.version(distribution)
+    except importlib.metadata.PackageNotFoundError:
+        return None
 
 
 class Problem(NamedTuple):
@@ -103,12 +109,6 @@ class Problem(NamedTuple):
     concerns: tuple[str, str] | None = None
 
 
-def offered(point: EntryPoint, manager: pluggy.PluginManager) -> tuple[list[tuple[str, type[Any]]], list[Problem]]:
-    """Import a plugin and call its hooks; return kind and class of what can be used, and what is wrong besides."""
-    with unheard():
-        return _offered(point, manager)
-
-
 @contextmanager
 def unheard() -> Iterator[None]:
     """Keep what a plugin prints away from standard output, which holds results."""
@@ -116,7 +116,9 @@ def unheard() -> Iterator[None]:
         yield
 
 
-def _offered(point: EntryPoint, manager: pluggy.PluginManager) -> tuple[list[tuple[str, type[Any]]], list[Problem]]:
+@unheard()
+def offered(point: EntryPoint, manager: pluggy.PluginManager) -> tuple[list[tuple[str, type[Any]]], list[Problem]]:
+    """Import a plugin and call its hooks; return kind and class of what can be used, and what is wrong besides."""
     try:
         module = point.load()
         manager.register(module, name=f"{_distribution(point)}:{point.name}")

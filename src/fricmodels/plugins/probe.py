@@ -30,6 +30,7 @@ from typing import Any
 
 from fricmodels.errors import InputError
 from fricmodels.files import write_text
+from fricmodels.processes import time_limit
 
 LIMIT = "FRICMODELS_PLUGIN_TIMEOUT"
 """Environment variable: seconds that a plugin may take to be loaded the first time."""
@@ -77,7 +78,7 @@ def verdicts(points: Sequence[EntryPoint]) -> dict[tuple[str, str], Verdict]:
     installed = [point for point in points if _is_installed(point)]
     if not installed or not sys.executable:
         return {}
-    limit = _limit()
+    limit = time_limit(LIMIT, _DEFAULT_LIMIT, "a plugin may take to load")
     prints = {point: _fingerprint(point, limit) for point in installed}
     found = {point: _recalled(point, prints[point]) for point in installed}
     unknown = [point for point, verdict in found.items() if verdict is None]
@@ -113,17 +114,6 @@ def lost(point: EntryPoint, offers: Collection[tuple[str, str]], *, whole: bool)
 
 def _is_pair(value: Any) -> bool:
     return isinstance(value, list) and len(value) == 2 and all(isinstance(part, str) for part in value)
-
-
-def _limit() -> float:
-    given = os.environ.get(LIMIT)
-    try:
-        limit = float(given) if given else _DEFAULT_LIMIT
-    except ValueError:
-        limit = 0.0
-    if not 0 < limit < float("inf"):
-        raise InputError(f"{LIMIT} is '{given}'; it is the seconds that a plugin may take to load, such as 60")
-    return limit
 
 
 def _fingerprint(point: EntryPoint, limit: float) -> str:

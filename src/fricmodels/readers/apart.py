@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fricmodels.errors import InputError
-from fricmodels.processes import end_with_parent
+from fricmodels.processes import end_with_parent, time_limit
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -37,7 +37,7 @@ def table_apart(reader: Reader, path: Path, asked: Collection[str] = ()) -> pd.D
     Raises:
         InputError: what the reader says of the file, or that it ended the child, took too long or too much memory.
     """
-    limit = seconds()
+    limit = time_limit(LIMIT, _DEFAULT_LIMIT, "reading a file may take")
     with tempfile.TemporaryDirectory(prefix="fricmodels-") as folder:
         out = Path(folder) / "table"
         order: dict[str, Any] = {
@@ -46,7 +46,8 @@ def table_apart(reader: Reader, path: Path, asked: Collection[str] = ()) -> pd.D
             "path": str(path),
             "asked": list(asked),
         }
-        order |= {"out": str(out), "memory": _memory(path), "seconds": limit, "parent": os.getpid()}
+        memory = _LEAST_MEMORY + _MEMORY_FOR_A_BYTE * path.stat().st_size
+        order |= {"out": str(out), "memory": memory, "seconds": limit, "parent": os.getpid()}
         code = [sys.executable, "-c", _CHILD, json.dumps(sys.path), json.dumps(order)]
         quiet = {"stdin": subprocess.DEVNULL, "stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
         try:
@@ -54,22 +55,6 @@ def table_apart(reader: Reader, path: Path, asked: Collection[str] = ()) -> pd.D
         except subprocess.TimeoutExpired:
             raise InputError(f"{path}: reading it takes longer than {limit:g} s ({LIMIT} sets the limit)") from None
         return _taken(path, out, ended)
-
-
-def seconds() -> float:
-    """Return how long reading one file may take [s]."""
-    given = os.environ.get(LIMIT)
-    try:
-        limit = float(given) if given else _DEFAULT_LIMIT
-    except ValueError:
-        limit = 0.0
-    if not 0 < limit < float("inf"):
-        raise InputError(f"{LIMIT} is '{given}'; it is the seconds that reading a file may take, such as 60")
-    return limit
-
-
-def _memory(path: Path) -> int:
-    return _LEAST_MEMORY + _MEMORY_FOR_A_BYTE * path.stat().st_size
 
 
 def _taken(path: Path, out: Path, ended: int) -> pd.DataFrame:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -63,7 +62,8 @@ def _joint_states(path: Path) -> dict[str, list[tuple[Any, int]]]:
     except Exception as error:
         raise InputError(f"{path}: cannot be read as a bag: {' '.join(str(error).split())}") from None
     if not topics:
-        raise InputError(f"{path}: has no messages of type sensor_msgs/JointState, but {_list(others)}")
+        held = ", ".join(others) or "nothing else either"
+        raise InputError(f"{path}: has no messages of type sensor_msgs/JointState, but {held}")
     return topics
 
 
@@ -76,7 +76,3 @@ def _row(message: Any, recorded: int) -> dict[str, float]:
         if len(values) == len(message.name):
             row.update((f"{joint}.{quantity}", value) for joint, value in zip(message.name, values, strict=True))
     return row
-
-
-def _list(names: Iterable[str]) -> str:
-    return ", ".join(names) or "nothing else either"

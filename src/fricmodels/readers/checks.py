@@ -11,11 +11,7 @@ from fricmodels.readers.columns import ROW
 from fricmodels.recording import Recording
 
 
-def _sample(row: int) -> str:
-    return f"sample {row + 1}"
-
-
-def check(recording: Recording, place: Callable[[int], str] = _sample) -> None:
+def check(recording: Recording, place: Callable[[int], str] = lambda row: f"sample {row + 1}") -> None:
     """Check that values are finite, time goes forward within each run, and something moves under some torque.
 
     Args:

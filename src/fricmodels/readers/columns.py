@@ -28,30 +28,25 @@ from fricmodels.readers.column_names import likely, overlooked
 from fricmodels.readers.header_units import stated_unit, without_unit
 from fricmodels.recording import OTHER
 
-STANDARD: Mapping[Motion, Mapping[str, str]] = {
-    Motion.ROTARY: {
-        "time": "time_s",
-        "torque": "torque_Nm",
-        "velocity": "velocity_rad_s",
-        "position": "position_rad",
-        "acceleration": "acceleration_rad_s2",
-        "load_torque": "load_torque_Nm",
-        "temperature": "temperature_degC",
-        "current": "current_A",
-        "run": "run",
-    },
-    Motion.LINEAR: {
-        "time": "time_s",
-        "torque": "force_N",
-        "velocity": "velocity_m_s",
-        "position": "position_m",
-        "acceleration": "acceleration_m_s2",
-        "load_torque": "load_force_N",
-        "temperature": "temperature_degC",
-        "current": "current_A",
-        "run": "run",
-    },
+_ROTARY = {
+    "time": "time_s",
+    "torque": "torque_Nm",
+    "velocity": "velocity_rad_s",
+    "position": "position_rad",
+    "acceleration": "acceleration_rad_s2",
+    "load_torque": "load_torque_Nm",
+    "temperature": "temperature_degC",
+    "current": "current_A",
+    "run": "run",
 }
+_LINEAR = {  # what is called otherwise there
+    "torque": "force_N",
+    "velocity": "velocity_m_s",
+    "position": "position_m",
+    "acceleration": "acceleration_m_s2",
+    "load_torque": "load_force_N",
+}
+STANDARD: Mapping[Motion, Mapping[str, str]] = {Motion.ROTARY: _ROTARY, Motion.LINEAR: {**_ROTARY, **_LINEAR}}
 """Standard column of each channel, by kind of motion."""
 
 _ALIASES = {"force": "torque", "load_force": "load_torque"}
@@ -194,11 +189,7 @@ def detect_motion(mapped: Mapping[str, Column], present: Sequence[str]) -> Motio
     if said:
         return Motion.LINEAR if next(iter(said.values())) else Motion.ROTARY
     fits = {
-        motion: sum(
-            name in present
-            for channel, name in names.items()
-            if channel not in mapped and name != STANDARD[_other(motion)][channel]
-        )
+        motion: sum(names[channel] in present for channel in _LINEAR if channel not in mapped)
         for motion, names in STANDARD.items()
     }
     if fits[Motion.LINEAR] != fits[Motion.ROTARY]:
@@ -208,10 +199,6 @@ def detect_motion(mapped: Mapping[str, Column], present: Sequence[str]) -> Motio
     linear_names = sum(source.startswith("force") or source.endswith(("_n", "_m", "_m_s", "_mm")) for source in sources)
     rotary_names = sum("torque" in source or "rad" in source or source.endswith("nm") for source in sources)
     return Motion.LINEAR if linear_names > rotary_names else Motion.ROTARY
-
-
-def _other(motion: Motion) -> Motion:
-    return Motion.LINEAR if motion is Motion.ROTARY else Motion.ROTARY
 
 
 def assign(columns: Mapped, present: Sequence[str], motion: Motion | None) -> tuple[dict[str, Column], Motion]:

@@ -179,24 +179,19 @@ def sure(data: DiagnosisDocument) -> str:
     if data.effects:
         least = max((effect.p_value for effect in data.effects if effect.p_value is not None), default=None)
         whom = "" if len(data.effects) == 1 else " for each of them"
-        most = _equals(small(least)) if len(data.effects) == 1 or _least(least) else f"is at most {small(least)}"
+        chance = small(least)
+        alone = len(data.effects) == 1 or chance.startswith("below")
+        most = _equals(chance) if alone else f"is at most {chance}"
         parts.append(f"p {most}{whom}, corrected for all effects tested.")
     elif data.unknown is not None:
-        chance, channel = small(data.unknown.p_value), _upper(predictor(data.unknown.channels))
+        chance, channel = small(data.unknown.p_value), predictor(data.unknown.channels)
+        channel = channel[:1].upper() + channel[1:]
         what = "the error" if data.verdict == "unknown-effect" else "a small part of the error"
         parts.append(f"{channel} predicts {what}, and not by chance: p {_equals(chance)}.")
     known = [RECORDS[data.verdict]] if data.verdict in RECORDS else []
     if data.effects and any(finding.kind == "one-frequency" for finding in data.recording.findings):
         known.append(ONE_SINE)
     return " ".join([*parts, *(record.said for record in known)])
-
-
-def _upper(text: str) -> str:
-    return text[:1].upper() + text[1:]
-
-
-def _least(p_value: float | None) -> bool:
-    return small(p_value).startswith("below")
 
 
 def _equals(chance: str) -> str:

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
+from types import SimpleNamespace
 from typing import TYPE_CHECKING, cast
 
 from fricmodels import plugins
@@ -99,32 +100,6 @@ def page(
         after: the model with one effect more, by its name, where no rung has it.
         simulate: whether to show the motion that the model makes of the measured torque.
     """
-    found = story(data, rungs, command, options, after, simulate=simulate)
-    return _page(data, verdict(data, options), found)
-
-
-def _page(data: ComparisonDocument, answer: Verdict, found: Sequence[Section]) -> Page:
-    page = Page(
-        title=data.dataset,
-        kicker="Friction report on a recording",
-        verdict=answer,
-        tiles=tiles(data),
-        sections=found,
-        made_by=f"fricmodels {data.versions['fricmodels']}",
-    )
-    return in_forces(page) if data.motion is Motion.LINEAR else page
-
-
-def story(
-    data: DiagnosisDocument,
-    rungs: Sequence[Rung],
-    command: str,
-    options: Sequence[str] = (),
-    after: Mapping[str, Comparison] | None = None,
-    *,
-    simulate: bool = True,
-) -> list[Section]:
-    """Return the sections in reading order."""
     ends = _ends([rung.comparison for rung in rungs])
     remarks = " ".join(on_parameters(data))
     parts: list[Callable[[], Section]] = [lambda: sections.found(data, rungs, after)]
@@ -141,7 +116,19 @@ def story(
     for make in each("drawing the report", parts):
         found.append(make())
         give_back(data.recording.samples.total)
-    return found
+    return _page(data, verdict(data, options), found)
+
+
+def _page(data: ComparisonDocument, answer: Verdict, found: Sequence[Section]) -> Page:
+    page = Page(
+        title=data.dataset,
+        kicker="Friction report on a recording",
+        verdict=answer,
+        tiles=tiles(data),
+        sections=found,
+        made_by=f"fricmodels {data.versions['fricmodels']}",
+    )
+    return in_forces(page) if data.motion is Motion.LINEAR else page
 
 
 def _measured(ends: Sequence[Comparison], *, simulate: bool) -> Section:
@@ -159,18 +146,11 @@ def _ladder_picture(data: DiagnosisDocument, rungs: Sequence[Rung]) -> Picture |
 
     if not rungs:
         return None
-    figure = figures.ladder(cast("Ladder", _Steps(tuple(rungs))))
+    figure = figures.ladder(cast("Ladder", SimpleNamespace(rungs=rungs)))  # it looks at nothing else of a ladder
     words = f"{sections.ladder_words(data)} The axis is logarithmic."
     if all(trace.name != "sensor noise alone" for trace in figure.data):
         words += f" What noise would leave, {of_noise(data)}, lies beyond it."
     return Picture("The error, step by step", words, figure, name="ladder-steps")
-
-
-@dataclass(frozen=True)
-class _Steps:
-    """All that the figure of a ladder looks at."""
-
-    rungs: tuple[Rung, ...]
 
 
 def verdict(data: DiagnosisDocument, options: Sequence[str] = ()) -> Verdict:

@@ -144,8 +144,9 @@ def tiles(board: Leaderboard) -> list[Tile]:
     models = {row["model"] for row in board.rows}
     estimators = {row["estimator"] for row in board.rows}
     finite = [each.middle for each in entrants(board) if math.isfinite(each.middle)]
+    median = "median " if len(_recordings(board)) > 1 else ""
     return [
-        Tile(percent(finite[0]) if finite else "–", _smallest(board), "of all models and estimators"),
+        Tile(percent(finite[0]) if finite else "–", f"smallest {median}{_part(board)}", "of all models and estimators"),
         Tile(
             str(len(models)), "models" if len(models) > 1 else "model", f"with {counted(len(estimators), 'estimator')}"
         ),
@@ -156,10 +157,6 @@ def tiles(board: Leaderboard) -> list[Tile]:
         ),
         Tile(f"{ok} of {len(board.rows)}", "fits with a result"),
     ]
-
-
-def _smallest(board: Leaderboard) -> str:
-    return f"smallest {'median ' if len(_recordings(board)) > 1 else ''}{_part(board)}"
 
 
 def _recordings(board: Leaderboard) -> list[str]:

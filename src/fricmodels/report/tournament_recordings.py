@@ -135,7 +135,8 @@ def compared(loaded: Loaded, source: Source | None, row: Row) -> Comparison:
     train = loaded.prepared_train
     test = loaded.prepared_test if loaded.prepared_test is not None else train
     drive = Drive(Model.parse(row["model"]), None if source is None else source.inertia, train.motion)
-    found = compare_fit(train, test, drive, row["parameters"], _numbers(row["standard_errors"]))
+    errors = {key: value or 0.0 for key, value in row["standard_errors"].items()}
+    found = compare_fit(train, test, drive, row["parameters"], errors)
     return replace(found, errors=_errors(row))
 
 
@@ -159,7 +160,3 @@ def _errors(row: Row) -> Errors:
 
 def _or_nan(values: Mapping[str, float | None]) -> dict[str, float]:
     return {key: math.nan if value is None else value for key, value in values.items()}
-
-
-def _numbers(values: Mapping[str, float | None]) -> dict[str, float]:
-    return {key: 0.0 if value is None else value for key, value in values.items()}

@@ -151,11 +151,11 @@ def shows_no_inertia(parameters: Mapping[str, float | None], errors: Mapping[str
     )
 
 
-def counted(number_of: int, one: str, many: str = "") -> str:
+def counted(number_of: int, one: str) -> str:
     """Return a count with its noun, small numbers in words."""
     small_numbers = ("no", "one", "two", "three", "four", "five", "six")
     word = small_numbers[number_of] if number_of < len(small_numbers) else count(number_of)
-    return f"{word} {one if number_of == 1 else many or one + 's'}"
+    return f"{word} {one if number_of == 1 else one + 's'}"
 
 
 def declared(model: str) -> dict[str, Parameter]:

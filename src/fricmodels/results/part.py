@@ -14,11 +14,12 @@ from fricmodels.errors import InputError
 from fricmodels.stored import read_results
 
 
-def _finite(value: Any) -> Any:
+def finite(value: Any) -> Any:
+    """Return a value; ``None`` for a number that JSON does not have."""
     return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
-Number = Annotated[float | None, BeforeValidator(_finite)]
+Number = Annotated[float | None, BeforeValidator(finite)]
 """A number; ``None`` where it is none that JSON has."""
 Numbers = dict[str, Number]
 

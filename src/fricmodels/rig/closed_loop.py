@@ -65,12 +65,10 @@ class InLoop:
 
 @dataclass(frozen=True)
 class Driven:
-    """A run under a controller, at its samples: true position and velocity, what was measured, and the torque asked."""
+    """A run under a controller, at its samples: true position and velocity, and the torque asked."""
 
     position: Array
     velocity: Array
-    measured_position: Array
-    measured_velocity: Array
     torque: Array
 
 
@@ -99,7 +97,6 @@ def closed_loop(
     substeps = rig.model_copy(update={"rate": 1 / control.interval})._steps(rig._physics())
     count = len(feedforward)
     torque, velocity, position = feedforward.astype(float), np.zeros(count), np.zeros(count)
-    seen = np.zeros((count, 2))
     follow(
         rig._physics(),
         torque,
@@ -123,9 +120,8 @@ def closed_loop(
         np.zeros(count * substeps),
         position,
         velocity,
-        seen,
     )
-    return Driven(position, velocity, seen[:, 0], seen[:, 1], torque)
+    return Driven(position, velocity, torque)
 
 
 @compiled
@@ -158,12 +154,10 @@ def follow(
     fine_velocity: Any,
     position: Any,
     velocity: Any,
-    seen: Any,
 ) -> None:
     """Run the loop; see :func:`closed_loop`. ``torque`` holds the feed-forward, and then all that was asked for.
 
-    ``late`` is the delay in sub-steps. The last four are filled: every sub-step's velocity, the true motion, and the
-    measured one.
+    ``late`` is the delay in sub-steps. The last three are filled: every sub-step's velocity, and the true motion.
     """
     n = torque.shape[0]
     step = interval / substeps
@@ -186,7 +180,6 @@ def follow(
             smooth += smoothing * ((now - before) / interval - smooth)
             rate += smoothing * ((error - error_before) / interval - rate)
         before, error_before = now, error
-        seen[k, 0], seen[k, 1] = now, smooth
         asked = torque[k] + proportional * error + derivative * rate
         if active:
             if velocity_place >= 0:

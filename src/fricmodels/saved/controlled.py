@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib.metadata
 from collections.abc import Mapping
 
 import numpy as np
@@ -12,7 +11,8 @@ from fricmodels.errors import InputError
 from fricmodels.loop import PREFIX, Loop
 from fricmodels.motion import Controller, MotionFit, PluginController, Simulator, check_controller, stored_controller
 from fricmodels.recording import Recording
-from fricmodels.saved.document import StoredController, StoredParameter, finite
+from fricmodels.results.part import finite
+from fricmodels.saved.document import StoredController, StoredParameter
 from fricmodels.saved.fitted import FittedModel
 
 
@@ -96,7 +96,4 @@ def _brought_by(controller: Controller | PluginController) -> tuple[str, str | N
     if isinstance(controller, Controller):
         return "fricmodels", None
     distribution = plugins.load().controllers.entry(controller.kind).distribution
-    try:
-        return distribution, importlib.metadata.version(distribution)
-    except importlib.metadata.PackageNotFoundError:
-        return distribution, None
+    return distribution, plugins.version_of(distribution)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import math
 from typing import Annotated, Any, Literal, Self
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
@@ -169,8 +168,3 @@ class ModelDocument(_Part):
         """Return the file's text; equal documents have equal texts."""
         plain: dict[str, Any] = self.model_dump(mode="json", by_alias=True)
         return json.dumps(plain, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
-
-
-def finite(value: float | None) -> float | None:
-    """Return a number, or ``None`` where it is none: JSON has no NaN."""
-    return float(value) if value is not None and math.isfinite(value) else None

@@ -16,6 +16,7 @@ from fricmodels.errors import InputError
 from fricmodels.fit import Fit
 from fricmodels.parameter import Parameter
 from fricmodels.recording import CHANNELS, RATE, Recording
+from fricmodels.results.part import finite
 from fricmodels.saved.document import (
     ModelDocument,
     StoredCovariance,
@@ -24,7 +25,6 @@ from fricmodels.saved.document import (
     StoredProvenance,
     StoredRange,
     StoredTerm,
-    finite,
 )
 from fricmodels.saved.fitted import FittedModel
 

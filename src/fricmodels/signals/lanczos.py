@@ -49,19 +49,17 @@ def lanczos_derivative(
     return smooth, slope
 
 
-def lanczos_value(
-    time: Array, values: Array, half_width: int, runs: Runs | None = None, *, order: int = 0, degree: int = DEGREE
-) -> Array:
+def lanczos_value(time: Array, values: Array, half_width: int, runs: Runs | None = None, *, order: int = 0) -> Array:
     """Return the smoothed signal, or its derivative by time where the order is 1: half of :func:`lanczos_derivative`.
 
     Args:
-        time, values, half_width, runs, degree: as there.
+        time, values, half_width, runs: as there.
         order: 0 or 1.
     """
     values = np.asarray(values, dtype=float)
     found = np.empty_like(values)
     for part in stretches(time, runs):
-        found[part] = _fitted(time[part], values[part], half_width, degree, (order,))[0]
+        found[part] = _fitted(time[part], values[part], half_width, DEGREE, (order,))[0]
     return found
 
 

@@ -17,6 +17,8 @@ from fricmodels.signals.segments import Runs, is_even, stretches
 _EXCERPT = 2048
 _ENOUGH = 16 * _EXCERPT
 """Samples from which a width is chosen: more would hardly change it."""
+_WIDEST = 256
+"""Half width of the widest filter that is tried."""
 _SHORTEST = 8
 """Samples of a stretch that says anything of noise."""
 
@@ -153,15 +155,7 @@ def noise(time: Array, values: Array, runs: Runs | None = None) -> float:
     return noise_of(time, values, runs).deviation
 
 
-def best_half_width(
-    time: Array,
-    values: Array,
-    runs: Runs | None = None,
-    *,
-    degree: int = DEGREE,
-    largest: int = 256,
-    noise: Noise | None = None,
-) -> int:
+def best_half_width(time: Array, values: Array, runs: Runs | None = None, *, noise: Noise | None = None) -> int:
     r"""Return the half width whose derivative has the least mean squared error, as estimated from the data.
 
     Against a short differentiator :math:`D_0`, which has hardly any bias, the error of :math:`D_h` is, but for a
@@ -178,17 +172,15 @@ def best_half_width(
         time: sample times [s], shape (N,).
         values: the signal, shape (N,).
         runs: run of each sample.
-        degree: of the local polynomial.
-        largest: half width.
         noise: of the signal; estimated if not given.
     """
-    shortest = max(1, (degree + 1) // 2)
+    shortest = max(1, (DEGREE + 1) // 2)
     parts = _excerpts([part for part in stretches(time, runs) if part.stop - part.start >= _SHORTEST])
     if not parts:
         return shortest
     noise = noise or noise_of(time, values, runs)
-    risk = _Risk(time, values, parts, noise, degree)
-    limit = min(largest, max(part.stop - part.start for part in parts) // 8)
+    risk = _Risk(time, values, parts, noise)
+    limit = min(_WIDEST, max(part.stop - part.start for part in parts) // 8)
     best = _of_least_risk(risk, shortest, limit)
     if noise.course is None:
         return best
@@ -201,7 +193,7 @@ def _of_least_risk(risk: _Risk, shortest: int, limit: int) -> int:
     return _least(risk, first // 3, shortest, limit) if first // 3 > shortest else first
 
 
-def best_smoothing(time: Array, values: Array, noise: Noise, runs: Runs | None = None, *, largest: int = 256) -> int:
+def best_smoothing(time: Array, values: Array, noise: Noise, runs: Runs | None = None) -> int:
     r"""Return the half width whose smoothed value has the least mean squared error.
 
     By :math:`\overline{(S_h y - y)^2} + 2\,s_h^T r` but for a constant, with the weights s and the autocovariance r of
@@ -209,7 +201,7 @@ def best_smoothing(time: Array, values: Array, noise: Noise, runs: Runs | None =
     the slope rounds off reversals and gains nothing.
     """
     parts = _excerpts([part for part in stretches(time, runs) if part.stop - part.start >= _SHORTEST])
-    limit = min(largest, max((part.stop - part.start for part in parts), default=0) // 8)
+    limit = min(_WIDEST, max((part.stop - part.start for part in parts), default=0) // 8)
     best, least, half_width = 1, np.inf, 1
     while half_width <= limit:
         left = [values[p] - fit_stretch(time[p], values[p], half_width, DEGREE)[0] for p in parts]
@@ -238,13 +230,13 @@ def _least(risk: _Risk, reference: int, shortest: int, limit: int) -> int:
 class _Risk:
     """The estimated squared error of the derivative, but for a constant, summed over samples."""
 
-    def __init__(self, time: Array, values: Array, parts: list[slice], noise: Noise, degree: int) -> None:
+    def __init__(self, time: Array, values: Array, parts: list[slice], noise: Noise) -> None:
         self._parts = [(time[part], values[part]) for part in parts]
         self._even = [is_even(part_time) for part_time, _ in self._parts]
         # Always the same noise: it weighs a filter on samples of any spacing.
         like = np.empty(0) if all(self._even) else noise.like(len(values), np.random.default_rng(0))
         self._like = [np.empty(0) if even else like[part] for even, part in zip(self._even, parts, strict=True)]
-        self._noise, self._degree = noise, degree
+        self._noise = noise
         self._slopes: dict[tuple[int, int], tuple[Array, Array | None]] = {}
 
     def beside(self, noise: Noise) -> _Risk:
@@ -255,7 +247,7 @@ class _Risk:
 
     def __call__(self, half_width: int, reference: int) -> float:
         total = 0.0
-        weights, short_weights = (even_weights(h, self._degree)[1] for h in (half_width, reference))
+        weights, short_weights = (even_weights(h)[1] for h in (half_width, reference))
         shared = self._noise.product(weights, short_weights)
         for i, (time, _) in enumerate(self._parts):
             slope, noise = self._slope(i, half_width)
@@ -271,8 +263,8 @@ class _Risk:
     def _slope(self, i: int, half_width: int) -> tuple[Array, Array | None]:
         if (i, half_width) not in self._slopes:
             time, values = self._parts[i]
-            slope = fit_stretch(time, values, half_width, self._degree)[1]
-            noise = None if self._even[i] else fit_stretch(time, self._like[i], half_width, self._degree)[1]
+            slope = fit_stretch(time, values, half_width, DEGREE)[1]
+            noise = None if self._even[i] else fit_stretch(time, self._like[i], half_width, DEGREE)[1]
             self._slopes[i, half_width] = (slope, noise)
         return self._slopes[i, half_width]
 

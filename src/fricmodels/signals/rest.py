@@ -145,7 +145,7 @@ def _found(recording: Recording) -> _Motion:
     noise = noise_of(recording.time, values, recording.run)
     if by_position:
         return _seen(recording, with_false_stamps(recording, noise))
-    noise = _not_less(noise, _where_quiet(recording))
+    noise = _not_less(noise, coloured_noise(_parts(recording), quiet=True))
     if "position" in recording and "position" not in recording.derived:
         if noise.lasting:
             noise = noise.lasting_as(_square_beside_position(recording))
@@ -193,11 +193,6 @@ def _not_less(noise: Noise, beside: Noise | None) -> Noise:
     hides its noise.
     """
     return beside if beside is not None and beside.deviation > _CLEARLY * noise.deviation else noise
-
-
-def _where_quiet(recording: Recording) -> Noise:
-    """Return the noise of the velocity where least happens."""
-    return coloured_noise(_parts(recording), quiet=True)
 
 
 def _parts(recording: Recording) -> list[tuple[Array, Array]]:
@@ -385,12 +380,9 @@ def _passage(recording: Recording, velocity: Array, band: float) -> float:
     if not moving.any():
         return 0.0
     low = moving & (speed <= max(np.quantile(speed[moving], 0.25), 2.0 * band))
-    acceleration = np.sort(np.abs(_slope(recording, velocity))[low])
+    slope = lanczos_value(recording.time, velocity, 5, recording.run, order=1)
+    acceleration = np.sort(np.abs(slope)[low])
     passed = np.cumsum(acceleration)
     slow = float(acceleration[np.searchsorted(passed, _SLOW * passed[-1])])
     shortest = 3.0 * recording.interval
     return max(2.0 * band / slow, shortest) if slow > 0.0 else shortest
-
-
-def _slope(recording: Recording, velocity: Array) -> Array:
-    return lanczos_value(recording.time, velocity, 5, recording.run, order=1)

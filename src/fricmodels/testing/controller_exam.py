@@ -38,7 +38,7 @@ class ControllerExam(Declared):
     count for ``fricmodels check`` as well.
     """
 
-    _of, _may_say = "controller", ("inertia", "channels")
+    of, _may_say = "controller", ("inertia", "channels")
     kind: ClassVar[str] = "controller"
     controller: ClassVar[type[Loop]]
     inertia: ClassVar[float] = 0.01

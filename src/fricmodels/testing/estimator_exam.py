@@ -52,7 +52,7 @@ class EstimatorExam(Declared):
         noise_percent, seeds: of the recordings on which coverage is counted.
     """
 
-    _of = "estimator"
+    of = "estimator"
     _may_say = (
         "settings",
         "model",

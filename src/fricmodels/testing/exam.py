@@ -47,7 +47,7 @@ class TermExam(Declared):
             model is left out.
     """
 
-    _of, _may_say = "term", ("truth", "tolerance", "estimators")
+    of, _may_say = "term", ("truth", "tolerance", "estimators")
     kind: ClassVar[str]
     term: ClassVar[type[Term]]
     truth: ClassVar[Mapping[str, float] | None] = None

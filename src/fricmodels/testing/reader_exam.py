@@ -34,7 +34,7 @@ class ReaderExam(Declared):
         reader: the class that sits the exam.
     """
 
-    _of, _may_say = "reader", ("write",)
+    of, _may_say = "reader", ("write",)
     kind: ClassVar[str] = "reader"
     reader: ClassVar[type[Reader]]
 

@@ -28,13 +28,6 @@ EXAMS: dict[str, type[Any]] = {
 }
 """Kind of plugin → its exam."""
 
-_SUBJECT = {
-    "law": "term",
-    "effect": "term",
-    "estimator": "estimator",
-    "reader": "reader",
-    "controller": "controller",
-}
 _THOROUGH_SEEDS = 100
 
 
@@ -68,7 +61,7 @@ def checks(exam: type[Any]) -> list[str]:
 
 def exam_of(kind: str, cls: type[Any], *, thorough: bool = False) -> type[Any]:
     """Return the exam of one class: every estimator and many seeds where it is thorough."""
-    attributes: dict[str, Any] = {_SUBJECT[kind]: cls}
+    attributes: dict[str, Any] = {EXAMS[kind].of: cls}
     if thorough and kind in ("law", "effect"):
         attributes["estimators"] = tuple(plugins.load().estimators)
     if thorough and kind == "estimator":

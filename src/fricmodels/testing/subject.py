@@ -89,13 +89,10 @@ class Subject:
         states = rng.uniform(0.1, 1, len(self.term.states)) * 10 ** rng.uniform(-5, 0)
         return np.array([*signals, *chosen, *states, width])
 
-    def written(self, column: Array, places: Sequence[int] | None = None) -> str:
+    def written(self, column: Array) -> str:
         """Write the velocity and the parameters of a column in words."""
-        listed = [f"ω = {column[VELOCITY_PLACE]:.3g}"]
-        for i, p in enumerate(self.term.parameters):
-            if places is None or i in places:
-                listed.append(f"{p.symbol} = {column[self.place(i)]:.3g}")
-        return ", ".join(listed)
+        parameters = [f"{p.symbol} = {column[self.place(i)]:.3g}" for i, p in enumerate(self.term.parameters)]
+        return ", ".join([f"ω = {column[VELOCITY_PLACE]:.3g}", *parameters])
 
 
 @lru_cache(maxsize=64)

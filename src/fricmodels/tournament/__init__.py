@@ -16,13 +16,10 @@ if TYPE_CHECKING:
     from fricmodels.tournament.running import Interrupted, run
 
 _HOMES = {
-    "Config": "fricmodels.tournament.config",
-    "Interrupted": "fricmodels.tournament.running",
-    "Leaderboard": "fricmodels.tournament.leaderboard",
-    "Plan": "fricmodels.tournament.planning",
-    "load_config": "fricmodels.tournament.config",
-    "plan": "fricmodels.tournament.planning",
-    "run": "fricmodels.tournament.running",
+    "fricmodels.tournament.config": ("Config", "load_config"),
+    "fricmodels.tournament.leaderboard": ("Leaderboard",),
+    "fricmodels.tournament.planning": ("Plan", "plan"),
+    "fricmodels.tournament.running": ("Interrupted", "run"),
 }
 
 __all__ = [

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-import importlib.metadata
 import sys
 from functools import lru_cache
 from pathlib import Path
@@ -54,7 +53,7 @@ def digest(distribution: str) -> str:
     """Return a hash of the version of a distribution and of the source of the packages that it registers classes of."""
     entries = [registry.entry(name) for registry in plugins.load().registries.values() for name in registry]
     packages = {e.cls.__module__.partition(".")[0] for e in entries if e.distribution == distribution}
-    content = hashlib.sha256(f"{distribution} {_version(distribution)}".encode())
+    content = hashlib.sha256(f"{distribution} {plugins.version_of(distribution) or ''}".encode())
     for package in sorted(packages):
         for name, file in _sources(package):
             content.update(name.encode() + file.read_bytes())
@@ -70,10 +69,3 @@ def _sources(package: str) -> list[tuple[str, Path]]:
     listed = [(file.relative_to(folder), file) for folder in folders for file in sorted(folder.rglob("*.py"))]
     left_out = _ONLY_SHOW if package == _OWN else set()
     return [(f"{package}/{path.as_posix()}", file) for path, file in listed if path.parts[0] not in left_out]
-
-
-def _version(distribution: str) -> str:
-    try:
-        return importlib.metadata.version(distribution)
-    except importlib.metadata.PackageNotFoundError:
-        return ""

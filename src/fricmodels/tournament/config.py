@@ -211,13 +211,9 @@ class Config(Closed):
     jobs: int | None = Field(default=None, ge=1, description="processes; left out, one a core")
 
     @model_validator(mode="after")
-    def _can_be_tracked(self) -> Config:
+    def _of_the_score(self) -> Config:
         if self.score == "tracking" and any(dataset.rig is None for dataset in self.datasets):
             raise ValueError("'score: tracking' drives simulated drives; give every dataset a 'rig'")
-        return self
-
-    @model_validator(mode="after")
-    def _of_the_score(self) -> Config:
         for key in ("horizon", "controller"):
             if getattr(self, key) is not None and self.score != "position":
                 raise ValueError(f"'{key}' goes with score: position")

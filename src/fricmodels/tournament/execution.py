@@ -95,7 +95,7 @@ class _Queue:
 
 def _local(jobs: Jobs, processes: int, timeout: float) -> Results:
     """One pool of one process for each worker, so that it is known which worker has compiled what."""
-    from pebble import ProcessPool
+    from pebble import ProcessExpired, ProcessPool
 
     context = multiprocessing.get_context("spawn")
     queue = _Queue(jobs)
@@ -125,7 +125,7 @@ def _local(jobs: Jobs, processes: int, timeout: float) -> Results:
             for future in done:
                 worker, job = running.pop(future)
                 given[worker] -= 1
-                if _died(future) and job.key not in again:
+                if isinstance(future.exception(), ProcessExpired) and job.key not in again:
                     again.add(job.key)  # whatever killed it may have come from outside
                     queue.give_back(job)
                     start(worker)
@@ -154,12 +154,6 @@ def _ready(parent: int) -> None:
     for module in ("casadi", "numba", "scipy.optimize"):
         importlib.import_module(module)
     plugins.load()
-
-
-def _died(future: Future[Any]) -> bool:
-    from pebble import ProcessExpired
-
-    return isinstance(future.exception(), ProcessExpired)
 
 
 def _outcome(job: Job, result: Callable[[], Row], timeout: float) -> Row:

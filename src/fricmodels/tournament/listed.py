@@ -9,14 +9,12 @@ from dataclasses import dataclass
 from typing import Any, overload
 
 import numpy as np
-import numpy.typing as npt
 
+from fricmodels.arrays import Index
 from fricmodels.tournament.code import code_of
 from fricmodels.tournament.config import Config
 from fricmodels.tournament.jobs import Group, Job
 from fricmodels.tournament.sources import Source, Sources
-
-Places = npt.NDArray[np.int64]
 
 
 @dataclass(frozen=True)
@@ -43,18 +41,16 @@ class Jobs(Sequence[Job]):
     """
 
     def __init__(
-        self, config: Config, sources: Sources, digests: Mapping[int, str], places: Places | None = None
+        self, config: Config, sources: Sources, digests: Mapping[int, str], places: Index | None = None
     ) -> None:
         self.sources = sources
         self._config, self._digests = config, digests
         self._measure = "torque" if config.score == "held-out" else config.score
         self._controller = "" if config.controller is None else config.controller.model_dump_json()
-        self._kinds = [self._kind(model, number) for model in config.model_names for number in range(self._entrants)]
+        self._kinds = [
+            self._kind(model, number) for model in config.model_names for number in range(len(config.entrants))
+        ]
         self._places = places
-
-    @property
-    def _entrants(self) -> int:
-        return len(self._config.entrants)
 
     def _kind(self, model: str, number: int) -> _Kind:
         config, entrant = self._config, self._config.entrants[number]
@@ -98,7 +94,7 @@ class Jobs(Sequence[Job]):
         dataset, tags = self.sources.named(place)
         return {"estimator": kind.title, "dataset": dataset, "tags": tags}
 
-    def only(self, places: Places) -> Jobs:
+    def only(self, places: Index) -> Jobs:
         """Return those with these numbers."""
         kept = places if self._places is None else self._places[places]
         return Jobs(self._config, self.sources, self._digests, kept)

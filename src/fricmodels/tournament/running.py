@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 
+from fricmodels.arrays import Mask
 from fricmodels.errors import FricmodelsError, InputError
 from fricmodels.tournament.config import Config, load_config
 from fricmodels.tournament.execution import EXECUTORS, results
@@ -22,7 +23,7 @@ from fricmodels.tournament.store import Store
 
 Report = Callable[[int, int, Job, Row], None]
 Keys = npt.NDArray[np.uint8]
-Flags = npt.NDArray[np.bool_]
+
 _AT_ONCE = 500
 """Rows that are held while the leaderboard is made."""
 
@@ -103,7 +104,7 @@ def run(
     return board
 
 
-def _looked_up(store: Store, jobs: Jobs, retry: bool) -> tuple[Keys, Flags]:
+def _looked_up(store: Store, jobs: Jobs, retry: bool) -> tuple[Keys, Mask]:
     """Return the key of every job, and whether it has to be done."""
     keys, wanted = np.zeros((len(jobs), 32), np.uint8), np.ones(len(jobs), np.bool_)
     for numbers in _batches(len(jobs)):

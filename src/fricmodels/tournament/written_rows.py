@@ -7,7 +7,7 @@ import os
 import threading
 import weakref
 from array import array
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, overload
 
@@ -49,9 +49,6 @@ class WrittenRows(Sequence[Row]):
             content = os.read(self._file, count)
         row: Row = json.loads(content)
         return row
-
-    def __iter__(self) -> Iterator[Row]:
-        return (self[number] for number in range(len(self)))
 
     def __eq__(self, other: Any) -> bool:
         if not isinstance(other, Sequence):

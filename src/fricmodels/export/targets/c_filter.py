@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-
 import numpy as np
 
 from fricmodels.dimension import DIMENSIONLESS, VELOCITY
 from fricmodels.errors import InputError
-from fricmodels.export.targets.c_text import ascii_text, c_names, comment
+from fricmodels.export.targets.c_text import ascii_text, c_names, comment, step, table
 from fricmodels.filtering.covariance import pack
 from fricmodels.filtering.online import ProblemOnline, resting_speed
 from fricmodels.filtering.problem import FilterProblem
 from fricmodels.filtering.windowed import Windowed, WindowedRegression
-from fricmodels.kernels.c_source import c_lines, literal
+from fricmodels.kernels.c_source import literal
 from fricmodels.recording import Recording
 from fricmodels.saved import FittedModel
 from fricmodels.term import SIGNALS
@@ -84,10 +82,10 @@ class _Writer:
         scales = [problem.scales.of(SIGNALS.get(s, DIMENSIONLESS)) for s in self.inputs]
         return "\n".join(
             [
-                _table(f"{n}_online_constants", problem.constants),
-                _table(f"{n}_online_first", problem.initial_memory()),
-                _table(f"{n}_online_scales", scales or [1.0]),
-                _table(f"{n}_online_units", problem.drive.parameter_scales(problem.scales)),
+                table(f"{n}_online_constants", problem.constants),
+                table(f"{n}_online_first", problem.initial_memory()),
+                table(f"{n}_online_scales", scales or [1.0]),
+                table(f"{n}_online_units", problem.drive.parameter_scales(problem.scales)),
             ]
         )
 
@@ -147,23 +145,8 @@ class _Writer:
         )
 
     def _step(self) -> str:
-        import casadi
-
-        given = self.problem.scan.function.sx_in()
-        following = casadi.Function("step", given, [self.problem.scan.function(*given)[0]], {"cse": True})
-        body = c_lines(
-            following,
-            [lambda i: f"memory[{i}]", lambda i: f"row[{i}]", lambda i: f"constants[{i}]"],
-            [lambda i: f"next[{i}]"],
-        )
-        return "\n".join(
-            [
-                f"static inline void {self.name}_online_step(const double *memory, const double *row, "
-                "const double *constants, double *next) {",
-                *(f"    {line}" for line in body),
-                "}",
-            ]
-        )
+        places = [lambda i: f"memory[{i}]", lambda i: f"row[{i}]", lambda i: f"constants[{i}]"]
+        return step(self.name, self.problem.scan.function, ["memory", "row", "constants"], places)
 
     def _update(self) -> str:
         problem, n = self.problem, self.name
@@ -219,8 +202,3 @@ class _Writer:
 static inline double {n}_online_parameter(const {n}_online *filter, int i) {{
     return filter->memory[{self.problem.moving} + i] * {n}_online_units[i];
 }}"""
-
-
-def _table(name: str, values: Iterable[float]) -> str:
-    listed = [literal(float(value)) for value in values]
-    return f"static const double {name}[{len(listed)}] = {{{', '.join(listed)}}};"

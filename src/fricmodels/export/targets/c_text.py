@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import re
 import textwrap
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Sequence
+from typing import Any
+
+from fricmodels.kernels.c_source import c_lines, literal
 
 KEYWORDS = frozenset(
     re.findall(
@@ -46,3 +49,30 @@ def ascii_text(text: str) -> str:
     """Return a text in printable ASCII that can stand in a comment of C."""
     plain = "".join(_ASCII.get(c, c if c.isascii() and c.isprintable() else "?") for c in text)
     return plain.replace("*/", "* /").replace("/*", "/ *").replace("??", "? ?").replace("\\", "/")
+
+
+def table(name: str, values: Iterable[float]) -> str:
+    """Return the declaration of a table of numbers."""
+    listed = [literal(float(value)) for value in values]
+    return f"static const double {name}[{len(listed)}] = {{{', '.join(listed)}}};"
+
+
+def step(name: str, function: Any, taken: Sequence[str], places: Sequence[Callable[[int], str]]) -> str:
+    """Return the function that writes the memory after a sample to ``next``.
+
+    Args:
+        name: what its name begins with. function: of CasADi, whose first result is that memory.
+        taken: the pointers that it takes. places: where each argument of the function stands, by its place.
+    """
+    import casadi
+
+    given = function.sx_in()
+    following = casadi.Function("step", given, [function(*given)[0]], {"cse": True})
+    pointers = ", ".join(f"const double *{each}" for each in taken)
+    return "\n".join(
+        [
+            f"static inline void {name}_online_step({pointers}, double *next) {{",
+            *(f"    {line}" for line in c_lines(following, places, [lambda i: f"next[{i}]"])),
+            "}",
+        ]
+    )

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-
 from fricmodels.errors import InputError
-from fricmodels.export.targets.c_text import ascii_text, c_names, comment
+from fricmodels.export.targets.c_text import ascii_text, c_names, comment, step, table
 from fricmodels.filtering.windowed import WindowedRegression
 from fricmodels.kernels.c_source import c_lines, literal
 
@@ -70,11 +68,11 @@ class _Writer:
         fixed = [problem.fixed.get(key, 0.0) for key in problem.drive.keys]
         return "\n".join(
             [
-                _table(f"{n}_online_first", problem.memory),
-                _table(f"{n}_online_value", problem.value),
-                _table(f"{n}_online_slope", problem.slope),
-                _table(f"{n}_online_sizes", problem.size),
-                _table(f"{n}_online_fixed", fixed),
+                table(f"{n}_online_first", problem.memory),
+                table(f"{n}_online_value", problem.value),
+                table(f"{n}_online_slope", problem.slope),
+                table(f"{n}_online_sizes", problem.size),
+                table(f"{n}_online_fixed", fixed),
                 f"static const int {n}_online_places[{len(places)}] = {{{', '.join(str(int(p)) for p in places)}}};",
             ]
         )
@@ -149,27 +147,12 @@ static inline void {n}_online_begin({n}_online *filter) {{
         )
 
     def _step(self) -> str:
-        import casadi
-
-        given = self.problem.step.sx_in()
-        following = casadi.Function("step", given, [self.problem.step(*given)[0]], {"cse": True})
-        n = self.order
-        body = c_lines(
-            following,
-            [
-                lambda i: f"memory[{i}]",
-                lambda i: "1.0" if i == n + 1 else f"row[{i}]",
-                lambda i: literal(self.problem.forgetting),
-            ],
-            [lambda i: f"next[{i}]"],
-        )
-        return "\n".join(
-            [
-                f"static inline void {self.name}_online_step(const double *memory, const double *row, double *next) {{",
-                *(f"    {line}" for line in body),
-                "}",
-            ]
-        )
+        places = [
+            lambda i: f"memory[{i}]",
+            lambda i: "1.0" if i == self.order + 1 else f"row[{i}]",
+            lambda i: literal(self.problem.forgetting),
+        ]
+        return step(self.name, self.problem.step, ["memory", "row"], places)
 
     def _update(self) -> list[str]:
         problem, n = self.problem, self.name
@@ -268,8 +251,3 @@ static inline double {n}_online_parameter(const {n}_online *filter, int i) {{
     return place < 0 ? {n}_online_fixed[i] : filter->memory[place] * {n}_online_sizes[place];
 }}"""
         return [take, update, read]
-
-
-def _table(name: str, values: Iterable[float]) -> str:
-    listed = [literal(float(value)) for value in values]
-    return f"static const double {name}[{len(listed)}] = {{{', '.join(listed)}}};"

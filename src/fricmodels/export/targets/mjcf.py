@@ -79,7 +79,7 @@ def into_xml(text: str, found: Nearest, notes: list[str], joint: str, armature: 
         InputError: where the text is no MJCF, or has no such joint.
     """
     root = parsed(text, "mujoco")
-    chosen = named_joint(root, joint, ["joint"])
+    chosen = named_joint(root, joint)
     for key, value in joint_attributes(found, armature=armature).items():
         chosen.set(key, value)
     motors = actuators(found, joint)
@@ -114,13 +114,13 @@ def parsed(text: str, kind: str) -> ET.Element:
     return root
 
 
-def named_joint(root: ET.Element, joint: str, tags: list[str]) -> ET.Element:
+def named_joint(root: ET.Element, joint: str) -> ET.Element:
     """Return the joint of a name.
 
     Raises:
         InputError: naming the nearest one there is.
     """
-    joints = [e for tag in tags for e in root.iter(tag) if e.get("name")]
+    joints = [e for e in root.iter("joint") if e.get("name")]
     for element in joints:
         if element.get("name") == joint:
             return element

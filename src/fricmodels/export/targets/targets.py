@@ -113,7 +113,7 @@ def _filter(
 
 def _into_urdf(text: str, found: Nearest, notes: list[str], joint: str) -> str:
     root = mjcf.parsed(text, "robot")
-    chosen = mjcf.named_joint(root, joint, ["joint"])
+    chosen = mjcf.named_joint(root, joint)
     dynamics = chosen.find("dynamics")
     if dynamics is None:
         dynamics = ET.SubElement(chosen, "dynamics")

@@ -15,7 +15,18 @@ from fricmodels.report.figures.grid import even_edges
 from fricmodels.report.figures.hysteresis import reversals
 from fricmodels.report.figures.residuals import Pieces, resemblance
 from fricmodels.report.figures.samples import Samples
-from fricmodels.report.figures.style import LIGHT, Figure, graph_objects, label, logarithmic, styled, unit_of, words
+from fricmodels.report.figures.style import (
+    LIGHT,
+    Figure,
+    graph_objects,
+    label,
+    logarithmic,
+    stroke,
+    styled,
+    unit_of,
+    words,
+)
+from fricmodels.results.words import NORMAL_95
 
 if TYPE_CHECKING:
     from fricmodels.diagnosis.comparison import Comparison
@@ -24,7 +35,6 @@ SINCE_REVERSAL = "distance since reversal"
 """The channel of effects with a memory: how far the drive went since it last turned."""
 TORQUE_RATE = "torque_rate"
 """The channel of effects of the rate of the motor torque, which every recording has."""
-NORMAL_95 = 1.959964
 _BINS = 40
 _LEAST = 8
 """Samples from which a mean is shown."""
@@ -192,18 +202,12 @@ def error_against(
     samples, over = Samples.of(before), error_over(before, channel, after, period, along=along)
     torque = words("torque error", samples.motion)
     what = f"{torque}, opposing motion" if over.opposes else torque
-    go, unit = graph_objects(), samples.torque_unit
-    figure = go.Figure()
+    figure, unit = graph_objects().Figure(), samples.torque_unit
     name = "mean error" if over.left is None else "mean error without it"
     figure.add_trace(_points(over.before, name, unit, "measured", "circle"))
     if over.left is not None:
-        figure.add_trace(
-            go.Scatter(
-                x=over.before.at, y=over.before.other, name="what the effect adds to the model", mode="lines",
-                line={"color": LIGHT["vermillion"], "width": 2.4},
-                hovertemplate=f"the effect: %{{y:.3g}} {unit}<extra></extra>",
-            )
-        )  # fmt: skip
+        x, y, shown = over.before.at, over.before.other, f"the effect: %{{y:.3g}} {unit}<extra></extra>"
+        figure.add_trace(stroke(x, y, "what the effect adds to the model", "vermillion", 2.4, hovertemplate=shown))
         figure.add_trace(_points(over.left, "mean error with it", unit, "blue", "square-open"))
         figure.update_layout(meta={"left": over.left.rms})
     figure.update_layout(meta={**(figure.layout.meta or {}), "means": over.before.rms, "opposes": over.opposes})
@@ -291,7 +295,7 @@ def stribeck(before: Comparison, after: Comparison | None = None) -> Figure:
         before: a model and a recording.
         after: a larger model of the same recording, drawn beside it.
     """
-    samples, go = Samples.of(before), graph_objects()
+    samples = Samples.of(before)
     moving = np.flatnonzero(~samples.resting & (samples.velocity != 0))
     speed, side = np.abs(samples.velocity[moving]), np.sign(samples.velocity[moving])
     measured = side * samples.measured_friction[moving]
@@ -301,7 +305,7 @@ def stribeck(before: Comparison, after: Comparison | None = None) -> Figure:
         larger = modelled + side * (samples.smoothed_error - Samples.of(after).smoothed_error)[moving]
     low, high = float(np.quantile(speed, 0.01)), float(speed.max())
     edges = np.geomspace(max(low, 1e-4 * high), high * (1 + 1e-9), _BINS // 2 + 1)
-    figure = go.Figure()
+    figure = graph_objects().Figure()
     piece = samples.recording.run[moving]
     unit, gaps = samples.torque_unit, dict[str, list[Array]](means=[], left=[])
     for direction, name, colour, symbol in ((1, "forward", "blue", "circle"), (-1, "backward", "purple", "square")):
@@ -317,13 +321,8 @@ def stribeck(before: Comparison, after: Comparison | None = None) -> Figure:
             lines.append((f"with it, {name}", other, "solid", 2.2))
             gaps["left"].append(held.mean - other)
         for named, values, dash, width in lines:
-            figure.add_trace(
-                go.Scatter(
-                    x=held.at, y=values, name=named, mode="lines",
-                    line={"color": LIGHT[colour], "dash": dash, "width": width},
-                    hovertemplate=f"{named}: %{{y:.3g}} {unit}<extra></extra>",
-                )
-            )  # fmt: skip
+            shown = f"{named}: %{{y:.3g}} {unit}<extra></extra>"
+            figure.add_trace(stroke(held.at, values, named, colour, width, dash, hovertemplate=shown))
     figure.update_xaxes(title_text=label("speed", samples.unit("velocity")), **logarithmic(edges[[0, -1]].tolist()))
     figure.update_yaxes(title_text=samples.torque_axis("friction torque"))
     apart = {name: np.concatenate(each) for name, each in gaps.items() if each}

@@ -25,8 +25,10 @@ def coverage(comparison: Comparison) -> Figure:
     A model is known where there are samples; elsewhere it is extrapolated.
     """
     samples = Samples.of(comparison)
-    other = "position" if _changes(samples, "position") else "acceleration"
-    x, y = samples.recording[other], samples.velocity
+    recording = samples.recording
+    moves = "position" in recording and float(np.ptp(recording["position"])) > 0
+    other = "position" if moves else "acceleration"
+    x, y = recording[other], samples.velocity
     edges = [even_edges(float(each.min()), float(each.max()), CELLS) for each in (x, y)]
     count = np.histogram2d(x, y, bins=edges)[0].T
     seconds = count * samples.comparison.train.interval
@@ -57,10 +59,6 @@ def coverage(comparison: Comparison) -> Figure:
     figure.update_xaxes(title_text=samples.axis(other))
     figure.update_yaxes(title_text=samples.axis("velocity"))
     return styled(figure, f"Coverage of velocity and {words(other, samples.motion)}", samples.subtitle, height=380)
-
-
-def _changes(samples: Samples, channel: str) -> bool:
-    return channel in samples.recording and float(np.ptp(samples.recording[channel])) > 0
 
 
 def correlation(names: Sequence[str], matrix: Sequence[Sequence[float | None]]) -> Figure:

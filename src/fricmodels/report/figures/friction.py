@@ -11,7 +11,7 @@ from fricmodels.arrays import Array
 from fricmodels.recording import Recording
 from fricmodels.report.figures.grid import even_edges
 from fricmodels.report.figures.samples import Samples
-from fricmodels.report.figures.style import LIGHT, Figure, graph_objects, styled, words
+from fricmodels.report.figures.style import LIGHT, Figure, graph_objects, stroke, styled, words
 
 if TYPE_CHECKING:
     from fricmodels.diagnosis.comparison import Comparison
@@ -55,6 +55,7 @@ def friction_curve(comparison: Comparison) -> Figure:
     """
     go, samples = graph_objects(), Samples.of(comparison)
     curve = _curve(samples)
+    velocity = curve.velocity
     torque = words("friction torque", samples.motion)
     figure = go.Figure()
     cloud = _density(samples, curve, torque)
@@ -68,7 +69,7 @@ def friction_curve(comparison: Comparison) -> Figure:
     low, high = curve.torque - 2 * curve.uncertainty, curve.torque + 2 * curve.uncertainty
     figure.add_trace(
         go.Scatter(
-            x=np.concatenate([curve.velocity, curve.velocity[::-1]]),
+            x=np.concatenate([velocity, velocity[::-1]]),
             y=np.concatenate([high, low[::-1]]).astype(np.float32),
             fill="toself",
             fillcolor=LIGHT["vermillion_band"],
@@ -79,31 +80,14 @@ def friction_curve(comparison: Comparison) -> Figure:
         )
     )
     for i, edge in enumerate(curve.spread or ()):
-        figure.add_trace(
-            go.Scatter(
-                x=curve.velocity,
-                y=edge.astype(np.float32),
-                mode="lines",
-                line={"color": LIGHT["vermillion"], "width": 1.2, "dash": "dot"},
-                name="nine tenths of the model's samples",
-                legendgroup="spread",
-                showlegend=i == 0,
-                hoverinfo="skip",
-            )
-        )
-    drawn = {"x": curve.velocity, "y": curve.torque.astype(np.float32), "mode": "lines"}
-    rim = {"color": LIGHT["surface"], "width": 3.8}
-    figure.add_trace(go.Scatter(**drawn, line=rim, name="", showlegend=False, hoverinfo="skip"))
-    figure.add_trace(
-        go.Scatter(
-            **drawn,
-            line={"color": LIGHT["vermillion"], "width": 2.2},
-            name="modelled" if curve.spread is None else "modelled (mean)",
-            hovertemplate=(
-                f"model: %{{y:.4g}} {samples.torque_unit}<br>at %{{x:.4g}} {samples.unit('velocity')}<extra></extra>"
-            ),
-        )
-    )
+        name, once = "nine tenths of the model's samples", {"legendgroup": "spread", "showlegend": i == 0}
+        y = edge.astype(np.float32)
+        figure.add_trace(stroke(velocity, y, name, "vermillion", 1.2, "dot", hoverinfo="skip", **once))
+    modelled = curve.torque.astype(np.float32)
+    figure.add_trace(stroke(velocity, modelled, "", "surface", 3.8, showlegend=False, hoverinfo="skip"))
+    name = "modelled" if curve.spread is None else "modelled (mean)"
+    shown = f"model: %{{y:.4g}} {samples.torque_unit}<br>at %{{x:.4g}} {samples.unit('velocity')}<extra></extra>"
+    figure.add_trace(stroke(velocity, modelled, name, "vermillion", 2.2, hovertemplate=shown))
     meta: dict[str, float | bool] = {**_largest_gap(samples)}
     held = np.concatenate([cloud.y, curve.torque])
     bottom, top = float(held.min()), float(held.max())

@@ -18,11 +18,13 @@ from fricmodels.report.figures.style import (
     escaped,
     graph_objects,
     label,
+    stroke,
     styled,
     subplots,
     unit_text,
 )
 from fricmodels.results.history import Course, ParameterHistory
+from fricmodels.results.words import NORMAL_95
 
 if TYPE_CHECKING:
     from fricmodels.drive import Drive
@@ -31,7 +33,6 @@ if TYPE_CHECKING:
 
 _POINTS = 6000
 """Points of all lines together."""
-_NORMAL_95 = 1.959964
 _WIDEST = 1.5
 """Half a band that an axis holds, in sizes of the estimates."""
 
@@ -56,7 +57,7 @@ def parameter_history(
     time = _array(data.time)
     restart = np.concatenate([[0], np.cumsum(np.diff(time) <= 0)]).astype(np.int64)
     place = time if restart[-1] == 0 else np.arange(len(time), dtype=float)
-    courses, go = data.courses, graph_objects()
+    courses = data.courses
     figure = subplots()(rows=len(courses), cols=1, shared_xaxes=True, vertical_spacing=0.25 / max(4, len(courses)))
     points = min(POINTS, max(120, _POINTS // (4 * len(courses))))
     drawn = 0
@@ -71,20 +72,10 @@ def parameter_history(
         for i, (name, each, colour, dash, width) in enumerate(lines):
             thin = line(place, each, restart, points)
             drawn = max(drawn, len(thin.x)) if name == "estimate" else drawn
-            figure.add_trace(
-                go.Scatter(
-                    x=thin.x,
-                    y=thin.y,
-                    name=name,
-                    legendgroup=name,
-                    showlegend=row == 1 and i != 2,
-                    mode="lines",
-                    line={"color": LIGHT[colour], "width": width, "dash": dash},
-                    hovertemplate=f"{name}: %{{y:.5g}}<br>at %{{x:.4g}}<extra></extra>",
-                ),
-                row=row,
-                col=1,
-            )
+            shown = f"{name}: %{{y:.5g}}<br>at %{{x:.4g}}<extra></extra>"
+            once = {"legendgroup": name, "showlegend": row == 1 and i != 2}
+            trace = stroke(thin.x, thin.y, name, colour, width, dash, hovertemplate=shown, **once)
+            figure.add_trace(trace, row=row, col=1)
         if course.final is not None:
             figure.add_trace(_end(course, float(place[-1]), first=row == 1), row=row, col=1)
         title = label(escaped(key).replace(".", "<br>"), unit_text(course.unit))
@@ -113,7 +104,7 @@ def _whole(fit: Fit, drive: Drive | None, true: Mapping[str, float] | None) -> P
 
 def _end(course: Course, place: float, *, first: bool) -> Figure:
     """Return the value of the fit, with its 95 % interval where it has one."""
-    half = None if course.standard_error is None else [_NORMAL_95 * course.standard_error]
+    half = None if course.standard_error is None else [NORMAL_95 * course.standard_error]
     name = "fit, 95 % interval"
     return graph_objects().Scatter(
         x=[place],

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from fricmodels.arrays import Array
-from fricmodels.report.figures.downsample import together
-from fricmodels.report.figures.style import Figure, add_lines, label, styled, subplots, unit_of
-from fricmodels.report.figures.time_course import without_outliers
+from fricmodels.report.figures.downsample import Together, together
+from fricmodels.report.figures.style import Figure, add_lines, label, styled, unit_of
+from fricmodels.report.figures.time_course import limit, stacked, without_outliers
 
 if TYPE_CHECKING:
     from fricmodels.motion import Judged, Replays
@@ -57,30 +57,16 @@ def simulated_velocity(replays: Replays) -> Figure:
     unit, measured = unit_of("velocity", recording.motion), recording.velocity
     errors = [each.velocity - measured for each in ([last] if before is None else [last, before])]
     thin = together(time, [measured, *errors], replays.stretch.place)
-    figure = subplots()(rows=2, cols=1, shared_xaxes=True, row_heights=[0.66, 0.34], vertical_spacing=0.06)
-    drawn = [
-        (1, "velocity measured", thin.values[0], "measured", "solid", 1.8),
-        (1, "velocity simulated", thin.values[0] + thin.values[1], "vermillion", "4px,2px", 1.4),
-        (2, "simulated − measured", thin.values[1], "blue", "solid", 1.2),
-    ]
+    figure = stacked()
+    drawn = _curves("velocity", thin)
     if before is not None:
         drawn.insert(1, (1, "simulated, model as given", thin.values[0] + thin.values[2], "faint", "solid", 1.2))
         drawn.insert(3, (2, "error, model as given", thin.values[2], "faint", "solid", 1.0))
     add_lines(figure, thin.x, drawn, unit)
-    beyond = np.zeros(len(time), dtype=bool)
     simulated = [measured + error for error in errors]
-    for row, limits, values in (
-        (1, without_outliers([measured], simulated), simulated),
-        (2, without_outliers([], errors), errors),
-    ):
-        if limits is not None:
-            figure.update_yaxes(range=limits, row=row, col=1)
-            beyond |= np.logical_or.reduce([(each < limits[0]) | (each > limits[1]) for each in values])
-    meta = {"drawn": thin.drawn, "total": len(time), "beyond": int(np.count_nonzero(beyond))}
-    figure.update_layout(meta=meta, hovermode="x unified")
-    figure.update_yaxes(title_text=label("velocity", unit), row=1, col=1)
-    figure.update_yaxes(title_text=label("error", unit), row=2, col=1)
-    figure.update_xaxes(title_text=label(axis, "s"), row=2, col=1)
+    top, low = without_outliers([measured], simulated), without_outliers([], errors)
+    beyond = limit(figure, ((top, simulated), (low, errors)))
+    _lay_out(figure, "velocity", unit, axis, {"drawn": thin.drawn, "total": len(time), "beyond": beyond})
     return styled(figure, "Velocity over time, measured and simulated", last.model, height=330)
 
 
@@ -102,15 +88,23 @@ def simulated_motion(judged: Judged) -> Figure:
     unit = unit_of(channel, recording.motion)
     error = np.nan_to_num(simulated - measured)
     thin = together(time, [measured, error], recording.run)
-    figure = subplots()(rows=2, cols=1, shared_xaxes=True, row_heights=[0.66, 0.34], vertical_spacing=0.06)
-    drawn = [
+    figure = stacked()
+    add_lines(figure, thin.x, _curves(channel, thin), unit)
+    _lay_out(figure, channel, unit, axis, {"drawn": thin.drawn, "total": len(time)})
+    return styled(figure, f"{channel.capitalize()} over time, measured and simulated", judged.rung.name, height=400)
+
+
+def _curves(channel: str, thin: Together) -> list[tuple[int, str, Any, str, str, float]]:
+    """Return the curves of a channel as measured and as simulated, and of the error between them."""
+    return [
         (1, f"{channel} measured", thin.values[0], "measured", "solid", 1.8),
         (1, f"{channel} simulated", thin.values[0] + thin.values[1], "vermillion", "4px,2px", 1.4),
         (2, "simulated − measured", thin.values[1], "blue", "solid", 1.2),
     ]
-    add_lines(figure, thin.x, drawn, unit)
-    figure.update_layout(meta={"drawn": thin.drawn, "total": len(time)}, hovermode="x unified")
+
+
+def _lay_out(figure: Figure, channel: str, unit: str, axis: str, meta: dict[str, int]) -> None:
+    figure.update_layout(meta=meta, hovermode="x unified")
     figure.update_yaxes(title_text=label(channel, unit), row=1, col=1)
     figure.update_yaxes(title_text=label("error", unit), row=2, col=1)
     figure.update_xaxes(title_text=label(axis, "s"), row=2, col=1)
-    return styled(figure, f"{channel.capitalize()} over time, measured and simulated", judged.rung.name, height=400)

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 from fricmodels.dimension import FORCE
-from fricmodels.report.figures.style import LIGHT, Figure, escaped, graph_objects, label, styled, unit_of, words
+from fricmodels.report.figures.style import LIGHT, Figure, escaped, graph_objects, label, stroke, styled, unit_of, words
 
 if TYPE_CHECKING:
     from fricmodels.diagnosis.comparison import Comparison
@@ -33,12 +33,7 @@ def error_shares(comparison: Comparison) -> Figure:
     names = [escaped(row.regime) for row in rows]
     x = [each for row in rows for each in (whole, row.rms_torque_error, None)]
     y = [each for name in names for each in (name, name, None)]
-    figure.add_trace(
-        go.Scatter(
-            x=x, y=y, mode="lines", name="", line={"color": LIGHT["axis"], "width": 2}, hoverinfo="skip",
-            showlegend=False,
-        )
-    )  # fmt: skip
+    figure.add_trace(stroke(x, y, "", "axis", 2, hoverinfo="skip", showlegend=False))
     figure.add_trace(
         go.Scatter(
             x=[row.rms_torque_error for row in rows],
@@ -53,12 +48,10 @@ def error_shares(comparison: Comparison) -> Figure:
             ),
         )
     )
+    ends = [names[0], names[-1]]
     figure.add_trace(
-        go.Scatter(
-            x=[whole, whole], y=[names[0], names[-1]], name="over all that was fitted", mode="lines",
-            line={"color": LIGHT["measured"], "width": 1.5, "dash": "dash"}, hoverinfo="skip",
-        )
-    )  # fmt: skip
+        stroke([whole, whole], ends, "over all that was fitted", "measured", 1.5, "dash", hoverinfo="skip")
+    )
     below = 0
     for group in [*groups.values()][:-1]:
         below += len(group)

@@ -5,15 +5,15 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fricmodels.arrays import Array
+from fricmodels.arrays import Array, Index
 from fricmodels.dimension import Motion
 from fricmodels.report.figures.downsample import extremes
 from fricmodels.report.figures.samples import Samples
-from fricmodels.report.figures.style import LIGHT, Figure, graph_objects, label, logarithmic, styled
+from fricmodels.report.figures.style import LIGHT, Figure, graph_objects, label, logarithmic, stroke, styled
 
 if TYPE_CHECKING:
     from fricmodels.diagnosis.comparison import Comparison
@@ -111,27 +111,10 @@ def spectrum(place: Array, values: Array, finest: float) -> Spectrum:
     return Spectrum(order[inside], amplitude[inside], span)
 
 
-def _add(
-    figure: Figure,
-    order: Array,
-    amplitude: Array,
-    name: str,
-    samples: Samples,
-    colour: str,
-    dash: str,
-    width: float,
-    unit: str,
-) -> None:
-    figure.add_trace(
-        graph_objects().Scatter(
-            x=order.astype(np.float32),
-            y=amplitude.astype(np.float32),
-            name=name,
-            mode="lines",
-            line={"color": LIGHT[colour], "width": width, "dash": dash},
-            hovertemplate=f"{name}: %{{y:.3g}} {samples.torque_unit} at %{{x:.4g}} {unit}<extra></extra>",
-        )
-    )
+def _line(of: Spectrum, index: Index, amplitude: Array, name: str, units: str, style: tuple[str, float, str]) -> Any:
+    """Return a line through some orders of a spectrum."""
+    order, amplitude = of.order[index].astype(np.float32), amplitude[index].astype(np.float32)
+    return stroke(order, amplitude, name, *style, hovertemplate=f"{name}: {units}<extra></extra>")
 
 
 def _name_peaks(figure: Figure, found: Sequence[Spectrum]) -> None:
@@ -187,14 +170,14 @@ def residual_spectrum(comparison: Comparison) -> Figure:
         axis, name = label("frequency", "Hz"), "by frequency"
     finest = 0.25 / (speed * samples.comparison.train.interval)
     found = [spectrum(place, values, finest) for _, values in lines]
-    unit = axis.partition("[")[2].removesuffix("]")
-    styles = (("blue", "solid"), ("vermillion", "4px,2px"))
-    for (what, _), each, (colour, dash) in zip(lines, found, styles, strict=False):
+    units = f"%{{y:.3g}} {samples.torque_unit} at %{{x:.4g}} {axis.partition('[')[2].removesuffix(']')}"
+    styles = (("blue", 1.4, "solid"), ("vermillion", 1.4, "4px,2px"))
+    for (what, _), each, style in zip(lines, found, styles, strict=False):
         index = extremes(np.log(each.order), each.amplitude)
-        _add(figure, each.order[index], each.amplitude[index], what, samples, colour, dash, 1.4, unit)
+        figure.add_trace(_line(each, index, each.amplitude, what, units, style))
     level = np.max([each.level() for each in found], axis=0)
     few = np.unique(np.linspace(0, len(level) - 1, _LEVEL_POINTS).astype(int))
-    _add(figure, found[0].order[few], level[few], "1 % noise threshold", samples, "muted", "dot", 1.2, unit)
+    figure.add_trace(_line(found[0], few, level, "1 % noise threshold", units, ("muted", 1.2, "dot")))
     _name_peaks(figure, found)
     tops = [(each, what, peak) for each, (what, _) in zip(found, lines, strict=True) for peak in each.peaks()[:1]]
     tops.sort(key=lambda top: -float(top[0].amplitude[top[2]]))

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from fricmodels.report.figures.style import LIGHT, Figure, escaped, graph_objects, logarithmic, styled, words
 
 if TYPE_CHECKING:
     from fricmodels.diagnosis.ladder import Ladder, Rung
-    from fricmodels.score import Errors
 
 _LEAST_SHOWN = 1e-4
 """Share of the largest error below which noise is not drawn: it would take the axis with it."""
@@ -22,7 +20,7 @@ def ladder(ladder: Ladder) -> Figure:
     errors = [rung.comparison.errors for rung in rungs]
     names = [_step(rung) for rung in rungs]
     steps = [f"{number} {name}" for number, name in enumerate(names)]
-    figure, least = go.Figure(), _LEAST_SHOWN * max(errors_of(errors))
+    figure, least = go.Figure(), _LEAST_SHOWN * max(each.held_out_percent for each in errors)
     floors = [rung.comparison.noise_floor_percent for rung in rungs]
     noise = [floor if floor > least else None for floor in floors]
     for title, values, colour, symbol in (
@@ -56,11 +54,6 @@ def ladder(ladder: Ladder) -> Figure:
     return styled(
         figure, "The error falls", f"{first.train.name}: {first.drive.model.name}", height=130 + 34 * len(rungs)
     )
-
-
-def errors_of(errors: Sequence[Errors]) -> list[float]:
-    """Return the test errors of some models [%]."""
-    return [each.held_out_percent for each in errors]
 
 
 def _step(rung: Rung) -> str:

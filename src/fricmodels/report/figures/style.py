@@ -130,6 +130,17 @@ def series(index: int) -> tuple[str, str, str]:
     return LIGHT[colour], dash, marker
 
 
+def stroke(x: Any, y: Any, name: str, colour: str, width: float, dash: str | None = None, **more: Any) -> Any:
+    """Return a line to add to a figure.
+
+    Args:
+        x, y: shape (n,). name: in the legend. colour: name of one in :data:`LIGHT`. width, dash: of the line.
+        more: as of Plotly's ``Scatter``.
+    """
+    line = {"color": LIGHT[colour], "width": width} | ({} if dash is None else {"dash": dash})
+    return graph_objects().Scatter(x=x, y=y, name=name, mode="lines", line=line, **more)
+
+
 def add_lines(figure: Figure, x: Any, lines: Iterable[tuple[int, str, Any, str, str, float]], unit: str) -> None:
     """Add lines to a figure of several rows.
 
@@ -139,20 +150,9 @@ def add_lines(figure: Figure, x: Any, lines: Iterable[tuple[int, str, Any, str, 
         lines: row, name, values of shape (n,), name of the colour, dash and width of each.
         unit: of the values.
     """
-    go = graph_objects()
     for row, name, values, colour, dash, width in lines:
-        figure.add_trace(
-            go.Scatter(
-                x=x,
-                y=values,
-                name=name,
-                mode="lines",
-                line={"color": LIGHT[colour], "width": width, "dash": dash},
-                hovertemplate=f"{name} %{{y:.4g}} {unit}<extra></extra>",
-            ),
-            row=row,
-            col=1,
-        )
+        shown = f"{name} %{{y:.4g}} {unit}<extra></extra>"
+        figure.add_trace(stroke(x, values, name, colour, width, dash, hovertemplate=shown), row=row, col=1)
 
 
 def escaped(text: object) -> str:

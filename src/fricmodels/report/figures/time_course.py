@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -10,7 +11,17 @@ from fricmodels.arrays import Array
 from fricmodels.recording import RUN
 from fricmodels.report.figures.downsample import together
 from fricmodels.report.figures.samples import Samples
-from fricmodels.report.figures.style import LIGHT, POINTS, Figure, add_lines, graph_objects, styled, subplots, words
+from fricmodels.report.figures.style import (
+    LIGHT,
+    POINTS,
+    Figure,
+    add_lines,
+    graph_objects,
+    stroke,
+    styled,
+    subplots,
+    words,
+)
 
 if TYPE_CHECKING:
     from fricmodels.diagnosis.comparison import Comparison
@@ -59,9 +70,9 @@ def overlay(
         between: first and last time [s] to show; everything if not given.
         before: a smaller model of the same recording, whose residual is drawn behind, on the same axis.
     """
-    go, samples = graph_objects(), Samples.of(comparison)
+    samples = Samples.of(comparison)
     torque = words("torque", samples.motion)
-    figure = subplots()(rows=2, cols=1, shared_xaxes=True, row_heights=[0.66, 0.34], vertical_spacing=0.06)
+    figure = stacked()
     chosen = slice(None)
     if between is not None:
         chosen = slice(*np.searchsorted(samples.place, between).tolist())
@@ -80,35 +91,36 @@ def overlay(
     add_lines(figure, thin.x, drawn, samples.torque_unit)
     model, rest = measured - error, [error] if before is None else [error, Samples.of(before).error[chosen]]
     top, low = without_outliers([measured], [model]), without_outliers([], rest)
-    beyond = np.zeros(len(place), dtype=bool)
-    for row, limits, values in ((1, top, [measured, model]), (2, low, rest)):
-        if limits is not None:
-            figure.update_yaxes(range=limits, row=row, col=1)
-            beyond |= np.logical_or.reduce([(each < limits[0]) | (each > limits[1]) for each in values])
-    figure.update_layout(meta={"drawn": thin.drawn, "total": len(place), "beyond": int(np.count_nonzero(beyond))})
+    beyond = limit(figure, ((top, [measured, model]), (low, rest)))
+    figure.update_layout(meta={"drawn": thin.drawn, "total": len(place), "beyond": beyond})
     _shade(figure, samples, between)
     _borders(figure, place, samples.recording.signal(RUN)[chosen])
     noise = 2 * comparison.noise_floor_percent / 100 * float(np.sqrt(np.mean(comparison.train.torque**2)))
     for i, level in enumerate((noise, -noise)):
-        figure.add_trace(
-            go.Scatter(
-                x=place[[0, -1]],
-                y=[level, level],
-                name="sensor noise alone (±2σ)",
-                legendgroup="noise",
-                showlegend=i == 0,
-                mode="lines",
-                line={"color": LIGHT["muted"], "width": 1.2, "dash": "dot"},
-                hoverinfo="skip",
-            ),
-            row=2,
-            col=1,
-        )
+        ends, once = place[[0, -1]], {"legendgroup": "noise", "showlegend": i == 0}
+        name = "sensor noise alone (±2σ)"
+        trace = stroke(ends, [level, level], name, "muted", 1.2, "dot", hoverinfo="skip", **once)
+        figure.add_trace(trace, row=2, col=1)
     figure.update_yaxes(title_text=samples.torque_axis("torque"), row=1, col=1)
     figure.update_yaxes(title_text=samples.torque_axis("residual"), row=2, col=1)
     figure.update_xaxes(title_text=samples.time_axis, row=2, col=1)
     figure.update_layout(hovermode="x unified")
     return styled(figure, f"{torque.capitalize()} over time, measured and modelled", samples.subtitle, height=400)
+
+
+def stacked() -> Figure:
+    """Return an empty figure of curves over time, with their errors below."""
+    return subplots()(rows=2, cols=1, shared_xaxes=True, row_heights=[0.66, 0.34], vertical_spacing=0.06)
+
+
+def limit(figure: Figure, rows: Sequence[tuple[list[float] | None, Sequence[Array]]]) -> int:
+    """Set the axes of the rows of a figure that have limits; return how many samples of their curves lie beyond."""
+    beyond = np.zeros(len(rows[0][1][0]), dtype=bool)
+    for row, (limits, curves) in enumerate(rows, start=1):
+        if limits is not None:
+            figure.update_yaxes(range=limits, row=row, col=1)
+            beyond |= np.logical_or.reduce([(each < limits[0]) | (each > limits[1]) for each in curves])
+    return int(np.count_nonzero(beyond))
 
 
 def without_outliers(whole: list[Array], curves: list[Array]) -> list[float] | None:
