@@ -70,6 +70,22 @@ def test_a_fit_to_the_motion_is_kept(data: Path, tmp_path: Path, capsys: pytest.
         assert 0 < kept.standard_errors[key] < 0.2 * value
 
 
+def test_numbers_that_are_held_are_not_fitted_to_the_motion(
+    data: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """What is added to them is: the asymmetry, with all the rest."""
+    held = tmp_path / "held.model.json"
+    assert run(capsys, "fit", str(data), "--model", "coulomb-viscous", "--out", str(held))[0] == 0
+    arguments = ["--model", str(held), "--fixed", "--score", "position", "--out", str(tmp_path)]
+    assert run(capsys, "improve", str(data), *arguments)[0] == 0
+    first, *_, last = json.loads((tmp_path / "motion.json").read_text())["rows"]
+    assert (first["parameters"], first["test"], first["chosen"]) == (None, None, False)
+    assert last["chosen"]
+    assert last["test"]["position"] < 0.5 * first["by_torque"]["position"]
+    found = load(tmp_path / "model.json").parameters
+    assert {key: found[key] for key in last["parameters"]} == last["parameters"]
+
+
 @pytest.mark.long
 def test_a_tournament_is_ranked_by_the_simulated_position(
     data: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]

@@ -67,9 +67,7 @@ def test_the_past_of_a_torque_counts_against_what_has_memory_and_leaves_somethin
 
 
 @pytest.mark.parametrize("terms", [4, 2])
-def test_an_effect_that_does_all_of_it_needs_no_other(
-    made: Made, monkeypatch: pytest.MonkeyPatch, terms: int
-) -> None:
+def test_an_effect_that_does_all_of_it_needs_no_other(made: Made, monkeypatch: pytest.MonkeyPatch, terms: int) -> None:
     """A spring and a small wave: terms that hold the spring too, and are no fewer than its own, are no simpler form."""
     values = {"stiffness.k": 1.0, "cogging.a": 0.1, "cogging.k": 2.6}
     comparison = compare(made("coulomb-viscous+stiffness+cogging", values), "coulomb-viscous", INERTIA)

@@ -33,7 +33,7 @@ def command(given: Measurement) -> None:
         from fricmodels.cli.motion import by_motion
 
         known = given.of_controller
-        judged = by_motion(shown, [comparison], given.horizon, given.loop, given.out, fixed=given.fixed, known=known)
+        judged = by_motion(shown, [comparison], given.horizon, given.loop, given.out, known=known)
     if given.report is not None:
         from fricmodels.report import story
         from fricmodels.report import write as write_report

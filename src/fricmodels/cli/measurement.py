@@ -209,7 +209,6 @@ class Measurement:
     report: Path | None
     options: list[str]
     verbose: bool
-    fixed: bool
     score: Score
     horizon: int | None
     loop: Loop | None
@@ -265,7 +264,6 @@ def measured(*without: str) -> Callable[[Callable[[Measurement], None]], Callabl
                 report,
                 options_again(left_out, trust, gaps),
                 verbose,
-                fixed,
                 score,
                 horizon,
                 loop,

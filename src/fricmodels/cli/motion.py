@@ -96,7 +96,6 @@ def by_motion(
     loop: Loop | None,
     out: Path | None,
     *,
-    fixed: bool = False,
     known: Mapping[str, float] | None = None,
 ) -> list[Judged]:
     """Say, and write as ``motion.json``, what the simulated motion says of models that were fitted to the torque.
@@ -111,7 +110,7 @@ def by_motion(
     first = comparisons[0]
     rungs = [Rung(each.drive, {**(known or {}), **each.estimate.parameters}) for each in comparisons]
     with working("simulating") as say, watched(say):
-        found = judged(rungs, first.train, first.test, loop=loop, horizon=horizon, refit=not fixed)
+        found = judged(rungs, first.train, first.test, loop=loop, horizon=horizon)
     console.print()
     show_motion(console, found, horizon, first.train.interval, loop is not None)
     if out is not None:

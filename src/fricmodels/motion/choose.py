@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -67,7 +67,6 @@ def judged(
     *,
     loop: Loop | None = None,
     horizon: int | None = None,
-    refit: bool = True,
 ) -> list[Judged]:
     r"""Fit models to the motion of what is fitted, and say which to take.
 
@@ -84,7 +83,8 @@ def judged(
         test: the same, of what is kept back.
         loop: what pushes the drive; the recorded torque if not given.
         horizon: samples of a window.
-        refit: whether to fit the parameters to the motion; where not, only :attr:`Judged.by_torque` is known.
+
+    Numbers of a model that are held are not fitted, and not chosen: only :attr:`Judged.by_torque` is known of them.
 
     Source of the rule: L. Breiman et al., "Classification and regression trees", 1984; of the standard error:
     C. Nadeau, Y. Bengio, "Inference for the generalization error", Machine Learning 52, 2003.
@@ -93,18 +93,19 @@ def judged(
     errors = []
     one, other = train.origin, test.origin
     cut = one is not None and other is not None and one.whole is other.whole  # from the same recording
-    parts = folds(one.whole) if one is not None and cut and refit else []
+    held = [rung.drive.model.known.fixed for rung in rungs]
+    parts = folds(one.whole) if one is not None and cut and not all(held) else []
     before: dict[str, float] = {}
     largest = max(rungs, key=lambda rung: len(rung.drive.parameters))
     between = torque_between_samples(largest.drive, largest.parameters, train, loop=loop)
-    for rung in progress.each("fitting models to the motion" if refit else "simulating models", rungs):
+    for rung, as_it_is in progress.each("simulating models", list(zip(rungs, held, strict=True))):
         fitted = Simulator(rung.drive, train, loop=loop, horizon=horizon, between_samples=between)
         kept = Simulator(rung.drive, test, loop=loop, horizon=horizon, between_samples=between)
         started = dict(rung.parameters)
         if loop is not None:
             started = {key: p.initial for key, p in zip(loop.keys, loop.parameters, strict=True)} | started
         by_torque = motion_errors(kept, started)
-        if not refit:
+        if as_it_is:
             found.append(Judged(rung, kept, by_torque, None, None))
             continue
         try:
@@ -128,11 +129,11 @@ def judged(
     best = int(np.argmin(means))
     behind = [_difference(each, errors[best]) for each in errors]
     within = [i for i, (more, error) in enumerate(behind) if np.isfinite(more) and more <= error]
-    chosen = min(within or [best], key=lambda i: (len(rungs[i].drive.parameters), i))
-    return [
-        Judged(each.rung, each.kept, each.by_torque, each.fit, each.test, behind[i], i == chosen)
-        for i, each in enumerate(found)
-    ]
+    fitted_to_motion = [i for i, as_it_is in enumerate(held) if not as_it_is]
+    chosen = min(within or [best], key=lambda i: (len(rungs[fitted_to_motion[i]].drive.parameters), i))
+    for i, place in enumerate(fitted_to_motion):
+        found[place] = replace(found[place], behind=behind[i], chosen=i == chosen)
+    return found
 
 
 def _by_piece(simulator: Simulator, values: Mapping[str, float]) -> Array:
