@@ -254,6 +254,7 @@ class Regression:
         gain, gain_p = compare(without.loss, loss, self.terms)
         # Where few events decide, the mean difference has no variance to be told by.
         gain_p = min(gain_p, by_chance(np.add.reduceat(without.loss, self._edges[:-1]), 1.0 - gain))
+        gain_p = min(gain_p, self._p_beside_the_largest(without.loss, loss))
         total = float(without.residual @ without.residual)
         return Evidence(
             theta / scale,
@@ -266,6 +267,20 @@ class Regression:
             loss,
             left,
         )
+
+    def _p_beside_the_largest(self, loss: Array, other: Array) -> float:
+        """Return the p-value of the gain without the block of the largest loss; 1 if there is no gain in that block.
+
+        What is predicted best may be what speaks least: one large event, however well it is predicted, has all of the
+        mean difference and of its variance, and hides what is gained all over the record.
+        """
+        edges = self._edges
+        largest = int(np.argmax(np.add.reduceat(loss, edges[:-1])))
+        there = np.zeros(len(loss), dtype=bool)
+        there[edges[largest] : edges[largest + 1]] = True
+        if not np.sum(other[there]) < np.sum(loss[there]):
+            return 1.0
+        return compare(loss[~there], other[~there], self.terms)[1]
 
     def _wald(self, along: Array, scores: Array, q: int, independent: float, terms: int) -> tuple[Array, float]:
         """Return the covariance of coefficients along orthonormal directions, and how probable they are by chance.
