@@ -32,7 +32,7 @@ from fricmodels.weakform.regression import Regression
 from fricmodels.weakform.search import search
 
 FILE = ".improve.jsonl"
-_SCHEMA = "fricmodels/improve-journal/2"
+_SCHEMA = "fricmodels/improve-journal/3"
 _open: ContextVar[Journal | None] = ContextVar("journal", default=None)
 
 Found = TypeVar("Found")
@@ -198,6 +198,7 @@ def estimated(
             "standard_errors": _floats(fit.standard_errors),
             "covariance": covariance,
             "not_identified": dict(fit.not_identified),
+            "told_by_kept_back": list(fit.told_by_kept_back),
             "shift": float(fit.shift),
             "known_shift": float(rows.shift),
             "residual_percent": float(fit.residual_percent),
@@ -207,7 +208,8 @@ def estimated(
     def back(known: Any) -> tuple[WeakFormProblem, Estimate]:
         fit = {key: value for key, value in known.items() if key not in ("rows", "known_shift")}
         covariance = None if fit["covariance"] is None else np.array(fit["covariance"], dtype=float)
-        found = Estimate(**{**fit, "covariance": covariance})
+        told = tuple(fit["told_by_kept_back"])
+        found = Estimate(**{**fit, "covariance": covariance, "told_by_kept_back": told})
         return rows_again(drive, recording, known["rows"], found, known["known_shift"]), found
 
     kept = _open.get()

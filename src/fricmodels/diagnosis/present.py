@@ -122,6 +122,8 @@ def show_parameters(console: Console, comparison: Comparison, title: str = "Para
 def _remark(key: str, held: Sequence[str], above_zero: Collection[str], estimate: Estimate) -> str:
     if key in held:
         return "at its bound"
+    if key in estimate.told_by_kept_back:
+        return "by what was kept back"
     reason, error = estimate.not_identified.get(key, ""), estimate.standard_errors.get(key) or 0.0
     if "contains zero" in reason or abs(estimate.parameters[key]) < NORMAL_95 * error:
         return "not identified" if key in above_zero else _NO_OTHER

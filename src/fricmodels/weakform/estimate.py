@@ -29,6 +29,7 @@ from fricmodels.signals.rest import once
 from fricmodels.weakform.friction_limits import limits_of_friction
 from fricmodels.weakform.identification import FAR_WORSE, identified
 from fricmodels.weakform.inference import is_contradicted
+from fricmodels.weakform.kept_back_instants import told_by_kept_back
 from fricmodels.weakform.least_squares import NormalEquations
 from fricmodels.weakform.model_velocity import at_model_velocity
 from fricmodels.weakform.nonlinear import Plan
@@ -69,6 +70,7 @@ class Estimate:
         shift: time [s] by which motion was recorded after the torque, as far as the fit saw it; not of a delay.
         residual_percent: RMS of what is left of the rows, of the RMS driving torque in the rows.
         message: why the fit did not end well; empty where it did.
+        told_by_kept_back: keys of instants that lie in data kept back, see :mod:`.kept_back_instants`.
     """
 
     parameters: Mapping[str, float]
@@ -78,6 +80,7 @@ class Estimate:
     shift: float = 0.0
     residual_percent: float = float("nan")
     message: str = ""
+    told_by_kept_back: tuple[str, ...] = ()
 
 
 def estimate(
@@ -104,6 +107,10 @@ def estimate(
         InputError: when the recording moves too little to fit the model.
     """
     rows, found = _estimated(drive, recording, start or {}, width, model_velocity=model_velocity)
+    told = told_by_kept_back(drive, recording, found.parameters)
+    if told:
+        found = replace(found, parameters={**found.parameters, **told}, told_by_kept_back=tuple(told))
+        rows = replace(rows, estimated=dict(found.parameters))
     if model_velocity:
         _known_fits(recording)[_asked(drive, start, width)] = _Fit(ref(rows), dict(rows.made_for), rows.shift, found)
     return rows, found
