@@ -109,6 +109,29 @@ def test_what_remains_far_above_noise_is_said_before_what_was_found() -> None:
     assert "--model coulomb-viscous+gravity " in found.command
 
 
+def test_what_remains_is_said_with_the_answer_however_much_of_it_noise_may_be() -> None:
+    """An unknown cause beside the effect that was found: 7.3 % of the torque beyond a noise of 5.2 %."""
+    steps = [step("coulomb-viscous", 19.0), step("coulomb-viscous+gravity", 8.99, "gravity")]
+    found = answer(data(ladder=steps, noise_floor_percent=5.22, remaining=rest(7.32, 7.39)))
+    assert found.sentence == (
+        "The model coulomb-viscous lacks one effect: gravity. With it 7.32\u00a0% of the motor torque, beyond noise, "
+        "remains unexplained."
+    )
+    assert answer(data(ladder=steps, noise_floor_percent=9.5, remaining=rest(0.0, 7.39))).sentence.endswith("gravity.")
+
+
+def test_what_predicts_a_part_that_is_too_small_is_not_said_to_be_nothing() -> None:
+    unknown = {"channels": "acceleration", "p_value": 1e-9, "held_out_gain": 0.3}
+    found = answer(data(unknown=unknown, noise_floor_percent=3.9))
+    assert found.remains.endswith("what acceleration predicts of it is too small a part to be noticed.")
+    assert answer(data(noise_floor_percent=3.9)).remains.endswith("nothing predicts the rest.")
+
+
+def test_a_model_that_leaves_more_than_noise_is_not_simply_to_be_used() -> None:
+    assert answer(data(noise_floor_percent=3.9)).next.startswith("Use the model")
+    assert answer(data(noise_floor_percent=0.8)).next.startswith("Record it faster or with less noise")
+
+
 def test_what_nothing_predicts_but_is_far_above_noise_is_said_with_the_answer() -> None:
     steps = [step("coulomb-viscous", 7.94), step("coulomb-viscous+gravity", 2.62, "gravity")]
     found = answer(data(ladder=steps, noise_floor_percent=0.205))
@@ -165,6 +188,9 @@ def test_a_command_reads_the_recording_as_it_was_read() -> None:
     assert words[words.index("--torque-constant") + 1] == "0.5"
     plain = data(recording=recording("time=time_s", "torque=torque_Nm"))
     assert "--column" not in command_line(plain, "improve", "square-root")
+    axis = data(motion="linear", recording=recording("time=time_s", "torque=force_N", "velocity=velocity_m_s"))
+    assert "--column" not in command_line(axis, "improve", "square-root"), "an axis has standard names too"
+    assert "--column" in command_line(plain.model_copy(update={"motion": "linear"}), "improve", "square-root")
 
 
 def test_an_answer_without_effects_says_what_it_can() -> None:

@@ -10,6 +10,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
 from fricmodels.diagnosis.policy import POLICY
+from fricmodels.dimension import Motion
+from fricmodels.readers.columns import STANDARD
 from fricmodels.report.reliability import ONE_SINE, RECORDS
 from fricmodels.report.wording import counted, listed, listed_classes, noise_alone, percent, small
 from fricmodels.results.words import SAMPLING, figures, form, predictor
@@ -21,11 +23,6 @@ if TYPE_CHECKING:
 
 Tone = Literal["good", "warn", "bad", "plain"]
 
-_PLAIN = {
-    *("time=time_s", "torque=torque_Nm", "velocity=velocity_rad_s", "position=position_rad"),
-    *("acceleration=acceleration_rad_s2", "load_torque=load_torque_Nm", "temperature=temperature_degC", "run=run"),
-}
-"""Columns that are found by their names, without an option."""
 _WORTH_A_TRY = 0.9
 """Share of the test error to which an effect must lower it to be worth a try."""
 _TOO_LARGE = 1.25
@@ -100,7 +97,10 @@ def _sentence(data: DiagnosisDocument) -> str:
         most = f"{left} unexplained, far above noise ({_noise(data)})"
         return f"{most}. Part of what {model} lacks was found: {names}."
     text = f"The model {model} lacks {counted(len(data.effects), 'effect')}: {names}."
-    if len(data.ladder) > 1 and not data.partial and _noticed_above_noise(data):
+    if len(data.ladder) > 1 and data.remaining is not None and data.remaining.percent:
+        rest = f"{percent(data.remaining.percent)} of the motor {data.quantity}, beyond noise, remains unexplained"
+        text += f" With {'it' if len(data.effects) == 1 else 'them'} {rest}."
+    elif len(data.ladder) > 1 and not data.partial and _noticed_above_noise(data):
         text += f" With {'it' if len(data.effects) == 1 else 'them'} {left}, more than noise ({_noise(data)})."
     return text
 
@@ -208,6 +208,9 @@ def _remains(data: DiagnosisDocument) -> str:
         if data.verdict == "adequate" or len(data.ladder) > 1:
             beyond = data.beyond_sampling_percent
             why = "nothing predicts the rest."
+            if data.unknown is not None:
+                part = "is too small a part to be noticed"
+                why = f"what {predictor(data.unknown.channels)} predicts of it {part}."
             if beyond is not None and last is not None and beyond < last and percent(beyond) != percent(last):
                 why = f"all but {percent(beyond)} may be sampling: {SAMPLING}."
             noise = f"of which noise makes {of_noise(data)}"
@@ -256,7 +259,7 @@ def _next(data: DiagnosisDocument, options: Sequence[str]) -> tuple[str, str]:
     if data.shift is not None:
         return _without_shift(data, data.shift), command_line(data, "compare", data.shift.model, _common(options))
     text = "Use the model. This keeps its parameters, standard errors and provenance in a file, to call or to export:"
-    if data.verdict == "adequate" and _noticed_above_noise(data):
+    if _noticed_above_noise(data):
         text = "Record it faster or with less noise to see what the rest is. To use the model as it is:"
     kept = f"{Path(data.dataset).name}.model.json"
     return text, command_line(data, "fit", model, [*_common(options), "--out", kept])
@@ -308,7 +311,8 @@ def command_line(data: ComparisonDocument, command: str, model: str, options: Se
     parts = ["fricmodels", command, *(known.paths or ["DATA"]), "--model", model]
     if not data.inertia.estimated and data.inertia.value is not None:
         parts += ["--inertia", repr(data.inertia.value)]
-    if not _PLAIN.issuperset(known.columns):
+    by_name = {f"{channel}={column}" for channel, column in STANDARD[Motion(data.motion)].items()}
+    if not by_name.issuperset(known.columns):
         parts += [part for column in known.columns for part in ("--column", column)]
     if known.torque_constant is not None:
         parts += ["--torque-constant", repr(known.torque_constant)]

@@ -101,6 +101,8 @@ def _last(console: Console, data: DiagnosisDocument) -> None:
     errors = [percent(steps[0].held_out_rms_percent)]
     errors += [percent(steps[-1].held_out_rms_percent)] if len(steps) > 1 else []
     what = f": {names}" if names else ""
+    if names and len(steps) > 1 and data.remaining is not None and data.remaining.percent:
+        what += ", and more that is unknown"
     console.print()
     verdict = f"{data.verdict}, so far" if data.partial else data.verdict
     _bold(console, f"Verdict: {verdict}{what}; test error {' → '.join(errors)}")
