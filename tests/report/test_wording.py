@@ -78,7 +78,7 @@ def test_powers_of_ten_in_a_sentence_are_set() -> None:
         ([["a"], ["b"]], "a and b"),
         ([["a"], ["b"], ["c"]], "a, b and c"),
         ([["a", "b"], ["c"]], "a or b, and c"),
-        ([["a"], ["b", "c", "d"], ["e"]], "a, b, c or d, and e"),
+        ([["a"], ["b", "c", "d"], ["e"]], "a; b, c or d; and e"),
     ],
 )
 def test_which_names_are_of_one_class_can_be_read(classes: list[list[str]], said: str) -> None:

@@ -187,11 +187,15 @@ def sure(data: DiagnosisDocument) -> str:
         chance, channel = small(data.unknown.p_value), predictor(data.unknown.channels)
         channel = channel[:1].upper() + channel[1:]
         what = "the error" if data.verdict == "unknown-effect" else "a small part of the error"
-        parts.append(f"{channel} predicts {what}, and not by chance: p {_equals(chance)}.")
+        parts.append(f"{channel} {_predicts(channel)} {what}, and not by chance: p {_equals(chance)}.")
     known = [RECORDS[data.verdict]] if data.verdict in RECORDS else []
     if data.effects and any(finding.kind == "one-frequency" for finding in data.recording.findings):
         known.append(ONE_SINE)
     return " ".join([*parts, *(record.said for record in known)])
+
+
+def _predicts(channel: str) -> str:
+    return "predict" if " and " in channel.partition("(")[0] else "predicts"
 
 
 def _equals(chance: str) -> str:
@@ -210,7 +214,8 @@ def _remains(data: DiagnosisDocument) -> str:
             why = "nothing predicts the rest."
             if data.unknown is not None:
                 part = "is too small a part to be noticed"
-                why = f"what {predictor(data.unknown.channels)} predicts of it {part}."
+                channel = predictor(data.unknown.channels)
+                why = f"what {channel} {_predicts(channel)} of it {part}."
             if beyond is not None and last is not None and beyond < last and percent(beyond) != percent(last):
                 why = f"all but {percent(beyond)} may be sampling: {SAMPLING}."
             noise = f"of which noise makes {of_noise(data)}"
@@ -236,7 +241,8 @@ def _next(data: DiagnosisDocument, options: Sequence[str]) -> tuple[str, str]:
         return "Let the same command run to its end:", command_line(data, "improve", data.model, options)
     if alike and data.verdict == "undecided" and rest is None:
         first = alike[0]
-        return f"To tell {listed(first.names, 'from')} apart: {first.separated_by}.", ""
+        which = listed(first.names, "from" if len(first.names) == 2 else "and")
+        return f"To tell {which} apart: {first.separated_by}.", ""
     if data.effects and not improved:
         text = "Add what is missing, refit, and see whether more is:"
         return text, command_line(data, "improve", data.model, options)

@@ -108,12 +108,16 @@ def listed(names: Iterable[str], joint: str = "and") -> str:
 
 
 def listed_classes(classes: Iterable[Sequence[str]]) -> str:
-    """Return names, those of one class joined by "or": ``a and b``, or ``a or b, and c`` where a class has several."""
+    """Return names, those of one class joined by "or": ``a and b``, or ``a or b, and c`` where a class has several.
+
+    A class of three or more is set off by semicolons: ``a or b; c, d or e; and f``.
+    """
     found = [tuple(names) for names in classes]
     names = [listed(names, "or") for names in found]
     if len(names) < 2 or all(len(names) == 1 for names in found):
         return listed(names)
-    return f"{', '.join(names[:-1])}, and {names[-1]}"
+    apart = ";" if any(len(names) > 2 for names in found) else ","
+    return f"{f'{apart} '.join(names[:-1])}{apart} and {names[-1]}"
 
 
 def on_parameters(data: DiagnosisDocument) -> list[str]:
