@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.special import stdtrit
 
-from fricmodels.weakform.inference import jackknife_covariance
+from fricmodels.weakform.inference import NORMAL_95, covariance, jackknife_covariance
 
 
 @pytest.mark.parametrize("decisive", [False, True])
@@ -32,3 +32,19 @@ def test_it_is_that_of_fits_without_each_block(decisive: bool) -> None:
     np.testing.assert_allclose(found, expected, rtol=1e-9, atol=1e-12)
     share = np.trace(inverse @ jacobian[:each].T @ jacobian[:each])
     assert bool(share > 1.0 - 1.0 / blocks) == decisive
+
+
+@pytest.mark.parametrize("few", [2, 6, 15])
+def test_what_few_equations_of_one_block_show_is_as_uncertain_as_their_error_is_elsewhere(few: int) -> None:
+    """A friction that a drive shows for a moment after a jump: such equations fit themselves, whatever their error."""
+    rng, count, held = np.random.default_rng(4), 480, 0
+    late = np.zeros(count)
+    late[322 : 322 + few] = 1.0
+    jacobian = np.column_stack([np.ones(count), np.sin(np.arange(count)), late])
+    inverse = np.linalg.inv(jacobian.T @ jacobian)
+    for _ in range(400):
+        noise = rng.standard_normal(count)
+        found = inverse @ jacobian.T @ noise
+        spread = covariance(jacobian, noise - jacobian @ found, inverse, float(count))
+        held += abs(found[2]) < NORMAL_95 * np.sqrt(spread[2, 2])
+    assert 0.90 <= held / 400 <= 0.99

@@ -46,11 +46,12 @@ def _is_one_cause(
 
     Against the channel stand the effect and those others whose place it takes. If the effect does as much by itself,
     with no more terms, it needs none of them. They are one cause if the channel does as much with fewer terms than they
-    have. Else they are several causes if they explain as much with far fewer terms, or encompass it (Chong and Hendry
-    1986): beside them it predicts nothing that counts, and beside it they do. Load torque and direction hold friction
-    of the load and an asymmetry both, but know neither's form; a channel of the position is all that two waves over it
-    can be. The past of the residual or of the torque is asked only where :func:`.effect_set.the_past_counts`, and is
-    one cause only if it does more than the effects together by a gain that counts.
+    have. Else they are several causes if they explain more with fewer terms, or as much with far fewer, or encompass it
+    (Chong and Hendry 1986): beside them it predicts nothing that counts, and beside it they do. Load torque and
+    direction hold friction of the load and an asymmetry both, but know neither's form; a channel of the position is all
+    that two waves over it can be. The past of the residual or of the torque is asked only where
+    :func:`.effect_set.the_past_counts`, and is one cause only if it does more than the effects together by a gain that
+    counts.
     """
     policy = result.policy
     out = frozenset() if the_past_counts(result, member, stacked(result, others)) else AUTOREGRESSIVE
@@ -85,6 +86,8 @@ def _is_one_cause(
         effects = np.vstack([member.columns, *(other.columns for other in taken)])
         if predictor.terms < len(effects) and theirs >= policy.of_channel * all_own:
             return True
+        if len(effects) < predictor.terms and theirs < policy.of_channel * all_own:
+            continue  # the channel takes more terms and does less
         if all_own >= policy.of_channel * theirs:
             few = len(effects) < policy.fewer_terms * predictor.terms
             adds = predicts_beside(result, together, predictor.columns, predictor.tried)
