@@ -30,7 +30,7 @@ from fricmodels.diagnosis.policy import Policy
 from fricmodels.diagnosis.predictability import AUTOREGRESSIVE
 from fricmodels.diagnosis.rivals import Instead, against_channels, is_better
 from fricmodels.diagnosis.verdict import is_large_over_all_motion, outside
-from fricmodels.diagnosis.walk import p_beside_a_walk, waves_of_friction
+from fricmodels.diagnosis.walk import p_beside_a_walk, waves_of_walks
 from fricmodels.weakform.shifted import regression_of
 
 Array = NDArray[np.float64]
@@ -199,7 +199,7 @@ def _lies_within(result: CandidateTests, member: Member, beside: Array, parts: A
 
 
 def p_of_the_time(result: CandidateTests, member: Member, others: list[Member]) -> float:
-    """Return the p-value of an effect of the time itself where friction may walk; 0 of any other effect.
+    """Return the p-value of an effect of the time itself where friction or zero may walk; 0 of any other effect.
 
     Others of the time are not beside it, nor is a description of the rest: they follow the walk, and hide it.
     """
@@ -207,7 +207,7 @@ def p_of_the_time(result: CandidateTests, member: Member, others: list[Member]) 
         return 0.0
     beside = stacked(result, [other for other in others if not other.effect.depends_on_time])
     base = regression_of(result.problem, result.parameters, beside)
-    p_value = p_beside_a_walk(base, waves_of_friction(result.problem), member.columns)
+    p_value = p_beside_a_walk(base, waves_of_walks(result.problem), member.columns)
     return min(1.0, p_value * member.found.first.found.trials)
 
 

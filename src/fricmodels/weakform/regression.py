@@ -269,18 +269,18 @@ class Regression:
         )
 
     def _p_beside_the_largest(self, loss: Array, other: Array) -> float:
-        """Return the p-value of the gain without the block of the largest loss; 1 if there is no gain in that block.
+        """Return the p-value of the gain, were it none in the block of the largest loss; 1 where it is none there.
 
         What is predicted best may be what speaks least: one large event, however well it is predicted, has all of the
         mean difference and of its variance, and hides what is gained all over the record.
         """
-        edges = self._edges
-        largest = int(np.argmax(np.add.reduceat(loss, edges[:-1])))
-        there = np.zeros(len(loss), dtype=bool)
-        there[edges[largest] : edges[largest + 1]] = True
-        if not np.sum(other[there]) < np.sum(loss[there]):
+        largest = int(np.argmax(np.add.reduceat(loss, self._edges[:-1])))
+        block = slice(self._edges[largest], self._edges[largest + 1])
+        if not np.sum(other[block]) < np.sum(loss[block]):
             return 1.0
-        return compare(loss[~there], other[~there], self.terms)[1]
+        without = other.copy()
+        without[block] = loss[block]
+        return compare(loss, without, self.terms)[1]
 
     def _wald(self, along: Array, scores: Array, q: int, independent: float, terms: int) -> tuple[Array, float]:
         """Return the covariance of coefficients along orthonormal directions, and how probable they are by chance.
