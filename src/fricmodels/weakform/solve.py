@@ -15,6 +15,7 @@ from fricmodels.weakform.equations import projection
 from fricmodels.weakform.inference import NORMAL_95, at_least, covariance, covariance_once
 from fricmodels.weakform.instants import likely_instants
 from fricmodels.weakform.least_squares import NormalEquations
+from fricmodels.weakform.likely_values import likely_error
 from fricmodels.weakform.nonlinear import Plan
 from fricmodels.weakform.problem import WeakFormProblem
 from fricmodels.weakform.staircase import scatter_of_steps
@@ -239,7 +240,25 @@ class Solved:
                 apart = np.where(np.arange(len(result)) == i, 0.0, fit.values - self.values) / NORMAL_95
                 result = at_least(result, fit.spread[np.ix_(self.places, self.places)] + np.diag(apart**2))
             result[i, i] += error**2 if error < math.inf else 0.0
-        return result
+        return self._at_least_likely(result) if self.problem.drive.model.states else result
+
+    def _at_least_likely(self, result: Array) -> Array:
+        """Return a covariance in which nonlinear parameters may be off as far as they are likely, see
+        :mod:`.likely_values`."""
+        linear, alpha = len(self.solution.theta), self.solution.alpha
+        least_squares, _ = projection(self.problem, self.plan, timing=self.timing)
+        wanted = np.diag(result).copy()
+        for i, p in enumerate(self.problem.drive.parameters):
+            if p.linear or p.declared.instant or p.key in self.plan.held:
+                continue
+            own = int(self.places[i]) - linear
+
+            def cost(value: float, own: int = own) -> float:
+                return least_squares.cost(np.where(np.arange(len(alpha)) == own, value, alpha))
+
+            bounds, error = (p.declared.lower, p.declared.upper), math.sqrt(max(wanted[i], 0.0))
+            wanted[i] = max(wanted[i], likely_error(cost, float(alpha[own]), error, bounds, self._certain) ** 2)
+        return at_least(result, np.diag(wanted))
 
     @property
     def standard_errors(self) -> dict[str, float]:
