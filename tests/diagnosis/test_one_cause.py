@@ -94,3 +94,25 @@ def test_two_slow_waves_of_a_kind_are_a_shape(made: Made, of_model: float, found
     assert _are_slow_waves(result, [member]) is series
     result.policy = POLICY.without("wave_periods")
     assert not _are_slow_waves(result, [member])
+
+
+@pytest.mark.parametrize(("part", "names"), [(0.7, []), (1.0, ["cogging", "stiffness"])])
+def test_a_channel_that_takes_more_terms_and_does_less_is_no_form_of_them(
+    made: Made, monkeypatch: pytest.MonkeyPatch, part: float, names: list[str]
+) -> None:
+    """A spring and a wave of as much torque: a channel of many terms that holds both stands for them, or does not."""
+    values = {"stiffness.k": 1.0, "cogging.a": 1.0, "cogging.k": 2.6}
+    comparison = compare(made("coulomb-viscous+stiffness+cogging", values), "coulomb-viscous", INERTIA)
+    result = candidate_tests(comparison.problem, comparison.estimate.parameters, only=["cogging", "stiffness"])
+    members = [member_of(result, LookAlikes(t, (t,))) for t in result.tested]
+    rng = np.random.default_rng(0)
+    own = np.vstack([m.columns for m in members])
+    # Its first columns are those of the effects with as much of anything else as leaves a part of them.
+    other = rng.standard_normal(own.shape) * np.std(own, axis=1, keepdims=True)
+    columns = np.vstack([part * own + (1.0 - part) * other, rng.standard_normal((3, own.shape[1]))])
+    predictor = ChannelPredictor("position", result.regression.test(columns), 1e-20, columns, 20)
+    monkeypatch.setattr(one_cause, "passing_beside", lambda *_, **__: [predictor])
+    monkeypatch.setattr(one_cause, "_takes_place", lambda *_: True)
+    monkeypatch.setattr(one_cause, "predicts_beside", lambda *_, **__: True)
+    found = one_cause.that_are_one_cause(result, members, members)
+    assert sorted(m.found.first.name for m in found) == names

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
-from tests.conftest import INERTIA, Made
+from tests.conftest import INERTIA, LAW, Made
 
 from fricmodels.diagnosis import compare
 from fricmodels.drive import Drive
 from fricmodels.model import Model
 from fricmodels.recording import Recording
 from fricmodels.weakform.estimate import estimate
+from fricmodels.weakform.kept_back_instants import told_by_kept_back
 
 MODEL, KEY = "coulomb-viscous+step-change", "step-change.t_0"
 
@@ -45,6 +48,18 @@ def test_a_jump_that_was_fitted_is_told_by_the_fit(made: Made) -> None:
     comparison = compare(recording, MODEL, INERTIA)
     assert comparison.estimate.parameters[KEY] == pytest.approx(instant, abs=0.05)
     assert comparison.estimate.told_by_kept_back == ()
+
+
+def test_runs_tell_it_in_the_order_of_their_times(made: Made) -> None:
+    """The later part of a record is its first run; what lies between 7 and 9 s is kept back of both."""
+    one = made(MODEL, {"step-change.c": 0.8, "step-change.d": 0.0, KEY: 8.6})
+    order = np.argsort(one.time < 8.0, kind="stable")
+    turned = one.select(order)
+    whole = replace(turned, run=(turned.time < 8.0).astype(np.int64)).remembering()
+    fitted = whole.select((whole.time < 7.0) | (whole.time > 9.0))
+    parameters = {**LAW, "J": INERTIA, "step-change.c": 0.8, "step-change.d": 0.0, KEY: 8.0}
+    told = told_by_kept_back(Drive(Model.parse(MODEL), INERTIA, one.motion), fitted, parameters)
+    assert told[KEY] == pytest.approx(8.6, abs=0.05)
 
 
 def test_a_gap_in_which_nothing_was_recorded_tells_nothing(made: Made) -> None:

@@ -242,3 +242,22 @@ def test_how_probable_it_is_that_few_events_are_predicted_by_chance(sizes: list[
             assert bound == pytest.approx(drawn, rel=0.05, abs=1e-5)
     assert by_chance(np.array(sizes), 1.0) == pytest.approx(1.0)
     assert by_chance(np.array([4.0, 0.0]), 0.3) == pytest.approx(0.3)
+
+
+@pytest.mark.parametrize(("elsewhere", "sure"), [(1.0, True), (0.0, False)])
+def test_a_gain_all_over_is_seen_beside_one_event_that_holds_most_of_the_error(elsewhere: float, sure: bool) -> None:
+    """A blow that is predicted to a half has the mean difference and its variance; what is gained besides decides."""
+    rng, count = np.random.default_rng(2), 800
+    place = np.arange(count)
+    shape = np.sin(0.7 * place) * (elsewhere + 40.0 * np.exp(-(((place - 60) / 8.0) ** 2)))
+    blow = 40.0 * np.sin(0.7 * place + 1.0) * np.exp(-(((place - 60) / 8.0) ** 2))
+    target = shape + blow + 0.7 * rng.standard_normal(count)
+    regression = Regression(np.ones((1, count)), target, float(count))
+    if not elsewhere:  # next to nothing outside of the event: the coefficient is told by it alone
+        shape = shape + 1e-3 * rng.standard_normal(count)
+    evidence = regression.test(shape[None])
+    edges = regression._edges
+    event = np.argmax(np.add.reduceat(regression.loss, edges[:-1]))
+    assert np.sum(regression.loss[edges[event] : edges[event + 1]]) > 0.7 * np.sum(regression.loss)
+    assert compare(regression.loss, evidence.loss, regression.terms)[1] > 0.1
+    assert (evidence.gain_p_value < 0.01) is sure

@@ -48,7 +48,7 @@ class Policy(Rules):
     effect_gain_significance: float = rule(
         0.1,
         "probability",
-        "p-value below which the gain of an effect on those blocks counts.",
+        "p-value below which the gain of an effect on those blocks counts, of all or beside the largest.",
         "Statistic: a second test; the first gate holds the chance of a false name.",
         off=1.1,
     )

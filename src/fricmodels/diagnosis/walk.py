@@ -43,8 +43,10 @@ _RATIOS = np.concatenate([[0.0], np.exp(np.linspace(-6.0, 14.0, 81))])
 
 
 def waves_of_walks(problem: WeakFormProblem) -> Array:
-    """Return a constant, and waves over the record, the slowest first, shape (1 + 2 K, rows): along the friction, then
-    by themselves."""
+    """Return a constant, and waves over the record, the slowest first, shape (1 + 2 K, rows).
+
+    The first K waves are along the friction, the others stand by themselves.
+    """
 
     def built() -> Array:
         points = problem.quadrature.recording

@@ -95,10 +95,11 @@ def judged(
     cut = one is not None and other is not None and one.whole is other.whole  # from the same recording
     held = [rung.drive.model.known.fixed for rung in rungs]
     parts = folds(one.whole) if one is not None and cut and not all(held) else []
+    doing = "simulating models" if all(held) else "fitting models to the motion"
     before: dict[str, float] = {}
     largest = max(rungs, key=lambda rung: len(rung.drive.parameters))
     between = torque_between_samples(largest.drive, largest.parameters, train, loop=loop)
-    for rung, as_it_is in progress.each("simulating models", list(zip(rungs, held, strict=True))):
+    for rung, as_it_is in progress.each(doing, list(zip(rungs, held, strict=True))):
         fitted = Simulator(rung.drive, train, loop=loop, horizon=horizon, between_samples=between)
         kept = Simulator(rung.drive, test, loop=loop, horizon=horizon, between_samples=between)
         started = dict(rung.parameters)

@@ -42,8 +42,9 @@ def told_by_kept_back(drive: Drive, recording: Recording, parameters: Mapping[st
         if not 0 < after < len(fitted):
             continue
         begin, end = float(fitted[after - 1]), float(fitted[after])
-        inside = (whole.time > begin) & (whole.time < end)
-        if np.count_nonzero(inside) < _FEWEST:
+        inside = np.flatnonzero((whole.time > begin) & (whole.time < end))
+        inside = inside[np.argsort(whole.time[inside], kind="stable")]  # runs may lie beside each other in time
+        if len(inside) < _FEWEST:
             continue
         half_width = sliding_half_width(recording)
         not_yet, already = (
