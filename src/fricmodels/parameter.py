@@ -106,12 +106,20 @@ class Parameter:
 
 @dataclass(frozen=True)
 class State:
-    """An internal state of a term with memory (a bristle deflection, a lagging friction torque)."""
+    """An internal state of a term with memory (a bristle deflection, a lagging friction torque).
+
+    Attributes:
+        symbol, unit, meaning: for messages and reports.
+        initial: value at the first sample of a run.
+        unknown_at_rest: whether a rest may end in another state than the recorded motion leads to, since less motion
+            than sensors see changes it; the first value is then possible, too, see :mod:`.score.holding`.
+    """
 
     symbol: str
     unit: str = "1"
     initial: float = 0.0
     meaning: str = ""
+    unknown_at_rest: bool = False
 
     @cached_property
     def dimension(self) -> Dimension:

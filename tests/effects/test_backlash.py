@@ -12,7 +12,8 @@ from fricmodels.model import Model
 from fricmodels.plugins import load
 from fricmodels.recording import Recording
 from fricmodels.rig import Rig
-from fricmodels.signals import lanczos_derivative
+from fricmodels.score.torque import filtered_torque_error
+from fricmodels.signals import lanczos_derivative, prepare
 from fricmodels.simulation import simulate
 
 Array = NDArray[np.float64]
@@ -159,3 +160,27 @@ def test_the_simulated_drive_leaves_what_the_effect_says(name: str) -> None:
     kept = np.convolve(~clear, np.ones(17), "same") == 0
     before, after = smooth(left)[kept], smooth(left - said)[kept]
     assert np.sum(after**2) < 0.15 * np.sum(before**2)
+
+
+def test_a_motor_that_is_pushed_at_rest_may_have_closed_its_gap() -> None:
+    """It stands in the gap after a move, as far as its samples tell, and is held by friction that only motor and load
+    have together: sensors do not see by how little the gap is open. More than both is an error all the same."""
+    rate, friction, whole = 500.0, 4.0, Drive(Model.parse("coulomb-viscous+backlash"), 4.5)
+    time = np.arange(round(4 * rate)) / rate
+    velocity = np.clip(0.68 - 1.7 * np.abs(time - 1.0), 0.0, None)  # its friction lets the load run on a little
+    own = {"K_v": 0.5, "K_c": friction, **values()}
+    moving = np.where(velocity > 0.0, 4.5 * np.gradient(velocity, time) + 0.5 * velocity + friction, 0.0)
+
+    def at_rest(pushed: float) -> Array:
+        torque = np.where(time > 2.5, pushed, moving)
+        recording = Recording(
+            "made", Motion.ROTARY, {"time": time, "torque": torque, "velocity": velocity}, np.zeros(len(time), np.int64)
+        )
+        ready = prepare(recording)
+        states = whole.states(ready, whole.split(own)[1])
+        assert 0.0 < abs(states[0][-1]) < 0.5 * WIDTH, "it stands within the gap"
+        return filtered_torque_error(whole, own, ready)[time > 3.0]
+
+    in_gap = friction - J_L * BRAKING
+    assert np.all(at_rest(0.5 * (in_gap + friction)) == 0.0)
+    np.testing.assert_allclose(at_rest(friction + 1.0), 1.0, atol=1e-9)

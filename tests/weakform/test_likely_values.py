@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from fricmodels.weakform.inference import NORMAL_95
-from fricmodels.weakform.likely_values import likely_error
+from fricmodels.weakform.likely_values import likely_error, likely_points
 
 UNBOUNDED = (-math.inf, math.inf)
 
@@ -43,3 +43,32 @@ def test_bounds_and_the_further_side_count() -> None:
     assert likely_error(cost, 1.0, 0.01, UNBOUNDED, count) == pytest.approx(0.1, rel=0.05)
     assert likely_error(cost, 1.0, 0.01, (0.5, 1.05), count) == pytest.approx(0.05 / NORMAL_95, rel=0.1)
     assert likely_error(lambda p: count if p == 1.0 else np.inf, 1.0, 0.01, UNBOUNDED, count) == 0.0
+
+
+def test_what_parameters_do_together_is_seen() -> None:
+    """Of three only two products are known to a hundredth: alone each is, together each goes as far as x² allows."""
+    count, error = 400.0, 0.01
+
+    def cost(point: tuple[float, ...]) -> float:
+        x, y, z = np.log(np.array(point))
+        return float(count + ((x + y) / error) ** 2 + ((y + z) / error) ** 2 + (x / 0.3) ** 2)
+
+    begin = (1.0, 1.0, 1.0)
+    alone = likely_error(lambda p: cost((p, 1.0, 1.0)), 1.0, error, UNBOUNDED, count)
+    assert alone < 1.1 * error
+    found = likely_points(cost, begin, [(0.0, math.inf)] * 3, [0.0] * 3, count, 1000)
+    assert all(cost(point) <= cost(begin) * (1.0 + NORMAL_95**2 / count) for point in found)
+    furthest = np.abs(np.log(np.array(found))).max(axis=0)
+    assert np.all(furthest > 3.0 * NORMAL_95 * error)
+    assert np.all(furthest <= 1.05 * NORMAL_95 * 0.3)
+
+
+def test_what_stays_is_not_moved_and_bounds_hold() -> None:
+    def cost(point: tuple[float, ...]) -> float:
+        return 100.0 + (point[0] - 1.0) ** 2 + abs(point[1])
+
+    found = likely_points(cost, (1.0, 5.0, 2.0), [(0.5, 1.25), (0.0, 9.0), (-1.0, 1.0)], [0.0, -1.0, -1.0], 100.0, 10)
+    assert {point[1:] for point in found} == {(5.0, 2.0)}
+    assert min(point[0] for point in found) == 0.5
+    assert max(point[0] for point in found) == 1.25
+    assert likely_points(cost, (1.0, 5.0), [(0.5, 1.25), (0.0, 9.0)], [-1.0, -1.0], 100.0, 10) == []

@@ -91,8 +91,8 @@ class Backlash(Effect):
         meaning="share by which the load's dry friction is more forward and less backward, or a constant torque on it",
         scan=(0.0,),
     )
-    x = State("x", unit="rad", meaning="twist between motor and load, 0 where it is not known")
-    v = State("v", unit="rad/s", meaning="rate of twist")
+    x = State("x", unit="rad", meaning="twist between motor and load, 0 where it is not known", unknown_at_rest=True)
+    v = State("v", unit="rad/s", meaning="rate of twist", unknown_at_rest=True)
 
     def torque(self, s: Signals, p: Parameters) -> Expression:
         """Return what is missing within the gap, and the blow at its end."""

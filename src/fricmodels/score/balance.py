@@ -37,6 +37,7 @@ from numpy.typing import NDArray
 
 from fricmodels.drive import Drive
 from fricmodels.recording import Recording
+from fricmodels.score.holding import holding_interval
 from fricmodels.score.noise import noise_like
 from fricmodels.score.torque import friction_moments, moments, of_acceleration, torque_error
 
@@ -179,7 +180,7 @@ def balances(drive: Drive, values: Mapping[str, float], prepared: Recording) -> 
         balance = _balance(part, one.time, applied, inertia * prepared[of][part], friction, of)
         del friction
         if rest[part].any():
-            below, above = drive.sticking_interval(one, values, states=memory)
+            below, above = holding_interval(drive, one, values, memory)
             balance.at_samples[rest[part]] = (applied - np.clip(applied, below, above))[rest[part]]
             del below, above
         del applied

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from fricmodels.drive import Drive
 from fricmodels.recording import Recording
+from fricmodels.score.holding import holding_interval
 from fricmodels.score.sampling import about_reversals, slowest_certain, without_shift
 from fricmodels.signals.rest import once
 
@@ -53,7 +54,7 @@ def _friction(drive: Drive, values: Mapping[str, float], prepared: Recording, ne
     friction = drive.friction(prepared, values)
     rest = resting(prepared)
     if rest.any():
-        least, greatest = drive.sticking_interval(prepared, values)
+        least, greatest = holding_interval(drive, prepared, values)
         friction[rest] = np.clip(needed[rest], least[rest], greatest[rest])
     return friction
 
@@ -217,12 +218,14 @@ def _moments_of(
     velocity = one.velocity
     at = drive.friction(one, values, states=states)
     below, above = drive.sticking_interval(one, values, states=states)
+    least_held, most_held = holding_interval(drive, one, values, states, (below, above))
     inertial = of_acceleration(drive, values)
     if inertial:
-        at, below, above = (torque - inertial * one["acceleration"] for torque in (at, below, above))
-    low, high = np.where(velocity == 0, below, at), np.where(velocity == 0, above, at)
+        whole = (at, below, above, least_held, most_held)
+        at, below, above, least_held, most_held = (torque - inertial * one["acceleration"] for torque in whole)
+    low, high = np.where(velocity == 0, least_held, at), np.where(velocity == 0, most_held, at)
     applied = one.driving_torque
-    holding = np.clip(applied, below, above)
+    holding = np.clip(applied, least_held, most_held)
     first, last = velocity[:-1], velocity[1:]
     passes = (first * last < 0) & ~rest[:-1] & ~rest[1:]
     leaving, entering = np.where(first > 0, above[:-1], below[:-1]), np.where(first > 0, below[1:], above[1:])

@@ -7,21 +7,31 @@ those that leave hardly more than the estimate,
 .. math:: \frac{\nu}{f} \Bigl(\frac{S(p)}{S(\hat p)} - 1\Bigr) \le 1.96^2,
 
 with all other nonlinear parameters as they are and the best linear ones; ν and f as in :mod:`.instants`. Where the
-error is smooth they reach no further than 1.96 standard errors.
+error is smooth they reach no further than 1.96 standard errors. Of more than two nonlinear parameters any may be
+another at once, see :func:`likely_points`.
 
 Source: likelihood ratios, as D. M. Bates, D. G. Watts, Nonlinear Regression Analysis (1988), §6.1.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import math
+from collections.abc import Callable, Sequence
 
+import numpy as np
+
+from fricmodels.arrays import Array
 from fricmodels.weakform.inference import NORMAL_95
+from fricmodels.weakform.optimise import Point
 
 _DOUBLINGS, _MISSES, _HALVINGS = 30, 3, 5
 """Steps that double, how many may be unlikely one after the other, and by how many halvings the last one is refined."""
 _FURTHEST = 10.0
 """Times the value beyond which nothing is tried."""
+_POPULATION, _GENERATIONS, _SAMPLES = 20, 25, 50_000
+"""Members of a population, and how often it is renewed where a recording has no more than so many samples."""
+_APART, _SPREAD = 1.2, 0.4
+"""How far it may go, in logarithms, and its first standard deviation, as a share of that."""
 _LEAST = 1e-6
 """First step, as a share of the value, where there is no standard error."""
 
@@ -45,6 +55,52 @@ def likely_error(
     first = error or _LEAST * abs(value)
     furthest = (_furthest(is_likely, side * first, _FURTHEST * abs(value)) for side in (-1.0, 1.0))
     return max(furthest) / NORMAL_95
+
+
+def likely_points(
+    cost: Callable[[Point], float],
+    point: Point,
+    bounds: Sequence[tuple[float, float]],
+    reach: Sequence[float],
+    certain: float,
+    samples: int,
+) -> list[Point]:
+    """Return the outermost of the likely points that a population meets which begins about the estimate.
+
+    With one parameter moved at a time neither what two of them do together is seen, nor another valley.
+
+    Source: R. Storn, K. Price, "Differential evolution", J. Global Optimization 11 (1997); all likely costs are alike.
+
+    Args:
+        cost: squared error at a point.
+        point: the estimate.
+        bounds: of each parameter.
+        reach: how far to look: a difference, or 0 for a logarithm by :data:`_APART`, or a negative one for not at all.
+        certain: ν / f.
+        samples: of the recording; a long one is given fewer generations.
+    """
+    from scipy.optimize import differential_evolution
+
+    free = [i for i, far in enumerate(reach) if far >= 0.0]
+    found, most = [point], cost(point) * (1.0 + NORMAL_95**2 / certain)
+
+    def left(moved: Array) -> float:
+        tried = list(point)
+        for i, by in zip(free, moved.tolist(), strict=True):
+            tried[i] = min(max(point[i] + by if reach[i] else point[i] * math.exp(by), bounds[i][0]), bounds[i][1])
+        here = cost(tuple(tried))
+        if here <= most:
+            found.append(tuple(tried))
+        return max(here, most)
+
+    if free:
+        far = np.array([reach[i] or _APART for i in free])
+        begin = np.clip(_SPREAD * far * np.random.default_rng(0).standard_normal((_POPULATION, len(free))), -far, far)
+        begin[0] = 0.0
+        generations = max(round(_GENERATIONS * min(1.0, _SAMPLES / samples)), 1)
+        sides = list(zip((-far).tolist(), far.tolist(), strict=True))
+        differential_evolution(left, sides, init=begin, maxiter=generations, rng=0, polish=False, tol=0.0, atol=-1.0)
+    return list({end(found, key=lambda one: one[i]) for i in free for end in (min, max)})
 
 
 def _furthest(is_likely: Callable[[float], bool], first: float, end: float) -> float:

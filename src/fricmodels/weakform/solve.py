@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Hashable, Mapping, Sequence
+from collections.abc import Hashable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
@@ -15,15 +15,18 @@ from fricmodels.weakform.equations import projection
 from fricmodels.weakform.inference import NORMAL_95, at_least, covariance, covariance_once
 from fricmodels.weakform.instants import likely_instants
 from fricmodels.weakform.least_squares import NormalEquations
-from fricmodels.weakform.likely_values import likely_error
+from fricmodels.weakform.likely_values import likely_error, likely_points
 from fricmodels.weakform.nonlinear import Plan
+from fricmodels.weakform.optimise import Point
 from fricmodels.weakform.problem import WeakFormProblem
 from fricmodels.weakform.staircase import scatter_of_steps
 from fricmodels.weakform.stepwise import by_steps, to_the_end
-from fricmodels.weakform.variable_projection import THINNED, Solution, ranked
+from fricmodels.weakform.variable_projection import THINNED, Projection, Solution, ranked
 
 Array = NDArray[np.float64]
 
+_FEW, _SIGNED = 2, 0.25
+"""Of more nonlinear parameters than these likely ones are sought together, those of either sign so far away."""
 _NEARLY_ALL, _MUCH_MORE = 0.9, 2.0
 """Share of the rows that two sets have in common, to tell which start leaves least of either, and how many times as
 much the next best start must leave."""
@@ -258,7 +261,32 @@ class Solved:
 
             bounds, error = (p.declared.lower, p.declared.upper), math.sqrt(max(wanted[i], 0.0))
             wanted[i] = max(wanted[i], likely_error(cost, float(alpha[own]), error, bounds, self._certain) ** 2)
+        for fit in self._likely_elsewhere(least_squares):
+            wanted = np.maximum(wanted, ((fit.values - self.values) / NORMAL_95) ** 2)
         return at_least(result, np.diag(wanted))
+
+    def _likely_elsewhere(self, least_squares: Projection) -> Iterator[Solved]:
+        """Yield the fits at the outermost likely nonlinear parameters, where more than two of them trade."""
+        alpha = self.solution.alpha
+        if len(alpha) <= _FEW:
+            return
+        nonlinear = [p for p in self.problem.drive.parameters if not p.linear]
+        bounds = [(p.declared.lower, p.declared.upper) for p in nonlinear]
+        stays = [
+            p.key in self.plan.held or p.declared.constant or p.declared.periodic or p.declared.instant
+            for p in nonlinear
+        ]
+        reach = [
+            -1.0 if still else 0.0 if p.declared.lower >= 0.0 else _SIGNED
+            for p, still in zip(nonlinear, stays, strict=True)
+        ]
+
+        def cost(point: Point) -> float:
+            return least_squares.cost_beside(np.array(point))
+
+        samples = len(self.problem.recording)
+        for point in likely_points(cost, tuple(alpha.tolist()), bounds, reach, self._certain, samples):
+            yield replace(self, solution=least_squares.at(np.array(point)))
 
     @property
     def standard_errors(self) -> dict[str, float]:

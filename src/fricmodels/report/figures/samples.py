@@ -16,6 +16,7 @@ from fricmodels.dimension import FORCE, Motion
 from fricmodels.processes import give_back
 from fricmodels.recording import RUN, Recording
 from fricmodels.report.figures.style import label, unit_of, words
+from fricmodels.score.holding import holding_interval
 
 if TYPE_CHECKING:
     from fricmodels.diagnosis.comparison import Comparison
@@ -184,7 +185,7 @@ class Samples:
         friction = drive.friction(moving, self.parameters)
         if self.resting.any():
             still = self.resting
-            least, greatest = (limit[still] for limit in drive.sticking_interval(moving, self.parameters))
+            least, greatest = (limit[still] for limit in holding_interval(drive, moving, self.parameters))
             friction[still] = np.clip(moving.driving_torque[still], least, greatest)
         return friction
 
