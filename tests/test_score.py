@@ -95,6 +95,20 @@ def test_at_rest_only_what_lies_outside_the_sticking_interval_counts() -> None:
     assert np.max(np.abs(filtered_torque_error(drive(), TRUE, at_rest, 1) - expected)) < 2e-5
 
 
+def test_smoothing_does_not_turn_the_direction_of_a_creeping_drive() -> None:
+    """It creeps at 0.01 rad/s and is then driven on: over 79 samples a parabola lies below zero before the bend."""
+    rate, noise = 500.0, np.random.default_rng(0)
+    time = np.arange(round(2 * rate)) / rate
+    phase = np.clip(27.0 * (time - 1.0), 0.0, np.pi)
+    velocity, acceleration = 0.01 + 1.3 * (1.0 - np.cos(phase)), 1.3 * 27.0 * np.sin(phase)
+    torque = 0.35 * acceleration + 3.0 * velocity + 4.0
+    channels = {"time": time, "torque": torque, "velocity": velocity + 0.001 * noise.standard_normal(len(time))}
+    made = Recording("creeps", Motion.ROTARY, channels, np.zeros(len(time), dtype=np.int64))
+    whole, values = Drive(Model.parse("coulomb-viscous"), 0.35), {"K_v": 3.0, "K_c": 4.0}
+    error = filtered_torque_error(whole, values, made, 39)
+    assert np.max(np.abs(error)) < 0.1
+
+
 def test_percentages_do_not_depend_on_the_units_or_the_time_of_start() -> None:
     r = recording(noise=5)
     reference = score(drive(), fit_of(TRUE), prepare(r), measure="paper").rms_torque_error_percent
