@@ -11,8 +11,9 @@ from numpy.typing import NDArray
 from fricmodels.diagnosis.history import MotionHistory
 from fricmodels.diagnosis.places import ALONG, Place
 from fricmodels.diagnosis.policy import Policy
-from fricmodels.diagnosis.sought_functions import jump, stretch, tents
+from fricmodels.diagnosis.sought_functions import frequency, in_time, jump, stretch, tents
 from fricmodels.recording import OTHER, RATE
+from fricmodels.results.words import LINE
 from fricmodels.signals import noise
 from fricmodels.weakform.problem import WeakFormProblem
 from fricmodels.weakform.regression import Regression
@@ -64,6 +65,9 @@ def basis_functions(problem: WeakFormProblem, regression: Regression, policy: Po
         name: partial(problem.integrated, name, partial(_integrals, problem, build)) for name, build in lasting.items()
     }
     found[JUMP] = partial(jump, problem, regression)
+    line, _ = frequency(problem, regression)
+    if line > 0.0:
+        found[f"{LINE} {line:.3g} Hz"] = partial(in_time, problem, line)
     if "position" in problem.recording:
         found[STRETCH] = partial(stretch, problem, regression, along=False)
         found[STRETCH_ALONG] = partial(stretch, problem, regression, along=True)
@@ -75,7 +79,12 @@ def basis_functions(problem: WeakFormProblem, regression: Regression, policy: Po
 def terms(name: str, columns: Array) -> int:
     """Return the number of a set's columns, and of the instants or wave numbers that were sought beside them."""
     waves = (len(columns) + 1) // 2 if name in OF_WAVES else 0
-    return len(columns) + waves + (name == JUMP)
+    return len(columns) + waves + (name == JUMP or name.startswith(LINE))
+
+
+def chances(name: str, problem: WeakFormProblem, regression: Regression) -> int:
+    """Return among how many frequencies the one of a set was sought; 1 where none was."""
+    return frequency(problem, regression)[1] if name.startswith(LINE) else 1
 
 
 def hats_within(problem: WeakFormProblem, place: Place) -> Array:

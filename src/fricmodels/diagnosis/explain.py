@@ -12,6 +12,7 @@ from fricmodels.diagnosis.predictability import AUTOREGRESSIVE
 from fricmodels.diagnosis.ripple import FastRipple
 from fricmodels.dimension import Motion
 from fricmodels.results.words import (
+    LINE,
     SAMPLING,
     about_noise,
     chance_in_words,
@@ -186,5 +187,10 @@ def _predicted(diagnosis: Diagnosis) -> str:
         return (
             f"It lasts or rings: it can be predicted from {view.channels} {falls}, but from no recorded channel. Look "
             "for what was not recorded: another joint, a temperature, a load."
+        )
+    if view.channels.startswith(LINE):
+        return (
+            f"It comes and goes in {view.channels}, whatever the drive does {falls}: a pump, a fan or another machine "
+            "does so, and no friction."
         )
     return f"It can be predicted from {view.channels} {falls}."

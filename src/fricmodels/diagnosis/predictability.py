@@ -13,7 +13,7 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from fricmodels.diagnosis.basis_functions import TORQUE_PAST, TORQUE_RATE, basis_functions, terms
+from fricmodels.diagnosis.basis_functions import TORQUE_PAST, TORQUE_RATE, basis_functions, chances, terms
 from fricmodels.diagnosis.candidate_tests import CandidateTests, beside_inertia, is_noise
 from fricmodels.progress import each
 from fricmodels.weakform.problem import WeakFormProblem
@@ -76,12 +76,13 @@ def each_predictor(result: CandidateTests, first: Sequence[str] = ()) -> Iterato
             shift = result.policy.within_sampling * problem.recording.interval
             if channels == TORQUE_RATE and np.all(np.abs(evidence.coefficients) <= shift):  # these are times
                 continue
+            tried = len(every) * chances(channels, problem, regression)
             yield ChannelPredictor(
                 channels,
                 evidence,
-                float(np.clip(evidence.p_value * len(every), LEAST_P, 1.0)),
+                float(np.clip(evidence.p_value * tried, LEAST_P, 1.0)),
                 columns[chosen],
-                len(every),
+                tried,
             )
 
 

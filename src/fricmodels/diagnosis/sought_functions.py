@@ -1,7 +1,8 @@
 """Basis functions at an instant or a place that is sought: where they explain most of a residual.
 
 They are the plainest other forms that an effect of the time or of the position may be taken for: a friction that
-changes at once, not steadily, and a torque or a friction that is there in one stretch of the way, and not as a wave.
+changes at once, not steadily, a torque or a friction that is there in one stretch of the way, and not as a wave, and a
+torque that comes and goes in time, as that of a pump, whatever the drive does.
 """
 
 from __future__ import annotations
@@ -13,12 +14,17 @@ from numpy.typing import NDArray
 
 from fricmodels.weakform.problem import WeakFormProblem
 from fricmodels.weakform.regression import Regression
+from fricmodels.weakform.repeats import period_of
 
 Array = NDArray[np.float64]
 
 _INSTANTS = 31
+_TURNS, _PADDED = 8, 4
+"""Periods within the record from which on a frequency is sought, and how much finer than its resolution."""
 _KNOTS = 48
 """Places over the way at which a stretch may begin or end, as many samples between each two."""
+_LONGEST = 64
+"""Times as many places as rows beyond which a record is mostly gaps."""
 _AS_GOOD = 1.0 - 1e-6
 _LEAST_LEFT = 1e-6
 """Squared share of a column, of what the model leaves of it, below which it is in the model."""
@@ -48,6 +54,44 @@ def jump(problem: WeakFormProblem, regression: Regression) -> Array:
     every = [problem.integrated(("jump", t), partial(at, t)) for t in instants.tolist()]
     gains = [regression.explained(columns, -limit, limit)[0] for columns in every]
     return every[int(np.argmax(gains))]
+
+
+def frequency(problem: WeakFormProblem, regression: Regression) -> tuple[float, int]:
+    """Return the frequency [Hz] at which a residual has most power, and among how many; 0 where none can be told.
+
+    Not those at which the motion itself repeats: what a model gets wrong of it has these, whatever is missing. Rows are
+    a fraction of a bump apart, so that the highest one is the reciprocal of two of their distances.
+    """
+    from scipy.fft import next_fast_len, rfft
+
+    recording, step = problem.recording, problem.bumps.hop * problem.recording.interval
+    time = recording.time[np.clip(problem.centre, 0, len(recording) - 1)]
+    place = np.rint((time - time[0]) / step).astype(np.int64)
+    count = int(place[-1]) + 1 if len(place) else 0
+    if count < 2 * _TURNS or count > _LONGEST * len(place) or np.any(place < 0):
+        return 0.0, 0
+    values = np.bincount(place, weights=regression.residual, minlength=count)
+    size = next_fast_len(_PADDED * count, real=True)
+    power = np.abs(rfft(values, size)) ** 2
+    each = np.arange(len(power)) / (size * step)
+    possible = each >= _TURNS / (count * step)
+    period = period_of(recording)
+    if period is not None:
+        turns = each * period
+        possible &= np.abs(turns - np.rint(turns)) > period / (count * step)
+    if not possible.any():
+        return 0.0, 0
+    best = int(np.argmax(np.where(possible, power, 0.0)))
+    sides = power[max(best - 1, 0) : best + 2]
+    bend = sides[0] - 2.0 * sides[1] + sides[-1] if 0 < best < len(power) - 1 else 0.0
+    between = 0.5 * (sides[0] - sides[-1]) / bend if bend < 0.0 else 0.0
+    return (best + between) / (size * step), int(possible.sum()) // _PADDED
+
+
+def in_time(problem: WeakFormProblem, frequency: float) -> Array:
+    """Return the cosine and the sine of the time at a frequency [Hz], as integrals, shape (2, rows)."""
+    phase = 2.0 * np.pi * frequency * problem.quadrature.recording.time
+    return problem.integrals(np.vstack([np.cos(phase), np.sin(phase)]))
 
 
 def stretch(problem: WeakFormProblem, regression: Regression, *, along: bool) -> Array:

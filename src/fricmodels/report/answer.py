@@ -14,7 +14,7 @@ from fricmodels.dimension import Motion
 from fricmodels.readers.columns import STANDARD
 from fricmodels.report.reliability import ONE_SINE, RECORDS
 from fricmodels.report.wording import counted, listed, listed_classes, noise_alone, percent, small
-from fricmodels.results.words import SAMPLING, figures, form, predictor
+from fricmodels.results.words import LINE, SAMPLING, figures, form, predictor
 from fricmodels.score.bands import averaged
 
 if TYPE_CHECKING:
@@ -221,6 +221,8 @@ def _remains(data: DiagnosisDocument) -> str:
             noise = f"of which noise makes {of_noise(data)}"
             if _within_noise(data):
                 noise = f"no more than the {percent(floor)} that noise was estimated to leave"
+            elif last is not None and floor is not None and last <= floor:
+                noise = f"as much as noise makes ({of_noise(data)})"
             return f"{percent(last)}, {noise}; {why}"
         return ""
     size = f"{percent(rest.percent)} of the motor {data.quantity} beyond noise ({form(rest.SI, '.2g')} {data.unit} RMS)"
@@ -229,7 +231,7 @@ def _remains(data: DiagnosisDocument) -> str:
     shown = f", predicted from {predictor(rest.channel)}" if rest.channel else ", predicted from no recorded channel"
     where = _MINUS.sub("−", rest.where)
     place = f"; largest {where}" if rest.place else f"; {where}" if where else ""
-    return f"{size}{shown}{place}."
+    return f"{size}{shown}{', whatever the drive does' if rest.channel.startswith(LINE) else ''}{place}."
 
 
 def _next(data: DiagnosisDocument, options: Sequence[str]) -> tuple[str, str]:
@@ -246,6 +248,10 @@ def _next(data: DiagnosisDocument, options: Sequence[str]) -> tuple[str, str]:
     if data.effects and not improved:
         text = "Add what is missing, refit, and see whether more is:"
         return text, command_line(data, "improve", data.model, options)
+    if rest is not None and rest.channel.startswith(LINE):
+        often = rest.channel.removeprefix(LINE).strip()
+        text = f"Find what goes at {often} (a pump, a fan, another machine), and record it or stop it. To see it:"
+        return text, command_line(data, "compare", model, [*_common(options), "--report", "error.html"])
     if rest is not None:
         here = data.ladder[-1].held_out_rms_percent
         near = [(one.held_out_percent, one) for one in rest.nearest]

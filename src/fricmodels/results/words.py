@@ -50,6 +50,8 @@ def predictor(channel: str) -> str:
 
 LEAST_CHANCE = 1e-6
 """Probability below which its number means nothing."""
+LINE = "time, at"
+"""Begins the name of a torque that comes and goes in time: "time, at 1.7 Hz"."""
 ALONG = "along the motion"
 """How a diagnosis says that an error turns its sign with the motion."""
 _MEANT = {"finely": "with many waves", ALONG: "turning its sign with the motion"}

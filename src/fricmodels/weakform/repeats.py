@@ -45,10 +45,12 @@ class Phase:
     Attributes:
         time: since the beginning of what repeats [s], shape (N,).
         motion: number of the motion, alike where the same motion repeats, shape (N,).
+        period: of a motion that repeats within a run [s]; ``None`` where runs alone repeat.
     """
 
     time: Array
     motion: Index
+    period: float | None
 
 
 @dataclass(frozen=True)
@@ -85,6 +87,12 @@ def parts_of(recording: Recording, centre: Index, width: float) -> Index | None:
     return np.asarray(part, dtype=np.int64)
 
 
+def period_of(recording: Recording) -> float | None:
+    """Return the period [s] of a motion that repeats within a run; ``None`` where it does not."""
+    phase = phase_of(recording)
+    return None if phase is None else phase.period
+
+
 @once
 def phase_of(recording: Recording) -> Phase | None:
     """Return when within what repeats each sample was taken; ``None`` where no motion repeats.
@@ -112,7 +120,9 @@ def phase_of(recording: Recording) -> Phase | None:
             seen.append(profile)
         time[run] = own if period is None else np.mod(own + shift * period / len(profile) * step, period * step)
         motion[run] = number
-    return None if period is None and len(seen) == len(runs) else Phase(time, motion)
+    if period is None and len(seen) == len(runs):
+        return None
+    return Phase(time, motion, None if period is None else period * step)
 
 
 def _course(time: Array, velocity: Array, step: float) -> _Course:
