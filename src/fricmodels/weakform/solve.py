@@ -266,20 +266,17 @@ class Solved:
         return at_least(result, np.diag(wanted))
 
     def _likely_elsewhere(self, least_squares: Projection) -> Iterator[Solved]:
-        """Yield the fits at the outermost likely nonlinear parameters, where more than two of them trade."""
-        alpha = self.solution.alpha
-        if len(alpha) <= _FEW:
+        """Yield the fits at the outermost likely parameters of terms with memory, where more than two of them trade."""
+        alpha, drive = self.solution.alpha, self.problem.drive
+        memories = tuple(f"{effect.name}." for effect in drive.model.effects if effect.states)
+        nonlinear = [p for p in drive.parameters if not p.linear]
+        reach = [0.0 if p.declared.lower >= 0.0 else _SIGNED for p in nonlinear]
+        for i, p in enumerate(nonlinear):
+            if p.key in self.plan.held or p.declared.constant or not p.key.startswith(memories):
+                reach[i] = -1.0
+        if sum(far >= 0.0 for far in reach) <= _FEW:
             return
-        nonlinear = [p for p in self.problem.drive.parameters if not p.linear]
         bounds = [(p.declared.lower, p.declared.upper) for p in nonlinear]
-        stays = [
-            p.key in self.plan.held or p.declared.constant or p.declared.periodic or p.declared.instant
-            for p in nonlinear
-        ]
-        reach = [
-            -1.0 if still else 0.0 if p.declared.lower >= 0.0 else _SIGNED
-            for p, still in zip(nonlinear, stays, strict=True)
-        ]
 
         def cost(point: Point) -> float:
             return least_squares.cost_beside(np.array(point))
