@@ -172,7 +172,7 @@ def test_export_refits_to_the_recording(room: Path, capsys: pytest.CaptureFixtur
     [
         (["compare", "{data}", "--model", "no.model.json"], "no such file"),
         (["compare", "{data}", "--model", "coulomb-viscous", "--fixed"], "--fixed"),
-        (["compare", "{data}", "--model", "{file}", "--linear"], "force"),
+        (["compare", "{data}", "--model", "{file}", "--linear"], "columns of a rotary drive; leave out --linear"),
         (["export", "no.model.json", "--to", "c"], "no such file"),
         (["export", "{file}", "--to", "cpp"], "unknown target"),
         (["export", "{file}", "--to", "mjcf", "--into", "no.xml"], "no such file"),

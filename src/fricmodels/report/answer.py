@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Literal
 
 from fricmodels.diagnosis.policy import POLICY
 from fricmodels.dimension import Motion
-from fricmodels.readers.columns import STANDARD
+from fricmodels.readers.standard_names import STANDARD
 from fricmodels.report.reliability import ONE_SINE, RECORDS
 from fricmodels.report.wording import counted, listed, listed_classes, noise_alone, percent, small
 from fricmodels.results.words import SAMPLING, figures, form, predictor
