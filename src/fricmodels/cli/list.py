@@ -66,12 +66,13 @@ def _parameters(cls: Any, motion: Motion) -> str:
 
 def _datasets(config: Path | None) -> list[list[str]]:
     from fricmodels.errors import InputError
-    from fricmodels.tournament import load_config
+    from fricmodels.tournament.config import read_config
     from fricmodels.tournament.sources import sources
 
     if config is None:
         raise InputError("to list data sets, say of which tournament: fricmodels list datasets --config CONFIG.yaml")
-    listed, _ = sources(load_config(config), config.parent)
+    read, document = read_config(config)
+    listed, _ = sources(read, config.parent, document)
     first: dict[str, int] = {}
     counts: dict[str, int] = {}
     for number in range(len(listed)):

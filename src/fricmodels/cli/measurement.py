@@ -49,7 +49,9 @@ TorqueConstant = Annotated[
 ]
 Format = Annotated[str | None, typer.Option("--reader", help="Read the file as this format.")]
 Linear = Annotated[bool, typer.Option("--linear", help="A linear axis: forces and metres.")]
-Out = Annotated[Path | None, typer.Option("--out", metavar="DIR", help="Write the result as JSON there.")]
+Out = Annotated[
+    Path | None, typer.Option("--out", metavar="DIR", help="Write the results there: JSON, of compare overlay.csv.")
+]
 Trust = Annotated[
     bool, typer.Option("--trust", help="Go on with a recording whose units, signs or columns look wrong.")
 ]

@@ -80,6 +80,7 @@ def _facts(comparison: Comparison) -> dict[str, Any]:
         ),
         "parameters": dict(estimate.parameters),
         "standard_errors": dict(estimate.standard_errors),
+        "held": drive.model.known.fixed,
         "rms_torque_error": facts.TorqueError(
             SI=errors.SI,
             percent=errors.percent,

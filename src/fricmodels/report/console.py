@@ -6,8 +6,9 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from fricmodels.diagnosis.document import comparison_document, document
+from fricmodels.diagnosis.errors_table import sampled
 from fricmodels.diagnosis.ladder import added
-from fricmodels.diagnosis.present import change, sampled, say, show_overlay, show_parameters
+from fricmodels.diagnosis.present import change, say, show_overlay, show_parameters
 from fricmodels.errors import InputError
 from fricmodels.report.answer import Answer, answer, comparison_words
 from fricmodels.report.captions import where_words

@@ -257,12 +257,17 @@ def load_config(path: str | Path) -> Config:
     Raises:
         InputError: in one line, naming file, line and key, and the nearest right name.
     """
+    return read_config(path)[0]
+
+
+def read_config(path: str | Path) -> tuple[Config, Document]:
+    """Read a tournament as :func:`load_config` does; return its file too, by which later errors name lines."""
     document = read_yaml(path)
     config = validate(document, Config)
     _check_models(config, document)
     _check_estimators(config, document)
     _check_simulations(config, document)
-    return config
+    return config, document
 
 
 def _check_models(config: Config, document: Document) -> None:
