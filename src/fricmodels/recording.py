@@ -354,3 +354,19 @@ class Recording(Displayed):
             digest.update(np.ascontiguousarray(self.channels[name], dtype="<f8").tobytes())
         digest.update(np.ascontiguousarray(self.run, dtype="<i8").tobytes())
         return digest.hexdigest()
+
+
+def check_recording(given: object) -> None:
+    """Refuse what is no recording, such as the name of its file.
+
+    Raises:
+        InputError: saying how a file is read.
+    """
+    if isinstance(given, Recording):
+        return
+    from os import PathLike
+
+    way_out = f"read the file first: fricmodels.read({str(given)!r})" if isinstance(given, str | PathLike) else ""
+    raise InputError(
+        f"a recording is wanted, got {type(given).__name__}; {way_out or 'fricmodels.read(FILE) gives one'}"
+    )

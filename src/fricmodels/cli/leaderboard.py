@@ -64,7 +64,7 @@ def _so_far(run: Path) -> Leaderboard:
 
     with Store(run) as store:
         board = Leaderboard.ranked(as_shown(row) for row in store.rows())
-    warn([f"{run}: the run was stopped; this is the part of {len(board.rows)} fits that are kept. The same "
+    warn([f"{run}: the run was stopped; this is the part that is kept, fits: {len(board.rows)}. The same "
           f"'fricmodels run' goes on from there"])  # fmt: skip
     return board
 

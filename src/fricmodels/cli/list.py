@@ -35,8 +35,11 @@ def command(
     from fricmodels import plugins
     from fricmodels.cli.printing import print_table, warn
     from fricmodels.dimension import Motion
+    from fricmodels.errors import InputError
     from fricmodels.export.columns import Column
 
+    if config is not None and kind is not Kind.DATASETS:
+        raise InputError(f"--config goes with 'list datasets'; leave it out to list {kind.value}")
     registered = plugins.load()
     warn(registered.failures)
     motion = Motion.LINEAR if linear else Motion.ROTARY

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from fricmodels.cli.motion import ControllerFile, Horizon, Score, ScoreOption, check_score, loop_of
+from fricmodels.cli.quantities import inertia as inertia_of
 from fricmodels.gaps import Gaps
 
 if TYPE_CHECKING:
@@ -34,7 +35,12 @@ ModelName = Annotated[
 Fixed = Annotated[bool, typer.Option("--fixed", help="Hold the numbers of a model's file: fit nothing.")]
 Inertia = Annotated[
     float | None,
-    typer.Option("--inertia", help="Inertia [kg m²], or mass [kg] of a linear axis; estimated if left out."),
+    typer.Option(
+        "--inertia",
+        parser=inertia_of,
+        metavar="J",
+        help="Inertia [kg m²], or mass [kg] of a linear axis; estimated if left out.",
+    ),
 ]
 Column = Annotated[
     list[str] | None,

@@ -130,8 +130,15 @@ def _beyond_sampling(diagnosis: Diagnosis) -> float | None:
 
 
 def _candidates(diagnosis: Diagnosis) -> tuple[typed.Candidate, ...]:
-    """Return every effect that was tested on the given model, the one with the least error on held-out blocks first."""
-    passing = {tested.name for tested in diagnosis.passing}
+    """Return every effect that was tested on the given model, the one with the least error on held-out blocks first.
+
+    What was found beside a law that keeps its bounds is one of them.
+    """
+    if diagnosis.result is None:
+        return ()
+    found = [finding.tested for finding in diagnosis.findings]
+    passing = {tested.name for tested in (*diagnosis.passing, *found)}
+    others = [tested for tested in diagnosis.result.tested if tested.name not in {one.name for one in found}]
     return tuple(
         typed.Candidate(
             name=tested.name,
@@ -140,7 +147,7 @@ def _candidates(diagnosis: Diagnosis) -> tuple[typed.Candidate, ...]:
             held_out_gain=tested.evidence.gain,
             gates=tested.name in passing,
         )
-        for tested in (() if diagnosis.result is None else diagnosis.result.tested)
+        for tested in sorted([*found, *others], key=lambda tested: -tested.evidence.gain)
     )
 
 

@@ -141,7 +141,8 @@ def _candidates(console: Console, data: DiagnosisDocument) -> None:
         Column("p, corrected", tuple(spoken(console, small(row.p_value)) for row in rows), True),
         Column("passes all tests", tuple("yes" if row.gates else "no" for row in rows)),
     ]
-    show_table(console, columns, f"The best of {len(data.candidates)} candidates, each by itself")
+    tried = len(data.candidates)
+    show_table(console, columns, f"The best of {tried} candidates, each by itself" if tried > 1 else "The candidate")
     console.print()
 
 
