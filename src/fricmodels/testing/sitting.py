@@ -118,12 +118,9 @@ def named(name: str) -> list[tuple[str, str]]:
         if reasons:
             raise InputError(reasons[0])
         known = {own for _, own, _ in entries} | {distribution for *_, distribution in entries}
-        near = (
-            suggestion(name, known)
-            if get_close_matches(name, known, cutoff=0.5)
-            else "; 'fricmodels plugins' lists all"
-        )
-        raise InputError(f"nothing is registered as '{name}'{near}")
+        near = get_close_matches(name, known, cutoff=0.5)
+        way_out = suggestion(name, known) if near else "; 'fricmodels list' and 'fricmodels plugins' show what is there"
+        raise InputError(f"nothing is registered as '{name}'{way_out}")
     return found
 
 
