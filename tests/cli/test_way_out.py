@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 import fricmodels
 from fricmodels.cli import main
+from fricmodels.cli.sums import said_of
+from fricmodels.compensation.present import motions_of
 from fricmodels.diagnosis.document import document
 from fricmodels.errors import InputError
 
@@ -112,7 +115,7 @@ def test_numbers_that_are_none(room):
 
 
 def test_what_is_found_is_one_of_the_candidates(room):
-    """What is found beside a law that keeps its bounds was not tested beside the given one, and was not in the table."""
+    """What is found beside a law that keeps its bounds was not tested beside the given one, and not in the table."""
     recording = fricmodels.read(room / "joint.csv")
     diagnosis = fricmodels.diagnose(recording, "coulomb-viscous", 1.8)
     name = diagnosis.findings[0].tested.name
@@ -120,3 +123,17 @@ def test_what_is_found_is_one_of_the_candidates(room):
     data = document(replace(diagnosis, result=replace(diagnosis.result, tested=others), passing=()))
     assert [row.name for row in data.candidates].count(name) == 1
     assert next(row for row in data.candidates if row.name == name).gates
+
+
+@pytest.mark.parametrize(("command", "says"), [("compare", "overlay.csv"), ("info", "is an error here too")])
+def test_help_says_what_is_so(capsys, command, says):
+    code, out, _ = call(capsys, command, "--help")
+    assert code == 0
+    assert says in " ".join(out.split())
+
+
+def test_one_is_no_plural():
+    assert said_of(SimpleNamespace(samples=9, files=[1])) == "9 samples in 1 file"
+    assert said_of(SimpleNamespace(samples=9, files=[1, 2])) == "9 samples in 2 files"
+    assert motions_of(SimpleNamespace(experiments=[1])) == "1 motion"
+    assert motions_of(SimpleNamespace(experiments=[1, 2])) == "2 motions"

@@ -53,13 +53,14 @@ def show(console: Console, studies: Sequence[Study], files: Sequence[str], seed:
         "RMS tracking error, in % of that without compensation",
     )
     console.print()
-    say(console, f"How sure: {_motions(studies[0])} of each drive; the true drive is the bound.")
+    say(console, f"How sure: {motions_of(studies[0])} of each drive; the true drive is the bound.")
     if studies[0].experiments[0].settings.at == "measured" and any(study.best.limit_cycle for study in studies):
         say(console, _BY_LOOP)
     say(console, "Next: one rig alone shows its figures in full; --out keeps them all.")
 
 
-def _motions(study: Study) -> str:
+def motions_of(study: Study) -> str:
+    """Say along how many motions a study tried a model."""
     count = len(study.experiments)
     return f"{count} motion{'s' * (count != 1)}"
 
@@ -87,7 +88,7 @@ def _show_one(console: Console, study: Study, file: str, seed: int | None) -> No
         if way.message:
             say(console, f"{_TITLES.get(way.name, way.name)}: not run: {way.message}.")
     share, least, most = study.best.over(study.way(NONE))
-    tried = _motions(study)
+    tried = motions_of(study)
     part = f"{_percent(least)} to {_percent(most)}" if len(study.experiments) > 1 else _percent(share)
     bound = study.way(TRUE).over(study.way(NONE))[0]
     say(
