@@ -48,6 +48,7 @@ R, L = Motion.ROTARY, Motion.LINEAR
         ("mmps", "velocity", L, 1.0, 1e-3),
         ("rad.s-1", "velocity", R, 1.0, 1.0),
         ("Grad", "position", R, 180.0, math.pi),
+        ("sec.", "time", R, 5.0, 5.0),
         ("C", "temperature", R, 20.0, 20.0),
     ],
 )

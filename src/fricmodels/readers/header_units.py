@@ -84,7 +84,7 @@ _NOTES = re.compile(
     r"""(measured|meas|actual|act|raw|filtered|filt|smoothed|estimated|est|estimate|calculated|calc|derived|simulated|
     ist|motor|motor\s?side|joint|joint\s?side|link|link\s?side|load|load\s?side|output|input|drive|axis|encoder|
     sensor|left|right|arm|main|feedback|fbk|utc|gmt|local|iso|iso\s?8601|h+:mm?:ss?(\.\w+)?|clock|abs|absolute|
-    relative|rel|\s|_|-|\d)+""",
+    relative|rel|value|signal|channel|ch|phase|\s|_|-|\d)+""",
     re.IGNORECASE | re.VERBOSE,
 )
 """What stands in brackets in a header and is no unit."""

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import re
 
+_ABBREVIATED = re.compile(r"^[^.]*[^\W\d_]\.$")
 _LONGEST = 80
 """Longer texts are no units."""
 _TURNS = re.compile(r"(?<![^\W\d_])(U|Umdr|Umdrehung|Umdrehungen|rev|revs|r|tr|giri|об)\.?(?=\s*/\s*(min|sec|s|мин)\b)")
@@ -47,6 +48,7 @@ def spelled(unit: str) -> str:
     if len(unit) > _LONGEST:
         return unit
     text = unit.strip()
+    text = text[:-1] if _ABBREVIATED.search(text) else text
     word = _WORDS.get(text.lower())
     if word is not None and not text.startswith("M"):
         return word
