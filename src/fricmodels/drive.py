@@ -54,8 +54,8 @@ class Drive:
     """
 
     def __init__(self, model: Model, inertia: float | None = None, motion: Motion = Motion.ROTARY) -> None:
-        if inertia is not None and not (inertia > 0 and math.isfinite(inertia)):
-            raise InputError(f"inertia must be positive and finite, got {inertia}; leave it out to have it estimated")
+        if inertia is not None and not (isinstance(inertia, int | float | np.number) and 0 < inertia < math.inf):
+            raise InputError(f"inertia must be positive and finite, got {inertia!r}; leave it out to have it estimated")
         self.model = model
         self.inertia = inertia
         self.motion = motion

@@ -106,6 +106,7 @@ class Model:
         """
         registered = plugins.load()
         law, *effects = (part.strip() for part in name.split("+"))
+        _check_kinds(registered, law, effects)
         return cls(registered.laws[law](), [_named(registered.effects, effect) for effect in effects])
 
     @classmethod
@@ -233,6 +234,17 @@ class Model:
 
     def __repr__(self) -> str:
         return f"<Model '{self.name}'>"
+
+
+def _check_kinds(registered: plugins.Plugins, law: str, effects: Sequence[str]) -> None:
+    """Refuse an effect in the place of the law, and a law in that of an effect."""
+    if law not in registered.laws and law.partition("(")[0] in registered.effects:
+        example = "+".join(["coulomb-viscous", law, *effects])
+        raise InputError(f"'{law}' is an effect, and a model begins with a law: write LAW+{law}, such as {example}")
+    for effect in effects:
+        if effect in registered.laws and effect not in registered.effects:
+            what = f"'{law}' stands twice" if effect == law else f"'{law}' and '{effect}' are two"
+            raise InputError(f"a model has one law, and {what}; leave one of them out")
 
 
 def _named(effects: plugins.Registry[Effect], written: str) -> Effect:

@@ -59,7 +59,9 @@ OTHER = "other."
 RATE = "rate of "
 """What the name of a signal begins with that is the rate of a further channel, as ``rate of other.j2_velocity``."""
 
-_FOUND_IN = {"run_numbers": None, "interval": "time", "peak_speed": "velocity"}
+_COUNTS = 1e-6
+"""Share of the sampling interval from which the rounding of stamps to floats counts."""
+_FOUND_IN = {"run_numbers": None, "interval": "time", "rounding_of_time": "time", "peak_speed": "velocity"}
 """What is found once of a recording, and the channel whose change changes it."""
 
 RUN = "run"
@@ -69,6 +71,12 @@ RUN = "run"
 def channel_of(signal: str) -> str:
     """Return the channel that measures a signal; a further channel measures itself."""
     return SIGNAL_CHANNEL.get(signal, signal)
+
+
+def word(channel: str, motion: Motion) -> str:
+    """Return what a channel is called in a sentence: the ``torque`` of a linear axis is a force."""
+    text = channel.replace("_", " ")
+    return text.replace("torque", "force") if motion is Motion.LINEAR else text
 
 
 @dataclass(frozen=True)
@@ -318,9 +326,19 @@ class Recording(Displayed):
 
     @cached_property
     def interval(self) -> float:
-        """Median sampling interval within runs [s]."""
+        """Median sampling interval within runs [s]; where stamps are rounded to floats that count, the mean of it."""
         steps = np.diff(self.time)[np.diff(self.run) == 0]
-        return float(np.median(steps)) if len(steps) else float("nan")
+        if not len(steps):
+            return float("nan")
+        middle, rounding = float(np.median(steps)), self.rounding_of_time
+        if rounding > _COUNTS * middle:
+            return float(np.mean(steps[np.abs(steps - middle) <= 2.0 * rounding]))
+        return middle
+
+    @cached_property
+    def rounding_of_time(self) -> float:
+        """Distance of two floats at the largest time stamp [s]: seconds since 1970 are known to 0.24 µs."""
+        return float(np.spacing(np.abs(self.time).max(initial=0.0)))
 
     @cached_property
     def peak_speed(self) -> float:
@@ -336,3 +354,19 @@ class Recording(Displayed):
             digest.update(np.ascontiguousarray(self.channels[name], dtype="<f8").tobytes())
         digest.update(np.ascontiguousarray(self.run, dtype="<i8").tobytes())
         return digest.hexdigest()
+
+
+def check_recording(given: object) -> None:
+    """Refuse what is no recording, such as the name of its file.
+
+    Raises:
+        InputError: saying how a file is read.
+    """
+    if isinstance(given, Recording):
+        return
+    from os import PathLike
+
+    way_out = f"read the file first: fricmodels.read({str(given)!r})" if isinstance(given, str | PathLike) else ""
+    raise InputError(
+        f"a recording is wanted, got {type(given).__name__}; {way_out or 'fricmodels.read(FILE) gives one'}"
+    )

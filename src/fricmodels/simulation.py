@@ -101,6 +101,10 @@ def simulate(
     for key, given in {"load_torque": load_torque, "temperature": temperature, **(further or {})}.items():
         if given is not None:
             channels[key] = np.broadcast_to(np.asarray(given, dtype=float), times.shape).copy()
+    for key, values_of in channels.items():
+        wrong = np.flatnonzero(~np.isfinite(values_of))
+        if len(wrong):
+            raise InputError(f"the {key} is no finite number at sample {wrong[0] + 1}; give one for every sample")
     runs = np.broadcast_to(np.asarray(run, dtype=np.int64), times.shape).copy()
     driven = Recording(name, drive.motion, channels, runs, units=units or {})
     velocity, position = np.empty_like(times), np.empty_like(times)

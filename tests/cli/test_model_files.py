@@ -172,7 +172,7 @@ def test_export_refits_to_the_recording(room: Path, capsys: pytest.CaptureFixtur
     [
         (["compare", "{data}", "--model", "no.model.json"], "no such file"),
         (["compare", "{data}", "--model", "coulomb-viscous", "--fixed"], "--fixed"),
-        (["compare", "{data}", "--model", "{file}", "--linear"], "force"),
+        (["compare", "{data}", "--model", "{file}", "--linear"], "columns of a rotary drive; leave out --linear"),
         (["export", "no.model.json", "--to", "c"], "no such file"),
         (["export", "{file}", "--to", "cpp"], "unknown target"),
         (["export", "{file}", "--to", "mjcf", "--into", "no.xml"], "no such file"),
@@ -191,3 +191,15 @@ def test_bad_input_is_one_line_and_exit_code_2(
     assert code == 2
     assert message in err
     assert err.count("\n") == 1
+
+
+def test_a_model_that_is_held_is_not_said_to_be_fitted(room: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    given = ["compare", str(room / "joint.csv"), "--model", str(room / "joint.model.json"), "--fixed"]
+    for arguments in (given, [*given, "--verbose"]):
+        code, out, _ = call(capsys, *arguments)
+        said = " ".join(out.split())
+        assert code == 0
+        assert "with the numbers of its file" in said
+        assert "none of them fitted" in said
+        for wrong in ("samples fitted", "Fit error", "fit error", "took no part in fitting", "all that was fitted"):
+            assert wrong not in said

@@ -167,7 +167,7 @@ def test_a_run_that_was_stopped_shows_its_part(tmp_path: Path, capsys: pytest.Ca
     code, out, error = said(capsys, "leaderboard", str(tmp_path / "out"), "--format", "json")
     assert code == 0
     assert len(json.loads(out)["rows"]) == 1
-    assert "the run was stopped; this is the part of 1 fits" in error
+    assert "the run was stopped; this is the part of 1 fit that is kept" in error
 
 
 def test_a_spoilt_row_of_the_store_is_done_again(tmp_path: Path) -> None:

@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 from fricmodels import plugins
+from fricmodels.dimension import Motion
 from fricmodels.errors import InputError
 from fricmodels.export.targets.c_header import c_header
 from fricmodels.export.targets.c_text import ascii_text, c_names, comment
@@ -189,3 +190,25 @@ def test_names_are_names_in_c() -> None:
 def test_a_name_that_is_none_is_refused(kept: Any, name: str) -> None:
     with pytest.raises(InputError, match="no name in C"):
         c_header(kept("coulomb-viscous"), name)
+
+
+def test_no_letter_of_a_formula_is_lost_in_a_comment():
+    registered = plugins.load()
+    for registry in (registered.laws, registered.effects):
+        for name in registry.names:
+            term = registry.entry(name).cls
+            texts = [term.formula, *(text for p in term.parameters for text in (p.symbol, p.unit_for(Motion.ROTARY)))]
+            assert not any("?" in ascii_text(text) for text in texts), name
+
+
+@pytest.mark.parametrize(
+    ("text", "plain"),
+    [
+        ("σ_1·ζ̇ + γ₂·ẋ", "sigma_1*dzeta/dt + gamma2*dx/dt"),
+        ("ΔJ·ω̇, ϑ, Σ F_i·φ_i", "DeltaJ*dw/dt, theta, sum F_i*phi_i"),
+        ("x² ≥ 0 °C", "x^2 >= 0 degC"),
+        ("Größe für é; λ, ẍ", "Groesse fuer e; lambda, d2x/dt2"),
+    ],
+)
+def test_signs_as_a_comment_has_them(text, plain):
+    assert ascii_text(text) == plain

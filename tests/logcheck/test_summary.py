@@ -33,6 +33,41 @@ def test_sampling_of_several_runs_with_gaps_and_lost_samples():
     assert found.duration == pytest.approx(4.99 + 1.99 + 2.99, abs=0.05)
 
 
+def lossy(time, lost):
+    time = np.delete(time, lost)
+    return recording(time, velocity=np.sin(3 * time), position=-np.cos(3 * time) / 3)
+
+
+def test_samples_that_are_missing_are_counted():
+    """Single ones from an even clock are no gap, and were passed over: "gaps none, evenly sampled"."""
+    lost = np.random.default_rng(0).choice(np.arange(10, 14990), 150, replace=False)
+    found = summary(lossy(np.arange(15000) * 2e-3, lost))
+    rows = dict(found.rows())
+    assert found.missing == found.to_json()["missing_samples"] == 150
+    assert rows["missing"] == "150 samples (1 %)"
+    assert rows["rate"] == "500 Hz, evenly sampled but for what is missing"
+    assert [one.kind for one in found.findings if one.kind == "missing-samples"] == ["missing-samples"]
+
+
+def test_nothing_is_missing_where_stamps_wander_or_come_late():
+    even = np.arange(15000) * 2e-3
+    assert summary(lossy(even, [])).missing == 0
+    late = even.copy()
+    late[5000] += 1.9e-3
+    assert summary(lossy(late, [])).missing == 0
+    wander = np.cumsum(np.random.default_rng(0).exponential(2e-3, 15000))
+    assert summary(lossy(wander, [])).missing == 0
+
+
+def test_seconds_since_1970_are_even_stamps():
+    """Floats are 0.24 µs apart there: the median interval was 499.977 Hz, with a jitter."""
+    time = np.arange(3000) * 2e-3
+    found = summary(recording(1714557600.0 + time, velocity=np.sin(3 * time)))
+    assert dict(found.rows())["rate"] == "500 Hz, evenly sampled"
+    wander = 1714557600.0 + time + np.random.default_rng(0).normal(0, 2e-5, 3000)
+    assert summary(recording(wander, velocity=np.sin(3 * time))).jitter == pytest.approx(0.01 * np.sqrt(2), rel=0.1)
+
+
 def test_noise_at_rest_is_no_reversal():
     """A drive that moves to and fro with rests between, and a tachometer that is noisy there."""
     time = np.arange(0, 24, 2e-3)

@@ -1,3 +1,5 @@
+import re
+
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -169,3 +171,40 @@ def test_a_mapping_goes_before_a_name_with_a_unit():
     found, _ = assign([], ["time_s", "force_N", "position [mm]", "velocity [rpm]"], Motion.LINEAR)
     assert found["position"].unit == "mm"
     assert "velocity" not in found
+
+
+@pytest.mark.parametrize("written", [str.upper, str.title, str.lower])
+def test_standard_names_in_any_case(written):
+    present = [written(name) for name in ("time_s", "torque_Nm", "velocity_rad_s", "position_rad")]
+    found, motion = assign((), present, None)
+    assert {channel: column.column for channel, column in found.items()} == dict(
+        zip(("time", "torque", "velocity", "position"), present, strict=True)
+    )
+    assert motion is Motion.ROTARY
+
+
+def test_a_name_in_two_cases_is_taken_as_it_is_written():
+    found, _ = assign((), ["time_s", "TIME_S", "torque_Nm", "velocity_rad_s"], None)
+    assert found["time"].column == "time_s"
+
+
+ROTARY_NAMES = ["time_s", "torque_Nm", "velocity_rad_s"]
+
+
+@pytest.mark.parametrize(
+    ("columns", "motion", "cause"),
+    [
+        ((), Motion.LINEAR, "torque_Nm and velocity_rad_s are columns of a rotary drive; leave out --linear"),
+        (("force=torque_Nm:N*m",), Motion.LINEAR, "'force=torque_Nm:N*m' is in a unit of a rotary drive; leave out"),
+        (("velocity=velocity_rad_s:m/s",), None, "'velocity=velocity_rad_s:m/s' is that of a linear one: correct it"),
+    ],
+)
+def test_the_other_kind_of_motion_is_named_as_the_cause(columns, motion, cause):
+    with pytest.raises(InputError, match=re.escape(cause)):
+        assign(columns, ROTARY_NAMES, motion)
+
+
+def test_the_only_column_of_a_matrix():
+    assert parse("position=q(1)", ["q"]) == Column("position", "q")
+    with pytest.raises(InputError):
+        parse("position=q(2)", ["q"])

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from fricmodels.errors import InputError
+from fricmodels.logcheck import Severity, findings
 from fricmodels.readers import read
 from fricmodels.readers.header_units import stated_unit
 
@@ -32,6 +33,18 @@ from fricmodels.readers.header_units import stated_unit
         ("velocity (measured)", "velocity", None),
         ("pos_deg", "velocity", None),
         ("rpm", "velocity", None),
+        ("Drehzahl [U/min]", "velocity", "U/min"),
+        ("n [1/min]", "velocity", "1/min"),
+        ("n [min⁻¹]", "velocity", "min⁻¹"),
+        ("Torque (kgf.cm)", "torque", "kgf.cm"),
+        ("Torque (lb-in)", "torque", "lb-in"),
+        ("speed_MMPS", "velocity", "mm/s"),
+        ("torque_NM", "torque", "N*m"),
+        ("pos_nm", "position", "nm"),
+        ("torque_kgf_cm", "torque", "kgf*cm"),
+        ("stamp (UTC)", "time", None),
+        ("temp [C]", "temperature", "C"),
+        ("link [foo]", "other.link", None),
     ],
 )
 def test_the_unit_in_a_name(column, channel, unit):
@@ -79,3 +92,30 @@ def test_a_voltage_is_no_torque(tmp_path):
     path = log(tmp_path, "t_ms,u [V],speed_rpm")
     with pytest.raises(InputError, match="a voltage is not a torque"):
         read(path, columns=["time=t_ms", "torque=u [V]", "velocity=speed_rpm"])
+
+
+@pytest.mark.parametrize(
+    ("header", "channel"),
+    [
+        ("v [foo]", "velocity"),
+        ("v [deg]", "velocity"),
+        ("T (foo/bar)", "torque"),
+        ("n [1/s]", "velocity"),
+        ("i (Arms/2)", "current"),
+    ],
+)
+def test_brackets_that_are_not_understood_are_never_si(header, channel):
+    with pytest.raises(InputError, match=re.escape(f"--column '{channel}={header}:UNIT'")):
+        stated_unit(header, channel)
+
+
+def test_words_in_brackets_that_may_be_a_unit_are_told(tmp_path):
+    columns = ["time=t [ms]", "torque=tau (kpcmm)", "velocity=v (measured)"]
+    path = log(tmp_path, "t [ms],tau (kpcmm),v (measured)")
+    found = read(path, columns=columns)
+    said = [finding for finding in findings(found) if "kpcmm" in str(finding)]
+    assert [finding.severity for finding in said] == [Severity.WARN]
+    assert "--column 'torque=tau (kpcmm):UNIT'" in str(said[0])
+    assert not any("(measured)' is not known" in str(finding) for finding in findings(found))
+    given = read(path, columns=[columns[0], "torque=tau (kpcmm):mN*m", columns[2]])
+    assert "unread_units" not in given.provenance

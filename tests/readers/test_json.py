@@ -13,6 +13,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from fricmodels.errors import InputError
+from fricmodels.logcheck import findings
 from fricmodels.readers import read
 from fricmodels.readers.json import JsonReader
 
@@ -150,3 +151,11 @@ def test_any_document_is_a_table_or_one_line(tmp_path_factory: pytest.TempPathFa
     except InputError as error:
         message = str(error)
     assert len(message.splitlines()) == 1 if table is None else len(table) > 1
+
+
+def test_a_list_that_is_a_sample_short_is_told(tmp_path: Path) -> None:
+    content = {"time_s": TIME.tolist(), "torque_Nm": TORQUE.tolist(), "velocity_rad_s": POSITION.tolist()}
+    path = write(tmp_path / "short.json", {**content, "position_rad": TORQUE.tolist()[:-1], "notes": [1.0, 2.0]})
+    said = [str(finding) for finding in findings(read(path)) if finding.kind == "unused-column"]
+    cause, way_out = "it has 59 values, where the others have 60", "save all columns with one length"
+    assert said == [f"the column 'position_rad' is not used: {cause}; {way_out}"]

@@ -237,3 +237,13 @@ def test_real_recordings_are_read():
         columns=["time=t", "torque=motor_torque1_Nm", "velocity=vel1_rads", "load_torque=model_gravity1_Nm"],
     )
     assert len(arm) == 2501
+
+
+@pytest.mark.parametrize("stamp", ["23:59:57.{:03d}", "01.05.2024 23:59:57.{:03d}", "05/01/2024 11:59:57.{:03d} PM"])
+def test_a_clock_that_is_not_iso_is_told_how_to_be_read(tmp_path, stamp):
+    rows = [f"{stamp.format(2 * i)},{np.cos(i / 9)},{np.sin(i / 9)}" for i in range(100)]
+    path = tmp_path / "clock.csv"
+    path.write_text("\n".join(["time_s,torque_Nm,velocity_rad_s", *rows]))
+    with pytest.raises(InputError, match=r"ISO 8601 .* --column time=row:2ms"):
+        read(path)
+    assert read(path, columns=["time=row:2ms"]).interval == pytest.approx(2e-3)

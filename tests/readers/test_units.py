@@ -35,6 +35,21 @@ R, L = Motion.ROTARY, Motion.LINEAR
         ("K", "temperature", R, 300.0, 26.85),
         ("degF", "temperature", R, 212.0, 100.0),
         ("deg/s^2", "acceleration", R, 90.0, math.pi / 2),
+        *(
+            (unit, "velocity", R, 60.0, 2 * math.pi)
+            for unit in ("U/min", "Umdr./min", "1/min", "min⁻¹", "min^-1", "min-1")
+        ),
+        *((unit, "velocity", R, 60.0, 2 * math.pi) for unit in ("RPM", "r/min", "rev/min", "tr/min")),
+        *((unit, "torque", R, 1.0, 0.0980665) for unit in ("kg.cm", "kgf.cm", "kp·cm", "kg-cm", "kgfcm")),
+        *((unit, "torque", R, 1.0, 0.1129848290276167) for unit in ("lb-in", "lbf-in", "lbf·in", "in-lb", "inlb")),
+        *((unit, "torque", R, 1.0, 0.00706155181422604) for unit in ("ozf·in", "oz-in", "ozf in")),
+        *((unit, "torque", R, 1.0, 0.01) for unit in ("Ncm", "N.cm", "N-cm", "cNm")),
+        ("m/min", "velocity", L, 60.0, 1.0),
+        ("mmps", "velocity", L, 1.0, 1e-3),
+        ("rad.s-1", "velocity", R, 1.0, 1.0),
+        ("Grad", "position", R, 180.0, math.pi),
+        ("sec.", "time", R, 5.0, 5.0),
+        ("C", "temperature", R, 20.0, 20.0),
     ],
 )
 def test_units_become_si(unit, channel, motion, value, expected):
@@ -54,6 +69,11 @@ def test_units_become_si(unit, channel, motion, value, expected):
         ("count/2000", "position", L, "count/2000"),
         ("Hz", "velocity", R, "turn/s"),
         ("1", "position", R, "rad"),
+        ("1/s", "velocity", R, "turn/s"),
+        ("count/min", "velocity", R, "count/2000"),
+        ("kg", "torque", L, "in N"),
+        ("N", "torque", R, "torque of a rotary drive"),
+        ("N m", "torque", L, "force of a linear drive"),
         ("0 m", "position", L, "size"),
     ],
 )

@@ -103,7 +103,7 @@ def test_a_row_of_a_leaderboard_can_be_kept(made: Callable[..., Recording]) -> N
 
 
 def test_what_has_no_model_cannot_be_kept() -> None:
-    with pytest.raises(InputError, match="dict cannot be kept"):
+    with pytest.raises(InputError, match=r"what is given \(dict\) cannot be kept"):
         fricmodels.keep({})
 
 

@@ -19,7 +19,7 @@ TEN_MINUTES = 600.0
 @pytest.mark.long
 def test_the_tutorial(environment: Any, tmp_path: Path) -> None:
     begin = time.monotonic()
-    written = 0
+    written, said = 0, ""
     for kind, name, language, content in PIECE.findall(PAGE.read_text(encoding="utf-8")):
         if kind == "file":
             (tmp_path / name).write_text(content, encoding="utf-8")
@@ -29,10 +29,13 @@ def test_the_tutorial(environment: Any, tmp_path: Path) -> None:
         else:
             assert language == "sh"
             for line in filter(None, content.splitlines()):
-                execute(environment, shlex.split(line), tmp_path)
+                said += execute(environment, shlex.split(line), tmp_path)
     assert time.monotonic() - begin < TEN_MINUTES
     assert 0 < written < 25
 
+    quoted = re.search(r"^> What remains:(?:.*\n> )*.*", PAGE.read_text(encoding="utf-8"), re.MULTILINE)
+    assert quoted is not None
+    assert " ".join(quoted[0].replace("> ", "").split()) in " ".join(said.split())
     before, after = (json.loads((tmp_path / name / "diagnosis.json").read_text()) for name in ("before", "after"))
     assert before["verdict"] == "unknown-effect"
     assert len(before["ladder"]) == 1
@@ -54,13 +57,14 @@ def replace_class(file: Path, content: str) -> None:
     file.write_text(f"{text[:start]}{content}\n\n{text[end:]}", encoding="utf-8")
 
 
-def execute(environment: Any, command: list[str], directory: Path) -> None:
+def execute(environment: Any, command: list[str], directory: Path) -> str:
     program, *arguments = command
     if program == "pip":
         assert arguments[:2] == ["install", "-e"]
         environment.install(directory / arguments[2])
-        return
+        return ""
     if program == "python":
         program, arguments = arguments[0].removesuffix(".py"), arguments[1:]
     done = environment.run(program, *arguments, cwd=directory)
     assert done.returncode == 0, f"{' '.join(command)}\n{done.stdout}\n{done.stderr}"
+    return str(done.stdout)

@@ -54,6 +54,8 @@ def command(
     from fricmodels.files import write_text
     from fricmodels.saved import load
 
+    if armature is not None and (to != "mjcf" or into is None):
+        raise InputError("--armature is written into an MJCF: give --to mjcf and --into ROBOT.xml, or leave it out")
     kept = load(model)
     recording = None
     if data:

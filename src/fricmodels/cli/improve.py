@@ -34,7 +34,9 @@ def command(given: Measurement) -> None:
             decides = (given.model.name, given.model.known, given.inertia, given.leave_out)
             kept = stack.enter_context(journal(given.out / FILE, identity(given.recording, *decides)))
             if len(kept):
-                warn([f"going on after {len(kept)} steps of an improvement that was interrupted"])
+                warn(
+                    [f"going on after {len(kept)} step{'s' * (len(kept) != 1)} of an improvement that was interrupted"]
+                )
         try:
             with working("improving") as say:
                 ladder = improve(given.recording, given.model, given.inertia, leave_out=given.leave_out, progress=say)

@@ -26,8 +26,10 @@ def command(
 ) -> None:
     """Say what a recording is, and what is the matter with it, before a model is fitted to it.
 
-    With --inertia the units of motion and torque are judged by it too. Nothing stops here: what would stop the other
-    commands is printed first. With --out, info.json is written into that directory.
+    With --inertia the units of motion and torque are judged by it too. What would stop the other commands by what the
+    recording means is printed first, and does not stop here; a file that cannot be read as a recording (values that are
+    no numbers, a clock that goes back, a missing column, nothing that moves) is an error here too. With --out,
+    info.json is written into that directory.
     """
     from fricmodels.cli.printing import working
     from fricmodels.dimension import Motion
@@ -69,6 +71,8 @@ def _answer(found: Summary) -> str:
 
 def _show(found: Summary, columns: dict[str, str]) -> None:
     from fricmodels.cli.printing import print_line, print_table
+    from fricmodels.dimension import Motion
+    from fricmodels.recording import word
     from fricmodels.terminal import Column as Shown
 
     words = {"stop": "stops", "warn": "warning", "note": "note"}
@@ -88,7 +92,7 @@ def _show(found: Summary, columns: dict[str, str]) -> None:
     }
     print_table(
         [
-            Shown("channel", tuple(name.replace("_", " ") for name in channels)),
+            Shown("channel", tuple(word(name, Motion(found.motion)) for name in channels)),
             Shown("unit", tuple(channel.unit for channel in channels.values())),
             *(Shown(title, tuple(cells), number=True) for title, cells in figures.items()),
             Shown("column", tuple(columns.get(name, "") for name in channels)),

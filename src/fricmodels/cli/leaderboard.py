@@ -64,7 +64,9 @@ def _so_far(run: Path) -> Leaderboard:
 
     with Store(run) as store:
         board = Leaderboard.ranked(as_shown(row) for row in store.rows())
-    warn([f"{run}: the run was stopped; this is the part of {len(board.rows)} fits that are kept. The same "
+    count = len(board.rows)
+    kept = f"{count} fit{'s' * (count != 1)} that {'are' if count != 1 else 'is'}"
+    warn([f"{run}: the run was stopped; this is the part of {kept} kept. The same "
           f"'fricmodels run' goes on from there"])  # fmt: skip
     return board
 

@@ -35,8 +35,11 @@ def command(
     from fricmodels import plugins
     from fricmodels.cli.printing import print_table, warn
     from fricmodels.dimension import Motion
+    from fricmodels.errors import InputError
     from fricmodels.export.columns import Column
 
+    if config is not None and kind is not Kind.DATASETS:
+        raise InputError(f"--config goes with 'list datasets'; leave it out to list {kind.value}")
     registered = plugins.load()
     warn(registered.failures)
     motion = Motion.LINEAR if linear else Motion.ROTARY
@@ -66,12 +69,13 @@ def _parameters(cls: Any, motion: Motion) -> str:
 
 def _datasets(config: Path | None) -> list[list[str]]:
     from fricmodels.errors import InputError
-    from fricmodels.tournament import load_config
+    from fricmodels.tournament.config import read_config
     from fricmodels.tournament.sources import sources
 
     if config is None:
         raise InputError("to list data sets, say of which tournament: fricmodels list datasets --config CONFIG.yaml")
-    listed, _ = sources(load_config(config), config.parent)
+    read, document = read_config(config)
+    listed, _ = sources(read, config.parent, document)
     first: dict[str, int] = {}
     counts: dict[str, int] = {}
     for number in range(len(listed)):

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from fricmodels.cli.motion import ControllerFile, Horizon, Score, ScoreOption, check_score, loop_of
+from fricmodels.cli.quantities import inertia as inertia_of
 from fricmodels.gaps import Gaps
 
 if TYPE_CHECKING:
@@ -34,7 +35,12 @@ ModelName = Annotated[
 Fixed = Annotated[bool, typer.Option("--fixed", help="Hold the numbers of a model's file: fit nothing.")]
 Inertia = Annotated[
     float | None,
-    typer.Option("--inertia", help="Inertia [kg m²], or mass [kg] of a linear axis; estimated if left out."),
+    typer.Option(
+        "--inertia",
+        parser=inertia_of,
+        metavar="J",
+        help="Inertia [kg m²], or mass [kg] of a linear axis; estimated if left out.",
+    ),
 ]
 Column = Annotated[
     list[str] | None,
@@ -49,7 +55,9 @@ TorqueConstant = Annotated[
 ]
 Format = Annotated[str | None, typer.Option("--reader", help="Read the file as this format.")]
 Linear = Annotated[bool, typer.Option("--linear", help="A linear axis: forces and metres.")]
-Out = Annotated[Path | None, typer.Option("--out", metavar="DIR", help="Write the result as JSON there.")]
+Out = Annotated[
+    Path | None, typer.Option("--out", metavar="DIR", help="Write the results there: JSON, of compare overlay.csv.")
+]
 Trust = Annotated[
     bool, typer.Option("--trust", help="Go on with a recording whose units, signs or columns look wrong.")
 ]

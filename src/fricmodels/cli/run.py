@@ -34,11 +34,12 @@ def command(
     from fricmodels import plugins
     from fricmodels.cli.leaderboard import show
     from fricmodels.cli.printing import progress_of_fits, warn
-    from fricmodels.tournament import load_config, plan, run
+    from fricmodels.tournament import plan, run
+    from fricmodels.tournament.config import read_config
 
     warn(plugins.load().failures)
-    loaded = load_config(config)
-    planned = plan(loaded, config.parent, trust=trust)
+    loaded, document = read_config(config)
+    planned = plan(loaded, config.parent, trust=trust, document=document)
     warn([*planned.left_out, *planned.doubts])
     if report_file is not None:
         from fricmodels.report import check

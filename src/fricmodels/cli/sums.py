@@ -69,7 +69,7 @@ def command(
     if is_sums(data):
         total = added(load(path) for path in data)
         check_model(total, model)
-        print(f"{total.samples} samples in {len(total.files)} files; wrote {total.save(out)}")
+        print(f"{said_of(total)}; wrote {total.save(out)}")
         return
     how = {"columns": column or (), "reader": reader, "torque_constant": torque_constant}
     targets = {path: out / f"{path.stem}{SUFFIX}" for path in data}
@@ -89,7 +89,13 @@ def command(
             print(f"{path}: {sums.samples} samples, {sums.rows} rows; wrote {targets[path]}")
     if one:
         total = added(found)
-        print(f"{total.samples} samples in {len(total.files)} files; wrote {total.save(out)}")
+        print(f"{said_of(total)}; wrote {total.save(out)}")
+
+
+def said_of(total: Sums) -> str:
+    """Say how many samples of how many files are summed up."""
+    count = len(total.files)
+    return f"{total.samples} samples in {count} file{'s' * (count != 1)}"
 
 
 def is_sums(data: Sequence[Path]) -> bool:

@@ -53,10 +53,16 @@ def show(console: Console, studies: Sequence[Study], files: Sequence[str], seed:
         "RMS tracking error, in % of that without compensation",
     )
     console.print()
-    say(console, f"How sure: {len(studies[0].experiments)} motions of each drive; the true drive is the bound.")
+    say(console, f"How sure: {motions_of(studies[0])} of each drive; the true drive is the bound.")
     if studies[0].experiments[0].settings.at == "measured" and any(study.best.limit_cycle for study in studies):
         say(console, _BY_LOOP)
     say(console, "Next: one rig alone shows its figures in full; --out keeps them all.")
+
+
+def motions_of(study: Study) -> str:
+    """Say along how many motions a study tried a model."""
+    count = len(study.experiments)
+    return f"{count} motion{'s' * (count != 1)}"
 
 
 def _show_one(console: Console, study: Study, file: str, seed: int | None) -> None:
@@ -82,11 +88,13 @@ def _show_one(console: Console, study: Study, file: str, seed: int | None) -> No
         if way.message:
             say(console, f"{_TITLES.get(way.name, way.name)}: not run: {way.message}.")
     share, least, most = study.best.over(study.way(NONE))
+    tried = motions_of(study)
+    part = f"{_percent(least)} to {_percent(most)}" if len(study.experiments) > 1 else _percent(share)
     bound = study.way(TRUE).over(study.way(NONE))[0]
     say(
         console,
-        f"How sure: {len(study.experiments)} motions that took no part in the identification; in each the model leaves "
-        f"{_percent(least)} to {_percent(most)} of the error without compensation. Nothing can leave less than about "
+        f"How sure: {tried} that took no part in the identification; in each the model leaves "
+        f"{part} of the error without compensation. Nothing can leave less than about "
         f"{_percent(bound)}: that is what delay and encoder leave where the drive is known completely. "
         f"A simulated drive has no hysteresis or noise of the amplifier: a real one leaves more.",
     )

@@ -17,7 +17,7 @@ from fricmodels.errors import InputError
 from fricmodels.model import Model
 from fricmodels.processes import give_back
 from fricmodels.progress import steps
-from fricmodels.recording import Recording
+from fricmodels.recording import Recording, check_recording
 from fricmodels.score.bands import Errors, torque_errors
 from fricmodels.score.torque import filtered_torque_error, sliding_half_width
 from fricmodels.score.zeroed import zeroed
@@ -252,6 +252,7 @@ def compare(
     Raises:
         InputError: for an unknown model, or a recording that lacks what it needs or does not move enough.
     """
+    check_recording(recording)
     drive = Drive(Model.of(model), inertia, recording.motion)
     known = drive.model.known
     with steps(f"fitting {drive.model.name}", _PARTS) as done:

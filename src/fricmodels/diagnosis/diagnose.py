@@ -32,7 +32,7 @@ from fricmodels.display import Displayed
 from fricmodels.model import Model
 from fricmodels.processes import give_back
 from fricmodels.progress import Cancelled, Token, Watcher, stage, watched
-from fricmodels.recording import Recording
+from fricmodels.recording import Recording, check_recording
 from fricmodels.split import Split
 from fricmodels.weakform.lines import averaged_from
 from fricmodels.weakform.problem import WeakFormProblem
@@ -134,6 +134,7 @@ def diagnose(
         InputError: when the recording lacks what the model needs, or does not move enough.
         Cancelled: when it was stopped; with the fitted model, if it was that far.
     """
+    check_recording(recording)
     comparison = None
     with watched(progress, token):
         try:

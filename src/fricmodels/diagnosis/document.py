@@ -80,6 +80,7 @@ def _facts(comparison: Comparison) -> dict[str, Any]:
         ),
         "parameters": dict(estimate.parameters),
         "standard_errors": dict(estimate.standard_errors),
+        "held": drive.model.known.fixed,
         "rms_torque_error": facts.TorqueError(
             SI=errors.SI,
             percent=errors.percent,
@@ -129,8 +130,15 @@ def _beyond_sampling(diagnosis: Diagnosis) -> float | None:
 
 
 def _candidates(diagnosis: Diagnosis) -> tuple[typed.Candidate, ...]:
-    """Return every effect that was tested on the given model, the one with the least error on held-out blocks first."""
-    passing = {tested.name for tested in diagnosis.passing}
+    """Return every effect that was tested on the given model, the one with the least error on held-out blocks first.
+
+    What was found beside a law that keeps its bounds is one of them.
+    """
+    if diagnosis.result is None:
+        return ()
+    found = [finding.tested for finding in diagnosis.findings]
+    passing = {tested.name for tested in (*diagnosis.passing, *found)}
+    others = [tested for tested in diagnosis.result.tested if tested.name not in {one.name for one in found}]
     return tuple(
         typed.Candidate(
             name=tested.name,
@@ -139,7 +147,7 @@ def _candidates(diagnosis: Diagnosis) -> tuple[typed.Candidate, ...]:
             held_out_gain=tested.evidence.gain,
             gates=tested.name in passing,
         )
-        for tested in (() if diagnosis.result is None else diagnosis.result.tested)
+        for tested in sorted([*found, *others], key=lambda tested: -tested.evidence.gain)
     )
 
 

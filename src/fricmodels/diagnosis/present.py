@@ -14,13 +14,13 @@ from fricmodels.diagnosis.comparison import Comparison
 from fricmodels.diagnosis.correlation import correlation
 from fricmodels.diagnosis.diagnose import Diagnosis, Finding
 from fricmodels.diagnosis.document import document
+from fricmodels.diagnosis.errors_table import sampled, show_bands
 from fricmodels.diagnosis.ladder import Ladder, Rung, added
 from fricmodels.diagnosis.places import profile
 from fricmodels.dimension import Motion
 from fricmodels.parameter import at_bound
 from fricmodels.recording import Recording
 from fricmodels.results.words import (
-    BY_WINDOW,
     FOUND,
     NORMAL_95,
     NOT_FOUND,
@@ -28,13 +28,12 @@ from fricmodels.results.words import (
     SIZE,
     chance_text,
     form,
-    noise_text,
     share_text,
     spread_text,
     value_text,
     with_spread,
 )
-from fricmodels.score import Errors, headline_window, torque_error_over
+from fricmodels.score import headline_window, torque_error_over
 from fricmodels.signals import stretches
 from fricmodels.terminal import Band, Column, Marks, bar, plain, show_plot, show_table, spoken
 from fricmodels.weakform.estimate import Estimate
@@ -73,30 +72,8 @@ def show_comparison(console: Console, comparison: Comparison) -> None:
     console.print()
     show_where(console, comparison)
     console.print()
-    show_bands(console, comparison.errors, unit)
+    show_bands(console, comparison, unit)
     console.print()
-
-
-def sampled(comparison: Comparison) -> str:
-    """Say how many samples there are, and how far apart."""
-    return (
-        f"{len(comparison.train)} samples fitted, {len(comparison.test)} for the test error, sampled every "
-        f"{1000 * comparison.train.interval:.4g} ms."
-    )
-
-
-def show_bands(console: Console, errors: Errors, unit: str) -> None:
-    """Print the RMS torque error per sample and over wider windows, with what noise alone would leave."""
-    bands = errors.bands
-    columns = [
-        Column("averaged over", ("a sample", *(f"{band.window_ms:.3g} ms" for band in bands[1:]))),
-        Column(f"fit error [{unit}]", tuple(f"{band.SI:.3g}" for band in bands), True),
-        Column(f"test error [{unit}]", tuple(f"{band.held_out_SI:.3g}" for band in bands), True),
-        Column("fit error", tuple(f"{band.percent:.3g} %" for band in bands), True),
-        Column("test error", tuple(f"{band.held_out_percent:.3g} %" for band in bands), True),
-        Column("noise alone", tuple(noise_text(band.noise_floor_percent) for band in bands), True),
-    ]
-    show_table(console, columns, BY_WINDOW)
 
 
 def show_parameters(console: Console, comparison: Comparison, title: str = "Parameters") -> None:

@@ -14,6 +14,8 @@ from fricmodels.logcheck.view import Log
 from fricmodels.signals.clusters import significance, slope
 
 _SPEEDS = {"deg": "deg/s", "turn": "turn/s", "rpm": "rpm"}
+_ROUNDING = 1e-20
+"""Share of the torque's square below which what is left is rounding."""
 _TURN = {"deg": 360.0, "turn": 1.0}
 
 
@@ -126,12 +128,14 @@ def periods(log: Log, found: Balance) -> Iterator[Finding]:
     A unit may be found where that leaves less than a quarter of what was left, and where the least over turns of
     :math:`2^{-3/4} \ldots 2^{3/4}` times as much is within a twentieth: the torque's period over a gear of any ratio
     would be there in one case of ten. A turn a quarter shorter or longer must leave more, by squares in pairs over 32
-    clusters, at a level of a hundredth each. That is a question, no proof.
+    clusters, at a level of a hundredth each. That is a question, no proof. Nothing is asked where the balance leaves
+    no more than rounding: what is constant repeats after any angle.
     """
     if not log.rotary or "sine" not in found.names:
         return
-    turns = {"deg": 360.0, "turn": 1.0} if "position" in log.measured else {}
-    turns |= {"deg": 360.0, "rpm": 60.0, "turn": 1.0} if "velocity" in log.measured else {}
+    if np.mean(found.left**2) <= _ROUNDING * np.mean(found.target**2):
+        return
+    turns = {"deg": 360.0, "turn": 1.0} if "position" in log.measured else {"deg": 360.0, "rpm": 60.0, "turn": 1.0}
     position = log.short.position
     kept = [j for j, name in enumerate(found.names) if name not in ("sine", "cosine")]
     cells = Cells.of(log.short, found.width)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 
@@ -33,6 +34,7 @@ def findings_of(log: Log, inertia: float | None = None) -> tuple[Finding, ...]:
 
 def _all(log: Log, inertia: float | None) -> Iterator[Finding]:
     yield from stamps.gaps(log)
+    yield from stamps.lost(log)
     yield from stamps.truth(log)
     yield from angle.wrapped(log)
     yield from angle.grid(log)
@@ -41,11 +43,15 @@ def _all(log: Log, inertia: float | None) -> Iterator[Finding]:
     related = list(rates.consistency(log, found))
     if found is not None and not related:
         related = list(rates.exchanged(log, found))
+    judged = list(torque.inertia(log, found, inertia)) if found is not None else []
+    if any(_of_motion(finding) for finding in judged) and any(_of_motion(finding) for finding in related):
+        related = [_certain(finding) for finding in related]
+        judged = [finding for finding in judged if not _of_motion(finding)]
     yield from related
     if found is not None and not any(finding.severity is Severity.STOP for finding in related):
         yield from magnitude.magnitude(log, rows)
         yield from torque.sign(log, found)
-        yield from torque.inertia(log, found, inertia)
+        yield from judged
         yield from torque.voltage(log, found)
         yield from torque.delay(log, rows)
         yield from angle.periods(log, found)
@@ -54,16 +60,34 @@ def _all(log: Log, inertia: float | None) -> Iterator[Finding]:
     yield from limits.torque_limit(log)
     yield from limits.end_stop(log)
     yield from samples.overlooked(log)
+    yield from samples.unequal(log)
+    yield from samples.unread_units(log)
     yield from samples.without_sign(log)
+    constant = list(samples.constant(log))
+    yield from constant
     yield from samples.spikes(log)
     yield from samples.repeated(log)
     yield from samples.beginnings(log)
     yield from samples.quantisation(log)
     noises = {name: colour.channel_noise(log.short, log.short.recording[name]) for name in log.measured}
-    if "velocity" in noises and "position" in noises and not related:
+    dead = {finding.channel for finding in constant}
+    if "velocity" in noises and "position" in noises and not related and "position" not in dead:
         noises["velocity"] = max(noises["velocity"], colour.difference_noise(log.short), key=colour.evidence)
     yield from colour.colour(log, noises)
     little = list(motion.little(log, noises["velocity"].size if "velocity" in noises else 0.0))
     yield from little
     if not little and not related:
         yield from motion.one_frequency(log)
+
+
+def _of_motion(finding: Finding) -> bool:
+    """Whether a finding is on the unit of the motion."""
+    return finding.kind == "unit" and finding.channel in ("position", "velocity")
+
+
+def _certain(finding: Finding) -> Finding:
+    """Return the finding on a unit as one that stops: the given inertia says as well that a unit is wrong.
+
+    The ratio of velocity and position names both units, the inertia alone names one and guesses the other.
+    """
+    return replace(finding, severity=Severity.STOP) if _of_motion(finding) else finding

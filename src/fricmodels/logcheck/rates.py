@@ -174,20 +174,21 @@ def _of_pair(log: Log, pair: tuple[str, str], found: Link, balance: Balance | No
             f"{says}; {'with this velocity friction would drive the joint' if turned else 'their signs differ'}",
             f"turn the sign of one of them, as in {log.turned(which)}",
         )
-    units = _units(found.scale) if log.rotary and quantity == "position" else []
+    units = _units(log, found.scale) if log.rotary and quantity == "position" else []
     if units:
         angle, speed = units[0]
         either = " or ".join(f"{a} and {b}" for a, b in units)
+        where = "where they are logged in" if log.column(quantity)[1] or log.column(rate)[1] else "between"
         options = [
             log.option(channel, unit)
             for channel, unit, usual in (("position", angle, "rad"), ("velocity", speed, "rad/s"))
-            if unit != usual
+            if unit != (log.column(channel)[1] or usual)
         ]
         return Finding(
             "unit",
             Severity.STOP if not _whole(found.scale) else Severity.WARN,
-            "velocity" if speed != "rad/s" else "position",
-            f"{says}, as between {either}",
+            "velocity" if speed != (log.column("velocity")[1] or "rad/s") else "position",
+            f"{says}, as {where} {either}",
             "give the unit, as in " + " ".join(options),
         )
     return Finding(
@@ -224,15 +225,24 @@ def velocity_scale(log: Log) -> float | None:
     return found.scale if found is not None and found.correlation > _IS else None
 
 
-def _units(scale: float) -> list[tuple[str, str]]:
-    """Return which units of angle and speed have this ratio; the likelier first: those with fewer strange ones."""
+def _units(log: Log, scale: float) -> list[tuple[str, str]]:
+    """Return the units of angle and speed by which a ratio is explained, with which the two were logged.
+
+    A unit that was given is one of them; where both were given, one of them is. The likelier come first: those with
+    fewer strange units.
+    """
+    angle, speed = log.column("position")[1], log.column("velocity")[1]
+    logged = scale * log.factor("position") / log.factor("velocity")
     found = [
-        (angle, speed)
-        for angle, a in _ANGLES.items()
-        for speed, s in _SPEEDS.items()
-        if abs(scale * a / s - 1.0) < _MATCHES and abs(s / a - 1.0) > _MATCHES
+        (a, s)
+        for a, of_angle in _ANGLES.items()
+        for s, of_speed in _SPEEDS.items()
+        if abs(logged * of_angle / of_speed - 1.0) < _MATCHES
     ]
-    return sorted(found, key=lambda pair: (pair[0] != "rad") + (pair[1] != "rad/s"))
+    agreeing = [((not angle or a == angle) + (not speed or s == speed), (a, s)) for a, s in found]
+    needed = 1 if angle and speed else 2
+    pairs = [pair for count, pair in agreeing if count >= needed]
+    return sorted(pairs, key=lambda pair: (pair[0] != "rad") + (pair[1] != "rad/s"))
 
 
 def _whole(scale: float) -> bool:

@@ -64,6 +64,21 @@ def repeated(log: Log) -> Iterator[Finding]:
         )
 
 
+def constant(log: Log) -> Iterator[Finding]:
+    """Say which channel of the drive has one value throughout though the drive moves: a sensor or a column is dead."""
+    for channel, values in log.measured.items():
+        if channel not in ("position", "torque", "acceleration") or np.ptp(values) > 0.0:
+            continue
+        remedy = f"map the column that was measured, as with --column {channel}=COLUMN"
+        yield Finding(
+            "constant-channel",
+            Severity.WARN,
+            channel,
+            f"the {log.called(channel)} is {log.size(channel, float(values[0]))} throughout, while the drive moves",
+            remedy if channel == "torque" else f"{remedy}, or take this one out of the file",
+        )
+
+
 def spikes(log: Log) -> Iterator[Finding]:
     """Say where a channel jumps away for one sample and back at once, further than all else reaches.
 
@@ -107,6 +122,31 @@ def overlooked(log: Log) -> Iterator[Finding]:
             channel,
             f"the column '{column}' is not used, and looks like the {channel}",
             f"--column {option} takes it",
+        )
+
+
+def unequal(log: Log) -> Iterator[Finding]:
+    """Say which columns of another length are not used, though they look like samples of this recording."""
+    size = len(log.recording)
+    for column, length in log.recording.provenance.get("other_lengths", {}).items():
+        yield Finding(
+            "unused-column",
+            Severity.WARN,
+            column,
+            f"the column '{column}' is not used: it has {length} values, where the others have {size}",
+            "save all columns with one length",
+        )
+
+
+def unread_units(log: Log) -> Iterator[Finding]:
+    """Say which columns are taken for SI though words in brackets at their ends may be a unit that is not known."""
+    for channel, words in log.recording.provenance.get("unread_units", {}).items():
+        yield Finding(
+            "unit",
+            Severity.WARN,
+            channel,
+            f"the {log.called(channel)} is taken for {log.unit(channel)}; '({words})' is not known as a unit",
+            f"if it is one give the unit, as in {log.option(channel, 'UNIT')}",
         )
 
 

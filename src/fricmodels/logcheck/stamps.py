@@ -3,12 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 
 import numpy as np
 
 from fricmodels.logcheck.finding import Finding, Severity
 from fricmodels.logcheck.view import Log
 from fricmodels.signals.stamps import EVEN, are_false, share_explained, unevenness
+
+_WANDER = 0.1
+"""Unevenness of stamps up to which a long interval is one in which samples are missing."""
+_WHOLE = 0.2
+"""Share of the interval within which a long one is a whole multiple of it."""
 
 
 def gaps(log: Log) -> Iterator[Finding]:
@@ -22,6 +28,50 @@ def gaps(log: Log) -> Iterator[Finding]:
             "time",
             f"{len(long)} gap{'s' if len(long) > 1 else ''} in time, the longest {1e3 * float(long.max()):.3g} ms, "
             f"{float(long.sum()):.3g} s in all; nothing connects what is on both sides",
+        )
+
+
+@dataclass(frozen=True)
+class Missing:
+    """Samples that an even clock should have given: how many, and how many of them at most one after the other."""
+
+    samples: int
+    together: int
+
+
+def missing(log: Log) -> Missing:
+    """Return how many samples are missing within the stretches of a recording that is evenly sampled otherwise.
+
+    Intervals are counted that are whole multiples of the usual one within a fifth of it. Where the stamps wander by
+    more than a tenth of the interval that is not told; a stamp that came late makes a long interval and then a short
+    one, and nothing is missing.
+    """
+    interval = log.recording.interval
+    none = Missing(0, 0)
+    if not interval > 0.0 or unevenness(log.recording) > _WANDER:
+        return none
+    ratio = log.steps / interval
+    number = np.rint(ratio)
+    near = (number > 1.0) & (np.abs(ratio - number) < _WHOLE) & log.joined
+    near &= (np.r_[ratio[1:], 1.0] > 1.0 - 2.0 * _WHOLE) & (np.r_[1.0, ratio[:-1]] > 1.0 - 2.0 * _WHOLE)
+    if not near.any():
+        return none
+    lost = number[near] - 1.0
+    return Missing(int(lost.sum()), int(lost.max()))
+
+
+def lost(log: Log) -> Iterator[Finding]:
+    """Note samples that are missing between others, too few together for a gap."""
+    found = missing(log)
+    if found.samples:
+        share = found.samples / (len(log.recording) + found.samples)
+        count = "1 sample is" if found.samples == 1 else f"{found.samples} samples are"
+        most = f", {found.together} together at most," if found.together > 1 else ""
+        yield Finding(
+            "missing-samples",
+            Severity.NOTE,
+            "time",
+            f"{count} missing ({100 * share:.2g} %){most} between others that are evenly spaced; the fits bridge them",
         )
 
 

@@ -10,6 +10,7 @@ import numpy as np
 from fricmodels.logcheck.check import findings_of
 from fricmodels.logcheck.colour import channel_noise
 from fricmodels.logcheck.finding import Finding
+from fricmodels.logcheck.stamps import missing
 from fricmodels.logcheck.view import Log
 from fricmodels.recording import Recording
 from fricmodels.signals.clusters import LEVEL
@@ -46,6 +47,7 @@ class Summary:
         rate: of sampling, the inverse of the median interval [Hz].
         jitter: standard deviation of the intervals over their median, gaps and lost samples aside.
         gaps, gap_time: number of gaps within runs, and their duration [s].
+        missing: samples that an even clock should have given, too few together for a gap.
         rest: share of samples at standstill.
         forward: share of the moving samples that go forward.
         reversals: number of changes of direction.
@@ -65,6 +67,7 @@ class Summary:
     jitter: float
     gaps: int
     gap_time: float
+    missing: int
     rest: float
     forward: float
     reversals: int
@@ -78,11 +81,15 @@ class Summary:
         length = "rad" if self.motion == "rotary" else "m"
         loop = "closed: the torque answers the noise of the velocity" if self.feedback else "no feedback of noise seen"
         jitter = f"jitter {100 * self.jitter:.2g} %" if self.jitter > _EVEN else "evenly sampled"
+        jitter += " but for what is missing" if self.missing and self.jitter <= _EVEN else ""
+        count = f"{self.missing} sample{'s' * (self.missing != 1)}"
+        share = 100.0 * self.missing / (self.samples + self.missing)
         rows = [
             ("motion", self.motion),
             ("samples", f"{self.samples} in {self.runs} run{'s' if self.runs != 1 else ''}, {self.duration:.4g} s"),
             ("rate", f"{self.rate:.6g} Hz, {jitter}"),
             ("gaps", f"{self.gaps}, {self.gap_time:.3g} s" if self.gaps else "none"),
+            *([("missing", f"{count} ({share:.2g} %)")] if self.missing else []),
             ("at rest", f"{100 * self.rest:.3g} % of the samples"),
             ("moving", f"{100 * self.forward:.3g} % forward, {self.reversals} reversals"),
             ("excites", f"nine tenths of the velocity's power below {self.band:.3g} Hz"),
@@ -90,7 +97,7 @@ class Summary:
         ]
         if self.travel is not None:
             turns = f" ({self.travel / (2 * np.pi):.4g} turns)" if length == "rad" else ""
-            rows.insert(6, ("travel", f"{self.travel:.4g} {length}{turns}"))
+            rows.insert(len(rows) - 2, ("travel", f"{self.travel:.4g} {length}{turns}"))
         return rows
 
     def to_json(self) -> dict[str, Any]:
@@ -107,6 +114,7 @@ class Summary:
             "jitter": self.jitter,
             "gaps": self.gaps,
             "gap_time_s": self.gap_time,
+            "missing_samples": self.missing,
             "rest": self.rest,
             "forward": self.forward,
             "reversals": self.reversals,
@@ -164,9 +172,10 @@ def summary(recording: Recording, inertia: float | None = None) -> Summary:
         },
         duration=float(log.steps[log.joined].sum()),
         rate=1.0 / recording.interval,
-        jitter=unevenness(log.recording),
+        jitter=_jitter(recording),
         gaps=len(lost),
         gap_time=float(lost.sum()),
+        missing=missing(log).samples,
         rest=1.0 - float(np.mean(moving)),
         forward=float(np.mean(velocity[moving] > 0.0)) if moving.any() else 0.0,
         reversals=_reversals(recording),
@@ -175,6 +184,12 @@ def summary(recording: Recording, inertia: float | None = None) -> Summary:
         feedback=_feedback(log.short),
         findings=findings_of(log, inertia),
     )
+
+
+def _jitter(recording: Recording) -> float:
+    """Return how uneven the stamps are, none where that is no more than their rounding to floats."""
+    found = unevenness(recording)
+    return found if found * recording.interval > recording.rounding_of_time else 0.0
 
 
 def _reversals(recording: Recording) -> int:

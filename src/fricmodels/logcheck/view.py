@@ -12,7 +12,7 @@ import numpy as np
 from fricmodels.arrays import Array, Mask
 from fricmodels.dimension import Motion
 from fricmodels.readers import units
-from fricmodels.recording import Recording
+from fricmodels.recording import Recording, word
 from fricmodels.signals.noise_level import quantum
 from fricmodels.signals.segments import gap_length
 
@@ -170,16 +170,23 @@ class Log:
     def called(self, channel: str) -> str:
         """Return how a channel is called in a sentence: its name, and its column if it has another name."""
         columns = self.recording.provenance.get("columns", {})
-        word = channel.replace("_", " ")
+        named = word(channel, self.recording.motion)
         if channel == "torque" and "torque" not in columns and "current" in columns:
-            return f"{word} ({columns['current']})"
-        return f"{word} ({columns[channel]})" if channel in columns else word
+            return f"{named} ({columns['current']})"
+        return f"{named} ({columns[channel]})" if channel in columns else named
 
     def column(self, channel: str) -> tuple[str, str]:
         """Return the column of a channel and the unit that it was read in, empty where none was given."""
         written = str(self.recording.provenance.get("columns", {}).get(channel, f"{channel}=COLUMN"))
         column, _, unit = written.partition("=")[2].rpartition(":")
         return (column, unit) if column and units.known(unit) else (written.partition("=")[2], "")
+
+    def factor(self, channel: str) -> float:
+        """Return how much SI is one of the unit that a channel was read in."""
+        given = self.column(channel)[1]
+        if self.recording.motion not in (units.fits(given, channel) if given else ()):
+            return 1.0
+        return units.conversion(given, channel, self.recording.motion).factor
 
     def option(self, channel: str, unit: str) -> str:
         """Return the option that reads a channel in another unit, quoted for a shell."""

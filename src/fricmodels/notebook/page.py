@@ -129,7 +129,8 @@ def _(ladder: Ladder) -> Story:
 def _(board: Leaderboard) -> Story:
     whole = tables(board)["Leaderboard"]
     failures = len(board.failures)
-    said = f"{len(board.rows)} fits{f', {failures} without a result' * bool(failures)}, ranked by the torque error."
+    fits = f"{len(board.rows)} fit{'s' * (len(board.rows) != 1)}"
+    said = f"{fits}{f', {failures} without a result' * bool(failures)}, ranked by the torque error."
     if not len(whole):
         return Story("Leaderboard", said, {"Ranks": whole})
     varied = [f"tag.{tag}" for tag in board.tags if whole[f"tag.{tag}"].astype(str).nunique() > 1]

@@ -70,7 +70,7 @@ def _taken(path: Path, out: Path, ended: int) -> pd.DataFrame:
     frame: pd.DataFrame = table.to_pandas(ignore_metadata=True)
     metadata = {key.decode(): value.decode() for key, value in (table.schema.metadata or {}).items()}
     frame.columns = json.loads(metadata["columns"])  # Arrow keeps the same name twice, pandas does not write it
-    frame.attrs["units"] = json.loads(metadata["units"])
+    frame.attrs.update(json.loads(metadata["attrs"]))
     return frame
 
 
@@ -121,7 +121,8 @@ def _write(frame: pd.DataFrame, out: Path) -> None:
         if getattr(kind, "byteorder", "=") == ">":  # Arrow knows the order of this machine alone
             plain[name] = plain[name].astype(kind.newbyteorder("="))
     table = pyarrow.Table.from_pandas(plain, preserve_index=False)
-    kept = {"columns": json.dumps(columns), "units": json.dumps(dict(frame.attrs.get("units", {})))}
+    attrs = {name: dict(frame.attrs.get(name, {})) for name in ("units", "other_lengths")}
+    kept = {"columns": json.dumps(columns), "attrs": json.dumps(attrs)}
     pyarrow.feather.write_feather(table.replace_schema_metadata(kept), out, compression="uncompressed")
 
 

@@ -17,7 +17,7 @@ from __future__ import annotations
 
 import re
 import shlex
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from difflib import get_close_matches
 
@@ -25,32 +25,11 @@ from fricmodels.dimension import Motion
 from fricmodels.errors import InputError, suggestion
 from fricmodels.readers import units
 from fricmodels.readers.column_names import likely, overlooked
-from fricmodels.readers.header_units import stated_unit, without_unit
+from fricmodels.readers.header_units import NoUnit, doubtful, stated_unit, without_unit
+from fricmodels.readers.standard_names import ALIASES, LINEAR, ROTARY, STANDARD, standard_columns
 from fricmodels.recording import OTHER
 
-_ROTARY = {
-    "time": "time_s",
-    "torque": "torque_Nm",
-    "velocity": "velocity_rad_s",
-    "position": "position_rad",
-    "acceleration": "acceleration_rad_s2",
-    "load_torque": "load_torque_Nm",
-    "temperature": "temperature_degC",
-    "current": "current_A",
-    "run": "run",
-}
-_LINEAR = {  # what is called otherwise there
-    "torque": "force_N",
-    "velocity": "velocity_m_s",
-    "position": "position_m",
-    "acceleration": "acceleration_m_s2",
-    "load_torque": "load_force_N",
-}
-STANDARD: Mapping[Motion, Mapping[str, str]] = {Motion.ROTARY: _ROTARY, Motion.LINEAR: {**_ROTARY, **_LINEAR}}
-"""Standard column of each channel, by kind of motion."""
-
-_ALIASES = {"force": "torque", "load_force": "load_torque"}
-NAMES = (*STANDARD[Motion.ROTARY], *_ALIASES)
+NAMES = (*ROTARY, *ALIASES)
 """Channel names that a mapping may use; ``force`` and ``load_force`` are those of a linear axis."""
 
 Mapped = Sequence[str] | Mapping[str, str | Mapping[str, str]]
@@ -78,7 +57,7 @@ class Column:
     @property
     def channel(self) -> str:
         """The channel of the recording that it fills."""
-        return _ALIASES.get(self.name, self.name)
+        return ALIASES.get(self.name, self.name)
 
     def __str__(self) -> str:
         return f"{self.name}={self.column}" + (f":{self.unit}" if self.unit else "")
@@ -104,6 +83,12 @@ def parse(specification: str, present: Sequence[str]) -> Column:
         return Column(name, rest, stated)
     column, colon, unit = (part.strip() for part in rest.rpartition(":"))
     if bracketed and bracketed[1] in present:
+        if bracketed[2].strip().isdecimal():
+            if int(bracketed[2]) != 1:
+                raise InputError(
+                    f"'{bracketed[1]}' has one column; write {name}={bracketed[1]} or {name}={bracketed[1]}(1)"
+                )
+            return Column(name, bracketed[1])
         column, colon, unit = bracketed[1], ":", bracketed[2]
     if name == "time" and ROW not in present:
         if rest.rstrip(": ") == ROW:
@@ -173,7 +158,7 @@ def detect_motion(mapped: Mapping[str, Column], present: Sequence[str]) -> Motio
     Raises:
         InputError: when the mapping speaks of both.
     """
-    said = {column.name: True for column in mapped.values() if column.name in _ALIASES}
+    said = {column.name: True for column in mapped.values() if column.name in ALIASES}
     for column in mapped.values():
         if column.unit and column.channel != "run" and not column.channel.startswith(OTHER):
             kinds = units.fits(column.unit, column.channel)
@@ -189,8 +174,8 @@ def detect_motion(mapped: Mapping[str, Column], present: Sequence[str]) -> Motio
     if said:
         return Motion.LINEAR if next(iter(said.values())) else Motion.ROTARY
     fits = {
-        motion: sum(names[channel] in present for channel in _LINEAR if channel not in mapped)
-        for motion, names in STANDARD.items()
+        motion: sum(channel in LINEAR and channel not in mapped for channel in standard_columns(motion, present))
+        for motion in STANDARD
     }
     if fits[Motion.LINEAR] != fits[Motion.ROTARY]:
         return max(fits, key=lambda motion: fits[motion])
@@ -214,8 +199,8 @@ def assign(columns: Mapped, present: Sequence[str], motion: Motion | None) -> tu
     }
     found |= _by_own_names(found, present, motion)
     kind = motion or detect_motion(found, present)
-    for channel, name in STANDARD[kind].items():
-        if channel not in found and name in present:
+    for channel, name in standard_columns(kind, present).items():
+        if channel not in found:
             found[channel] = Column(channel, name)
     for name in dict.fromkeys(present):
         named = _BRACKETS.fullmatch(name)
@@ -226,8 +211,32 @@ def assign(columns: Mapped, present: Sequence[str], motion: Motion | None) -> tu
         if list(present).count(column.column) > 1:
             count = list(present).count(column.column)
             raise InputError(f"the column '{column.column}' is there {count} times; rename all but one")
+    if motion is not None:
+        _check_kind(found, motion)
     _require(found, kind, present)
     return found, kind
+
+
+def _check_kind(found: Mapping[str, Column], motion: Motion) -> None:
+    """Refuse a unit of the other kind of motion than the one that is named."""
+    for column in found.values():
+        if column.unit is None or column.channel == "run" or column.channel.startswith(OTHER):
+            continue
+        kinds = units.fits(column.unit, column.channel)
+        if kinds and motion not in kinds:
+            raise InputError(
+                f"'{column}' is in a unit of a {_other(motion)} drive; {_named(motion)}, or correct the unit"
+            )
+
+
+def _other(motion: Motion) -> Motion:
+    return Motion.ROTARY if motion is Motion.LINEAR else Motion.LINEAR
+
+
+def _named(motion: Motion) -> str:
+    """Return how a kind of motion is taken back that was named."""
+    asked = "--linear (motion: linear)" if motion is Motion.LINEAR else "'motion: rotary'"
+    return f"leave out {asked} or a model of a {motion} drive"
 
 
 def _by_own_names(found: Mapping[str, Column], present: Sequence[str], motion: Motion | None) -> dict[str, Column]:
@@ -239,9 +248,9 @@ def _by_own_names(found: Mapping[str, Column], present: Sequence[str], motion: M
     called: dict[str, list[Column]] = {}
     for column in present:
         name = without_unit(column).lower()
-        channel = _ALIASES.get(name, name)
-        standard = {names.get(channel) for names in STANDARD.values()}
-        if name not in NAMES or channel in ("run", *found) or standard & set(present):
+        channel = ALIASES.get(name, name)
+        standard = any(channel in standard_columns(kind, present) for kind in STANDARD)
+        if name not in NAMES or channel in ("run", *found) or standard:
             continue
         unit = _stated_size(column, channel)
         if unit is not None and (motion is None or motion in (units.fits(unit, channel) or Motion)):
@@ -266,6 +275,13 @@ def overlooked_columns(found: Mapping[str, Column], present: Sequence[str]) -> d
     return {channel: name for channel, name in likely_ones if name is not None}
 
 
+def unread_brackets(found: Mapping[str, Column]) -> dict[str, str]:
+    """Return by channel the words in brackets of columns without a unit, where they may be one that is not known."""
+    plain = {channel: column.column for channel, column in found.items() if not column.unit and channel != "run"}
+    said = {channel: doubtful(name) for channel, name in plain.items() if not channel.startswith(OTHER)}
+    return {channel: words for channel, words in said.items() if words}
+
+
 def _free(found: Mapping[str, Column], present: Sequence[str], channels: Sequence[str]) -> list[str]:
     """Return the columns that are not in use, nor called as other channels than some."""
     taken = {column.column for column in found.values()}
@@ -279,27 +295,53 @@ def _stated(column: Column) -> str | None:
 def _require(found: Mapping[str, Column], motion: Motion, present: Sequence[str]) -> None:
     force = "force" if motion is Motion.LINEAR else "torque"
     every = (("time",), (force, "current"), ("velocity", "position"))
-    missing = [any_of for any_of in every if not any(_ALIASES.get(channel, channel) in found for channel in any_of)]
+    missing = [any_of for any_of in every if not any(ALIASES.get(channel, channel) in found for channel in any_of)]
     if not missing:
         return
+    _refuse_other_kind(found, motion, present, {channel for any_of in missing for channel in any_of})
     options = []
     for any_of in missing:
-        channels = tuple(dict.fromkeys((*any_of, *(_ALIASES.get(channel, channel) for channel in any_of))))
+        channels = tuple(dict.fromkeys((*any_of, *(ALIASES.get(channel, channel) for channel in any_of))))
         channel, column = likely(channels, _free(found, present, channels)) or (any_of[0], None)
         options.append(_option(channel if channel in any_of else any_of[0], column))
     needed = _listed(["the " + " or ".join(any_of) for any_of in missing], "and")
-    standard = _listed([STANDARD[motion][_ALIASES.get(c, c)] for any_of in missing for c in any_of], "or")
+    standard = _listed([STANDARD[motion][ALIASES.get(c, c)] for any_of in missing for c in any_of], "or")
     raise InputError(
         f"no column for {needed}: none is called {standard}; "
         f"map {'one' if len(missing) == 1 else 'them'} with {' '.join(options)}; columns: {_list(present)}"
     )
 
 
+def _refuse_other_kind(
+    found: Mapping[str, Column], motion: Motion, present: Sequence[str], missing: Collection[str]
+) -> None:
+    """Say where what is missing is there with the standard name of the other kind of motion."""
+    lacking = {ALIASES.get(channel, channel) for channel in missing} & set(LINEAR)
+    there = [name for channel, name in standard_columns(_other(motion), present).items() if channel in lacking]
+    if not there:
+        return
+    said = [column for column in found.values() if _says(column, motion)]
+    cause = f"'{said[0]}' is that of a {motion} one: correct it" if said else _named(motion)
+    verb = "is a column" if len(there) == 1 else "are columns"
+    raise InputError(f"{_listed(there, 'and')} {verb} of a {_other(motion)} drive; {cause}")
+
+
+def _says(column: Column, motion: Motion) -> bool:
+    """Whether the name or the unit of a mapped column is one of a kind of motion alone."""
+    if column.name in ALIASES:
+        return motion is Motion.LINEAR
+    plain = not column.unit or column.channel == "run" or column.channel.startswith(OTHER)
+    return not plain and units.fits(str(column.unit), column.channel) == {motion}
+
+
 def _option(channel: str, column: str | None) -> str:
     """Return the option that maps a column, as a shell reads it; one that states its unit needs none."""
     name = column or "COLUMN"
-    stated = column is not None and stated_unit(column, _ALIASES.get(channel, channel)) is not None
     option = f"{channel}={name}"
+    try:
+        stated = column is not None and stated_unit(column, ALIASES.get(channel, channel)) is not None
+    except NoUnit:
+        return f"--column {shlex.quote(option + ':UNIT')}"
     quoted = shlex.quote(option)
     if channel == "time" and column is None:
         return f"--column {option}[:UNIT], or at a known interval --column time={ROW}:5ms"

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator
 
 from fricmodels.errors import InputError
 from fricmodels.readers import units
+from fricmodels.recording import OTHER
 
 _BRACKETS = re.compile(r"[\[(]\s*([^\[\]()]+?)\s*[\])]\s*$")
 _SUFFIXES = {
@@ -20,14 +22,41 @@ _SUFFIXES = {
     "degs": "deg/s",
     "degps": "deg/s",
     "dps": "deg/s",
+    "rad_per_s": "rad/s",
+    "deg_per_s": "deg/s",
     "m_s": "m/s",
+    "mps": "m/s",
     "mm_s": "mm/s",
+    "mmps": "mm/s",
+    "mm_s2": "mm/s^2",
     "rpm": "rpm",
+    "rps": "turn/s",
+    "rev_s": "turn/s",
+    "rev_min": "rpm",
+    "u_min": "rpm",
     "rad": "rad",
     "deg": "deg",
     "mm": "mm",
+    "cm": "cm",
+    "um": "um",
+    "nm": "nm",
+    "NM": "N*m",
     "Nm": "N*m",
     "mNm": "mN*m",
+    "cNm": "cN*m",
+    "Ncm": "N*cm",
+    "Nmm": "N*mm",
+    "kNm": "kN*m",
+    "kgcm": "kgf*cm",
+    "kgfcm": "kgf*cm",
+    "kg_cm": "kgf*cm",
+    "kgf_cm": "kgf*cm",
+    "lb_in": "lbf*in",
+    "lbf_in": "lbf*in",
+    "lb_ft": "lbf*ft",
+    "lbf_ft": "lbf*ft",
+    "oz_in": "ozf*in",
+    "ozf_in": "ozf*in",
     "kN": "kN",
     "mA": "mA",
     "mV": "mV",
@@ -49,38 +78,80 @@ _SIZELESS = re.compile(
 """What a header calls a unit, and has no size that anybody could know."""
 _EXAMPLES = {"torque": "0.0024 N*m", "load_torque": "0.0024 N*m", "current": "0.0024 A", "position": "count/4096"}
 _OF_A_LENGTH = {"position": " for 4096 a turn, or 0.001 mm on a linear axis"}
+_INDEX = re.compile(r"[\d\s,:;]+")
+"""``q [0]``: a place in a vector or a matrix."""
+_NOTES = re.compile(
+    r"""(measured|meas|actual|act|raw|filtered|filt|smoothed|estimated|est|estimate|calculated|calc|derived|simulated|
+    ist|motor|motor\s?side|joint|joint\s?side|link|link\s?side|load|load\s?side|output|input|drive|axis|encoder|
+    sensor|left|right|arm|main|feedback|fbk|utc|gmt|local|iso|iso\s?8601|h+:mm?:ss?(\.\w+)?|clock|abs|absolute|
+    relative|rel|value|signal|channel|ch|phase|\s|_|-|\d)+""",
+    re.IGNORECASE | re.VERBOSE,
+)
+"""What stands in brackets in a header and is no unit."""
+_WORDS = re.compile(r"[^\W_][\w ]*")
 _NAMED_TORQUE = re.compile(r"(^|[_\W])(torque|tau|trq|tq|effort|force|moment)", re.IGNORECASE)
+
+
+class NoUnit(InputError):
+    """What stands in the brackets of a header is no unit of its channel."""
 
 
 def stated_unit(column: str, channel: str) -> str | None:
     """Return the unit that a column's name states, or ``None``.
 
-    In brackets it may be any unit that is known; after an underscore, one of a list. What does not measure the channel
-    is no unit of it, but for a voltage or a current in place of a torque: those it must not be taken for.
+    In brackets it may be any unit that is known; after an underscore, one of a list. What stands after an underscore
+    and does not measure the channel is no unit of it, but for a voltage or a current in place of a torque: those it
+    must not be taken for.
 
     Raises:
         InputError: where the brackets state counts or a share, whose size nobody can know.
+        NoUnit: where they state what is no unit of the channel, and neither an index nor words (:func:`doubtful`).
     """
     found = _BRACKETS.search(column)
     if found is not None:
         written = found[1].replace("²", "^2").replace("·", "*").replace("°", "deg").replace("N m", "N*m")
         if _usable(written, channel) and not written.isdigit():
             return written
+        if channel.startswith(OTHER):
+            return None
         if _SIZELESS.fullmatch(written):
             example = _EXAMPLES.get(channel, "0.001 " + ("s" if channel == "time" else "rad/s"))
             raise InputError(
                 f"the column '{column}' is in '{found[1]}', which has no size; say how much one is, "
                 f"as in --column '{channel}={column}:{example}'{_OF_A_LENGTH.get(channel, '')}"
             )
-        return None
-    for end, unit in _SUFFIXES.items():
-        tail = column[-len(end) :]
-        if not column[: -len(end)].endswith("_") or (tail != end if end != end.lower() else tail.lower() != end):
-            continue
+        if _INDEX.fullmatch(written) or _NOTES.fullmatch(written) or doubtful(column):
+            return None
+        why = "does not measure it" if units.known(written) else "is not known"
+        what = channel.replace("_", " ")
+        raise NoUnit(
+            f"the column '{column}' of the {what} states the unit '{found[1]}', which {why}; "
+            f"give the unit, as in --column '{channel}={column}:UNIT'"
+        )
+    for unit in _after_underscore(column):
         if unit in ("V", "A") and _NAMED_TORQUE.search(column):
             return None  # torque_A is that of an axis A, or phase A
-        return unit if _usable(unit, channel) else None
+        if _usable(unit, channel):
+            return unit
     return None
+
+
+def _after_underscore(column: str) -> Iterator[str]:
+    """Yield the units that the end of a name may be: ``NM`` is that of a torque, and also of a very small length."""
+    for end, unit in _SUFFIXES.items():
+        tail = column[-len(end) :]
+        any_case = end == end.lower()
+        if column[: -len(end)].endswith("_") and (tail.lower() if any_case else tail) == end:
+            yield unit
+
+
+def doubtful(column: str) -> str | None:
+    """Return the words in round brackets at the end of a name, where they may be a unit that is not known."""
+    found = _BRACKETS.search(column)
+    if found is None or found[0][0] != "(" or not _WORDS.fullmatch(found[1]):
+        return None
+    plain = _INDEX.fullmatch(found[1]) or _NOTES.fullmatch(found[1]) or _SIZELESS.fullmatch(found[1])
+    return None if plain or units.known(found[1]) else found[1]
 
 
 def without_unit(column: str) -> str:
@@ -91,7 +162,7 @@ def without_unit(column: str) -> str:
 
 
 def _usable(unit: str, channel: str) -> bool:
-    if not units.known(unit):
+    if not units.known(unit) or channel.startswith(OTHER):
         return False
     if channel in ("torque", "load_torque") and (units.is_current(unit) or units.is_voltage(unit)):
         return True

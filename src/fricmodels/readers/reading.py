@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import re
 import stat
 from collections.abc import Mapping, Sequence
 from contextlib import redirect_stdout
@@ -19,9 +20,10 @@ from fricmodels.readers import units
 from fricmodels.readers.apart import table_apart
 from fricmodels.readers.base import Reader
 from fricmodels.readers.checks import check
-from fricmodels.readers.columns import ROW, Column, Mapped, asked, assign, overlooked_columns
+from fricmodels.readers.columns import ROW, Column, Mapped, asked, assign, overlooked_columns, unread_brackets
 from fricmodels.readers.gaps import Gaps, kept
 from fricmodels.readers.registers import find_register
+from fricmodels.readers.vectors import unequal_lengths
 from fricmodels.recording import OTHER, Recording
 from fricmodels.signals.wrapping import unwrap
 
@@ -33,6 +35,8 @@ _WHOLE = 2.0**53
 """Below this every whole number is a float of its own."""
 _AS_IT_IS = units.Conversion(1.0, 0.0)
 _LONGEST_UNIT = 60
+_CLOCK = re.compile(r"\s*\d+\s*[:./-]\s*\d+\s*[:./-]\s*\d")
+"""The beginning of a date or of a time of the day."""
 _COUNTED_ON = ("time", "position")
 """What goes on where a counter begins anew: see :mod:`fricmodels.signals.wrapping`."""
 
@@ -79,7 +83,10 @@ def read(
     present = [str(column) for column in table.columns]
     try:
         found, kind = assign(columns, present, motion)
-        overlooked = overlooked_columns(found, present)
+        lengths = table.attrs.get("other_lengths", {})
+        lacking = overlooked_columns(found, [*present, *lengths])
+        overlooked = {channel: column for channel, column in lacking.items() if column in present}
+        unequal = unequal_lengths(lengths, len(table), {*lacking.values()})
         found = with_stated_units(found, table.attrs.get("units", {}))
         converted = conversions(found, kind, torque_constant)
         further = {channel: units.further(column.unit) for channel, column in _further(found).items() if column.unit}
@@ -120,6 +127,8 @@ def read(
             "reader": chosen.name,
             "columns": {channel: str(column) for channel, column in found.items()},
             **({"overlooked": overlooked} if overlooked else {}),
+            **({"other_lengths": unequal} if unequal else {}),
+            **({"unread_units": unread} if (unread := unread_brackets(found)) else {}),
             **({"registers": registers} if registers else {}),
             **({"runs": run_names} if run_names else {}),
             **left,
@@ -278,6 +287,12 @@ def numbers(source: Path, reader: Reader, table: pd.DataFrame, column: Column) -
     wrong = np.flatnonzero((numbers.isna() & values.notna()).to_numpy())
     if len(wrong):
         value = str(values.iloc[int(wrong[0])])
+        if column.channel == "time" and _CLOCK.match(value):
+            raise InputError(
+                f"{source}: column '{column.column}': '{value[:40]}' is neither a number nor a date and time as "
+                f"ISO 8601 writes them, such as 2024-05-01T13:59:57.002; write the stamps so, or count the rows at "
+                f"their interval, as with --column time={ROW}:2ms"
+            )
         others = f", and {len(wrong) - 1} more" if len(wrong) > 1 else ""
         raise InputError(
             f"{source}: {reader.place(source, int(wrong[0]))}, column '{column.column}': "

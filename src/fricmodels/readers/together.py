@@ -21,6 +21,10 @@ def read_together(paths: Sequence[str | Path], *, name: str | None = None, **how
     Raises:
         InputError: for a file that cannot be used, or that does not have the same columns as the first.
     """
+    files = [Path(path).resolve() for path in paths]
+    twice = next((path for number, path in enumerate(paths) if files[number] in files[:number]), None)
+    if twice is not None:
+        raise InputError(f"{twice}: is named twice, and its samples would count twice; name it once")
     if len(paths) == 1:
         return together([read(paths[0], name=name, **how)], name)
     return together([read(path, **how) for path in each("reading files", paths)], name)

@@ -2,7 +2,9 @@
 
 Any unit that Pint knows can be written, with a factor if need be: ``deg/s``, ``rpm``, ``ms``, ``kN``, ``0.5 um``.
 Encoder counts state their resolution as counts a turn: ``count/2000`` is a two-thousandth of a turn, and
-``count/2000/s`` a speed. Hertz is not a speed here, for nobody knows whether it counts turns or radians.
+``count/2000/s`` a speed. Hertz is not a speed here, for nobody knows whether it counts turns or radians; what is
+counted a minute is turns. A mass times a length is a torque where one is asked for: the weight of that mass at that
+arm.
 """
 
 from __future__ import annotations
@@ -19,8 +21,9 @@ import numpy as np
 from fricmodels.arrays import Array
 from fricmodels.dimension import Motion
 from fricmodels.errors import InputError
+from fricmodels.readers.unit_spelling import spelled
 from fricmodels.readers.unit_text import is_plain
-from fricmodels.recording import CHANNELS
+from fricmodels.recording import CHANNELS, word
 
 _NOT_MECHANICAL = {"temperature": "degC", "current": "A"}
 _COUNT = re.compile(r"\bcounts?\b")
@@ -61,14 +64,32 @@ def _worked_out(unit: str) -> Iterator[None]:
 @lru_cache(maxsize=256)
 def _quantity(unit: str) -> Any:
     """Return one of the unit. The angle stays in its root units, where Pint's dimensions leave it out."""
-    if not is_plain(unit):
+    text = spelled(unit)
+    if not is_plain(text):
         raise InputError(f"unknown unit '{unit if len(unit) < 60 else unit[:60] + '…'}'")
     registry = _registry()
     with _worked_out(unit):
         try:
-            return registry.Quantity(1.0, registry.parse_units(unit))
+            return registry.Quantity(1.0, registry.parse_units(text))
         except Exception:
-            return registry.Quantity(registry.parse_expression(_COUNT.sub("turn", unit).replace("°", "deg")))
+            return registry.Quantity(registry.parse_expression(_COUNT.sub("turn", text).replace("°", "deg")))
+
+
+@lru_cache(maxsize=256)
+def _in_channel(unit: str, channel: str) -> Any:
+    """Return one of the unit as it is meant of a channel: a mass at an arm is a torque, counts a minute are turns."""
+    if channel == "temperature" and unit in ("C", "F"):
+        return _quantity(f"deg{unit}")
+    quantity, registry = _quantity(unit), _registry()
+    if channel not in ("torque", "load_torque", "velocity"):
+        return quantity
+    with _worked_out(unit):
+        base = registry.get_root_units(quantity.units)[1]
+        if channel == "velocity":
+            turns = base == registry.get_root_units("1/s")[1] and "minute" in quantity.units._units
+            return quantity * registry.Quantity(1.0, "turn") if turns else quantity
+        weighs = base == registry.get_root_units("kg*m")[1]
+        return quantity * registry.Quantity(1.0, "kgf/kg") if weighs else quantity
 
 
 _OWN = frozenset(
@@ -83,11 +104,11 @@ def _own(unit: str) -> str:
     return written if written in _OWN else ""
 
 
-def _measures(unit: str, target: str) -> bool:
+def _measures(unit: str, target: str, channel: str = "") -> bool:
     if _own(unit) and _own(target):
         return _own(unit) == _own(target)
     registry = _registry()
-    quantity = _quantity(unit)
+    quantity = _in_channel(unit, channel)
     with _worked_out(unit):
         here, there = (registry.get_root_units(units)[1] for units in (quantity.units, registry.parse_units(target)))
         return bool(here == there)
@@ -120,7 +141,7 @@ def _si_unit(channel: str, motion: Motion) -> str:
 
 def fits(unit: str, channel: str) -> set[Motion]:
     """Return the kinds of motion in which the channel may have this unit."""
-    return {motion for motion in Motion if _measures(unit, _si_unit(channel, motion))}
+    return {motion for motion in Motion if _measures(unit, _si_unit(channel, motion), channel)}
 
 
 FURTHER_UNITS = ("rad", "rad/s", "rad/s^2", "m", "m/s", "m/s^2", "N m", "N", "degC", "A", "V", "Pa", "W", "s")
@@ -142,10 +163,10 @@ def further(unit: str) -> tuple[Conversion, str]:
     return _between(unit, target), target
 
 
-def _between(unit: str, target: str) -> Conversion:
+def _between(unit: str, target: str, channel: str = "") -> Conversion:
     if _own(unit) and _own(unit) == _own(target):
         return Conversion(1.0, 0.0)
-    quantity, create = _quantity(unit), _registry().Quantity
+    quantity, create = _in_channel(unit, channel), _registry().Quantity
     wanted = "" if target == "1" else target
     with _worked_out(unit):
         low, high = (create(value * quantity.magnitude, quantity.units).to(wanted).magnitude for value in (0.0, 1.0))
@@ -162,16 +183,17 @@ def conversion(unit: str, channel: str, motion: Motion) -> Conversion:
         InputError: for an unknown unit, or one of another dimension than the channel's.
     """
     target = _si_unit(channel, motion)
-    if not _measures(unit, target):
+    if not _measures(unit, target, channel):
         hint = "; state the counts a turn, such as count/2000" if _COUNT.search(unit) else ""
         if is_voltage(unit):
             hint = "; a voltage is not a torque: give the current with --torque-constant, or the torque itself"
         if "%" in unit:
             of = {"torque": "0.1N*m", "current": "0.1A"}.get(channel, "0.01")
             hint = f"; say what 1 % is, a hundredth of what 100 % stands for, as in {channel}=COLUMN:{of}"
-        hint = hint or ("; use turn/s or rad/s" if "hz" in unit.lower() else "")
+        a_second = channel == "velocity" and _measures(unit, "1/s")
+        hint = hint or ("; use turn/s or rad/s" if "hz" in unit.lower() or a_second else "")
         raise InputError(
-            f"the unit '{unit}' does not measure the {channel.replace('_', ' ')} of a {motion} drive, "
+            f"the unit '{unit}' does not measure the {word(channel, motion)} of a {motion} drive, "
             f"which is in {target}{hint}"
         )
-    return _between(unit, target)
+    return _between(unit, target, channel)

@@ -36,7 +36,10 @@ def columns_of(label: str, value: Any) -> Iterator[tuple[str, Any]]:
 
 
 def of_one_length(columns: Mapping[str, Any], asked: Collection[str] = ()) -> pd.DataFrame | None:
-    """Return the columns as long as the first that is asked for, or else as most of them are; ``None`` without any."""
+    """Return the columns as long as the first that is asked for, or else as most of them are; ``None`` without any.
+
+    What is left out is in ``attrs["other_lengths"]``: length by name.
+    """
     import pandas as pd
 
     if not columns:
@@ -45,7 +48,22 @@ def of_one_length(columns: Mapping[str, Any], asked: Collection[str] = ()) -> pd
     if length is None:
         counts = Counter(len(values) for values in columns.values())
         length = max(counts, key=lambda n: (counts[n], n))
-    return pd.DataFrame({name: values for name, values in columns.items() if len(values) == length})
+    table = pd.DataFrame({name: values for name, values in columns.items() if len(values) == length})
+    table.attrs["other_lengths"] = {name: len(values) for name, values in columns.items() if len(values) != length}
+    return table
+
+
+_NEARLY = 0.01
+"""Share of the samples by which a list that should have been as long as the others differs from them at most."""
+
+
+def unequal_lengths(lengths: Mapping[str, int], samples: int, wanted: Collection[str]) -> dict[str, int]:
+    """Return, of the columns of other lengths, those that should have been of this one: wanted, or nearly as long."""
+    return {
+        name: length
+        for name, length in lengths.items()
+        if name in wanted or 0 < abs(length - samples) <= _NEARLY * samples
+    }
 
 
 def kind(value: Any) -> str:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Literal
 
 from fricmodels.diagnosis.policy import POLICY
 from fricmodels.dimension import Motion
-from fricmodels.readers.columns import STANDARD
+from fricmodels.readers.standard_names import STANDARD
 from fricmodels.report.reliability import ONE_SINE, RECORDS
 from fricmodels.report.wording import counted, listed, listed_classes, noise_alone, percent, small
 from fricmodels.results.words import LINE, SAMPLING, figures, form, predictor
@@ -139,6 +139,8 @@ def error_words(data: ComparisonDocument) -> str:
     where = f"of the RMS motor {data.quantity} on data that took no part in fitting{over}"
     if len(steps) > 1:
         return f"Test error {percent(before)} → {percent(after)} {where}; {noise}."
+    if data.held:
+        where = f"of the RMS motor {data.quantity} on the three tenths that a fit would keep back{over}"
     return f"Test error {percent(before)} {where}; {noise}."
 
 
@@ -164,6 +166,9 @@ def comparison_words(data: ComparisonDocument) -> tuple[str, str]:
     left = f"{percent(errors.held_out_percent)} of the motor {data.quantity}"
     sentence = f"The model {data.model} leaves a test error of {left}."
     words = f"{error_words(data)} Fit error {percent(errors.percent)}."
+    if data.held:
+        sentence = f"The model {data.model} with the numbers of its file leaves an error of {left}."
+        words = f"Nothing was fitted. {error_words(data)} On the other samples {percent(errors.percent)}."
     sample = errors.bands[0] if errors.bands else None
     if sample is None or sample.window_ms == errors.band_ms:
         return sentence, words

@@ -58,7 +58,8 @@ def where_words(comparison: Comparison, most: int = 1) -> str:
     for row in rows:
         share = f"{max(100 * row.share_of_samples, _LEAST_PART):.2g} %{'' if parts else ' of the samples'}"
         parts.append(f"{in_words(row.regime)} ({number(row.rms_torque_error)} {unit} RMS, {share})")
-    return f"The error is largest {listed(parts)}; over all that was fitted it is {number(whole)} {unit}."
+    over = "all other samples" if comparison.drive.model.known.fixed else "all that was fitted"
+    return f"The error is largest {listed(parts)}; over {over} it is {number(whole)} {unit}."
 
 
 def map_words(figure: Figure) -> str:

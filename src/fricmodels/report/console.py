@@ -6,8 +6,9 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from fricmodels.diagnosis.document import comparison_document, document
+from fricmodels.diagnosis.errors_table import sampled
 from fricmodels.diagnosis.ladder import added
-from fricmodels.diagnosis.present import change, sampled, say, show_overlay, show_parameters
+from fricmodels.diagnosis.present import change, say, show_overlay, show_parameters
 from fricmodels.errors import InputError
 from fricmodels.report.answer import Answer, answer, comparison_words
 from fricmodels.report.captions import where_words
@@ -140,7 +141,8 @@ def _candidates(console: Console, data: DiagnosisDocument) -> None:
         Column("p, corrected", tuple(spoken(console, small(row.p_value)) for row in rows), True),
         Column("passes all tests", tuple("yes" if row.gates else "no" for row in rows)),
     ]
-    show_table(console, columns, f"The best of {len(data.candidates)} candidates, each by itself")
+    tried = len(data.candidates)
+    show_table(console, columns, f"The best of {tried} candidates, each by itself" if tried > 1 else "The candidate")
     console.print()
 
 

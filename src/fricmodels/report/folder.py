@@ -17,6 +17,7 @@ from fricmodels.stored import as_written
 from fricmodels.tournament.leaderboard import AGAIN, Leaderboard
 from fricmodels.tournament.leaderboard import FILE as LEADERBOARD
 from fricmodels.tournament.origin import read_origin
+from fricmodels.tournament.store import FILE as STORE
 
 if TYPE_CHECKING:
     from fricmodels.diagnosis.ladder import Rung
@@ -39,6 +40,11 @@ def _page(directory: Path) -> Page:
     wanted = {directory.name} if not directory.is_dir() else {LEADERBOARD, DIAGNOSIS}
     diagnosis = _of_diagnosis(folder) if DIAGNOSIS in wanted and (folder / DIAGNOSIS).exists() else None
     if LEADERBOARD not in wanted or not (folder / LEADERBOARD).exists():
+        if diagnosis is None and (folder / STORE).exists():
+            raise InputError(
+                f"{directory}: the run was stopped before its leaderboard was written; the same 'fricmodels run' goes "
+                f"on from there, and 'fricmodels leaderboard {directory}' shows what is done"
+            )
         if diagnosis is None:
             raise InputError(
                 f"{directory}: there is neither {LEADERBOARD} nor {DIAGNOSIS}; make one with: fricmodels run "

@@ -48,7 +48,8 @@ def over_time(comparison: Comparison, *, kept_back: bool = True, before: Compari
     if kept_back:
         figure = figures.overlay(comparison, before=before)
         words = f"Test error {errors.averaged}: {percent(errors.held_out_percent)} of the RMS {what} on the shaded part"
-        words += f" (fit error {percent(errors.percent)})"
+        others = "on the others" if comparison.drive.model.known.fixed else "fit error"
+        words += f" ({others} {percent(errors.percent)})"
     else:
         from fricmodels.report.figures.samples import Samples
 

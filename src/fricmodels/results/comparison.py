@@ -175,6 +175,8 @@ class ComparisonDocument(ResultDocument):
     """By key, each in its SI unit."""
     standard_errors: Numbers
     """By key, in the units of the parameters; none of what was given."""
+    held: bool = False
+    """Whether the numbers are those that a file has, and none was fitted to this recording."""
     rms_torque_error: TorqueError
     """How far off the model is."""
     noise_floor_percent: Number

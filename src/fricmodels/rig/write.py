@@ -7,7 +7,7 @@ from pathlib import Path
 
 from fricmodels.errors import InputError
 from fricmodels.files import replaced, write_bytes, write_text
-from fricmodels.readers.columns import STANDARD
+from fricmodels.readers.standard_names import STANDARD
 from fricmodels.recording import Recording
 
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from fricmodels.errors import InputError
 from fricmodels.files import replaced
-from fricmodels.readers.columns import STANDARD
+from fricmodels.readers.standard_names import STANDARD
 from fricmodels.recording import OTHER, Recording
 from fricmodels.saved.fitted import FittedModel
 from fricmodels.simulation import Between

@@ -114,8 +114,8 @@ def keep(result: object) -> FittedModel:
             return keep(inner[-1] if step == "rungs" else inner)
     if not all(hasattr(result, name) for name in ("drive", "estimate", "train", "errors")):
         raise InputError(
-            f"a {type(result).__name__} cannot be kept; keep what compare, diagnose or improve returned, and a fit of "
-            f"an estimator with keep_fit(fit, drive, recording)"
+            f"what is given ({type(result).__name__}) cannot be kept; keep what compare, diagnose or improve returned, "
+            f"and a fit of an estimator with keep_fit(fit, drive, recording)"
         )
     comparison: Any = result
     found, line = comparison.estimate, comparison.errors.headline

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -85,6 +86,9 @@ def moved(
     for name in pushing_signals(drive):
         if name not in held and name != "time":
             raise InputError(f"'{drive.model.name}' needs '{name}' at every step; give it as {name}=…")
+    wrong = next((name for name, value in held.items() if not math.isfinite(value)), None)
+    if wrong is not None:
+        raise InputError(f"the {wrong.replace('_', ' ')} is no finite number, got {held[wrong]}")
     begin, end = {**held, "time": before.time}, {**held, "time": before.time + interval}
     state = (before.velocity, before.position, *before.states)
     velocity, position, *states = advanced(drive, values, state, begin, end, interval, width)

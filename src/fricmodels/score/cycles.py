@@ -27,11 +27,13 @@ def last_cycles(recording: Recording, cycles: int) -> NDArray[np.bool_]:
     time = recording.time
     rising = np.flatnonzero((torque[:-1] < 0) & (torque[1:] >= 0))
     if len(rising) == 0:
-        raise InputError(f"recording '{recording.name}' has no cycles of torque; use `score: torque`")
+        raise InputError(f"recording '{recording.name}' has no cycles of torque; use 'score: held-out'")
     share = torque[rising] / (torque[rising] - torque[rising + 1])
     passages = time[rising] + share * (time[rising + 1] - time[rising])
     period = float(np.median(np.diff(passages))) if len(passages) > 1 else float(time[-1] - passages[-1])
     begin = time[-1] + recording.interval - cycles * period
     if begin < time[0] - 0.5 * recording.interval:
-        raise InputError(f"recording '{recording.name}' has fewer than {cycles} cycles of torque; use `score: torque`")
+        raise InputError(
+            f"recording '{recording.name}' has fewer than {cycles} cycles of torque; use 'score: held-out'"
+        )
     return np.asarray(time > begin - 0.5 * recording.interval)

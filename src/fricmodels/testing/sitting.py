@@ -8,6 +8,7 @@ import time
 import warnings
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from difflib import get_close_matches
 from typing import Any
 
 from fricmodels import plugins
@@ -117,7 +118,9 @@ def named(name: str) -> list[tuple[str, str]]:
         if reasons:
             raise InputError(reasons[0])
         known = {own for _, own, _ in entries} | {distribution for *_, distribution in entries}
-        raise InputError(f"nothing is registered as '{name}'{suggestion(name, known)}")
+        near = get_close_matches(name, known, cutoff=0.5)
+        way_out = suggestion(name, known) if near else "; 'fricmodels list' and 'fricmodels plugins' show what is there"
+        raise InputError(f"nothing is registered as '{name}'{way_out}")
     return found
 
 

@@ -257,12 +257,30 @@ def load_config(path: str | Path) -> Config:
     Raises:
         InputError: in one line, naming file, line and key, and the nearest right name.
     """
+    return read_config(path)[0]
+
+
+def read_config(path: str | Path) -> tuple[Config, Document]:
+    """Read a tournament as :func:`load_config` does; return its file too, by which later errors name lines."""
     document = read_yaml(path)
     config = validate(document, Config)
+    _check_once(config, document)
     _check_models(config, document)
     _check_estimators(config, document)
     _check_simulations(config, document)
-    return config
+    return config, document
+
+
+def _check_once(config: Config, document: Document) -> None:
+    """Refuse a file or a model that stands twice in its list: it is one all the same."""
+    lists: list[tuple[tuple[str | int, ...], list[str]]] = [(("models",), config.models)]
+    for index, dataset in enumerate(config.datasets):
+        lists += [(("datasets", index, "files"), dataset.files or [])]
+        lists += [(("datasets", index, "test_files"), dataset.test_files or [])]
+    for place, names in lists:
+        for index, name in enumerate(names):
+            if name in names[:index]:
+                raise document.error((*place, index), f"key '{place[-1]}': '{name}' stands twice; leave one out")
 
 
 def _check_models(config: Config, document: Document) -> None:

@@ -22,6 +22,7 @@ from fricmodels.fit import Fit, Status
 from fricmodels.model import Model
 from fricmodels.recording import Recording
 from fricmodels.tournament.sources import Loaded, Source, load
+from fricmodels.tournament.told import as_keys
 
 Row = dict[str, Any]
 Group = tuple[str, str, str]
@@ -135,7 +136,7 @@ def execute(job: Job) -> Row:
         try:
             row = _fit_and_score(job)
         except FricmodelsError as error:
-            row = job.row(Status.FAILED, str(error), time.perf_counter() - begin)
+            row = job.row(Status.FAILED, as_keys(str(error)), time.perf_counter() - begin)
         except (Exception, SystemExit) as error:
             row = job.row(Status.FAILED, f"{type(error).__name__}: {error}", time.perf_counter() - begin)
     if caught and not row["message"]:

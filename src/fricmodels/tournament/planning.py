@@ -13,6 +13,8 @@ from fricmodels.model import Model
 from fricmodels.tournament.config import Config
 from fricmodels.tournament.listed import Jobs
 from fricmodels.tournament.sources import Loaded, Source, load, sources
+from fricmodels.tournament.told import as_keys, told_at
+from fricmodels.yaml_file import Document
 
 
 @dataclass(frozen=True)
@@ -33,13 +35,14 @@ class Plan:
     doubts: tuple[str, ...] = ()
 
 
-def plan(config: Config, directory: str | Path = ".", *, trust: bool = True) -> Plan:
+def plan(config: Config, directory: str | Path = ".", *, trust: bool = True, document: Document | None = None) -> Plan:
     """Read every file once, check that each model has the channels that it needs, and list the jobs.
 
     Args:
         config: the tournament.
         directory: where its relative paths start; that of its file.
         trust: go on with recordings whose units, signs or columns look so wrong that every answer would be nonsense.
+        document: the file that the tournament was read from; errors name its lines.
 
     Raises:
         InputError: for anything that cannot be used, before anything is written.
@@ -49,18 +52,19 @@ def plan(config: Config, directory: str | Path = ".", *, trust: bool = True) -> 
         content = entrant.model_dump_json(exclude={"label"})
         if titles.setdefault(entrant.title, content) != content:
             raise InputError(f"two estimators are called '{entrant.title}'; give one of them another 'label'")
-    listed, left_out = sources(config, Path(directory))
+    listed, left_out = sources(config, Path(directory), document)
     models = [model for name in config.model_names if (model := _built_in(name)) is not None]
     digests: dict[int, str] = {}
     doubts: list[str] = []
     for number, source in enumerate(listed):
         if source.values["kind"] == "files":
-            loaded = _checked(source, models)
-            _check_motion(config, loaded)
-            if loaded.nonsense and not trust:
-                raise InputError(f"{loaded.nonsense[0]}, or go on with --trust")
+            with told_at(document, "datasets", listed.dataset(number)):
+                loaded = _checked(source, models)
+                _check_motion(config, loaded)
+                if loaded.nonsense and not trust:
+                    raise InputError(f"{loaded.nonsense[0]}, or go on with --trust")
             digests[number] = loaded.digest
-            doubts += [*loaded.nonsense, *loaded.doubts]
+            doubts += map(as_keys, (*loaded.nonsense, *loaded.doubts))
     if not plugins.load().estimators:
         raise InputError("no estimator is registered; install the distribution that has them")
     return Plan(config, Jobs(config, listed, digests), tuple(left_out), digests, tuple(dict.fromkeys(doubts)))

@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from fricmodels.arrays import Mask
 from fricmodels.errors import FricmodelsError, InputError
-from fricmodels.tournament.config import Config, load_config
+from fricmodels.tournament.config import Config, read_config
 from fricmodels.tournament.execution import EXECUTORS, results
 from fricmodels.tournament.histories import Collected
 from fricmodels.tournament.jobs import Job, Row, as_shown
@@ -73,8 +73,10 @@ def run(
         raise InputError(f"a scheduler goes with the executor dask, not with {executor}: add --executor dask")
     if not isinstance(config, Config):
         directory = Path(config).parent if directory is None else directory
-        config = load_config(config)
-    ready = planned or plan(config, directory or ".")
+        config, document = read_config(config)
+    else:
+        document = None
+    ready = planned or plan(config, directory or ".", document=document)
     target = Path(out)
     try:
         target.mkdir(parents=True, exist_ok=True)

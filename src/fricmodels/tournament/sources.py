@@ -20,14 +20,15 @@ from typing import Any, overload
 import numpy as np
 
 from fricmodels.dimension import Motion
-from fricmodels.drive import Drive
 from fricmodels.errors import InputError
-from fricmodels.model import Model
 from fricmodels.recording import Recording
 from fricmodels.signals import Preparation, prepare
 from fricmodels.split import Split, split
 from fricmodels.tournament.config import Config, Dataset, Simulate
+from fricmodels.tournament.simulated import simulated
+from fricmodels.tournament.told import error_at, told_at
 from fricmodels.weakform.prepared import prepared
+from fricmodels.yaml_file import Document
 
 
 @dataclass(frozen=True)
@@ -116,6 +117,10 @@ class Sources(Sequence[Source]):
         part, place = self._found(number)
         return part.named(place)
 
+    def dataset(self, number: int) -> int:
+        """Return the place in the configuration of the dataset that a recording is of."""
+        return self._found(number)[0].place
+
     def _found(self, number: int) -> tuple[_Part, int]:
         place = number + len(self) if number < 0 else number
         if not 0 <= place < len(self):
@@ -133,20 +138,23 @@ class _Part:
         named: from the number of one: its name in the leaderboard, and its tags.
         inertia: given, or ``None``.
         described: from the number of one: its description.
+        place: of the dataset in the configuration.
     """
 
     count: int
     named: Callable[[int], tuple[str, dict[str, Any]]]
     inertia: float | None
     described: Callable[[int], str]
+    place: int = 0
 
 
-def sources(config: Config, directory: Path) -> tuple[Sources, list[str]]:
+def sources(config: Config, directory: Path, document: Document | None = None) -> tuple[Sources, list[str]]:
     """List the recordings of a tournament.
 
     Args:
         config: the tournament.
         directory: where relative paths start.
+        document: the file that the tournament was read from; errors name its lines.
 
     Returns:
         The sources, and one line for each optional dataset that is left out because it is not there.
@@ -156,28 +164,35 @@ def sources(config: Config, directory: Path) -> tuple[Sources, list[str]]:
     """
     parts: list[_Part] = []
     left_out: list[str] = []
-    for number, dataset in enumerate(config.datasets, start=1):
+    for place, dataset in enumerate(config.datasets):
         common = {
             "preparation": (dataset.preparation or config.preparation).model_dump(mode="json"),
             "split": None if config.score == "paper" else (dataset.split or config.split).model_dump(mode="json"),
         }
+        number = place + 1
         if dataset.simulate is not None:
-            parts.append(_simulated(dataset, dataset.simulate, dataset.name or f"simulated-{number}", common))
+            part = _simulated(dataset, dataset.simulate, dataset.name or f"simulated-{number}", common)
         elif dataset.rig is not None:
-            parts.append(_rigs(dataset, dataset.rig, directory, common))
+            with told_at(document, "datasets", place, "rig"):
+                part = _rigs(dataset, dataset.rig, directory, common)
         else:
             try:
-                parts.append(_files(dataset, directory, common))
+                with told_at(document, "datasets", place, "test_files"):
+                    part = _files(dataset, directory, common)
             except FileNotFoundError as error:
                 if not dataset.optional:
-                    raise InputError(f"{error}; correct the path under 'files'") from None
+                    raise error_at(
+                        document, ("datasets", place, "files"), f"{error}; correct the path under 'files'"
+                    ) from None
                 left_out.append(f"dataset '{dataset.name or number}' is left out: {error}")
+                continue
+        parts.append(replace(part, place=place))
     listed = Sources(parts)
-    _refuse_equal_names(listed)
+    _refuse_equal_names(document, listed)
     return listed, left_out
 
 
-def _refuse_equal_names(listed: Sources) -> None:
+def _refuse_equal_names(document: Document | None, listed: Sources) -> None:
     def identity(number: int) -> tuple[str, str]:
         dataset, tags = listed.named(number)
         return dataset, json.dumps(tags, sort_keys=True)
@@ -188,7 +203,8 @@ def _refuse_equal_names(listed: Sources) -> None:
     seen: set[tuple[str, str]] = set()
     for number in range(len(listed)):
         if identity(number) in seen:
-            raise InputError(f"two datasets are called '{identity(number)[0]}'; give each another 'name'")
+            message = f"two datasets are called '{identity(number)[0]}'; give each another 'name'"
+            raise error_at(document, ("datasets", listed.dataset(number), "name"), message)
         seen.add(identity(number))
 
 
@@ -339,7 +355,7 @@ def recordings_of(source: Source) -> tuple[Recording, list[Recording]]:
     """
     values = source.values
     if values["kind"] == "simulate":
-        return _simulate(source.dataset, values), []
+        return simulated(source.dataset, values), []
     if values["kind"] == "rig":
         from fricmodels.rig.file import load_rig
 
@@ -372,28 +388,3 @@ def _read(files: list[str], values: Mapping[str, Any], name: str) -> Recording:
                 f"{', '.join(files)}: there is no run '{name_of_run}'; it has {', '.join(list(names)[:20])}"
             )
     return recording.select(np.isin(recording.run, [names[name_of_run] for name_of_run in wanted]))
-
-
-@lru_cache(maxsize=8)
-def _drive(model: str, motion: Motion) -> Drive:
-    return Drive(Model.parse(model), None, motion)
-
-
-def _simulate(name: str, values: Mapping[str, Any]) -> Recording:
-    from fricmodels.simulation import simulate
-
-    drive = _drive(values["model"], Motion(values["motion"]))
-    step = 2 * math.pi / values["frequency"] / values["samples_per_cycle"]
-    time = step * np.arange(values["cycles"] * values["samples_per_cycle"])
-    return simulate(
-        drive,
-        {drive.inertia_key: values["inertia"], **values["parameters"]},
-        time,
-        values["amplitude"] * np.sin(values["frequency"] * time),
-        noise=values["noise_percent"],
-        quantisation=values["quantisation"],
-        hold=values["hold"],
-        between_samples=values["between_samples"],
-        seed=values["seed"],
-        name=name,
-    )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import textwrap
+import unicodedata
 from collections.abc import Callable, Iterable, Sequence
 from typing import Any
 
@@ -40,15 +41,42 @@ def comment(lines: Iterable[str]) -> str:
     return "/*\n" + "\n".join(f" * {line}".rstrip() for line in folded) + "\n */"
 
 
-_ASCII = {"ω": "w", "τ": "tau", "·": "*", "−": "-", "₁": "1", "₂": "2", "≥": ">=", "²": "^2", "…": "...", "δ": "delta",
-          "μ": "mu", "σ": "sigma", "α": "alpha", "∞": "inf", "√": "sqrt", "°": "deg", "ż": "dz/dt", "|": "|",
-          "≤": "<=", "∂": "d", "φ": "phi", "θ": "theta"}  # fmt: skip
+_ASCII = {"ω": "w", "·": "*", "×": "x", "−": "-", "–": "-", "≥": ">=", "≤": "<=", "≠": "!=", "≈": "~", "…": "...",
+          "∞": "inf", "√": "sqrt", "°": "deg", "∂": "d", "∑": "sum", "Σ": "sum", "∫": "int", "‖": "|", "→": "->",
+          "′": "'", "µ": "mu", "ß": "ss", "∈": " in ", "±": "+-"}  # fmt: skip
+"""Signs as C's comments have them; letters of the Greek alphabet are spelled by their names."""
+_MARKS = {"\u0307": "d{}/dt", "\u0308": "d2{}/dt2"}
+"""Dots above a letter → the derivative by time that they are; any other mark is left out."""
+_DIGITS = dict(zip("₀₁₂₃₄₅₆₇₈₉", "0123456789", strict=True)) | dict(
+    zip("⁰¹²³⁴⁵⁶⁷⁸⁹", (f"^{digit}" for digit in range(10)), strict=True)
+)
+_UMLAUTS = frozenset(f"{letter}\u0308" for letter in "aouAOU")
+_SUBSCRIPTS = dict(zip("ₐₑᵢⱼₖₗₘₙₒₚᵣₛₜᵤᵥₓ", "aeijklmnoprstuvx", strict=True))
 
 
 def ascii_text(text: str) -> str:
     """Return a text in printable ASCII that can stand in a comment of C."""
-    plain = "".join(_ASCII.get(c, c if c.isascii() and c.isprintable() else "?") for c in text)
+    plain = "".join(map(_ascii, re.findall(r".[\u0300-\u036f]?", unicodedata.normalize("NFD", text), re.DOTALL)))
     return plain.replace("*/", "* /").replace("/*", "/ *").replace("??", "? ?").replace("\\", "/")
+
+
+def _ascii(sign: str) -> str:
+    """Return a sign, with a mark above it or without, as ASCII."""
+    letter, mark = sign[0], sign[1:]
+    if sign in _UMLAUTS:
+        return f"{letter}e"
+    if mark:
+        return _MARKS.get(mark, "{}").format(_ascii(letter))
+    for known in (_ASCII, _DIGITS, _SUBSCRIPTS):
+        if letter in known:
+            return known[letter]
+    if letter.isascii():
+        return letter if letter.isprintable() else "?"
+    words = unicodedata.name(letter, "").removesuffix(" SYMBOL").split()  # GREEK SMALL LETTER SIGMA, GREEK THETA SYMBOL
+    if len(words) < 2 or words[0] != "GREEK":
+        return "?"
+    name = words[-1].replace("LAMDA", "LAMBDA")
+    return name.capitalize() if words[1] == "CAPITAL" else name.lower()
 
 
 def table(name: str, values: Iterable[float]) -> str:

@@ -1,0 +1,58 @@
+"""How units are spelled in the headers of logs, and what Pint calls them.
+
+``U/min`` and ``1/min`` are turns a minute, ``kp`` is a kilogram-force, a full stop or a dash between two units
+multiplies them, ``lb-in`` and ``kg.cm`` are torques, and a capital letter more or less changes no ``RPM``.
+"""
+
+from __future__ import annotations
+
+import re
+
+_ABBREVIATED = re.compile(r"^[^.]*[^\W\d_]\.$")
+_LONGEST = 80
+"""Longer texts are no units."""
+_TURNS = re.compile(r"(?<![^\W\d_])(U|Umdr|Umdrehung|Umdrehungen|rev|revs|r|tr|giri|об)\.?(?=\s*/\s*(min|sec|s|мин)\b)")
+_WORDS = {
+    "upm": "rpm",
+    "r.p.m.": "rpm",
+    "u.p.m.": "rpm",
+    "ncm": "N*cm",
+    "nmm": "N*mm",
+    "inlb": "in*lbf",
+    "lbin": "lbf*in",
+    "ftlb": "ft*lbf",
+    "lbft": "lbf*ft",
+    "ozin": "ozf*in",
+    "inoz": "in*ozf",
+    "kgcm": "kgf*cm",
+    "kgfcm": "kgf*cm",
+    "kgfm": "kgf*m",
+    "kpcm": "kgf*cm",
+    "kpm": "kgf*m",
+    "mmps": "mm/s",
+    "mps": "m/s",
+}
+"""Whole texts, in small letters."""
+_ANY_CASE = re.compile(
+    r"(?<![^\W\d_])(rpm|rps|deg|degrees?|rad|radians?|sec|seconds?|min|minutes?|turns?|counts?|inch(?:es)?)(?![^\W\d_])",
+    re.IGNORECASE,
+)
+_NAMES = {"kp": "kgf", "Grad": "deg", "мин": "min", "lbs": "lb"}
+_NAME = re.compile(r"[^\W\d_]+")
+_PRODUCT = re.compile(r"(?<=[^\W\d_])\s*[.-]\s*(?=[^\W\d_])")
+_POWER = re.compile(r"(?<=[^\W\d_])(?<!\d[eE])-(?=\d{1,2}(?!\d))")
+
+
+def spelled(unit: str) -> str:
+    """Return a unit as Pint spells it; what is spelled otherwise stays."""
+    if len(unit) > _LONGEST:
+        return unit
+    text = unit.strip()
+    text = text[:-1] if _ABBREVIATED.search(text) else text
+    word = _WORDS.get(text.lower())
+    if word is not None and not text.startswith("M"):
+        return word
+    text = _TURNS.sub("turn", text.replace("º", "°"))
+    text = _ANY_CASE.sub(lambda found: found[0].lower(), text)
+    text = _NAME.sub(lambda found: _NAMES.get(found[0], found[0]), text)
+    return _POWER.sub("^-", _PRODUCT.sub("*", text))
