@@ -47,6 +47,7 @@ def command(
     recording of --data; without one it is projected over the range in which the model is valid.
     """
     from fricmodels.cli.boundary import one_line
+    from fricmodels.cli.outputs import check_outputs
     from fricmodels.cli.printing import warn
     from fricmodels.dimension import Motion
     from fricmodels.errors import InputError
@@ -54,6 +55,7 @@ def command(
     from fricmodels.files import write_text
     from fricmodels.saved import load
 
+    check_outputs([out], [model, into, *(data or ())])
     kept = load(model)
     recording = None
     if data:

@@ -29,6 +29,7 @@ def command(
     With --inertia the units of motion and torque are judged by it too. Nothing stops here: what would stop the other
     commands is printed first. With --out, info.json is written into that directory.
     """
+    from fricmodels.cli.outputs import check_outputs
     from fricmodels.cli.printing import working
     from fricmodels.dimension import Motion
     from fricmodels.files import write_text
@@ -36,6 +37,7 @@ def command(
     from fricmodels.progress import watched
     from fricmodels.readers import read_together
 
+    check_outputs([] if out is None else [out / "info.json"], data)
     motion = Motion.LINEAR if linear else None
     with working(f"reading {data[0].name}") as say, watched(say):
         recording = read_together(

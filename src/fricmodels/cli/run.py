@@ -33,6 +33,7 @@ def command(
     """
     from fricmodels import plugins
     from fricmodels.cli.leaderboard import show
+    from fricmodels.cli.outputs import check_outputs
     from fricmodels.cli.printing import progress_of_fits, warn
     from fricmodels.tournament import load_config, plan, run
 
@@ -40,11 +41,13 @@ def command(
     loaded = load_config(config)
     planned = plan(loaded, config.parent, trust=trust)
     warn([*planned.left_out, *planned.doubts])
+    target = out if out is not None else Path("runs") / loaded.name
+    written = [target / name for name in ("leaderboard.json", "run.json", "histories.json")]
+    check_outputs([*written, report_file], [config, *map(Path, planned.jobs.sources.files)])
     if report_file is not None:
         from fricmodels.report import check
 
         check(report_file)
-    target = out if out is not None else Path("runs") / loaded.name
     with progress_of_fits() as report:
         board = run(
             loaded,

@@ -13,9 +13,11 @@ from fricmodels.report import story, tournament
 from fricmodels.report.page import Fold, Page, Picture, Section, Words
 from fricmodels.report.wording import known_model
 from fricmodels.results.diagnosis import DiagnosisDocument
+from fricmodels.results.history import FILE as HISTORIES
 from fricmodels.stored import as_written
 from fricmodels.tournament.leaderboard import AGAIN, Leaderboard
 from fricmodels.tournament.leaderboard import FILE as LEADERBOARD
+from fricmodels.tournament.origin import FILE as ORIGIN
 from fricmodels.tournament.origin import read_origin
 
 if TYPE_CHECKING:
@@ -32,6 +34,26 @@ def page(directory: Path) -> Page:
     """
     with as_written(directory, f"{AGAIN}, or {_AGAIN}"):
         return _page(directory)
+
+
+def files(directory: Path) -> list[Path]:
+    """Return the files that :func:`page` reads: results, and the recordings that they are of.
+
+    Raises:
+        InputError: when one of the results cannot be read.
+    """
+    folder = directory if directory.is_dir() else directory.parent
+    found = [folder / name for name in (LEADERBOARD, DIAGNOSIS, ORIGIN, HISTORIES)]
+    with as_written(directory, f"{AGAIN}, or {_AGAIN}"):
+        if (folder / DIAGNOSIS).exists():
+            paths = DiagnosisDocument.read(folder / DIAGNOSIS, _AGAIN).recording.paths
+            found += [path if path.exists() else folder / path for path in map(Path, paths)]
+        origin = read_origin(folder)
+        for source in () if origin is None else origin.sources:
+            values = source.values
+            found += [Path(file) for key in ("files", "test_files") for file in values.get(key) or ()]
+            found += [Path(values["file"])] if "file" in values else []
+    return found
 
 
 def _page(directory: Path) -> Page:
