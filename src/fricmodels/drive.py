@@ -41,6 +41,16 @@ class DriveParameter:
     linear: bool
 
 
+def check_inertia(inertia: float | None) -> None:
+    """Refuse an inertia that no drive has.
+
+    Raises:
+        InputError: for one that is not positive and finite.
+    """
+    if inertia is not None and not (inertia > 0 and math.isfinite(inertia)):
+        raise InputError(f"inertia must be positive and finite, got {inertia}; leave it out to have it estimated")
+
+
 class Drive:
     """One drive: a friction model, its inertia (given, or to be estimated) and its kind of motion.
 
@@ -54,8 +64,7 @@ class Drive:
     """
 
     def __init__(self, model: Model, inertia: float | None = None, motion: Motion = Motion.ROTARY) -> None:
-        if inertia is not None and not (inertia > 0 and math.isfinite(inertia)):
-            raise InputError(f"inertia must be positive and finite, got {inertia}; leave it out to have it estimated")
+        check_inertia(inertia)
         self.model = model
         self.inertia = inertia
         self.motion = motion

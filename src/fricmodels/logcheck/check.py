@@ -6,7 +6,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from fricmodels.logcheck import angle, colour, limits, magnitude, motion, rates, samples, stamps, torque
+from fricmodels.drive import check_inertia
+from fricmodels.logcheck import angle, colour, given_inertia, limits, magnitude, motion, rates, samples, stamps, torque
 from fricmodels.logcheck.balance import balances, best
 from fricmodels.logcheck.finding import Finding, Severity
 from fricmodels.logcheck.view import Log
@@ -20,13 +21,17 @@ def findings(recording: Recording, inertia: float | None = None) -> tuple[Findin
 
     Args:
         recording: as read.
-        inertia: the stated one [kg m² or kg], by which units are judged.
+        inertia: the stated one [kg m² or kg], which the recording may contradict, and by which units are judged.
+
+    Raises:
+        InputError: for an inertia that is not positive and finite.
     """
     return findings_of(Log(recording), inertia)
 
 
 def findings_of(log: Log, inertia: float | None = None) -> tuple[Finding, ...]:
-    """Return what is the matter with the recording of a log, the gravest first."""
+    """Return what is the matter with the recording of a log, the gravest first; see :func:`findings`."""
+    check_inertia(inertia)
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         return tuple(sorted(_all(log, inertia), key=lambda finding: _ORDER[finding.severity]))
 
@@ -45,7 +50,7 @@ def _all(log: Log, inertia: float | None) -> Iterator[Finding]:
     if found is not None and not any(finding.severity is Severity.STOP for finding in related):
         yield from magnitude.magnitude(log, rows)
         yield from torque.sign(log, found)
-        yield from torque.inertia(log, found, inertia)
+        yield from given_inertia.judged(log, rows, inertia)
         yield from torque.voltage(log, found)
         yield from torque.delay(log, rows)
         yield from angle.periods(log, found)
