@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import shlex
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
 from fricmodels.cli.measurement import Trust
+from fricmodels.errors import FricmodelsError
 
 
 def command(
@@ -62,7 +64,12 @@ def command(
         )
     show(board, loaded.ranking)
     print(f"written to {target / 'leaderboard.json'}")
-    if report_file is not None:
+    if report_file is not None and board.rows:
         from fricmodels.report import of_run, write
 
         print(f"wrote {write(of_run(target / 'leaderboard.json'), report_file)}")
+    if not board.rows:
+        raise FricmodelsError(f"{config}: no fit was done, for no dataset is there; correct the paths under 'files'")
+    if len(board.failures) == len(board.rows):
+        reasons = f"fricmodels leaderboard {shlex.quote(str(target))} --format csv"
+        raise FricmodelsError(f"{config}: none of {len(board.rows)} fits gave a result; '{reasons}' has every reason")

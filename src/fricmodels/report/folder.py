@@ -68,6 +68,13 @@ def _page(directory: Path) -> Page:
             )
         return diagnosis
     board, origin = Leaderboard.read(folder), read_origin(folder)
+    if not board.rows and diagnosis is not None:
+        return diagnosis
+    if not board.rows:
+        raise InputError(
+            f"{folder / LEADERBOARD}: holds no fit, for no dataset of the run was there; correct the paths in its "
+            f"configuration, and make it anew with: {AGAIN}"
+        )
     if diagnosis is None:
         return tournament.page(board, origin, folder)
     first, *others = tournament.sections(board, origin, folder)
