@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -17,7 +16,7 @@ from fricmodels.errors import InputError
 from fricmodels.expressions import constant_slopes
 from fricmodels.kernels import ArrayFunction
 from fricmodels.model import Model
-from fricmodels.parameter import Parameter
+from fricmodels.parameter import Parameter, check_inertia
 from fricmodels.recording import Recording
 from fricmodels.state_space import StateSpace
 
@@ -39,16 +38,6 @@ class DriveParameter:
     declared: Parameter
     at_least: str | None
     linear: bool
-
-
-def check_inertia(inertia: float | None) -> None:
-    """Refuse an inertia that no drive has.
-
-    Raises:
-        InputError: for one that is not positive and finite.
-    """
-    if inertia is not None and not (inertia > 0 and math.isfinite(inertia)):
-        raise InputError(f"inertia must be positive and finite, got {inertia}; leave it out to have it estimated")
 
 
 class Drive:

@@ -138,3 +138,13 @@ def at_bound(declared: Mapping[str, Parameter], values: Mapping[str, float | Non
         if any(abs(value - end) <= _AT_BOUND * max(abs(end), _AT_BOUND) for end in ends):
             found.append(key)
     return found
+
+
+def check_inertia(inertia: float | None) -> None:
+    """Refuse an inertia that no drive has.
+
+    Raises:
+        InputError: for one that is not positive and finite.
+    """
+    if inertia is not None and not (inertia > 0 and math.isfinite(inertia)):
+        raise InputError(f"inertia must be positive and finite, got {inertia}; leave it out to have it estimated")

@@ -6,11 +6,11 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from fricmodels.drive import check_inertia
 from fricmodels.logcheck import angle, colour, given_inertia, limits, magnitude, motion, rates, samples, stamps, torque
 from fricmodels.logcheck.balance import balances, best
 from fricmodels.logcheck.finding import Finding, Severity
 from fricmodels.logcheck.view import Log
+from fricmodels.parameter import check_inertia
 from fricmodels.recording import Recording
 
 _ORDER = {Severity.STOP: 0, Severity.WARN: 1, Severity.NOTE: 2}
