@@ -26,8 +26,8 @@ def command(
 ) -> None:
     """Say what a recording is, and what is the matter with it, before a model is fitted to it.
 
-    With --inertia the units of motion and torque are judged by it too. Nothing stops here: what would stop the other
-    commands is printed first. With --out, info.json is written into that directory.
+    With --inertia it is judged too, by the one that the recording tells, and by it the units. Nothing stops here: what
+    would stop the other commands is printed first. With --out, info.json is written into that directory.
     """
     from fricmodels.cli.outputs import check_outputs
     from fricmodels.cli.printing import working
