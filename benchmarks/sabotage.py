@@ -41,7 +41,7 @@ def spoilt(good: Good, way: Way, number: int, tally: dict[str, Counter[str]]) ->
     changed = way.spoil(good.recording, np.random.default_rng(number))
     if changed is None:
         return
-    found = judged(changed, good.inertia if way.told == "inertia" else None)
+    found = judged(changed, way.times * good.inertia if way.told == "inertia" and good.inertia else None)
     row = tally[way.name]
     row["done"] += 1
     row["named"] += any(kind in found for kind in way.says)

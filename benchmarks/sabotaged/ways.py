@@ -25,13 +25,15 @@ class Way:
         name: what is done.
         spoil: does it; ``None`` where it cannot be done to this recording.
         says: kinds of finding of which one names it.
-        told: what must be known besides: ``inertia`` where the true one is given, as by ``--inertia``.
+        told: what must be known besides: ``inertia`` where one is given, as by ``--inertia``.
+        times: how many times the true inertia that is.
     """
 
     name: str
     spoil: Callable[[Recording, np.random.Generator], Recording | None]
     says: tuple[str, ...]
     told: str = ""
+    times: float = 1.0
 
 
 def rms(values: Array) -> float:
@@ -44,7 +46,7 @@ def changed(recording: Recording, **channels: Array) -> Recording:
 
 def scaled(**factors: float) -> Callable[[Recording, np.random.Generator], Recording | None]:
     """Multiply channels; angles only where there are any."""
-    turning = any(abs(abs(factor) - 1.0) > 1e-9 for name, factor in factors.items() if name != "torque")
+    turning = any(abs(abs(factor) - 1.0) > 1e-9 for name, factor in factors.items() if name not in ("torque", "time"))
 
     def spoil(recording: Recording, rng: np.random.Generator) -> Recording | None:
         if not set(factors) <= set(recording.channels) or (turning and recording.motion is Motion.LINEAR):
@@ -67,6 +69,23 @@ def alone(factor: float) -> Callable[[Recording, np.random.Generator], Recording
             return None
         kept = {name: values for name, values in recording.channels.items() if name != "position"}
         return replace(recording, channels={**kept, "velocity": factor * recording.velocity})
+
+    return spoil
+
+
+def as_it_is(recording: Recording, rng: np.random.Generator) -> Recording:
+    """Leave the recording as it is: what is told of it is wrong."""
+    return recording
+
+
+def without_position(times: float) -> Callable[[Recording, np.random.Generator], Recording | None]:
+    """Take the position away where there is a velocity, and scale the time."""
+
+    def spoil(recording: Recording, rng: np.random.Generator) -> Recording | None:
+        if "velocity" not in recording:
+            return None
+        kept = {name: values for name, values in recording.channels.items() if name != "position"}
+        return replace(recording, channels={**kept, "time": times * recording.time})
 
     return spoil
 
@@ -231,10 +250,17 @@ WAYS = (
     Way("velocity in deg/s", with_both(scaled(velocity=DEGREES)), ("unit",)),
     Way("velocity in rpm", with_both(scaled(velocity=RPM)), ("unit",)),
     Way("position in degrees", with_both(scaled(position=DEGREES)), ("unit",)),
-    Way("both in degrees, inertia given", with_both(scaled(position=DEGREES, velocity=DEGREES)), ("unit",), "inertia"),
-    Way("velocity alone, deg/s, inertia given", alone(DEGREES), ("unit",), "inertia"),
-    Way("velocity alone, rpm, inertia given", alone(RPM), ("unit",), "inertia"),
-    Way("torque in mN m, inertia given", scaled(torque=1000.0), ("unit",), "inertia"),
+    Way(
+        "both in degrees, inertia given", with_both(scaled(position=DEGREES, velocity=DEGREES)), ("inertia",), "inertia"
+    ),
+    Way("velocity alone, deg/s, inertia given", alone(DEGREES), ("inertia",), "inertia"),
+    Way("velocity alone, rpm, inertia given", alone(RPM), ("inertia",), "inertia"),
+    Way("torque in mN m, inertia given", scaled(torque=1000.0), ("inertia",), "inertia"),
+    Way("inertia ten times too large", as_it_is, ("inertia",), "inertia", 10.0),
+    Way("inertia a fifth of what it is", as_it_is, ("inertia",), "inertia", 0.2),
+    Way("inertia in kg cm²", as_it_is, ("inertia",), "inertia", 1e4),
+    Way("time in ms", scaled(time=1e3), ("unit",), "inertia"),
+    Way("time in µs, without position", without_position(1e6), ("unit",), "inertia"),
     Way("velocity with the other sign", with_both(scaled(velocity=-1.0)), ("velocity-sign",)),
     Way("position with the other sign", with_both(scaled(position=-1.0)), ("velocity-sign",)),
     Way("a gear between the sensors (× 7)", with_both(scaled(velocity=7.0)), ("velocity-scale",)),

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -17,7 +16,7 @@ from fricmodels.errors import InputError
 from fricmodels.expressions import constant_slopes
 from fricmodels.kernels import ArrayFunction
 from fricmodels.model import Model
-from fricmodels.parameter import Parameter
+from fricmodels.parameter import Parameter, check_inertia
 from fricmodels.recording import Recording
 from fricmodels.state_space import StateSpace
 
@@ -54,8 +53,7 @@ class Drive:
     """
 
     def __init__(self, model: Model, inertia: float | None = None, motion: Motion = Motion.ROTARY) -> None:
-        if inertia is not None and not (isinstance(inertia, int | float | np.number) and 0 < inertia < math.inf):
-            raise InputError(f"inertia must be positive and finite, got {inertia!r}; leave it out to have it estimated")
+        check_inertia(inertia)
         self.model = model
         self.inertia = inertia
         self.motion = motion

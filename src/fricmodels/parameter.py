@@ -7,6 +7,7 @@ import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from numbers import Real
 from typing import Literal
 
 from fricmodels.dimension import Dimension, Motion, parse_unit
@@ -146,3 +147,13 @@ def at_bound(declared: Mapping[str, Parameter], values: Mapping[str, float | Non
         if any(abs(value - end) <= _AT_BOUND * max(abs(end), _AT_BOUND) for end in ends):
             found.append(key)
     return found
+
+
+def check_inertia(inertia: float | None) -> None:
+    """Refuse an inertia that no drive has.
+
+    Raises:
+        InputError: for one that is not positive and finite.
+    """
+    if inertia is not None and not (isinstance(inertia, Real) and 0 < inertia < math.inf):
+        raise InputError(f"inertia must be positive and finite, got {inertia!r}; leave it out to have it estimated")

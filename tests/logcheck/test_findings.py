@@ -186,15 +186,6 @@ def test_drives_with_hidden_effects_are_accused_of_nothing_and_with_the_torque_t
     assert kinds(changed(recording, torque=-recording.torque))["torque-sign"] is STOP
 
 
-@pytest.mark.parametrize("factor", [180 / np.pi, 30 / np.pi])
-def test_an_inertia_tells_units_that_the_motion_alone_cannot(factor):
-    both = changed(velocity=factor * CLEAN.velocity, position=factor * CLEAN["position"])
-    assert "unit" not in kinds(both)
-    assert kinds(both, INERTIA)["unit"] is STOP
-    alone = without("position", changed(velocity=factor * CLEAN.velocity))
-    assert kinds(alone, INERTIA)["unit"] is STOP
-
-
 def test_an_inertia_tells_that_it_is_the_velocity_that_is_a_tenth_of_its_unit():
     """A velocity in 0.1 rpm that is read in rpm; no unit that was given is proposed once more."""
     columns = {"velocity": "velocity=606Ch:rpm", "position": "position=6064h:count/65536"}

@@ -8,7 +8,10 @@ import numpy as np
 import pytest
 
 from fricmodels.arrays import Array, Index
+from fricmodels.diagnosis import compare
 from fricmodels.dimension import Motion
+from fricmodels.model import Model
+from fricmodels.parameter import at_bound
 from fricmodels.recording import Recording
 from fricmodels.weakform.regression import Regression
 from fricmodels.weakform.repeats import parts_of, phase_of
@@ -141,3 +144,14 @@ def test_rows_share_a_part_where_the_motion_repeats() -> None:
     assert 95 <= parts.max() + 1 <= 102
     assert np.bincount(parts).max() <= 7
     assert parts_of(fourier(20.0), centre, 10.0) is None
+
+
+@pytest.mark.parametrize("inertia", [2.0, 20.0])
+def test_friction_of_zero_at_its_bound_where_no_column_is_free(inertia: float) -> None:
+    """A drive without friction and with its inertia given; one that is too large asks for a negative friction."""
+    recording = fourier(3.0)
+    torque = 2.0 * np.gradient(recording.velocity, recording.time) - 1e-3 * np.sign(recording.velocity)
+    model = Model.parse("coulomb-viscous")
+    found = compare(recording.with_channels(derived=False, torque=torque), model, inertia).estimate.parameters
+    assert found == {"K_v": 0.0, "K_c": 0.0, "J": inertia}
+    assert at_bound({p.key: p.declared for p in model.parameters}, found) == ["K_v", "K_c"]

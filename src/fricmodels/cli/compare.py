@@ -6,7 +6,7 @@ from fricmodels.cli.measurement import Measurement, measured
 from fricmodels.cli.motion import Score
 
 
-@measured("leave_out")
+@measured("leave_out", writes=("overlay.csv", "motion.json"))
 def command(given: Measurement) -> None:
     """Fit a model to a recording and show where it fails.
 

@@ -50,6 +50,7 @@ def command(
     controller with delay and encoder: without compensation, with Coulomb and viscous friction, with the improved model,
     and with the torque that the drive's own equations ask for.
     """
+    from fricmodels.cli.outputs import check_outputs
     from fricmodels.cli.printing import console, working
     from fricmodels.compensation import study
     from fricmodels.compensation.document import check_name, write
@@ -57,6 +58,7 @@ def command(
     from fricmodels.rig import load_rig
     from fricmodels.tracking.settings import settings_of
 
+    check_outputs([out], [*rigs, *(model or ())])
     if out is not None:
         check_name(out)
     settings = settings_of(

@@ -5,7 +5,7 @@ from __future__ import annotations
 from fricmodels.cli.measurement import OF_MOTION, Measurement, measured
 
 
-@measured(*OF_MOTION)
+@measured(*OF_MOTION, writes=("diagnosis.json",))
 def command(given: Measurement) -> None:
     """Name the effect that a model is missing, with its evidence, or say that the data cannot tell."""
     from fricmodels.cli.answers import so_far

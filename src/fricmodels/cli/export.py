@@ -47,6 +47,7 @@ def command(
     recording of --data; without one it is projected over the range in which the model is valid.
     """
     from fricmodels.cli.boundary import one_line
+    from fricmodels.cli.outputs import check_outputs
     from fricmodels.cli.printing import warn
     from fricmodels.dimension import Motion
     from fricmodels.errors import InputError
@@ -56,6 +57,7 @@ def command(
 
     if armature is not None and (to != "mjcf" or into is None):
         raise InputError("--armature is written into an MJCF: give --to mjcf and --into ROBOT.xml, or leave it out")
+    check_outputs([out], [model, into, *(data or ())])
     kept = load(model)
     recording = None
     if data:

@@ -22,6 +22,7 @@ from fricmodels.cli.measurement import (
     load,
 )
 from fricmodels.cli.motion import ControllerFile, Horizon, Score, check_score, controller_for
+from fricmodels.cli.outputs import check_outputs
 from fricmodels.cli.sums import check_model, is_sums, plan_of, summed
 from fricmodels.errors import InputError
 from fricmodels.gaps import Gaps
@@ -60,6 +61,7 @@ def command(
     Python reads the file with `fricmodels.load`; `compare`, `diagnose`, `improve` and `simulate` take it in place of a
     model's name, `export` writes it for other programs.
     """
+    check_outputs([out], [*data, model, controller])
     if sums or is_sums(data):
         if objective is not Score.TORQUE:
             raise InputError("--objective position simulates a recording, of which sums hold no sample; leave one out")

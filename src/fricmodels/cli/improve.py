@@ -6,7 +6,7 @@ from fricmodels.cli.measurement import Measurement, measured
 from fricmodels.cli.motion import Score
 
 
-@measured()
+@measured(writes=("diagnosis.json", "model.json", "motion.json", ".improve.jsonl"))
 def command(given: Measurement) -> None:
     """Add the missing effect, refit everything, and repeat until nothing is missing: the ladder.
 

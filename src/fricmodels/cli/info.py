@@ -26,11 +26,12 @@ def command(
 ) -> None:
     """Say what a recording is, and what is the matter with it, before a model is fitted to it.
 
-    With --inertia the units of motion and torque are judged by it too. What would stop the other commands by what the
-    recording means is printed first, and does not stop here; a file that cannot be read as a recording (values that are
-    no numbers, a clock that goes back, a missing column, nothing that moves) is an error here too. With --out,
-    info.json is written into that directory.
+    With --inertia it is judged too, by the one that the recording tells, and by it the units. What would stop the other
+    commands by what the recording means is printed first, and does not stop here; a file that cannot be read as a
+    recording (values that are no numbers, a clock that goes back, a missing column, nothing that moves) is an error
+    here too. With --out, info.json is written into that directory.
     """
+    from fricmodels.cli.outputs import check_outputs
     from fricmodels.cli.printing import working
     from fricmodels.dimension import Motion
     from fricmodels.files import write_text
@@ -38,6 +39,7 @@ def command(
     from fricmodels.progress import watched
     from fricmodels.readers import read_together
 
+    check_outputs([] if out is None else [out / "info.json"], data)
     motion = Motion.LINEAR if linear else None
     with working(f"reading {data[0].name}") as say, watched(say):
         recording = read_together(

@@ -27,12 +27,15 @@ def command(
     top: Annotated[int | None, typer.Option(min=1, help="Rows of each table; all by default.")] = None,
 ) -> None:
     """Show or export the leaderboard of a run."""
+    from fricmodels.cli.outputs import check_outputs
     from fricmodels.errors import InputError
     from fricmodels.export import export
     from fricmodels.files import write_bytes
     from fricmodels.stored import as_written
-    from fricmodels.tournament.leaderboard import AGAIN, Leaderboard
+    from fricmodels.tournament.leaderboard import AGAIN, FILE, Leaderboard
+    from fricmodels.tournament.store import FILE as STORE
 
+    check_outputs([out], [run / FILE, run / STORE] if run.is_dir() else [run])
     if top is not None and (form != "table" or out is not None):
         raise InputError("--top shortens what is printed; leave it out to export a leaderboard, which is whole")
     board = Leaderboard.read(run) if not unfinished(run) else _so_far(run)

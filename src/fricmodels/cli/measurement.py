@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from fricmodels.cli.motion import ControllerFile, Horizon, Score, ScoreOption, check_score, loop_of
+from fricmodels.cli.outputs import check_outputs
 from fricmodels.cli.quantities import inertia as inertia_of
 from fricmodels.gaps import Gaps
 
@@ -233,8 +234,13 @@ OF_MOTION = ("score", "horizon", "controller")
 """The options by which a command judges by simulated motion."""
 
 
-def measured(*without: str) -> Callable[[Callable[[Measurement], None]], Callable[..., None]]:
-    """Return what makes a command of some work on a measurement; it has all options ``without`` these."""
+def measured(*without: str, writes: Sequence[str]) -> Callable[[Callable[[Measurement], None]], Callable[..., None]]:
+    """Return what makes a command of some work on a measurement; it has all options ``without`` these.
+
+    Args:
+        without: names of options that it does not have.
+        writes: names of the files that it may write into the folder of --out.
+    """
 
     def made(work: Callable[[Measurement], None]) -> Callable[..., None]:
         def command(
@@ -258,6 +264,7 @@ def measured(*without: str) -> Callable[[Callable[[Measurement], None]], Callabl
         ) -> None:
             from fricmodels.cli.answers import answered
 
+            check_outputs([report, *(out / name for name in writes if out is not None)], [*data, model, controller])
             given = load(data, model, column, torque_constant, reader, linear, leave_out, inertia, trust, gaps, fixed)
             check(report)
             check_score(score, given.recording, horizon, controller)

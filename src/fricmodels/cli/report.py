@@ -52,18 +52,21 @@ def command(
     RUN is what `run`, `diagnose` or `improve` wrote with --out. DATA is a recording; it is diagnosed and the model
     improved as by `improve`. The page needs no network and no other file.
     """
+    from fricmodels.cli.outputs import check_outputs
     from fricmodels.cli.printing import working
     from fricmodels.progress import watched
-    from fricmodels.report import check, of_run, story, write
+    from fricmodels.report import check, files_of_run, of_run, story, write
 
     first = target[0]
     if len(target) == 1 and (first.is_dir() or first.suffix == ".json"):
-        folder = first if first.is_dir() else first.parent
+        page = out or (first if first.is_dir() else first.parent) / "report.html"
+        check_outputs([page], files_of_run(first))
         with working("writing the report") as say, watched(say):
-            written = write(of_run(first), out or folder / "report.html")
+            written = write(of_run(first), page)
         print(f"wrote {written}")
         return
     page = out or Path(f"{first.stem}.html")
+    check_outputs([page], [*target, model])
     check(page)
     given = load(target, model, column, torque_constant, reader, linear, leave_out, inertia, trust, gaps)
     recording, chosen = given.recording, given.model

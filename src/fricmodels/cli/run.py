@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import shlex
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
 from fricmodels.cli.measurement import Trust
+from fricmodels.errors import FricmodelsError
 
 
 def command(
@@ -33,6 +35,7 @@ def command(
     """
     from fricmodels import plugins
     from fricmodels.cli.leaderboard import show
+    from fricmodels.cli.outputs import check_outputs
     from fricmodels.cli.printing import progress_of_fits, warn
     from fricmodels.tournament import plan, run
     from fricmodels.tournament.config import read_config
@@ -41,11 +44,13 @@ def command(
     loaded, document = read_config(config)
     planned = plan(loaded, config.parent, trust=trust, document=document)
     warn([*planned.left_out, *planned.doubts])
+    target = out if out is not None else Path("runs") / loaded.name
+    written = [target / name for name in ("leaderboard.json", "run.json", "histories.json")]
+    check_outputs([*written, report_file], [config, *map(Path, planned.jobs.sources.files)])
     if report_file is not None:
         from fricmodels.report import check
 
         check(report_file)
-    target = out if out is not None else Path("runs") / loaded.name
     with progress_of_fits() as report:
         board = run(
             loaded,
@@ -60,7 +65,12 @@ def command(
         )
     show(board, loaded.ranking)
     print(f"written to {target / 'leaderboard.json'}")
-    if report_file is not None:
+    if report_file is not None and board.rows:
         from fricmodels.report import of_run, write
 
         print(f"wrote {write(of_run(target / 'leaderboard.json'), report_file)}")
+    if not board.rows:
+        raise FricmodelsError(f"{config}: no fit was done, for no dataset is there; correct the paths under 'files'")
+    if len(board.failures) == len(board.rows):
+        reasons = f"fricmodels leaderboard {shlex.quote(str(target))} --format csv"
+        raise FricmodelsError(f"{config}: none of {len(board.rows)} fits gave a result; '{reasons}' has every reason")

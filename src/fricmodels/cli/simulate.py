@@ -46,8 +46,11 @@ def command(
     recording, open loop from its first sample, or by its reference through the controller that `fit --controller`
     stored; how far its motion goes from the recorded one is printed.
     """
+    from fricmodels.cli.outputs import check_outputs
     from fricmodels.errors import InputError
 
+    beside = out.with_suffix(".truth.json") if out.name and rig.suffix != ".json" else None
+    check_outputs([out, beside], [rig, *(torque or ()), *(reference or ())])
     if rig.suffix == ".json":
         if bool(torque) == bool(reference):
             raise InputError(

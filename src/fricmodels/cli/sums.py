@@ -57,6 +57,7 @@ def command(
     takes files of them in the place of recordings and gives the parameters that all rows together have. What the rows
     are is laid down by the first recording, or by --like. Give files of sums to add them to one.
     """
+    from fricmodels.cli.outputs import check_outputs
     from fricmodels.cli.printing import working
     from fricmodels.errors import InputError
     from fricmodels.progress import watched
@@ -66,13 +67,14 @@ def command(
     one = out.name.endswith(SUFFIX)
     if not one and is_sums(data):
         raise InputError(f"{data[0]}: is sums already; name one file for what is added, as --out all{SUFFIX}")
+    targets = {path: out if one else out / f"{path.stem}{SUFFIX}" for path in data}
+    check_outputs(targets.values(), [*data, like])
     if is_sums(data):
         total = added(load(path) for path in data)
         check_model(total, model)
         print(f"{said_of(total)}; wrote {total.save(out)}")
         return
     how = {"columns": column or (), "reader": reader, "torque_constant": torque_constant}
-    targets = {path: out / f"{path.stem}{SUFFIX}" for path in data}
     if not one and len(set(targets.values())) < len(data):
         names = [path.stem for path in data]
         twice = next(name for name in names if names.count(name) > 1)

@@ -25,6 +25,8 @@ from fricmodels.logcheck.view import Log
 CLUSTERS = 32
 _WIDTHS = (4, 16, 64, 256)
 _LEAST_ROWS = 4 * CLUSTERS
+_APART = 2
+"""Cells between those of a row and those beside it: one lies between, for positions share the edges of theirs."""
 
 
 @dataclass(frozen=True)
@@ -36,6 +38,8 @@ class Balance:
         columns: shape (rows, columns).
         target: torque of each row, shape (rows,).
         cluster: of each row, shape (rows,).
+        beside: acceleration between the cells two before and two after those of each row, which have no sample in
+            common with them; nan where there are none, shape (rows,).
         start: first sample of each row, shape (rows,).
         width: W [samples].
         mean_square, mean_speed: of the velocity.
@@ -45,6 +49,7 @@ class Balance:
     columns: Array
     target: Array
     cluster: Index
+    beside: Array
     start: Index
     width: int
     mean_square: float
@@ -140,7 +145,8 @@ def _at(log: Log, width: int, signals: dict[str, Array]) -> Balance | None:
     speed = np.abs(signals["K_v"])
     target = cells.mean(recording.torque)
     moments = float(np.mean(speed**2)), float(np.mean(speed))
-    return Balance(tuple(columns), matrix, target, cluster, cells.start, width, *moments)
+    beside = cells.beside(log.position)
+    return Balance(tuple(columns), matrix, target, cluster, beside, cells.start, width, *moments)
 
 
 @dataclass(frozen=True)
@@ -195,3 +201,18 @@ class Cells:
         """Return the mean second derivative of a signal under each triangle."""
         speed = self.slope(integral)
         return np.asarray((np.diff(speed) / (0.5 * (self.time[2:] - self.time[:-2])))[self.whole])
+
+    def beside(self, integral: Array) -> Array:
+        """Return the mean second derivative of a signal between the cells before and after those of each triangle.
+
+        It is nan where the stretch is not long enough.
+        """
+        speed, middle = self.slope(integral), 0.5 * (self.time[1:] + self.time[:-1])
+        result = np.full(len(self.whole), np.nan)
+        inside = slice(_APART, len(self.whole) - _APART)
+        before, after = slice(None, -2 * _APART - 1), slice(2 * _APART + 1, None)
+        if len(speed) > 2 * _APART + 1:
+            result[inside] = (speed[after] - speed[before]) / (middle[after] - middle[before])
+            joined = np.lib.stride_tricks.sliding_window_view(self.whole, 2 * _APART + 1).all(axis=1)
+            result[inside][~joined] = np.nan
+        return result[self.whole]

@@ -7,10 +7,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from fricmodels.logcheck import angle, colour, limits, magnitude, motion, rates, samples, stamps, torque
+from fricmodels.logcheck import angle, colour, given_inertia, limits, magnitude, motion, rates, samples, stamps, torque
 from fricmodels.logcheck.balance import balances, best
 from fricmodels.logcheck.finding import Finding, Severity
 from fricmodels.logcheck.view import Log
+from fricmodels.parameter import check_inertia
 from fricmodels.recording import Recording
 
 _ORDER = {Severity.STOP: 0, Severity.WARN: 1, Severity.NOTE: 2}
@@ -21,13 +22,17 @@ def findings(recording: Recording, inertia: float | None = None) -> tuple[Findin
 
     Args:
         recording: as read.
-        inertia: the stated one [kg m² or kg], by which units are judged.
+        inertia: the stated one [kg m² or kg], which the recording may contradict, and by which units are judged.
+
+    Raises:
+        InputError: for an inertia that is not positive and finite.
     """
     return findings_of(Log(recording), inertia)
 
 
 def findings_of(log: Log, inertia: float | None = None) -> tuple[Finding, ...]:
-    """Return what is the matter with the recording of a log, the gravest first."""
+    """Return what is the matter with the recording of a log, the gravest first; see :func:`findings`."""
+    check_inertia(inertia)
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         return tuple(sorted(_all(log, inertia), key=lambda finding: _ORDER[finding.severity]))
 
@@ -43,10 +48,9 @@ def _all(log: Log, inertia: float | None) -> Iterator[Finding]:
     related = list(rates.consistency(log, found))
     if found is not None and not related:
         related = list(rates.exchanged(log, found))
-    judged = list(torque.inertia(log, found, inertia)) if found is not None else []
-    if any(_of_motion(finding) for finding in judged) and any(_of_motion(finding) for finding in related):
-        related = [_certain(finding) for finding in related]
-        judged = [finding for finding in judged if not _of_motion(finding)]
+    judged = list(given_inertia.judged(log, rows, inertia)) if found is not None else []
+    if judged and any(map(_of_motion, related)) and given_inertia.is_of_motion(log, rows, inertia):
+        related, judged = [_certain(finding) for finding in related], []  # both say that it is a unit
     yield from related
     if found is not None and not any(finding.severity is Severity.STOP for finding in related):
         yield from magnitude.magnitude(log, rows)

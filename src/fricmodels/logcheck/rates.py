@@ -10,6 +10,7 @@ from itertools import combinations
 import numpy as np
 
 from fricmodels.arrays import Array
+from fricmodels.logcheck import clock
 from fricmodels.logcheck.balance import CLUSTERS, Balance, Cells, balances, best
 from fricmodels.logcheck.finding import Finding, Severity
 from fricmodels.logcheck.view import Log
@@ -174,7 +175,9 @@ def _of_pair(log: Log, pair: tuple[str, str], found: Link, balance: Balance | No
             f"{says}; {'with this velocity friction would drive the joint' if turned else 'their signs differ'}",
             f"turn the sign of one of them, as in {log.turned(which)}",
         )
-    units = _units(log, found.scale) if log.rotary and quantity == "position" else []
+    if unit := clock.other_unit(log, decades(found.scale)):
+        return clock.in_unit(log, unit, says)
+    units = units_of(log, found.scale) if log.rotary and quantity == "position" else []
     if units:
         angle, speed = units[0]
         either = " or ".join(f"{a} and {b}" for a, b in units)
@@ -208,7 +211,10 @@ def decades(scale: float) -> int:
 
 def _as_between(scale: float) -> str:
     power = decades(scale)
-    return "" if not power else ", as between milli and one" if abs(power) in (3, 6) else ", a power of ten"
+    if not power:
+        return ""
+    word = {3: "milli", 6: "micro", 9: "nano"}.get(abs(power))
+    return ", a power of ten" if word is None else f", as between {word} and one, or with a time in another unit"
 
 
 def as_scaled(log: Log, rate: str, scale: float) -> str:
@@ -225,7 +231,7 @@ def velocity_scale(log: Log) -> float | None:
     return found.scale if found is not None and found.correlation > _IS else None
 
 
-def _units(log: Log, scale: float) -> list[tuple[str, str]]:
+def units_of(log: Log, scale: float) -> list[tuple[str, str]]:
     """Return the units of angle and speed by which a ratio is explained, with which the two were logged.
 
     A unit that was given is one of them; where both were given, one of them is. The likelier come first: those with

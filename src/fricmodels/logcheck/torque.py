@@ -1,26 +1,16 @@
-"""Whether the torque can be what drives the motion: its sign, its unit, its delay."""
+"""Whether the torque can be what drives the motion: its sign, its delay, or a voltage in its place."""
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
 
 import numpy as np
 
 from fricmodels.logcheck.balance import CLUSTERS, Balance
 from fricmodels.logcheck.finding import Finding, Severity
-from fricmodels.logcheck.rates import as_scaled, decades, velocity_scale
 from fricmodels.logcheck.view import Log
 from fricmodels.signals.clusters import LEVEL, PROBABLE, certain, significance, slope
 
-_FACTORS = {
-    180.0 / math.pi: ("velocity", "deg/s"),
-    30.0 / math.pi: ("velocity", "rpm"),
-    0.5 / math.pi: ("velocity", "turn/s"),
-    1e-3: ("torque", "mN*m"),
-}
-"""Factor of the inertia → what may be in which unit."""
-_NEAR_INERTIA = 1.3
 _VOLTAGE = 0.75
 """Share of the variance from which one term makes the whole; a convention."""
 _LEAST_LATE = 2.0
@@ -63,48 +53,6 @@ def sign(log: Log, found: Balance) -> Iterator[Finding]:
         f"the {log.called('torque')} {verb} the wrong sign: {why} (p = {chance:.1g})",
         remedy,
     )
-
-
-def inertia(log: Log, found: Balance, given: float | None) -> Iterator[Finding]:
-    """Judge the units of motion and torque by the inertia that is given.
-
-    Motion in degrees taken for radians makes the inertia of the balance 57.3 times too small, one in rpm 9.55 times;
-    a torque in mN m makes it a thousand times too large. A unit is found where the inertia is certain, makes more of
-    the torque's variance than the balance leaves (what is left out cannot be all of it), and, times the factor of the
-    unit, is within three tenths of the given one: so much may friction or another joint change it. That is not said of
-    a unit that was given. Where the velocity is the same power of ten times the change of the position, it is the
-    velocity.
-    """
-    estimate = found.coefficients["J"]
-    if given is None or not certain(found.ratio({"J": 1.0}), CLUSTERS) or found.share("J") ** 2 < found.unexplained:
-        return
-    apart, scale = given / estimate, velocity_scale(log)
-    ratio = f"the torque asks for an inertia of {estimate:.3g} where {given:.3g} is given, a ratio of {apart:.3g}"
-    if scale is not None and decades(scale) and 1.0 / _NEAR_INERTIA < scale / apart < _NEAR_INERTIA:
-        says = f"{ratio}: so many times the change of the position the {log.called('velocity')} is, too"
-        yield Finding(
-            "unit", Severity.STOP, "velocity", says, f"give its unit, as in {as_scaled(log, 'velocity', scale)}"
-        )
-        return
-    factors = _FACTORS if log.rotary else {1e-3: _FACTORS[1e-3], 1e3: ("velocity", "mm/s")}
-    for factor, (channel, unit) in factors.items():
-        if not 1.0 / _NEAR_INERTIA < estimate * factor / given < _NEAR_INERTIA:
-            continue
-        if channel == "velocity" and channel not in log.measured:
-            channel, unit = "position", unit.removesuffix("/s").replace("rpm", "turn")
-        also = ["position"] if channel == "velocity" and "position" in log.measured else []
-        units = {"deg/s": "deg", "rpm": "turn", "mm/s": "mm", "turn/s": "turn"}
-        if log.column(channel)[1] == unit:
-            continue  # it was read so
-        options = [log.option(channel, unit), *(log.option(other, units[unit]) for other in also)]
-        yield Finding(
-            "unit",
-            Severity.STOP,
-            channel,
-            f"{ratio}: the {log.called(channel)} seems to be in {unit}",
-            "give the unit, as in " + " ".join(options),
-        )
-        return
 
 
 def voltage(log: Log, found: Balance) -> Iterator[Finding]:

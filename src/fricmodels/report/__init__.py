@@ -46,6 +46,13 @@ def write(page: Page, path: str | Path) -> Path:
     return write_text(Path(path), render(page))
 
 
+def files_of_run(directory: str | Path) -> list[Path]:
+    """Return the files that :func:`of_run` reads: those of the folder, and the recordings that they are of."""
+    from fricmodels.report.folder import files
+
+    return files(Path(directory))
+
+
 def of_run(directory: str | Path) -> Page:
     """Return the report on a folder that ``run``, ``diagnose`` or ``improve`` wrote, or on all of it.
 

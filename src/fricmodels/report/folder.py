@@ -13,9 +13,11 @@ from fricmodels.report import story, tournament
 from fricmodels.report.page import Fold, Page, Picture, Section, Words
 from fricmodels.report.wording import known_model
 from fricmodels.results.diagnosis import DiagnosisDocument
+from fricmodels.results.history import FILE as HISTORIES
 from fricmodels.stored import as_written
 from fricmodels.tournament.leaderboard import AGAIN, Leaderboard
 from fricmodels.tournament.leaderboard import FILE as LEADERBOARD
+from fricmodels.tournament.origin import FILE as ORIGIN
 from fricmodels.tournament.origin import read_origin
 from fricmodels.tournament.store import FILE as STORE
 
@@ -35,6 +37,26 @@ def page(directory: Path) -> Page:
         return _page(directory)
 
 
+def files(directory: Path) -> list[Path]:
+    """Return the files that :func:`page` reads: results, and the recordings that they are of.
+
+    Raises:
+        InputError: when one of the results cannot be read.
+    """
+    folder = directory if directory.is_dir() else directory.parent
+    found = [folder / name for name in (LEADERBOARD, DIAGNOSIS, ORIGIN, HISTORIES)]
+    with as_written(directory, f"{AGAIN}, or {_AGAIN}"):
+        if (folder / DIAGNOSIS).exists():
+            paths = DiagnosisDocument.read(folder / DIAGNOSIS, _AGAIN).recording.paths
+            found += [path if path.exists() else folder / path for path in map(Path, paths)]
+        origin = read_origin(folder)
+        for source in () if origin is None else origin.sources:
+            values = source.values
+            found += [Path(file) for key in ("files", "test_files") for file in values.get(key) or ()]
+            found += [Path(values["file"])] if "file" in values else []
+    return found
+
+
 def _page(directory: Path) -> Page:
     folder = directory if directory.is_dir() else directory.parent
     wanted = {directory.name} if not directory.is_dir() else {LEADERBOARD, DIAGNOSIS}
@@ -52,6 +74,13 @@ def _page(directory: Path) -> Page:
             )
         return diagnosis
     board, origin = Leaderboard.read(folder), read_origin(folder)
+    if not board.rows and diagnosis is not None:
+        return diagnosis
+    if not board.rows:
+        raise InputError(
+            f"{folder / LEADERBOARD}: holds no fit, for no dataset of the run was there; correct the paths in its "
+            f"configuration, and make it anew with: {AGAIN}"
+        )
     if diagnosis is None:
         return tournament.page(board, origin, folder)
     first, *others = tournament.sections(board, origin, folder)

@@ -81,14 +81,30 @@ def _counted(value: Any) -> Any:
     return _listed(value)
 
 
-Texts = Annotated[list[str], BeforeValidator(_listed), Field(min_length=1)]
+_SOME = Field(min_length=1)
+_Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
+_Percentage = Annotated[float, Field(ge=0, allow_inf_nan=False)]
+_Seed = Annotated[int, Field(ge=0)]
+# Where one value may be written for a list, the JSON Schema says so: `json_schema_input_type`.
+Texts = Annotated[list[str], BeforeValidator(_listed, json_schema_input_type=str | Annotated[list[str], _SOME]), _SOME]
 Positives = Annotated[
-    list[Annotated[float, Field(gt=0, allow_inf_nan=False)]], BeforeValidator(_listed), Field(min_length=1)
+    list[_Positive],
+    BeforeValidator(_listed, json_schema_input_type=_Positive | Annotated[list[_Positive], _SOME]),
+    _SOME,
 ]
 Percentages = Annotated[
-    list[Annotated[float, Field(ge=0, allow_inf_nan=False)]], BeforeValidator(_listed), Field(min_length=1)
+    list[_Percentage],
+    BeforeValidator(_listed, json_schema_input_type=_Percentage | Annotated[list[_Percentage], _SOME]),
+    _SOME,
 ]
-Seeds = Annotated[list[Annotated[int, Field(ge=0)]], BeforeValidator(_counted), Field(min_length=1)]
+Seeds = Annotated[
+    list[_Seed], BeforeValidator(_counted, json_schema_input_type=_Seed | Annotated[list[_Seed], _SOME]), _SOME
+]
+Runs = Annotated[
+    list[str],
+    BeforeValidator(_run_names, json_schema_input_type=str | int | Annotated[list[str | int], _SOME]),
+    _SOME,
+]
 
 
 class Closed(BaseModel):
@@ -151,9 +167,7 @@ class Dataset(Closed):
         default=None, allow_inf_nan=False, description="N m/A or N/A; negative where the current counts the other way"
     )
     gaps: Gaps | None = Field(default=None, description="leave out rows without numbers: drop them, or split into runs")
-    runs: Annotated[list[str], BeforeValidator(_run_names), Field(min_length=1)] | None = Field(
-        default=None, description="numbers or names of the runs to use; all by default"
-    )
+    runs: Runs | None = Field(default=None, description="numbers or names of the runs to use; all by default")
     preparation: Preparation | None = None
     split: Split | None = None
 
@@ -183,6 +197,13 @@ class Entrant(Closed):
         return self.label or self.name
 
 
+Entrants = Annotated[
+    list[Annotated[Entrant, BeforeValidator(_estimator)]],
+    BeforeValidator(_listed, json_schema_input_type=str | Entrant | Annotated[list[str | Entrant], _SOME]),
+    _SOME,
+]
+
+
 class Config(Closed):
     """One tournament.
 
@@ -192,9 +213,7 @@ class Config(Closed):
     name: Annotated[str, AfterValidator(_folder_name)] = "tournament"
     datasets: list[Dataset] = Field(min_length=1)
     models: Texts = [ALL]
-    estimators: Annotated[
-        list[Annotated[Entrant, BeforeValidator(_estimator)]], BeforeValidator(_listed), Field(min_length=1)
-    ] = [Entrant(name=ALL)]
+    estimators: Entrants = [Entrant(name=ALL)]
     score: Literal["held-out", "paper", "position", "tracking"] = "held-out"
     horizon: int | None = Field(
         default=None, ge=1, description="with score: position, samples after which a simulation starts anew"

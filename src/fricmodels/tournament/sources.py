@@ -87,11 +87,7 @@ class Loaded:
 
 
 class Sources(Sequence[Source]):
-    """The recordings of a tournament in order, each made when it is asked for: how many there are takes no memory.
-
-    Args:
-        parts: those of each dataset.
-    """
+    """The recordings of a tournament in order, each made when it is asked for: how many there are takes no memory."""
 
     def __init__(self, parts: Sequence[_Part]) -> None:
         self._parts = tuple(parts)
@@ -111,6 +107,11 @@ class Sources(Sequence[Source]):
             return [self[each] for each in range(*number.indices(len(self)))]
         part, place = self._found(number)
         return Source(*part.named(place), part.inertia, part.described(place))
+
+    @property
+    def files(self) -> list[str]:
+        """All files that are read for them."""
+        return [file for part in self._parts for file in part.files]
 
     def named(self, number: int) -> tuple[str, dict[str, Any]]:
         """Return the dataset and the tags of a recording."""
@@ -138,6 +139,7 @@ class _Part:
         named: from the number of one: its name in the leaderboard, and its tags.
         inertia: given, or ``None``.
         described: from the number of one: its description.
+        files: all that are read for them.
         place: of the dataset in the configuration.
     """
 
@@ -145,6 +147,7 @@ class _Part:
     named: Callable[[int], tuple[str, dict[str, Any]]]
     inertia: float | None
     described: Callable[[int], str]
+    files: tuple[str, ...] = ()
     place: int = 0
 
 
@@ -162,8 +165,7 @@ def sources(config: Config, directory: Path, document: Document | None = None) -
     Raises:
         InputError: when no file matches, or two datasets have one name.
     """
-    parts: list[_Part] = []
-    left_out: list[str] = []
+    parts, left_out = list[_Part](), list[str]()
     for place, dataset in enumerate(config.datasets):
         common = {
             "preparation": (dataset.preparation or config.preparation).model_dump(mode="json"),
@@ -254,7 +256,7 @@ def _rigs(dataset: Dataset, rig: str, directory: Path, common: Mapping[str, Any]
     def described(number: int) -> str:
         return _describe("rig", common, file=str(path), checksum=checksum, seed=dataset.seeds[number])
 
-    return _Part(len(dataset.seeds), named, dataset.inertia, described)
+    return _Part(len(dataset.seeds), named, dataset.inertia, described, (str(path),))
 
 
 def _files(dataset: Dataset, directory: Path, common: Mapping[str, Any]) -> _Part:
@@ -286,7 +288,7 @@ def _files(dataset: Dataset, directory: Path, common: Mapping[str, Any]) -> _Par
     def described(number: int) -> str:
         return _describe("files", common, files=group(number), test_files=tests, **reading)
 
-    return _Part(groups, named, dataset.inertia, described)
+    return _Part(groups, named, dataset.inertia, described, (*found, *tests))
 
 
 def _matching(patterns: list[str], directory: Path) -> list[str]:

@@ -138,7 +138,9 @@ def covariance_once(jacobian: Array, residual: Array, inverse: Array, independen
     count = int(parts.max(initial=-1)) + 1
     if count < jacobian.shape[1] + _FEWEST:
         return None
-    scores = np.stack([np.bincount(parts, column, count) for column in jacobian.T * residual], axis=1).astype(float)
+    scores = np.empty((count, jacobian.shape[1]))  # of no column where every parameter is held
+    for j, column in enumerate(jacobian.T * residual):
+        scores[:, j] = np.bincount(parts, column, count)
     meat, terms = long_run_covariance(scores, independent * count / len(residual))
     widen = float(stdtrit(terms, 0.975)) / NORMAL_95
     return np.asarray(widen**2 * inverse @ meat @ inverse)

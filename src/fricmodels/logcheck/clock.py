@@ -1,0 +1,37 @@
+"""Whether the time is in the unit that it is read in."""
+
+from __future__ import annotations
+
+from fricmodels.logcheck.finding import Finding, Severity
+from fricmodels.logcheck.view import Log
+
+_UNITS = {0: "s", -3: "ms", -6: "us", -9: "ns"}
+"""Power of ten of a second → unit."""
+_LONGEST, _SHORTEST = 0.1, 5e-6
+"""Seconds between two samples: friction at reversals does not show at fewer than ten samples a second, and no drive is
+recorded at more than some hundred thousand."""
+
+
+def other_unit(log: Log, power: int) -> str:
+    """Return the unit in which the time may be where its steps are so many powers of ten too long; empty if in none.
+
+    The steps must be such as no drive is recorded with, and must be sensible in that unit.
+    """
+    interval = log.recording.interval
+    now = next((p for p, unit in _UNITS.items() if unit == log.column("time")[1]), 0)
+    unit = _UNITS.get(now - power, "")
+    if not power or not unit or _SHORTEST <= interval < _LONGEST:
+        return ""
+    return unit if _SHORTEST <= interval / 10.0**power < _LONGEST else ""
+
+
+def in_unit(log: Log, unit: str, why: str) -> Finding:
+    """Return the finding that the time is in another unit, with what else speaks for it."""
+    return Finding(
+        "unit",
+        Severity.STOP,
+        "time",
+        f"the {log.called('time')} seems to be in {unit}: {why}, and from sample to sample it is "
+        f"{log.recording.interval:.3g} s as it is read",
+        f"give the unit, as in {log.option('time', unit)}",
+    )
