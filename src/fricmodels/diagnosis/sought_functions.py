@@ -23,6 +23,11 @@ _TURNS, _PADDED = 8, 4
 """Periods within the record from which on a frequency is sought, and how much finer than its resolution."""
 _KNOTS = 48
 """Places over the way at which a stretch may begin or end, as many samples between each two."""
+_TRIED, _AROUND = 12, 8
+"""Peaks that are tried, and so many resolutions to either side tell whether a line of the motion stands out."""
+_OF_MOTION, _STANDS_OUT = 0.03, 10.0
+"""A line of the motion is where it has so much of its power there, as a share of that of the residual, and so many
+times the median beside it, as one in a thousand of what is random. A pump that moves the drive itself gives it less."""
 _LONGEST = 64
 """Times as many places as rows beyond which a record is mostly gaps."""
 _AS_GOOD = 1.0 - 1e-6
@@ -59,33 +64,53 @@ def jump(problem: WeakFormProblem, regression: Regression) -> Array:
 def frequency(problem: WeakFormProblem, regression: Regression) -> tuple[float, int]:
     """Return the frequency [Hz] at which a residual has most power, and among how many; 0 where none can be told.
 
-    Not those at which the motion itself repeats: what a model gets wrong of it has these, whatever is missing. Rows are
-    a fraction of a bump apart, so that the highest one is the reciprocal of two of their distances.
+    Not those of the motion itself: what a model gets wrong of it has these, whatever is missing. They are those at
+    which it repeats, and those at which its velocity or its direction has a line. Rows are a fraction of a bump apart,
+    so that the highest one is the reciprocal of two of their distances.
     """
     from scipy.fft import next_fast_len, rfft
 
     recording, step = problem.recording, problem.bumps.hop * problem.recording.interval
-    time = recording.time[np.clip(problem.centre, 0, len(recording) - 1)]
-    place = np.rint((time - time[0]) / step).astype(np.int64)
+    centre = np.clip(problem.centre, 0, len(recording) - 1)
+    time = recording.time[centre]
+    place = np.rint((time - time[0]) / step).astype(np.int64) if len(time) else np.zeros(0, dtype=np.int64)
     count = int(place[-1]) + 1 if len(place) else 0
     if count < 2 * _TURNS or count > _LONGEST * len(place) or np.any(place < 0):
         return 0.0, 0
-    values = np.bincount(place, weights=regression.residual, minlength=count)
     size = next_fast_len(_PADDED * count, real=True)
-    power = np.abs(rfft(values, size)) ** 2
-    each = np.arange(len(power)) / (size * step)
+
+    def power(rows: Array) -> Array:
+        return np.asarray(np.abs(rfft(np.bincount(place, weights=rows, minlength=count), size)) ** 2)
+
+    found = power(regression.residual)
+    each = np.arange(len(found)) / (size * step)
     possible = each >= _TURNS / (count * step)
     period = period_of(recording)
     if period is not None:
         turns = each * period
         possible &= np.abs(turns - np.rint(turns)) > period / (count * step)
-    if not possible.any():
-        return 0.0, 0
-    best = int(np.argmax(np.where(possible, power, 0.0)))
-    sides = power[max(best - 1, 0) : best + 2]
-    bend = sides[0] - 2.0 * sides[1] + sides[-1] if 0 < best < len(power) - 1 else 0.0
-    between = 0.5 * (sides[0] - sides[-1]) / bend if bend < 0.0 else 0.0
-    return (best + between) / (size * step), int(possible.sum()) // _PADDED
+    velocity, energy = problem.smooth[centre], float(regression.residual @ regression.residual)
+    motion = [(power(rows), energy / float(rows @ rows)) for rows in (velocity, np.sign(velocity)) if np.any(rows)]
+    left = np.where(possible, found, 0.0)
+    for _ in range(_TRIED):
+        best = int(np.argmax(left))
+        near = slice(max(best - _PADDED, 0), best + _PADDED + 1)
+        around = slice(max(best - _AROUND * _PADDED, 0), best + _AROUND * _PADDED + 1)
+        if not left[best] > 0.0:
+            break
+        if not any(_has_line(scale * own, float(found[best]), near, around) for own, scale in motion):
+            sides = found[max(best - 1, 0) : best + 2]
+            bend = sides[0] - 2.0 * sides[1] + sides[-1] if 0 < best < len(found) - 1 else 0.0
+            between = 0.5 * (sides[0] - sides[-1]) / bend if bend < 0.0 else 0.0
+            return float((best + between) / (size * step)), int(possible.sum()) // _PADDED
+        left[near] = 0.0
+    return 0.0, 0
+
+
+def _has_line(power: Array, residual: float, near: slice, around: slice) -> bool:
+    """Whether a motion, with as much power as the residual, stands out with a line beside one of the residual."""
+    most = float(power[near].max())
+    return most > _OF_MOTION * residual and most > _STANDS_OUT * float(np.median(power[around]))
 
 
 def in_time(problem: WeakFormProblem, frequency: float) -> Array:
