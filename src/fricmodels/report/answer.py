@@ -19,7 +19,7 @@ from fricmodels.score.bands import averaged
 
 if TYPE_CHECKING:
     from fricmodels.results.comparison import ComparisonDocument
-    from fricmodels.results.diagnosis import DiagnosisDocument, Shift
+    from fricmodels.results.diagnosis import DiagnosisDocument, Effect, Shift
 
 Tone = Literal["good", "warn", "bad", "plain"]
 
@@ -247,9 +247,7 @@ def _next(data: DiagnosisDocument, options: Sequence[str]) -> tuple[str, str]:
     if data.partial:
         return "Let the same command run to its end:", command_line(data, "improve", data.model, options)
     if alike and data.verdict == "undecided" and rest is None:
-        first = alike[0]
-        which = listed(first.names, "from" if len(first.names) == 2 else "and")
-        return f"To tell {which} apart: {first.separated_by}.", ""
+        return _apart(alike[0]), ""
     if data.effects and not improved:
         text = "Add what is missing, refit, and see whether more is:"
         return text, command_line(data, "improve", data.model, options)
@@ -278,8 +276,16 @@ def _next(data: DiagnosisDocument, options: Sequence[str]) -> tuple[str, str]:
     text = "Use the model. This keeps its parameters, standard errors and provenance in a file, to call or to export:"
     if _noticed_above_noise(data):
         text = "Record it faster or with less noise to see what the rest is. To use the model as it is:"
+    elif alike:
+        text = f"{_apart(alike[0])} To use the model as it is:"
     kept = f"{Path(data.dataset).name}.model.json"
     return text, command_line(data, "fit", model, [*_common(options), "--out", kept])
+
+
+def _apart(effect: Effect) -> str:
+    """Say which experiment tells the effects of a class apart."""
+    which = listed(effect.names, "from" if len(effect.names) == 2 else "and")
+    return f"To tell {which} apart: {effect.separated_by}."
 
 
 def _without_shift(data: DiagnosisDocument, shift: Shift) -> str:
