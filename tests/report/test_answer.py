@@ -174,6 +174,31 @@ def test_look_alikes_are_told_apart_by_an_experiment() -> None:
     assert found.command == ""
 
 
+def test_a_class_beside_a_certain_effect_is_told_apart_and_the_model_is_kept() -> None:
+    alike = effect(**{"class": ["stiffness", "cogging"], "separated_by": "a turn and more"})
+    found = answer(data(effects=[effect(), alike]))
+    assert found.next == "To tell stiffness from cogging apart: a turn and more. To use the model as it is:"
+    assert " fit " in found.command
+
+
+def test_a_torque_in_time_is_to_be_found_and_no_effect_is_tried() -> None:
+    one, of_time = (
+        [step("coulomb-viscous", 9.4)],
+        {"channels": "time, at 1.7 Hz", "p_value": 1e-9, "held_out_gain": 0.5},
+    )
+    left = {**rest(9.3, 6.0), "channel": "time, at 1.7 Hz"}
+    found = answer(data(verdict="unknown-effect", effects=[], ladder=one, unknown=of_time, remaining=left))
+    assert "predicted from time (at 1.7 Hz), whatever the drive does" in found.remains
+    assert found.next.startswith("Find what goes at 1.7 Hz (a pump, a fan, another machine)")
+    assert found.command.endswith("--report error.html")
+
+
+def test_noise_makes_no_more_than_all() -> None:
+    left = answer(data(ladder=[step("coulomb-viscous", 60.0), step("coulomb-viscous+gravity", 3.0, "gravity")]))
+    assert "as much as noise makes (about 3.20\u00a0%)" in left.remains
+    assert "of which" not in left.remains
+
+
 def test_a_force_is_called_so() -> None:
     found = answer(data(motion="linear"))
     assert "motor force" in found.error
