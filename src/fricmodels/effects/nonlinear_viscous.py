@@ -26,7 +26,7 @@ class NonlinearViscous(Effect):
     friction = True
     separated_from = dict.fromkeys(("rising-stiction", "frictional-lag"), SMALL_REVERSALS)
     symmetry = "odd"
-    a = Parameter("a", unit="N m s^(1/2)/rad^(1/2)", meaning="coefficient of the square root of speed")
+    a = Parameter("a", unit="N m s^(1/2)/rad^(1/2)", lower=0.0, meaning="coefficient of the square root of speed")
     b = Parameter("b", unit="N m s^2/rad^2", meaning="coefficient of the square of speed")
 
     def torque(self, s: Signals, p: Parameters) -> Expression:
