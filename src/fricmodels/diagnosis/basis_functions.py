@@ -52,8 +52,14 @@ _CLOSEST = 1e-5
 """Share of the longest distance or time since an event below which it is the event itself: less is rounding."""
 
 
-def basis_functions(problem: WeakFormProblem, regression: Regression, policy: Policy) -> Sets:
-    """Return the basis functions in every channel that a recording has, and in its history, as integrals."""
+def basis_functions(problem: WeakFormProblem, regression: Regression, policy: Policy, only: str | None = None) -> Sets:
+    """Return the basis functions in every channel that a recording has, and in its history, as integrals.
+
+    Args:
+        problem, regression: rows, and what is left of them.
+        policy: decides which torques are clean.
+        only: the one set that is wanted: others whose numbers have to be sought may be missing.
+    """
     lasting = {
         **_of_motion(problem),
         **_of_position(problem),
@@ -65,14 +71,15 @@ def basis_functions(problem: WeakFormProblem, regression: Regression, policy: Po
         name: partial(problem.integrated, name, partial(_integrals, problem, build)) for name, build in lasting.items()
     }
     found[JUMP] = partial(jump, problem, regression)
-    line, _ = frequency(problem, regression)
+    line = frequency(problem, regression)[0] if only is None else 0.0
     if line > 0.0:
         found[f"{LINE} {line:.3g} Hz"] = partial(in_time, problem, line)
     if "position" in problem.recording:
         found[STRETCH] = partial(stretch, problem, regression, along=False)
         found[STRETCH_ALONG] = partial(stretch, problem, regression, along=True)
-    for name, build in _periodic(problem, regression).items():
-        found[name] = partial(_integrals, problem, build)
+    if only is None or only in OF_WAVES:
+        for name, build in _periodic(problem, regression).items():
+            found[name] = partial(_integrals, problem, build)
     return found
 
 

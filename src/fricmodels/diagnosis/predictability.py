@@ -96,7 +96,7 @@ def _is_only_noise(
     problem, regression, policy = result.problem, result.regression, result.policy
     if evidence.gain <= 0.0:
         return False  # it passes no gate
-    perturbed = basis_functions(problem.perturbed, regression, policy).get(channels)
+    perturbed = basis_functions(problem.perturbed, regression, policy, channels).get(channels)
     if perturbed is None:
         return False
     weights = evidence.coefficients[None]

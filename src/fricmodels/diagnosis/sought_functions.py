@@ -23,6 +23,8 @@ _TURNS, _PADDED = 8, 4
 """Periods within the record from which on a frequency is sought, and how much finer than its resolution."""
 _KNOTS = 48
 """Places over the way at which a stretch may begin or end, as many samples between each two."""
+_LEAST = 0.02
+"""Share of the squared residual of which a line is worth a test."""
 _TRIED, _AROUND = 12, 8
 """Peaks that are tried, and so many resolutions to either side tell whether a line of the motion stands out."""
 _OF_MOTION, _STANDS_OUT = 0.03, 10.0
@@ -89,9 +91,11 @@ def frequency(problem: WeakFormProblem, regression: Regression) -> tuple[float, 
     if period is not None:
         turns = each * period
         possible &= np.abs(turns - np.rint(turns)) > period / (count * step)
-    velocity, energy = problem.smooth[centre], float(regression.residual @ regression.residual)
+    left, energy = np.where(possible, found, 0.0), float(regression.residual @ regression.residual)
+    if not left.max() > _LEAST * 0.5 * len(place) * energy:
+        return 0.0, 0
+    velocity = problem.smooth[centre]
     motion = [(power(rows), energy / float(rows @ rows)) for rows in (velocity, np.sign(velocity)) if np.any(rows)]
-    left = np.where(possible, found, 0.0)
     for _ in range(_TRIED):
         best = int(np.argmax(left))
         near = slice(max(best - _PADDED, 0), best + _PADDED + 1)

@@ -28,7 +28,7 @@ _DOUBLINGS, _MISSES, _HALVINGS = 30, 3, 5
 """Steps that double, how many may be unlikely one after the other, and by how many halvings the last one is refined."""
 _FURTHEST = 10.0
 """Times the value beyond which nothing is tried."""
-_POPULATION, _GENERATIONS, _SAMPLES = 20, 25, 50_000
+_POPULATION, _GENERATIONS, _SAMPLES = 20, 12, 20_000
 """Members of a population, and how often it is renewed where a recording has no more than so many samples."""
 _APART, _SPREAD = 1.2, 0.4
 """How far it may go, in logarithms, and its first standard deviation, as a share of that."""

@@ -27,6 +27,8 @@ Array = NDArray[np.float64]
 
 _FEW, _SIGNED = 2, 0.25
 """Of more nonlinear parameters than these likely ones are sought together, those of either sign so far away."""
+_ROUGH = 1.2
+"""Times its standard error to which a parameter is likely, from which on an error is not smooth."""
 _NEARLY_ALL, _MUCH_MORE = 0.9, 2.0
 """Share of the rows that two sets have in common, to tell which start leaves least of either, and how many times as
 much the next best start must leave."""
@@ -261,8 +263,9 @@ class Solved:
 
             bounds, error = (p.declared.lower, p.declared.upper), math.sqrt(max(wanted[i], 0.0))
             wanted[i] = max(wanted[i], likely_error(cost, float(alpha[own]), error, bounds, self._certain) ** 2)
-        for fit in self._likely_elsewhere(least_squares):
-            wanted = np.maximum(wanted, ((fit.values - self.values) / NORMAL_95) ** 2)
+        if np.any(wanted > _ROUGH**2 * np.diag(result)):
+            for fit in self._likely_elsewhere(least_squares):
+                wanted = np.maximum(wanted, ((fit.values - self.values) / NORMAL_95) ** 2)
         return at_least(result, np.diag(wanted))
 
     def _likely_elsewhere(self, least_squares: Projection) -> Iterator[Solved]:
