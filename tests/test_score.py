@@ -106,7 +106,7 @@ def test_smoothing_does_not_turn_the_direction_of_a_creeping_drive() -> None:
     made = Recording("creeps", Motion.ROTARY, channels, np.zeros(len(time), dtype=np.int64))
     whole, values = Drive(Model.parse("coulomb-viscous"), 0.35), {"K_v": 3.0, "K_c": 4.0}
     error = filtered_torque_error(whole, values, made, 39)
-    assert np.max(np.abs(error)) < 0.1
+    assert np.max(np.abs(error)) < 0.15, "of a friction of 4 N m; with its sign turned it is as much"
 
 
 def test_percentages_do_not_depend_on_the_units_or_the_time_of_start() -> None:

@@ -168,8 +168,9 @@ def test_the_model_with_it_is_fitted_to_all_motion(bent: Comparison) -> None:
     )
     assert bent_torque == pytest.approx(COULOMB, rel=0.3)
     assert abs(bent_torque - COULOMB) < 3.5 * error
-    assert with_it.sliding.percent < 0.75 * bent.sliding.percent
-    assert with_it.sliding.held_out_percent < 0.7 * bent.sliding.held_out_percent
+    assert with_it.sliding.percent < 0.85 * bent.sliding.percent
+    assert with_it.sliding.held_out_percent < 0.85 * bent.sliding.held_out_percent
+    assert with_it.sliding.percent < 3.85, "less than with directions that smoothing turns; without it 5.0 and 6.0 then"
 
 
 def test_all_motion_has_the_rows_and_more(bent: Comparison) -> None:

@@ -155,11 +155,12 @@ def _smoothed(recording: Recording, half_width: int) -> tuple[Recording, Mask, M
         smooth, rest = lanczos_value(recording.time, recording.velocity, half_width, recording.run), resting(recording)
         noise = velocity_noise(recording)
         # Beside a bend a parabola swings over, and where the drive creeps it may turn the direction of its motion.
-        bent = np.abs(recording.velocity - smooth) > 3 * noise.deviation
-        smooth = np.where(bent, recording.velocity, smooth)
+        apart = np.abs(recording.velocity - smooth) > 3 * noise.deviation
+        turned = apart & (recording.velocity * smooth < 0.0)
+        smooth = np.where(turned, recording.velocity, smooth)
         smooth[rest | (np.abs(smooth) <= standstill(smooth))] = 0.0
         spread = noise.slow.after(even_weights(half_width)[0])
-        doubtful = np.abs(smooth) <= 3 * np.where(bent, noise.deviation, spread)
+        doubtful = np.abs(smooth) <= 3 * np.where(turned, noise.deviation, spread)
         known.clear()  # one width at a time is asked for
         found = known[half_width] = recording.with_channels(velocity=smooth), rest, doubtful
     return found
