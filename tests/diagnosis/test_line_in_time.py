@@ -59,3 +59,11 @@ def test_what_the_motion_itself_repeats_is_no_line(moved: tuple[float, ...], exp
         assert told == pytest.approx(expected, rel=1e-3)
     else:
         assert min(abs(told * 2.0 - np.rint(told * 2.0)), 1.0) > 2.0 / 80.0
+
+
+def test_a_line_of_the_motion_is_none_though_it_does_not_repeat() -> None:
+    """What is wrong at a frequency of the motion may be of the motion: another inertia would be so."""
+    recording = ready(swung((0.31, 0.77, 1.19), pump=0.77))
+    rows, fitted = estimate(Drive(Model.parse("coulomb-viscous"), 0.5), recording)
+    told, _ = frequency(rows, regression_of(rows, fitted.parameters))
+    assert abs(told - 0.77) > 0.01
