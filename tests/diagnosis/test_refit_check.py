@@ -160,7 +160,7 @@ def test_an_effect_without_memory_is_left_as_the_rows_name_it(stiff: Comparison)
     assert refit_check(Refits(stiff, POLICY), result, (), named) is named
 
 
-def test_the_model_with_it_is_fitted_to_all_motion(bent: Comparison) -> None:
+def test_the_model_with_it_is_fitted_to_all_motion(bent: Comparison, request: pytest.FixtureRequest) -> None:
     with_it = with_effect(bent, Presliding(), {"F_1": 60.0, "F_2": 60.0, "D": 100.0, "x_s": 3e-4})
     assert with_it.drive.inertia == MASS
     bent_torque, error = (
@@ -170,7 +170,11 @@ def test_the_model_with_it_is_fitted_to_all_motion(bent: Comparison) -> None:
     assert abs(bent_torque - COULOMB) < 3.5 * error
     assert with_it.sliding.percent < 0.85 * bent.sliding.percent
     assert with_it.sliding.held_out_percent < 0.85 * bent.sliding.held_out_percent
-    assert with_it.sliding.percent < 3.85, "less than with directions that smoothing turns; without it 5.0 and 6.0 then"
+    # Directions that smoothing turned made it 5.01 and 5.99 without the effect, where it is 4.25 and 4.75: of the first
+    # ones 0.75 and 0.7 were asked for, which is more than these limits.
+    most, most_kept_back = {5: (3.0, 3.1), 6: (4.0, 4.1)}[request.node.callspec.params["bent"]]
+    assert with_it.sliding.percent < most
+    assert with_it.sliding.held_out_percent < most_kept_back
 
 
 def test_all_motion_has_the_rows_and_more(bent: Comparison) -> None:
