@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from fricmodels.diagnosis import diagnose
+from fricmodels.diagnosis.policy import POLICY
 from fricmodels.diagnosis.sought_functions import frequency
 from fricmodels.dimension import Motion
 from fricmodels.drive import Drive
@@ -54,7 +55,7 @@ def test_what_the_motion_itself_repeats_is_no_line(moved: tuple[float, ...], exp
     """1.5 Hz is the third harmonic of a motion of 0.5 Hz: any friction has it there, and not beside other sines."""
     recording = ready(swung(moved, pump=1.5))
     rows, fitted = estimate(Drive(Model.parse("coulomb-viscous"), 0.5), recording)
-    told, _ = frequency(rows, regression_of(rows, fitted.parameters))
+    told = frequency(rows, regression_of(rows, fitted.parameters), POLICY)
     if expected:
         assert told == pytest.approx(expected, rel=1e-3)
     else:
@@ -65,5 +66,5 @@ def test_a_line_of_the_motion_is_none_though_it_does_not_repeat() -> None:
     """What is wrong at a frequency of the motion may be of the motion: another inertia would be so."""
     recording = ready(swung((0.31, 0.77, 1.19), pump=0.77))
     rows, fitted = estimate(Drive(Model.parse("coulomb-viscous"), 0.5), recording)
-    told, _ = frequency(rows, regression_of(rows, fitted.parameters))
+    told = frequency(rows, regression_of(rows, fitted.parameters), POLICY)
     assert abs(told - 0.77) > 0.01

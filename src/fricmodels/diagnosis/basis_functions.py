@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from fricmodels.diagnosis.history import MotionHistory
 from fricmodels.diagnosis.places import ALONG, Place
 from fricmodels.diagnosis.policy import Policy
-from fricmodels.diagnosis.sought_functions import frequency, in_time, jump, stretch, tents
+from fricmodels.diagnosis.sought_functions import frequencies_tried, frequency, in_time, jump, stretch, tents
 from fricmodels.recording import OTHER, RATE
 from fricmodels.results.words import LINE
 from fricmodels.signals import noise
@@ -71,7 +71,7 @@ def basis_functions(problem: WeakFormProblem, regression: Regression, policy: Po
         name: partial(problem.integrated, name, partial(_integrals, problem, build)) for name, build in lasting.items()
     }
     found[JUMP] = partial(jump, problem, regression)
-    line = frequency(problem, regression)[0] if only is None else 0.0
+    line = frequency(problem, regression, policy) if only is None else 0.0
     if line > 0.0:
         found[f"{LINE} {line:.3g} Hz"] = partial(in_time, problem, line)
     if "position" in problem.recording:
@@ -89,9 +89,9 @@ def terms(name: str, columns: Array) -> int:
     return len(columns) + waves + (name == JUMP or name.startswith(LINE))
 
 
-def chances(name: str, problem: WeakFormProblem, regression: Regression) -> int:
+def chances(name: str, problem: WeakFormProblem) -> int:
     """Return among how many frequencies the one of a set was sought; 1 where none was."""
-    return frequency(problem, regression)[1] if name.startswith(LINE) else 1
+    return frequencies_tried(problem) if name.startswith(LINE) else 1
 
 
 def hats_within(problem: WeakFormProblem, place: Place) -> Array:

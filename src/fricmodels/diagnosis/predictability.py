@@ -76,7 +76,7 @@ def each_predictor(result: CandidateTests, first: Sequence[str] = ()) -> Iterato
             shift = result.policy.within_sampling * problem.recording.interval
             if channels == TORQUE_RATE and np.all(np.abs(evidence.coefficients) <= shift):  # these are times
                 continue
-            tried = len(every) * chances(channels, problem, regression)
+            tried = len(every) * chances(channels, problem)
             yield ChannelPredictor(
                 channels,
                 evidence,

@@ -7,11 +7,13 @@ torque that comes and goes in time, as that of a pump, whatever the drive does.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
+from fricmodels.diagnosis.policy import Policy
 from fricmodels.weakform.problem import WeakFormProblem
 from fricmodels.weakform.regression import Regression
 from fricmodels.weakform.repeats import period_of
@@ -23,13 +25,8 @@ _TURNS, _PADDED = 8, 4
 """Periods within the record from which on a frequency is sought, and how much finer than its resolution."""
 _KNOTS = 48
 """Places over the way at which a stretch may begin or end, as many samples between each two."""
-_LEAST = 0.02
-"""Share of the squared residual of which a line is worth a test."""
 _TRIED, _AROUND = 12, 8
 """Peaks that are tried, and so many resolutions to either side tell whether a line of the motion stands out."""
-_OF_MOTION, _STANDS_OUT = 0.03, 10.0
-"""A line of the motion is where it has so much of its power there, as a share of that of the residual, and so many
-times the median beside it, as one in a thousand of what is random. A pump that moves the drive itself gives it less."""
 _LONGEST = 64
 """Times as many places as rows beyond which a record is mostly gaps."""
 _AS_GOOD = 1.0 - 1e-6
@@ -63,58 +60,93 @@ def jump(problem: WeakFormProblem, regression: Regression) -> Array:
     return every[int(np.argmax(gains))]
 
 
-def frequency(problem: WeakFormProblem, regression: Regression) -> tuple[float, int]:
-    """Return the frequency [Hz] at which a residual has most power, and among how many; 0 where none can be told.
+def frequency(problem: WeakFormProblem, regression: Regression, policy: Policy) -> float:
+    """Return the frequency [Hz] at which a residual has most power; 0 where none can be told.
 
-    Not those of the motion itself: what a model gets wrong of it has these, whatever is missing. They are those at
-    which it repeats, and those at which its velocity or its direction has a line. Rows are a fraction of a bump apart,
-    so that the highest one is the reciprocal of two of their distances.
+    Not one of the motion itself: what a model gets wrong of it has these, whatever is missing. They are those at
+    which it repeats, and those at which its velocity or its direction has a line.
     """
-    from scipy.fft import next_fast_len, rfft
-
-    recording, step = problem.recording, problem.bumps.hop * problem.recording.interval
-    centre = np.clip(problem.centre, 0, len(recording) - 1)
-    time = recording.time[centre]
-    place = np.rint((time - time[0]) / step).astype(np.int64) if len(time) else np.zeros(0, dtype=np.int64)
-    count = int(place[-1]) + 1 if len(place) else 0
-    if count < 2 * _TURNS or count > _LONGEST * len(place) or np.any(place < 0):
-        return 0.0, 0
-    size = next_fast_len(_PADDED * count, real=True)
-
-    def power(rows: Array) -> Array:
-        return np.asarray(np.abs(rfft(np.bincount(place, weights=rows, minlength=count), size)) ** 2)
-
-    found = power(regression.residual)
-    each = np.arange(len(found)) / (size * step)
-    possible = each >= _TURNS / (count * step)
-    period = period_of(recording)
-    if period is not None:
-        turns = each * period
-        possible &= np.abs(turns - np.rint(turns)) > period / (count * step)
-    left, energy = np.where(possible, found, 0.0), float(regression.residual @ regression.residual)
-    if not left.max() > _LEAST * 0.5 * len(place) * energy:
-        return 0.0, 0
-    velocity = problem.smooth[centre]
-    motion = [(power(rows), energy / float(rows @ rows)) for rows in (velocity, np.sign(velocity)) if np.any(rows)]
+    grid = _frequencies(problem)
+    if grid is None:
+        return 0.0
+    found = grid.power(regression.residual)
+    left, energy = np.where(grid.possible, found, 0.0), float(regression.residual @ regression.residual)
+    if not left.max() > policy.line_share * 0.5 * len(grid.place) * energy:
+        return 0.0
+    velocity = problem.smooth[grid.centre]
+    motion = [(grid.power(rows), energy / float(rows @ rows)) for rows in (velocity, np.sign(velocity)) if np.any(rows)]
     for _ in range(_TRIED):
         best = int(np.argmax(left))
         near = slice(max(best - _PADDED, 0), best + _PADDED + 1)
         around = slice(max(best - _AROUND * _PADDED, 0), best + _AROUND * _PADDED + 1)
         if not left[best] > 0.0:
             break
-        if not any(_has_line(scale * own, float(found[best]), near, around) for own, scale in motion):
+        if not any(_has_line(scale * own, float(found[best]), near, around, policy) for own, scale in motion):
             sides = found[max(best - 1, 0) : best + 2]
             bend = sides[0] - 2.0 * sides[1] + sides[-1] if 0 < best < len(found) - 1 else 0.0
             between = 0.5 * (sides[0] - sides[-1]) / bend if bend < 0.0 else 0.0
-            return float((best + between) / (size * step)), int(possible.sum()) // _PADDED
+            return float((best + between) * grid.step)
         left[near] = 0.0
-    return 0.0, 0
+    return 0.0
 
 
-def _has_line(power: Array, residual: float, near: slice, around: slice) -> bool:
+def frequencies_tried(problem: WeakFormProblem) -> int:
+    """Return among how many frequencies that are told apart :func:`frequency` chooses."""
+    grid = _frequencies(problem)
+    return 0 if grid is None else int(grid.possible.sum()) // _PADDED
+
+
+@dataclass(frozen=True)
+class _Frequencies:
+    """Frequencies over the time of rows: rows are a part of a bump apart, which gives the highest.
+
+    Attributes:
+        centre: sample in the midst of each row.
+        place: number of each row on an even grid over the time.
+        size: length of a transform, padded with zeros.
+        step: distance of two frequencies [Hz].
+        possible: those that turn often enough within the record, and at which the motion does not repeat.
+    """
+
+    centre: NDArray[np.int64]
+    place: NDArray[np.int64]
+    size: int
+    step: float
+    possible: NDArray[np.bool_]
+
+    def power(self, rows: Array) -> Array:
+        """Return the squared amplitude of rows at each frequency."""
+        from scipy.fft import rfft
+
+        return np.asarray(np.abs(rfft(np.bincount(self.place, weights=rows), self.size)) ** 2)
+
+
+def _frequencies(problem: WeakFormProblem) -> _Frequencies | None:
+    from scipy.fft import next_fast_len
+
+    recording, hop = problem.recording, problem.bumps.hop * problem.recording.interval
+    centre = np.clip(problem.centre, 0, len(recording) - 1)
+    time = recording.time[centre]
+    place = np.rint((time - time[0]) / hop).astype(np.int64) if len(time) else np.zeros(0, dtype=np.int64)
+    count = int(place[-1]) + 1 if len(place) else 0
+    if count < 2 * _TURNS or count > _LONGEST * len(place) or np.any(place < 0):
+        return None
+    size = next_fast_len(_PADDED * count, real=True)
+    step, resolution = 1.0 / (size * hop), 1.0 / (count * hop)
+    each = step * np.arange(size // 2 + 1)
+    possible = each >= _TURNS * resolution
+    period = period_of(recording)
+    if period is not None:
+        turns = each * period
+        possible &= np.abs(turns - np.rint(turns)) > period * resolution
+    return _Frequencies(centre, place, size, step, possible)
+
+
+def _has_line(power: Array, residual: float, near: slice, around: slice, policy: Policy) -> bool:
     """Whether a motion, with as much power as the residual, stands out with a line beside one of the residual."""
     most = float(power[near].max())
-    return most > _OF_MOTION * residual and most > _STANDS_OUT * float(np.median(power[around]))
+    beside = float(np.median(power[around]))
+    return most > policy.line_of_motion * residual and most > policy.line_stands_out * beside
 
 
 def in_time(problem: WeakFormProblem, frequency: float) -> Array:

@@ -1,0 +1,1 @@
+"""The decision constants of the diagnosis, by the question that they answer."""

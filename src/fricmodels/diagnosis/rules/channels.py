@@ -1,0 +1,130 @@
+"""Whether a name may be given: an effect against what channels predict."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from fricmodels.diagnosis.rules.rule import Rules, rule
+
+_INF = float("inf")
+
+
+@dataclass(frozen=True)
+class ChannelRules(Rules):
+    """Whether a name may be given: an effect against what channels predict."""
+
+    own_form: float = rule(
+        0.1,
+        "squared share",
+        "An effect that explains most of what a description of the rest leaves is there beside it, if so much of what "
+        "the effect is lies outside of what the description can be.",
+        "Found on six drives: 0.27 to 0.92 where both are there, 0.003 and 0.02 where the effect lies within a channel "
+        "but for a hat that is not seen. Without the rule two right names of 408 rough drives are lost, and one wrong "
+        "name of 44 drives of our rig with the true effect off the list.",
+        off=_INF,
+    )
+    outpredicted_significance: float = rule(
+        0.1,
+        "probability",
+        "A channel predictor is better than an effect at this level, corrected for how many there are (Diebold and "
+        "Mariano 1995).",
+        "Statistic, twice alike_significance: a wrong name is worse than none.",
+        off=-1.0,
+    )
+    form_significance: float = rule(
+        0.01,
+        "probability",
+        "Or if it predicts at this level what the effect leaves, and the effect nothing of what it leaves (Chong and "
+        "Hendry 1986); not of waves at numbers that were sought.",
+        "Statistic, equal to significance. Of 310 rough drives of seed 1301 it keeps off seven wrong "
+        "names, five of them torque-gain for a droop; of 167 others it cost three right ones and kept off none "
+        "(docs/decisions/unknown.md).",
+        off=-1.0,
+    )
+    walk_significance: float = rule(
+        0.01,
+        "probability",
+        "An effect of the time itself must be there at this level though friction or zero may walk (`walk.py`).",
+        "Statistic, equal to significance. Of 169 rough drives with such an effect or a walk it keeps off seven wrong "
+        "names and no right one that matters.",
+        off=1.1,
+    )
+    own_share: float = rule(
+        0.5,
+        "share of the squared residual above the floor",
+        "An effect must explain this of what is left without it, beside other effects and a description of the rest; "
+        "if nothing predicts that, of the printed error; a fast wave of any such; a look-alike of what the first does.",
+        "Judgement: the threshold of naming against silence; docs/decisions/unknown.md draws its curve. Of fast waves "
+        "off the list on 44 drives of the rig 3 got a wrong name without it, 1 with it; EMPS has 0.87 and 0.91.",
+        off=-_INF,
+    )
+    of_channel: float = rule(
+        0.97,
+        "share",
+        "An effect must explain this share of what a channel explains that predicts more in its place.",
+        "Judgement: on 86 drives all true effects but one lie above it, most mimics of what is on no list below.",
+        off=0.0,
+    )
+    wave_periods: float = rule(
+        4.0,
+        "periods in the travel",
+        "Of one kind no more than one wave may pass fewer: several of them draw a shape over the position.",
+        "Judgement: a bump got five waves without it, three with it; of 20 pairs of waves 15 are found either way.",
+        off=0.0,
+    )
+    fewer_terms: float = rule(
+        0.5,
+        "share of the channel's terms",
+        "Effects that explain as much as a channel with fewer terms than this are several causes, not one.",
+        "Judgement (Occam). Without it an asymmetry and gravity are one cause: 12 terms of a position hold both.",
+        off=0.0,
+    )
+    description_gain: float = rule(
+        0.05,
+        "share of the squared residual",
+        "A channel joins the description of the rest if it lowers the residual by this.",
+        "Judgement: equal to least_gain; never switched off alone in a benchmark.",
+        off=_INF,
+    )
+    kept: float = rule(
+        0.5,
+        "share",
+        "A channel is in the place of an effect if this leaves less than such a share of what it explains beside it.",
+        "Judgement: most of it.",
+        off=0.0,
+    )
+    most_together: int = rule(
+        4,
+        "effects",
+        "So many effects are found one after the other in one diagnosis.",
+        "Judgement: each costs a search.",
+    )
+    clean_torque: float = rule(
+        0.1,
+        "share of the residual",
+        "The past of the motor torque is a predictor only where the noise of the torque is below this.",
+        "Physical: else it predicts its own noise.",
+        off=_INF,
+    )
+    line_share: float = rule(
+        0.02,
+        "share of the squared residual",
+        "A frequency over the time is a channel where the residual has so much of its power there.",
+        "Judgement: below least_gain, of which it must explain the more once it is tested.",
+        off=_INF,
+    )
+    line_of_motion: float = rule(
+        0.03,
+        "share of its power",
+        "But not where velocity or direction have so much of theirs, and stand out: what a model gets wrong of a "
+        "motion has its frequencies.",
+        "Found on three logs with a pump, which moves the drive itself with less, and one clean drive with more.",
+        off=_INF,
+    )
+    line_stands_out: float = rule(
+        10.0,
+        "times the median beside it",
+        "They stand out where their power is so many times that of the frequencies about it.",
+        "Statistic: of what is random one in a thousand is so high.",
+        off=0.0,
+    )
