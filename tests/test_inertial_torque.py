@@ -12,7 +12,7 @@ from fricmodels.model import Model
 from fricmodels.recording import Recording
 from fricmodels.score import filtered_torque_error
 from fricmodels.score.bands import torque_errors
-from fricmodels.score.torque import of_acceleration
+from fricmodels.score.proportional import of_acceleration
 from fricmodels.split import split
 from fricmodels.weakform.equations import equations
 from fricmodels.weakform.prepared import ready

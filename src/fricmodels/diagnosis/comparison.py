@@ -19,6 +19,7 @@ from fricmodels.processes import give_back
 from fricmodels.progress import steps
 from fricmodels.recording import Recording, check_recording
 from fricmodels.score.bands import Errors, torque_errors
+from fricmodels.score.proportional import recorded_inertia
 from fricmodels.score.torque import filtered_torque_error, sliding_half_width
 from fricmodels.score.zeroed import zeroed
 from fricmodels.signals.lanczos import even_weights, lanczos_value
@@ -193,7 +194,7 @@ def _compared(problem: WeakFormProblem, found: Estimate, train: Recording, test:
 
 
 def _sliding(drive: Drive, values: Mapping[str, float], train: Recording, test: Recording) -> SlidingErrors:
-    half_width, inertia = sliding_half_width(train), drive.split(values)[0]
+    half_width, inertia = sliding_half_width(train), recorded_inertia(drive, values)
 
     def percent(torque: float, part: Recording) -> float:
         return 100 * torque / float(np.sqrt(np.mean(part.torque**2)))
@@ -213,7 +214,7 @@ def noise_torques(recording: Recording, inertia: float, half_width: int, draw: i
 
     Args:
         recording: prepared.
-        inertia: J [kg m²] or M [kg].
+        inertia: see :func:`fricmodels.score.torque.recorded_inertia`.
         half_width: of the filter, in samples.
         draw: seed of the noise of the velocity, which is drawn.
     """

@@ -8,6 +8,7 @@ from fricmodels.diagnosis.comparison import Comparison, noise_torques
 from fricmodels.diagnosis.policy import POLICY, Policy
 from fricmodels.recording import Recording
 from fricmodels.score.bands import Band
+from fricmodels.score.proportional import recorded_inertia
 from fricmodels.score.torque import filtered_torque_error, sliding_half_width
 from fricmodels.score.zeroed import zeroed
 from fricmodels.weakform.problem import WeakFormProblem
@@ -130,7 +131,7 @@ def _chance(comparison: Comparison, part: Recording) -> float:
 
     That noise is drawn a few times.
     """
-    inertia = comparison.drive.split(comparison.estimate.parameters)[0]
+    inertia = recorded_inertia(comparison.drive, comparison.estimate.parameters)
     half_width = sliding_half_width(comparison.train)
     drawn = [np.hypot(*noise_torques(part, inertia, half_width, draw)) ** 2 for draw in range(_DRAWS)]
     mean, first = float(np.mean(drawn)), float(drawn[0])

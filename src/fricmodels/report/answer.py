@@ -223,6 +223,9 @@ def _remains(data: DiagnosisDocument) -> str:
                 why = f"what {channel} {_predicts(channel)} of it {part}."
             if beyond is not None and last is not None and beyond < last and percent(beyond) != percent(last):
                 why = f"all but {percent(beyond)} may be sampling: {SAMPLING}."
+            if data.shift is not None:
+                left = percent(data.shift.held_out_percent)
+                why = f"{_shifted(data.shift)}, as sampling may do; with that in the model {left} remains."
             noise = f"of which noise makes {of_noise(data)}"
             if _within_noise(data):
                 noise = f"no more than the {percent(floor)} that noise was estimated to leave"
@@ -290,13 +293,14 @@ def _apart(effect: Effect) -> str:
 
 def _without_shift(data: DiagnosisDocument, shift: Shift) -> str:
     """Say by how much torque and motion are shifted, and what the error is without that."""
+    fall = f"{percent(data.ladder[-1].held_out_rms_percent)} → {percent(shift.held_out_percent)}"
+    return f"T{_shifted(shift)[1:]}, as sampling may do; with that in the model the test error falls ({fall}):"
+
+
+def _shifted(shift: Shift) -> str:
     first, second = ("motion", "torque") if (shift.seconds or 0.0) > 0.0 else ("torque", "motion")
     late, samples = (abs(value or 0.0) for value in (shift.seconds, shift.samples))
-    fall = f"{percent(data.ladder[-1].held_out_rms_percent)} → {percent(shift.held_out_percent)}"
-    return (
-        f"The {first} was recorded {figures(1000 * late)} ms ({figures(samples)} samples) after the {second}, as "
-        f"sampling may do; with that in the model the test error falls ({fall}):"
-    )
+    return f"the {first} was recorded {figures(1000 * late)} ms ({figures(samples)} samples) after the {second}"
 
 
 def _common(options: Sequence[str]) -> list[str]:

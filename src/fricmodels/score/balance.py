@@ -29,7 +29,7 @@ f_s; from positions 91 %. It enters the error over w with :math:`[\sin(\pi fw)/(
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal, TypeAlias
 
 import numpy as np
@@ -39,7 +39,8 @@ from fricmodels.drive import Drive
 from fricmodels.recording import Recording
 from fricmodels.score.holding import holding_interval
 from fricmodels.score.noise import noise_like
-from fricmodels.score.torque import friction_moments, moments, of_acceleration, torque_error
+from fricmodels.score.proportional import applied_torque, in_recorded_torque, of_acceleration
+from fricmodels.score.torque import friction_moments, moments, torque_error
 
 Array: TypeAlias = NDArray[np.float64]
 Source: TypeAlias = Literal["acceleration", "velocity", "position"]
@@ -89,6 +90,10 @@ class Balance:
             most, least = ((twice(centre + half) - 2 * twice(centre) + twice(centre - half)) / half**2).T
             error[block] = np.maximum(least, 0.0) + np.minimum(most, 0.0)
         return error
+
+    def times(self, factor: float) -> Balance:
+        """Return the balances with every error multiplied by a positive factor."""
+        return replace(self, **{name: factor * getattr(self, name) for name in ("most", "least", "at_samples")})
 
     def _twice_integrated(self, begin: float, end: float) -> Callable[[Array], Array]:
         """Return the second integral of the mean errors, from a common instant, between two instants."""
@@ -170,21 +175,23 @@ def balances(drive: Drive, values: Mapping[str, float], prepared: Recording) -> 
     moving = recording.with_channels(velocity=velocity)
     inertia, parameters = drive.split(values)
     inertia += of_acceleration(drive, values)
+    recorded = in_recorded_torque(drive, values)
     states = drive.states(moving, parameters)
     for part in _parts(prepared):
         one = moving.select(part)
         memory = [state[part] for state in states]
-        applied = one.driving_torque
+        applied = applied_torque(drive, values, one)
         found = friction_moments(drive, values, one, memory, rest[part], doubtful[part])
         friction = _in_balance(found, np.diff(one.time), of)
         balance = _balance(part, one.time, applied, inertia * prepared[of][part], friction, of)
         del friction
         if rest[part].any():
             below, above = holding_interval(drive, one, values, memory)
-            balance.at_samples[rest[part]] = (applied - np.clip(applied, below, above))[rest[part]]
-            del below, above
+            driving = one.driving_torque
+            balance.at_samples[rest[part]] = (driving - np.clip(driving, below, above))[rest[part]]
+            del below, above, driving
         del applied
-        yield balance
+        yield balance if recorded == 1.0 else balance.times(recorded)
 
 
 def noise_balances(prepared: Recording) -> Iterator[Iterator[Balance]]:

@@ -14,6 +14,7 @@ from fricmodels.recording import Recording
 from fricmodels.results.words import about_noise, noise_text
 from fricmodels.score.balance import balances, noise_balances, over_windows
 from fricmodels.score.noise import apparent_inertia
+from fricmodels.score.proportional import recorded_inertia
 from fricmodels.signals.rest import once
 from fricmodels.signals.segments import stretches
 
@@ -158,7 +159,7 @@ def torque_errors(
         values: parameters by key; the inertia among them unless the drive has one.
         train, test: what was fitted and what was kept back, prepared.
     """
-    inertia, _ = drive.split(values)
+    inertia = recorded_inertia(drive, values)
     every, floors, headline = windows(train), noise_floors(train), headline_window(train)
     kept = {} if test is None else over_windows(balances(drive, values, test), len(test), every)[0]
     fitted, error = over_windows(balances(drive, values, train), len(train), every, headline)

@@ -4,6 +4,8 @@ r"""The torque error: what the equation of motion leaves over (eq. 21).
 
 At rest the friction torque is no function of the velocity: it is whatever holds the drive, between two limits. There
 the error is how far the torque that would be needed lies outside these limits, and zero inside.
+
+All errors are in the torque as it was recorded; see :mod:`.proportional`.
 """
 
 from __future__ import annotations
@@ -17,6 +19,7 @@ from numpy.typing import NDArray
 from fricmodels.drive import Drive
 from fricmodels.recording import Recording
 from fricmodels.score.holding import holding_interval
+from fricmodels.score.proportional import applied_torque, in_recorded_torque, of_acceleration, proportional_torque
 from fricmodels.score.sampling import about_reversals, slowest_certain, without_shift
 from fricmodels.signals.rest import once
 
@@ -44,7 +47,8 @@ def torque_error(drive: Drive, values: Mapping[str, float], prepared: Recording)
     prepared, values = drive.timed(prepared, values)
     inertia, _ = drive.split(values)
     needed = prepared.driving_torque - inertia * prepared["acceleration"]
-    return needed - _friction(drive, values, prepared, needed)
+    error = needed - _friction(drive, values, prepared, needed)
+    return error * in_recorded_torque(drive, values)
 
 
 def _friction(drive: Drive, values: Mapping[str, float], prepared: Recording, needed: Array) -> Array:
@@ -113,7 +117,9 @@ def filtered_torque_error(
         one = moving.select(part)
         if len(one) < 2:
             continue
-        needed = _mean(one.driving_torque) - inertia * np.diff(recording.velocity[part]) / np.diff(one.time)
+        needed = _mean(applied_torque(drive, values, one)) - inertia * np.diff(recording.velocity[part]) / np.diff(
+            one.time
+        )
         least, greatest = np.empty((2, len(needed)))
         for some, low, high in friction_moments(
             drive, values, one, [state[part] for state in states], rest[part], doubtful[part]
@@ -126,22 +132,8 @@ def filtered_torque_error(
             (rate[part],) = _window_means([np.diff(one.torque) / np.diff(one.time)], one.time, width)
         balance, lower, upper = _window_means([needed, least, greatest], one.time, width)
         error[part] = balance - np.clip(balance, lower, upper)
+    error *= in_recorded_torque(drive, values)
     return without_shift(error, np.where(error == 0.0, 0.0, rate), recording.interval)[0] if beyond_sampling else error
-
-
-def of_acceleration(drive: Drive, values: Mapping[str, float]) -> float:
-    """Return the torque per acceleration that terms of a model have everywhere, as an inertia has [kg m² or kg].
-
-    It belongs to the balance of momentum, where a change of velocity needs no derivative; :func:`friction_moments` is
-    without it.
-
-    Args:
-        drive: model and inertia. values: parameters by key.
-    """
-    if "acceleration" not in drive.model.needs:
-        return 0.0
-    pairs = zip(drive.model.parameters, drive.model.linear, strict=True)
-    return float(drive.constant_derivatives[0] @ [*(values[p.key] for p, linear in pairs if linear), 1.0])
 
 
 def _smoothed(recording: Recording, half_width: int) -> tuple[Recording, Mask, Mask]:
@@ -194,8 +186,8 @@ def friction_moments(
     """Yield :func:`moments` of the least and the greatest friction torque of some intervals after the other.
 
     They are equal while sliding. Where the velocity is zero, though not long enough for a rest, the friction lies
-    anywhere in the sticking interval. What goes with the acceleration everywhere is left out, see
-    :func:`of_acceleration`.
+    anywhere in the sticking interval. What goes with the acceleration or the motor torque everywhere is left out, see
+    :func:`.proportional_torque`.
 
     Yields:
         Which intervals they are, and the moments, shape (2, intervals) each.
@@ -225,12 +217,12 @@ def _moments_of(
     at = drive.friction(one, values, states=states)
     below, above = drive.sticking_interval(one, values, states=states)
     least_held, most_held = holding_interval(drive, one, values, states, (below, above))
-    inertial = of_acceleration(drive, values)
-    if inertial:
+    applied = applied_torque(drive, values, one)
+    smooth = proportional_torque(drive, values, one)
+    if smooth is not None:
         whole = (at, below, above, least_held, most_held)
-        at, below, above, least_held, most_held = (torque - inertial * one["acceleration"] for torque in whole)
+        at, below, above, least_held, most_held = (torque - smooth for torque in whole)
     low, high = np.where(velocity == 0, least_held, at), np.where(velocity == 0, most_held, at)
-    applied = one.driving_torque
     holding = np.clip(applied, least_held, most_held)
     first, last = velocity[:-1], velocity[1:]
     passes = (first * last < 0) & ~rest[:-1] & ~rest[1:]
