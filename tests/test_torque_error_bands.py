@@ -276,3 +276,19 @@ def test_a_ripple_on_the_rig_enters_the_fitted_error_by_nine_tenths(
     for way in ("motion", "torque"):
         for frequency in (12.0, 250.0):
             assert benchmark.shares(sensors, way, frequency, without, samples=6000)[0] >= 0.9
+
+
+@pytest.mark.parametrize("creeping", [1.0, 2.0])
+def test_where_the_direction_is_not_known_neither_is_taken(creeping: float) -> None:
+    """A drive creeps as fast as its noise, pushed harder than a law that is a twentieth too small allows.
+
+    With the friction of the direction that noise gives it would leave twice the friction there.
+    """
+    rng, time = np.random.default_rng(0), 0.002 * np.arange(10_000)
+    slow = np.mod(time, 4.0) >= 2.0
+    velocity = np.where(slow, creeping * 0.01, 1.0) * np.sin(np.pi * time)
+    torque = J * np.gradient(velocity, time) + COULOMB * np.sign(velocity)
+    channels = {"time": time, "velocity": velocity + 0.01 * rng.standard_normal(len(time)), "torque": torque}
+    prepared = prepare(Recording("creeping", Motion.ROTARY, channels, np.zeros(len(time), dtype=np.int64)))
+    error = torque_error_over(DRIVE, {**TRUE, "K_c": 0.95 * COULOMB}, prepared, 0.02)
+    assert rms(error[slow]) < 1.2 * rms(error[~slow])

@@ -41,7 +41,7 @@ class Beginning:
 
     is linear in θ, A and :math:`A\Delta z`, which are found by least squares over the samples of the run. What would
     make more torque than the states do by the motion anywhere in the run is no beginning, but something else that
-    happened there: it is made as small as that.
+    happened there: it is made as small as that, unless the states have limits of their own.
 
     Args:
         balance: what the torque is seen in.
@@ -57,13 +57,14 @@ class Beginning:
         self._beside, self._gram = beside, beside @ beside.T
         self._count = int(np.count_nonzero(self._moving))
 
-    def __call__(self, without: Array, forced: Array, left: Array) -> Array:
+    def __call__(self, without: Array, forced: Array, left: Array, *, limited: bool = False) -> Array:
         """Return by how much the first states differ from those that the forced ones began from, shape (q,).
 
         Args:
             without: the term's torque per unit of its amplitude without its states, shape (n,).
             forced: what its states add to that from the known beginning, shape (n,).
             left: what a unit more of each first state adds, as long as it lasts, shape (q, m).
+            limited: whether limits of the states bound what is found.
         """
         nothing, known, there = np.zeros(len(left)), len(self._beside) - 1, left.shape[1]
         whole = np.where(self._moving, without + forced, 0.0)
@@ -86,7 +87,7 @@ class Beginning:
             return nothing
         first = np.asarray(found[known + 1 :] / found[known])
         largest, most = float(np.max(np.abs(first @ left))), float(np.max(np.abs(forced)))
-        return first if largest <= most else first * (most / largest)
+        return first if limited or largest <= most else first * (most / largest)
 
 
 class UnitTorque:

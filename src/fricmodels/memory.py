@@ -71,6 +71,7 @@ class Memory:
         self._past = Past(signals, time, self._edges)
         self._from_recording = list(_from_recording(model))
         self._begun: list[tuple[slice, slice, UnitTorque, list[Beginning]]] = []
+        self._limits = np.array([[s.lower for s in model.states], [s.upper for s in model.states]])
         if balance is not None:
             self._scan_beginning = _scan(model, True)
             parts = [slice(*ends) for ends in itertools.pairwise(self._edges)]
@@ -109,7 +110,7 @@ class Memory:
             _, following, _ = self._scan(states[:, done - 1], rows[done - 1 :], constants)
             states[:, done:] = following.T
         for (_, places, _, runs), unit, of_term in zip(self._begun, units, left, strict=True):
-            _add_beginning(runs[number], unit, states[places], of_term)
+            _add_beginning(runs[number], unit, states[places], of_term, self._limits[:, places])
 
     def _left(
         self, rows: Array, constants: list[float], states: Array, units: list[tuple[Array, Array]]
@@ -135,7 +136,7 @@ class Memory:
             done, length = length, min(4 * length, whole)
 
 
-def _add_beginning(beginning: Beginning, unit: tuple[Array, Array], states: Array, left: Array) -> None:
+def _add_beginning(beginning: Beginning, unit: tuple[Array, Array], states: Array, left: Array, limits: Array) -> None:
     """Add to the states of a term in a run, shape (q, n), what its beginning leaves that the motion does not tell.
 
     Args:
@@ -143,13 +144,15 @@ def _add_beginning(beginning: Beginning, unit: tuple[Array, Array], states: Arra
         unit: torque per unit of the amplitude without states, and its slope along them.
         states: from the declared beginning; they are changed in place.
         left: what a unit more of each first value leaves of each state, as long as it lasts, shape (q, q, samples).
+        limits: least and greatest of each state, shape (2, q).
     """
     without, slope = unit
     torque = _seen(slope, left)
     lasting = _lasting(torque)
     if lasting < _LASTS:
-        first = beginning(without, _seen(slope, states), torque)
+        first = beginning(without, _seen(slope, states), torque, limited=bool(np.all(np.isfinite(limits))))
         first *= min(math.log(_LASTS / lasting) / math.log(_LASTS / _FADED), 1.0) if lasting > 0.0 else 1.0
+        first = np.clip(states[:, 0] + first, *limits) - states[:, 0]
         states[:, : left.shape[-1]] += np.tensordot(first, left, 1)
 
 

@@ -112,6 +112,7 @@ class State:
     Attributes:
         symbol, unit, meaning: for messages and reports.
         initial: value at the first sample of a run.
+        lower, upper: what it lies between; a beginning that is found from the torque is kept within.
         unknown_at_rest: whether a rest may end in another state than the recorded motion leads to, since less motion
             than sensors see changes it; the first value is then possible, too, see :mod:`.score.holding`.
     """
@@ -120,6 +121,8 @@ class State:
     unit: str = "1"
     initial: float = 0.0
     meaning: str = ""
+    lower: float = -math.inf
+    upper: float = math.inf
     unknown_at_rest: bool = False
 
     @cached_property

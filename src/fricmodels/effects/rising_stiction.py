@@ -46,7 +46,8 @@ class RisingStiction(Effect):
         meaning="sliding that ends it",
         scan=(0.001, 0.003, 0.01, 0.03),
     )
-    z = State("z", meaning="age of the contact, 0 to 1")
+    beginning_unknown = True
+    z = State("z", lower=0.0, upper=1.0, meaning="age of the contact")
 
     def torque(self, s: Signals, p: Parameters) -> Expression:
         """Return F z sgn ω."""

@@ -88,8 +88,8 @@ def filtered_torque_error(
     The bracket is the balance of momentum over one sampling interval, exact for any window. The mean friction torque
     of an interval is the trapezium rule, in two parts where the velocity passes zero, each on its side. At rest it
     is the torque applied, as far as the sticking interval goes. Where the velocity is within three standard errors of
-    zero and the torque applied within the sticking interval, the drive may slide or rest, and any mean between the
-    two is possible; the error is the distance to the nearest. What is left is the law's error and the noise of the
+    zero, the drive may slide that way, rest, or slide where the torque pushes it: any mean between is possible, and the
+    error is the distance to the nearest. What is left is the law's error and the noise of the
     differentiator, :math:`J\sigma\sqrt{3/[h(h+1)(2h+1)]}/\Delta t`.
 
     The friction torque is taken at the velocity smoothed over the same window. At the borders of a run the window
@@ -230,7 +230,7 @@ def _moments_of(
     in_two = _moments_in_two(share, moments(at[:-1], leaving), moments(entering, at[1:]))
     one_rests = rest[:-1] ^ rest[1:]
     held = moments(holding[:-1], holding[1:])
-    may_rest = rest | (doubtful & (holding == applied))
+    may_rest = rest | doubtful
     at_rest = rest[:-1] & rest[1:]
     either = may_rest[:-1] | may_rest[1:]
 
