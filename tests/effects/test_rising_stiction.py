@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from fricmodels.arrays import Array
 from fricmodels.diagnosis import compare, diagnose
 from fricmodels.dimension import Motion
 from fricmodels.recording import Recording
@@ -38,14 +39,13 @@ def recorded(age: float, *, strokes: int = 14, seed: int = 3) -> Recording:
     friction = (COULOMB + RISE * z) * np.sign(velocity) + VISCOUS * velocity
     torque = np.where(velocity == 0.0, 0.0, INERTIA * acceleration + friction)
     take = slice(FINE // 2, None, FINE)
-    time = STEP * np.arange(len(velocity[take]))
-    channels = {
+    time: Array = STEP * np.arange(float(len(velocity[take])))
+    channels: dict[str, Array] = {
         "time": time,
         "velocity": velocity[take],
         "position": np.cumsum(velocity)[take] * step,
         "torque": torque[take] + 0.02 * rng.standard_normal(len(time)),
     }
-    channels = {name: np.asarray(values, dtype=np.float64) for name, values in channels.items()}
     return Recording("valve", Motion.ROTARY, channels, np.zeros(len(time), dtype=np.int64))
 
 

@@ -257,6 +257,10 @@ def _whole(scale: float) -> bool:
     return abs(larger - round(larger)) < _MATCHES * larger and round(larger) in (6, 60, 360)
 
 
+_OF_SAMPLING = 0.6
+"""Samples that a backward difference comes late, a half, and a tenth for stamps that are not exact."""
+
+
 @dataclass(frozen=True)
 class Lag:
     """By how much a measured velocity comes later than the motion.
@@ -274,8 +278,8 @@ class Lag:
 
     @property
     def is_certain(self) -> bool:
-        """Whether it is longer than a sample, either way: half a one is what a difference of positions costs."""
-        return certain((abs(self.late) - self.interval) / self.error, self.clusters)
+        """Whether it is longer, either way, than a difference of positions costs, with instants that are not exact."""
+        return certain((abs(self.late) - _OF_SAMPLING * self.interval) / self.error, self.clusters)
 
 
 def velocity_lag(log: Log) -> Lag | None:
@@ -324,7 +328,7 @@ def _surest_lag(log: Log) -> Lag | None:
 
 
 def is_late(recording: Recording) -> bool:
-    """Whether a measured velocity is that of the position, in the same unit, and certainly later by over a sample."""
+    """Whether a measured velocity is that of the position, in the same unit, and certainly later than it."""
     log = Log(recording)
     found = velocity_lag(log)
     if found is None or found.late < 0.0 or not found.is_certain:
