@@ -10,6 +10,9 @@ from dataclasses import replace
 import numpy as np
 
 from fricmodels.diagnosis.candidate_tests import CandidateTests
+from fricmodels.diagnosis.comparison import Comparison
+from fricmodels.diagnosis.floor import is_far_above_noise
+from fricmodels.diagnosis.policy import Policy
 from fricmodels.diagnosis.refits import Refits, falls_from
 from fricmodels.diagnosis.supported import Judgement, judge
 from fricmodels.diagnosis.verdict import LookAlikes, passing_all_gates, select_effect
@@ -43,6 +46,30 @@ def most_of_the_error(refits: Refits, judgement: Judgement) -> list[LookAlikes]:
     before, after = (c.errors.held_out_percent**2 for c in (refits.comparison, fitted))
     above = before - refits.comparison.errors.headline.noise_floor_percent**2
     return [found] if before - after >= refits.policy.own_share * above > 0.0 else []
+
+
+def all_of_the_error(refits: Refits, judgement: Judgement) -> list[LookAlikes]:
+    """Return the effect of a set with which nothing is left of a printed test error that was far above noise.
+
+    The rows judge an effect beside a fitted model to first order. Where that has the wrong values without the effect,
+    as a resonance has beside another inertia, a channel predicts more in its place; with the effect fitted nothing is
+    left that any could predict. Nothing is what would be no gain, see ``least_gain``.
+    """
+    policy, before = refits.policy, refits.comparison
+    if not is_far_above_noise(before, policy):
+        return []
+    tried = [found for found, _ in judgement.members if found.first.once < policy.significance_once]
+    fitted = [(found, refits.with_effect(found.first)) for found in tried[: policy.step_trials]]
+    there = [found for found, after in fitted if after is not None and _nothing_is_left(before, after, policy)]
+    return [min(there, key=lambda found: refits.test_error(found.first))] if there else []
+
+
+def _nothing_is_left(before: Comparison, after: Comparison, policy: Policy) -> bool:
+    """Whether a fit takes away nearly all of the printed errors above noise, where they were fitted and where not."""
+    one, two = before.errors.headline, after.errors.headline
+    noise = one.noise_floor_percent**2
+    pairs = ((one.percent, two.percent), (one.held_out_percent, two.held_out_percent))
+    return all(left**2 - noise <= policy.least_gain * (whole**2 - noise) for whole, left in pairs)
 
 
 def confirmed(

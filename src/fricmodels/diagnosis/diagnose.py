@@ -10,7 +10,14 @@ from typing import Literal, TypeGuard
 import numpy as np
 
 from fricmodels.diagnosis.at_bounds import beyond_bounds
-from fricmodels.diagnosis.by_fit import all_together, as_a_whole, confirmed, most_of_the_error, that_can_be_fitted
+from fricmodels.diagnosis.by_fit import (
+    all_of_the_error,
+    all_together,
+    as_a_whole,
+    confirmed,
+    most_of_the_error,
+    that_can_be_fitted,
+)
 from fricmodels.diagnosis.candidate_tests import CandidateTest, CandidateTests, candidate_tests
 from fricmodels.diagnosis.coloured_residual import ColouredNoise, coloured_residual
 from fricmodels.diagnosis.comparison import Comparison, compare
@@ -173,7 +180,7 @@ def _examined(refits: Refits, problem: WeakFormProblem, out: set[str], policy: P
     predictors = passing_predictors(result)
     is_left = best is not None or predictors or is_far_above_noise(comparison, policy)
     judgement = judge(possible, out, best) if is_left else None
-    together = [] if judgement is None else judgement.supported(policy) or most_of_the_error(refits, judgement)
+    together = [] if judgement is None else _supported(refits, judgement)
     found = refit_check(refits, possible, out, together[0] if together else None)
     named = confirmed(refits, found, possible, out, together)
     place = _noticed_place(result, comparison) if named is None else None
@@ -217,6 +224,12 @@ def _examined(refits: Refits, problem: WeakFormProblem, out: set[str], policy: P
         judgement=judgement,
         ripple=fast or ripple,
     )
+
+
+def _supported(refits: Refits, judgement: Judgement) -> list[LookAlikes]:
+    """Return the effects that are there by the rows, or else that which takes away most, or all, of the error."""
+    there = judgement.supported(refits.policy)
+    return there or most_of_the_error(refits, judgement) or all_of_the_error(refits, judgement)
 
 
 def is_predictable(comparison: Comparison, policy: Policy = POLICY) -> bool:

@@ -18,7 +18,8 @@ class JointCompliance(Effect):
 
     .. math:: \tau = -J_l \dot v, \quad \dot x = v, \quad \dot v = \dot\omega - \omega_n^2 x - 2\zeta\omega_n v
 
-    x and v are the twist and its rate; the drive's inertia stays the whole one, motor and link.
+    x and v are the twist and its rate; J stays the whole inertia, motor and link. Where J is given as that of the motor
+    alone, what is missing beside the spring is ``inertia-error``, ΔJ = J_l.
 
     Source: Spong (1987), the elastic joint linearised about the motor.
     """
@@ -32,7 +33,7 @@ class JointCompliance(Effect):
         **dict.fromkeys(("inertia-error", "frictional-lag"), SEVERAL_FREQUENCIES),
         "backlash": SMALL_REVERSALS,
     }
-    J_l = Parameter("J_l", unit="kg m^2", lower=0.0, part_of_drive=True, meaning="inertia of the link")
+    J_l = Parameter("J_l", unit="kg m^2", lower=0.0, part_of_drive=True, meaning="inertia of the link, a part of J")
     omega_n = Parameter(
         "omega_n",
         unit="1/s",
