@@ -53,12 +53,14 @@ def all_of_the_error(refits: Refits, judgement: Judgement) -> list[LookAlikes]:
 
     The rows judge an effect beside a fitted model to first order. Where that has the wrong values without the effect,
     as a resonance has beside another inertia, a channel predicts more in its place; with the effect fitted nothing is
-    left that any could predict. Nothing is what would be no gain, see ``least_gain``.
+    left that any could predict. Nothing is what would be no gain, see ``least_gain``; what explains less than its
+    share to first order is not tried.
     """
     policy, before = refits.policy, refits.comparison
     if not is_far_above_noise(before, policy):
         return []
-    tried = [found for found, _ in judgement.members if found.first.once < policy.significance_once]
+    large = [found for found, _ in judgement.members if found.first.evidence.explained >= policy.own_share]
+    tried = [found for found in large if found.first.once < policy.significance_once]
     fitted = [(found, refits.with_effect(found.first)) for found in tried[: policy.step_trials]]
     there = [found for found, after in fitted if after is not None and _nothing_is_left(before, after, policy)]
     return [min(there, key=lambda found: refits.test_error(found.first))] if there else []
