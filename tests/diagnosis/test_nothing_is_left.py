@@ -24,8 +24,8 @@ def test_what_leaves_nothing_is_found_whatever_supports_it(made: Made) -> None:
 
 def test_what_leaves_a_part_is_not_named_for_it(made: Made) -> None:
     """Most of the error is that inertia, and a wave remains: it is for the rows to judge."""
-    recording = made("coulomb-viscous+cogging", {"cogging.a": 2.0, "cogging.k": 7.3}, noise=0.2)
-    found = examine(compare(recording, "coulomb-viscous", 0.8 * INERTIA))
+    recording = made("coulomb-viscous+cogging", {"cogging.a": 6.0, "cogging.k": 7.3}, noise=0.2)
+    found = examine(compare(recording, "coulomb-viscous", 0.9 * INERTIA))
     assert found.judgement is not None
     assert found.refits is not None
     assert any("inertia-error" in one.names for one, _ in found.judgement.members)
