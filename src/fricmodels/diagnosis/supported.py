@@ -80,6 +80,16 @@ class Judgement:
         firsts = {found.first.name for found in there}
         return [LookAlikes(f.first, tuple(t for t in f.members if t is f.first or t.name not in firsts)) for f in there]
 
+    def only_walks(self, policy: Policy) -> set[str]:
+        """Return the effects of the time that a walk is as well, and that have look-alikes of another kind."""
+        return {
+            found.first.name
+            for found, support in self.members
+            if support.p_beside_walk >= policy.walk_significance
+            and replace(support, p_beside_walk=0.0).suffices(policy)
+            and not all(tested.effect.depends_on_time for tested in found.members)
+        }
+
     def unsure_of_its_share(self, policy: Policy) -> LookAlikes | None:
         """Return the first effect of a set of which none is there, if it only lacks its share, and nothing tells why.
 
@@ -129,6 +139,10 @@ def judge(result: CandidateTests, leave_out: Iterable[str], first: LookAlikes | 
     members, rest = _set_of(firsts, out, best, set())
     judgement = _judged(firsts, members, rest)
     if not judgement.supported(result.policy):
+        walks = judgement.only_walks(result.policy)
+        if walks:  # what they are look-alikes of may be there
+            lasting = replace(result, tested=tuple(t for t in result.tested if t.name not in walks))
+            return judge(lasting, out | walks, select_effect(lasting))
         judgement = _looked_ahead(firsts, out, judgement, rest)
     several = _kinds([*drive.model.effects, *(found.first.effect for found in judgement.supported(result.policy))])
     if not several:
