@@ -33,6 +33,7 @@ _SLOWLY = "position", "position, along the motion", "position and motor torque"
 OF_POSITION = OF_WAVES.union(_SLOWLY)
 """Sets of what any torque over position may be."""
 JUMP = "time, in one jump"
+ZERO = "time, the same in both directions"
 STRETCH, STRETCH_ALONG = "position, in one stretch", "position, in one stretch, along the motion"
 OF_TIME = frozenset(
     {
@@ -40,9 +41,10 @@ OF_TIME = frozenset(
         "time, finely, along the motion",
         "time, along the motion, and speed",
         JUMP,
+        ZERO,
     }
 )
-"""Sets of what friction that goes with the time itself may be."""
+"""Sets of what friction, or a zero, that goes with the time itself may be."""
 _HATS = 8
 _PLACES = 32
 _WAVES, _FINER = 6, 12
@@ -142,7 +144,7 @@ def _of_motion(problem: WeakFormProblem) -> Sets:
         "time, along the motion": lambda: side * _slow(time),
         "time, along the motion, and speed": lambda: np.vstack([side * _slow(time), velocity * _slow(time)]),
         "time, finely, along the motion": lambda: side * _slow(time, _FINER),
-        "time, the same in both directions": lambda: _slow(time),
+        ZERO: lambda: np.vstack([np.ones(len(time)), _slow(time)]),
         "motor torque": lambda: _characteristic(problem.motor_torque),
         "motor torque, along the motion": lambda: side * np.abs(_powers(problem.motor_torque)),
         TORQUE_RATE: lambda: np.vstack([points["torque_rate"], side * np.abs(points["torque_rate"])]),
