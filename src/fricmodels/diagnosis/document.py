@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -12,6 +13,7 @@ from fricmodels.diagnosis.correlation import correlation
 from fricmodels.diagnosis.diagnose import Diagnosis, Finding
 from fricmodels.diagnosis.explain import explain, sentence, unknown
 from fricmodels.diagnosis.floor import beyond_sampling_percent, is_above_noise
+from fricmodels.diagnosis.in_its_place import in_its_place
 from fricmodels.diagnosis.ladder import Ladder, added
 from fricmodels.diagnosis.shift import shift_within_sampling
 from fricmodels.dimension import INERTIA, Motion
@@ -34,10 +36,11 @@ def document(diagnosis: Diagnosis, ladder: Ladder | None = None) -> DiagnosisDoc
     comparison = diagnosis.comparison
     findings = diagnosis.findings if ladder is None else added(ladder)
     final = diagnosis if ladder is None else ladder.last
+    places = {} if ladder is None else in_its_place(ladder)
     return DiagnosisDocument(
         **_facts(comparison),
         verdict=diagnosis.verdict,
-        effects=tuple(_effect(finding, comparison.drive.motion) for finding in findings),
+        effects=tuple(_effect(finding, comparison.drive.motion, places) for finding in findings),
         unknown=_unknown(final),
         remaining=_remaining(final),
         candidates=_candidates(diagnosis),
@@ -167,7 +170,7 @@ def _remaining(diagnosis: Diagnosis) -> typed.Remaining | None:
     return typed.Remaining(**{**vars(rest), "place": place, "nearest": nearest}, text=unknown(diagnosis))
 
 
-def _effect(finding: Finding, motion: Motion) -> typed.Effect:
+def _effect(finding: Finding, motion: Motion, places: Mapping[str, Sequence[Comparison]]) -> typed.Effect:
     tested = finding.tested
     return typed.Effect(
         name=tested.name,
@@ -181,6 +184,17 @@ def _effect(finding: Finding, motion: Motion) -> typed.Effect:
         separated_by=finding.separated_by,
         equation=tested.effect.formula,
         explanation=sentence(finding, motion),
+        in_its_place=tuple(map(_in_its_place, places.get(tested.name, ()))),
+    )
+
+
+def _in_its_place(other: Comparison) -> typed.InItsPlace:
+    return typed.InItsPlace(
+        name=other.drive.model.effects[-1].name,
+        model=other.drive.model.name,
+        held_out_percent=other.errors.held_out_percent,
+        parameters=dict(other.estimate.parameters),
+        standard_errors=dict(other.estimate.standard_errors),
     )
 
 

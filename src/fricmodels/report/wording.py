@@ -12,10 +12,10 @@ from fricmodels.dimension import Motion
 from fricmodels.model import Model
 from fricmodels.parameter import Parameter
 from fricmodels.report.figures.style import EXPONENT
-from fricmodels.results.words import LEAST_CHANCE, LEAST_NOISE, NORMAL_95, borne, change_text, share_text
+from fricmodels.results.words import LEAST_CHANCE, LEAST_NOISE, NORMAL_95, borne, change_text, share_text, value_text
 
 if TYPE_CHECKING:
-    from fricmodels.results.diagnosis import DiagnosisDocument
+    from fricmodels.results.diagnosis import DiagnosisDocument, InItsPlace
 
 _STILL_MISSING = (
     "Standard errors are those of this model. What remains is not in it, and may have moved the values by more."
@@ -124,9 +124,12 @@ def on_parameters(data: DiagnosisDocument) -> list[str]:
     """Say what limits the values and standard errors of the final model: what was chosen, what cannot be told or is
     missing."""
     final = data.steps[-1]
-    chosen = values_hold_with(effect.names for effect in data.effects) if len(data.ladder) > 1 else ""
+    classes = [tuple(n for n in e.names if n not in {o.name for o in e.in_its_place}) for e in data.effects]
+    chosen = values_hold_with(classes) if len(data.ladder) > 1 else ""
+    pairs = [(effect.name, other) for effect in data.effects for other in effect.in_its_place]
+    others = [values_in_its_place(other, name, final.parameters) for name, other in pairs]
     missing = _STILL_MISSING if data.remaining is not None else ""
-    return [*filter(None, (chosen, shows_no_inertia(final.parameters, final.standard_errors), missing))]
+    return [*filter(None, (chosen, *others, shows_no_inertia(final.parameters, final.standard_errors), missing))]
 
 
 def values_hold_with(classes: Iterable[Sequence[str]]) -> str:
@@ -137,6 +140,27 @@ def values_hold_with(classes: Iterable[Sequence[str]]) -> str:
     others = several[0][1:]
     another = f"{listed(others, 'or')} in its place" if len(several) == 1 else "a look-alike in the place of one"
     return f"The values hold with {listed(names[0] for names in several)}. With {another} the others may differ."
+
+
+def values_in_its_place(other: InItsPlace, effect: str, chosen: Mapping[str, float | None]) -> str:
+    """Say which values a model has with a look-alike in the place of an effect; the others are as they were.
+
+    Args:
+        other: the model with the look-alike.
+        effect: whose place it takes.
+        chosen: parameters of the model with that, by key.
+    """
+    errors = other.standard_errors
+    values = {key: value for key, value in other.parameters.items() if value is not None}
+    moved = [key for key, value in values.items() if errors.get(key) and _differs(value, chosen.get(key), errors[key])]
+    if not moved:
+        return f"With {other.name} in the place of {effect} they are the same."
+    said = [f"{key} {value_text(values[key], errors[key])}" for key in moved]
+    return f"With {other.name} in the place of {effect}: {listed(said)} (test error {percent(other.held_out_percent)})."
+
+
+def _differs(value: float, chosen: float | None, error: float | None) -> bool:
+    return chosen is None or abs(value - chosen) > (error or 0.0)
 
 
 def shows_no_inertia(parameters: Mapping[str, float | None], errors: Mapping[str, float | None]) -> str:

@@ -16,6 +16,21 @@ from fricmodels.results.part import Number, Numbers, Part
 Verdict = Literal["adequate", "missing-effect", "undecided", "unknown-effect"]
 
 
+class InItsPlace(Part):
+    """The final model with a look-alike in the place of an effect."""
+
+    name: str
+    """Of the look-alike."""
+    model: str
+    """The model with it."""
+    held_out_percent: Number
+    """Its test error [% of the RMS motor torque]."""
+    parameters: Numbers
+    """By key, each in its SI unit."""
+    standard_errors: Numbers = Field(default_factory=dict)
+    """By key, in the same units; none of what was given."""
+
+
 class Effect(Part):
     """An effect that was found missing."""
 
@@ -41,6 +56,8 @@ class Effect(Part):
     """In plain text."""
     explanation: str = ""
     """In words: the physics, the evidence, and what would tell look-alikes apart."""
+    in_its_place: tuple[InItsPlace, ...] = ()
+    """Look-alikes in its place, and which values hold with them: at the end of a ladder, of those without a search."""
 
 
 class Predictor(Part):
