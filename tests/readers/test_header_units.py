@@ -35,6 +35,14 @@ from fricmodels.readers.header_units import stated_unit
         ("rpm", "velocity", None),
         ("Drehzahl [U/min]", "velocity", "U/min"),
         ("n [1/min]", "velocity", "1/min"),
+        ("ActPos[rev]", "position", "rev"),
+        ("Velocity (rev/s)", "velocity", "rev/s"),
+        ("ActVel[rev/min]", "velocity", "rev/min"),
+        ("Position (U)", "position", "U"),
+        ("pos_rev", "position", "turn"),
+        ("q_revs", "position", "turn"),
+        ("acc_rev_s2", "acceleration", "turn/s^2"),
+        ("other [U]", "other.voltage", None),
         ("n [min⁻¹]", "velocity", "min⁻¹"),
         ("Torque (kgf.cm)", "torque", "kgf.cm"),
         ("Torque (lb-in)", "torque", "lb-in"),
@@ -57,6 +65,17 @@ def log(tmp_path, header):
     path = tmp_path / "log.csv"
     path.write_text("\n".join([header, *(",".join(f"{v:.6f}" for v in row) for row in rows)]), encoding="utf-8")
     return path
+
+
+def test_a_scope_in_turns_is_read(tmp_path):
+    path = log(tmp_path, "Time[ms],ActTrq[Nm],ActVel[rev/min]")
+    columns = ["time=Time[ms]", "torque=ActTrq[Nm]", "velocity=ActVel[rev/min]"]
+    assert read(path, columns=columns).velocity.max() == pytest.approx(2 * np.pi, rel=1e-3)
+    path = log(tmp_path, "Time [ms],Torque [Nm],Velocity (rev/s)")  # called as channels: no mapping is needed
+    assert read(path).velocity.max() == pytest.approx(120 * np.pi, rel=1e-3)
+    path = log(tmp_path, "Time [ms],Torque [Nm],ActPos")
+    found = read(path, columns=["position=ActPos:rev"])["position"]
+    assert found.max() == pytest.approx(120 * np.pi, rel=1e-3)
 
 
 def test_it_is_read_and_an_option_overrules_it(tmp_path):

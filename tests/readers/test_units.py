@@ -40,6 +40,12 @@ R, L = Motion.ROTARY, Motion.LINEAR
             for unit in ("U/min", "Umdr./min", "1/min", "min⁻¹", "min^-1", "min-1")
         ),
         *((unit, "velocity", R, 60.0, 2 * math.pi) for unit in ("RPM", "r/min", "rev/min", "tr/min")),
+        *((unit, "position", R, 0.5, math.pi) for unit in ("rev", "Rev", "REV", "revs", "rev.", "Umdr", "Umdr.", "U")),
+        *((unit, "velocity", R, 1.0, 2 * math.pi) for unit in ("rev/s", "revs/s", "Rev/sec", "rev.s-1", "rev s^-1")),
+        *((unit, "velocity", R, 60.0, 2 * math.pi) for unit in ("Rev/min", "REV/MIN", "revs/min", "Umdr/min")),
+        *((unit, "acceleration", R, 1.0, 2 * math.pi) for unit in ("rev/s^2", "rev/s²", "U/s²")),
+        ("rev/4096", "position", R, 2048.0, math.pi),
+        ("mrev", "position", R, 500.0, math.pi),
         *((unit, "torque", R, 1.0, 0.0980665) for unit in ("kg.cm", "kgf.cm", "kp·cm", "kg-cm", "kgfcm")),
         *((unit, "torque", R, 1.0, 0.1129848290276167) for unit in ("lb-in", "lbf-in", "lbf·in", "in-lb", "inlb")),
         *((unit, "torque", R, 1.0, 0.00706155181422604) for unit in ("ozf·in", "oz-in", "ozf in")),

@@ -1,7 +1,8 @@
 """How units are spelled in the headers of logs, and what Pint calls them.
 
-``U/min`` and ``1/min`` are turns a minute, ``kp`` is a kilogram-force, a full stop or a dash between two units
-multiplies them, ``lb-in`` and ``kg.cm`` are torques, and a capital letter more or less changes no ``RPM``.
+``rev`` and ``Umdr`` are turns, ``U/min`` and ``1/min`` turns a minute, ``kp`` is a kilogram-force, a full stop or a
+dash between two units multiplies them, ``lb-in`` and ``kg.cm`` are torques, and a capital letter more or less changes
+no ``RPM``.
 """
 
 from __future__ import annotations
@@ -11,7 +12,10 @@ import re
 _ABBREVIATED = re.compile(r"^[^.]*[^\W\d_]\.$")
 _LONGEST = 80
 """Longer texts are no units."""
-_TURNS = re.compile(r"(?<![^\W\d_])(U|Umdr|Umdrehung|Umdrehungen|rev|revs|r|tr|giri|об)\.?(?=\s*/\s*(min|sec|s|мин)\b)")
+_TURNS = re.compile(r"(?<![^\W\d_])(m?)(?i:revs?|umdr|umdrehung(?:en)?)(?:\.(?!\s*[^\W\d_]))?(?![^\W\d_])")
+"""Turns wherever they stand, or thousandths of them."""
+_TURNS_IN_A_TIME = re.compile(r"(?<![^\W\d_])(U|r|tr|giri|об)\.?(?=\s*/\s*(min|sec|s|мин)(?![^\W\d_²³]))")
+"""What is a turn only over a time."""
 _WORDS = {
     "upm": "rpm",
     "r.p.m.": "rpm",
@@ -52,7 +56,7 @@ def spelled(unit: str) -> str:
     word = _WORDS.get(text.lower())
     if word is not None and not text.startswith("M"):
         return word
-    text = _TURNS.sub("turn", text.replace("º", "°"))
+    text = _TURNS_IN_A_TIME.sub("turn", _TURNS.sub(r"\1turn", text.replace("º", "°")))
     text = _ANY_CASE.sub(lambda found: found[0].lower(), text)
     text = _NAME.sub(lambda found: _NAMES.get(found[0], found[0]), text)
     return _POWER.sub("^-", _PRODUCT.sub("*", text))

@@ -3,8 +3,8 @@
 Any unit that Pint knows can be written, with a factor if need be: ``deg/s``, ``rpm``, ``ms``, ``kN``, ``0.5 um``.
 Encoder counts state their resolution as counts a turn: ``count/2000`` is a two-thousandth of a turn, and
 ``count/2000/s`` a speed. Hertz is not a speed here, for nobody knows whether it counts turns or radians; what is
-counted a minute is turns. A mass times a length is a torque where one is asked for: the weight of that mass at that
-arm.
+counted a minute is turns, and so is ``rev``. A mass times a length is a torque where one is asked for: the weight of
+that mass at that arm.
 """
 
 from __future__ import annotations
@@ -77,9 +77,14 @@ def _quantity(unit: str) -> Any:
 
 @lru_cache(maxsize=256)
 def _in_channel(unit: str, channel: str) -> Any:
-    """Return one of the unit as it is meant of a channel: a mass at an arm is a torque, counts a minute are turns."""
+    """Return one of the unit as it is meant of a channel: a mass at an arm is a torque, counts a minute are turns.
+
+    Single letters mean something there alone: C and F of a temperature, U (Umdrehung) of a position.
+    """
     if channel == "temperature" and unit in ("C", "F"):
         return _quantity(f"deg{unit}")
+    if channel == "position" and unit == "U":
+        return _quantity("turn")
     quantity, registry = _quantity(unit), _registry()
     if channel not in ("torque", "load_torque", "velocity"):
         return quantity
