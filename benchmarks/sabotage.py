@@ -12,6 +12,7 @@ import argparse
 import datetime
 import time
 from collections import Counter, defaultdict
+from collections.abc import Iterable
 from pathlib import Path
 
 import numpy as np
@@ -20,6 +21,7 @@ from fricmodels.files import write_text
 from fricmodels.logcheck import Severity, findings
 from fricmodels.recording import Recording
 from fricmodels.signals.wrapping import unwrap
+from sabotaged.elastic import elastic
 from sabotaged.good import Good, real, rigs, simulations
 from sabotaged.ways import BOTH, WAYS, Way
 
@@ -54,6 +56,17 @@ def untouched(good: Good) -> dict[str, Severity]:
     """Return what a recording is accused of that nobody touched."""
     found = judged(good.recording, good.inertia)
     return {k: s for k, s in found.items() if s is not Severity.NOTE and k not in good.allowed}
+
+
+def late(drives: Iterable[Good]) -> str:
+    """Return how many drives that are not late are called so, and of how many it is said that they look so."""
+    tally: Counter[str] = Counter()
+    for good in drives:
+        said = [finding.text for finding in findings(unwrap(good.recording)) if finding.kind == "torque-delay"]
+        tally["done"] += 1
+        tally["called"] += any("looks as if" not in text for text in said)
+        tally["looks"] += any("looks as if" in text for text in said)
+    return f"of {tally['done']} such drives {tally['called']} are called late, and of {tally['looks']} it is said"
 
 
 def main() -> None:
@@ -100,11 +113,12 @@ def main() -> None:
         "table": "\n".join(["| what was done | kind | recordings | named | stopped |", "|---|---|---|---|---|", *rows]),
         "untouched": f"{accused['accused']} of {accused['done']} accused, {accused['stopped']} stopped",
         "real": "\n".join(f"| {name} | {', '.join(said) or '–'} |" for name, said in lines),
+        "elastic": late(elastic(asked.rigs, asked.seed)),
         "seconds": f"{1e3 * float(np.median(seconds)):.0f} ms",
     }
     for way in WAYS:
         print(_row(way.name, way.says, tally[way.name]), {k: v for k, v in tally[way.name].items() if "missed" in k})
-    print(*rows[len(WAYS) :], parts["untouched"], parts["seconds"], parts["real"], sep="\n")
+    print(*rows[len(WAYS) :], parts["untouched"], parts["elastic"], parts["seconds"], parts["real"], sep="\n")
     if asked.write:
         text = TEMPLATE.read_text(encoding="utf-8")
         for name, value in parts.items():

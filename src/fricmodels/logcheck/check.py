@@ -7,7 +7,19 @@ from dataclasses import replace
 
 import numpy as np
 
-from fricmodels.logcheck import angle, colour, given_inertia, limits, magnitude, motion, rates, samples, stamps, torque
+from fricmodels.logcheck import (
+    angle,
+    colour,
+    delay,
+    given_inertia,
+    limits,
+    magnitude,
+    motion,
+    rates,
+    samples,
+    stamps,
+    torque,
+)
 from fricmodels.logcheck.balance import balances, best
 from fricmodels.logcheck.finding import Finding, Severity
 from fricmodels.logcheck.view import Log
@@ -57,7 +69,7 @@ def _all(log: Log, inertia: float | None) -> Iterator[Finding]:
         yield from torque.sign(log, found)
         yield from judged
         yield from torque.voltage(log, found)
-        yield from torque.delay(log, rows)
+        yield from delay.delay(log, rows)
         yield from angle.periods(log, found)
     if not related:
         yield from rates.lag(log)
