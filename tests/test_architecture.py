@@ -34,7 +34,7 @@ LAYERS = (
     {"expressions", "parameter", "kernels"},
     {"hookspecs", "past", "term", "recording"},
     {"plugins"},
-    {"beginning", "memory", "model", "state_space"},
+    {"beginning", "fitted_runs", "memory", "model", "state_space"},
     {"drive"},
     {"fit"},
     {"signals", "loop", "simulation", "stick_slip", "readers", "split", "laws", "effects", "rig"},

@@ -65,11 +65,14 @@ class Known:
     Attributes:
         values: by key, the inertia among them. standard_errors: by key.
         fixed: whether they are held; a fit begins from them otherwise.
+        runs: number of each run that they were fitted to, by the checksum of its torque, see
+            :func:`fricmodels.fitted_runs.run_checksums`; ``None`` where runs of the same number are the same.
     """
 
     values: Mapping[str, float] = field(default_factory=dict)
     standard_errors: Mapping[str, float] = field(default_factory=dict)
     fixed: bool = False
+    runs: Mapping[str, int] | None = None
 
 
 class NoFriction(Law):

@@ -4,16 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from fricmodels.diagnosis import compare, diagnose, improve, kept_back, ready
 from fricmodels.diagnosis.comparison import compare_model
+from fricmodels.diagnosis.document import comparison_document
 from fricmodels.drive import Drive
-from fricmodels.model import Model
+from fricmodels.model import Known, Model
 from fricmodels.recording import Recording
+from fricmodels.report.answer import comparison_words
 from fricmodels.report.figures.samples import Samples
+from fricmodels.saved import FittedModel, keep
 from fricmodels.score.zeroed import zeroed
 
 Made = Callable[..., Recording]
@@ -74,3 +78,53 @@ def test_figures_join_fitted_and_kept_back_with_the_offset_of_each_run(made: Mad
     fitted = compare(days(made), "coulomb-viscous+run-offset", 2.0)
     samples = Samples.of(fitted)
     assert set(np.unique(samples.recording.signal("run"))) == set(range(5))
+
+
+def held(model: FittedModel) -> Model:
+    """Return a saved model as --fixed takes it."""
+    return model.model.knowing(Known(model.parameters, model.standard_errors, fixed=True, runs=model.fitted_runs))
+
+
+def test_a_held_model_takes_the_offsets_of_other_runs_from_them(made: Made, tmp_path: Path) -> None:
+    """Runs 0 and 1 of another day are other runs: theirs are not the offsets of the runs that were fitted."""
+    own, other = days(made, OFFSETS[:2]), days(made, OFFSETS[2:])
+    model = FittedModel.load(keep(compare(own, "coulomb-viscous+run-offset", 2.0)).save(tmp_path / "m.model.json"))
+    found, refitted = (compare(other, one, 2.0) for one in (held(model), "coulomb-viscous+run-offset"))
+    assert found.offsets_of_runs == 3
+    assert found.errors.held_out_percent < 1.05 * refitted.errors.held_out_percent
+    assert found.errors.percent < 1.05 * refitted.errors.percent
+    assert found.estimate.parameters == model.parameters
+    sentence = "The offset of each of 3 runs is taken from the run itself"
+    assert sentence in comparison_words(comparison_document(found))[1]
+    assert FittedModel.load(keep(found).save(tmp_path / "again.model.json")).parameters == model.parameters
+
+
+def test_a_held_model_knows_its_own_runs_by_their_torque(made: Made) -> None:
+    own = days(made, OFFSETS[:2])
+    fitted = compare(own, "coulomb-viscous+run-offset", 2.0)
+    model = keep(fitted)
+    found = compare(own, held(model), 2.0)
+    assert (found.offsets_of_runs, found.errors) == (0, fitted.errors)
+    turned = compare(replace(own, run=1 - own.run), held(model), 2.0)
+    assert turned.offsets_of_runs == 0
+    np.testing.assert_allclose(turned.errors.percent, fitted.errors.percent, rtol=0.1)
+    assert "is taken from" not in comparison_words(comparison_document(turned))[1]
+    unknown = FittedModel(model.document.model_copy(update={"run_checksums": ()}))
+    assert compare(own, held(unknown), 2.0).offsets_of_runs == 2
+
+
+def test_what_other_runs_show_is_not_hidden_by_their_offsets(made: Made) -> None:
+    model = keep(compare(days(made, OFFSETS[:2]), "coulomb-viscous+run-offset", 2.0))
+    found = diagnose(days(made, OFFSETS[2:4]), held(model), 2.0)
+    assert (found.verdict, found.findings) == ("adequate", ())
+
+
+def test_a_torque_of_other_runs_has_no_offset(made: Made) -> None:
+    own, other = (ready(days(made, offsets)) for offsets in (OFFSETS[:2], OFFSETS[2:4]))
+    model = keep(compare(own, "coulomb-viscous+run-offset", 2.0))
+    plain = {key: model.parameters[key] for key in ("K_v", "K_c")}
+    slides = np.abs(own.velocity) > 0.1
+    friction = plain["K_v"] * own.velocity + plain["K_c"] * np.sign(own.velocity)
+    offsets = np.array([model.parameters["run-offset.tau_0"], model.parameters["run-offset.tau_1"]])
+    np.testing.assert_allclose((model.torque(own) - friction)[slides], offsets[own.run][slides], atol=1e-6)
+    np.testing.assert_allclose((model.torque(other) - friction)[slides], 0.0, atol=1e-6)

@@ -15,7 +15,7 @@ from fricmodels.logcheck import Severity, checked, findings
 from fricmodels.logcheck.balance import balances, best
 from fricmodels.logcheck.view import Log
 from fricmodels.recording import Recording
-from fricmodels.rig import Rig, random_rig
+from fricmodels.rig import random_rig
 from fricmodels.signals.wrapping import find_wrap, unwrap
 
 INERTIA = 0.05
@@ -274,84 +274,6 @@ def test_a_drive_that_stands_still_is_not_a_sensor_that_repeats_itself():
     counts = 9.5873799e-5 * np.round(30.0 * CLEAN["position"] / 9.5873799e-5)
     printed = np.array([float(f"{value:.4e}") for value in counts])
     assert "repeated-samples" not in kinds(without("velocity", changed(position=printed)))
-
-
-@pytest.mark.parametrize("seed", [0, 1])
-def test_cogging_and_a_stribeck_rise_are_no_delay(seed: int) -> None:
-    """What the balance leaves out is a delay of 12 samples at one width, of none at the one that knows it best."""
-    rig = Rig.model_validate(
-        {
-            "inertia": 0.05,
-            "friction": {"viscous": 0.12, "coulomb": 0.8},
-            "effects": [
-                {"name": "cogging", "harmonics": [{"order": 7, "amplitude": 0.15}]},
-                {"name": "stribeck", "rise": 0.4, "speed": 0.3},
-            ],
-            "excitation": {"kind": "tracking", "velocity": 3, "frequency": 0.3, "bandwidth": 8},
-            "sensors": {"velocity_noise_percent": 0.1},
-            "rate": 1000,
-            "samples": 20_000,
-            "seed": seed,
-        }
-    )
-    assert "torque-delay" not in kinds(rig.simulate())
-
-
-def moved(low: float, high: float, fastest: float, elastic: str, seed: int) -> Recording:
-    """Return a drive on nine sines between two frequencies [Hz], with a link on a spring or a contact that bends."""
-    rng = np.random.default_rng(seed)
-    time = 2e-3 * np.arange(15_000)
-    pulsation = 2 * np.pi * np.geomspace(low, high, 9) * rng.uniform(0.9, 1.1, 9)
-    angle = np.outer(time, pulsation) + rng.uniform(0, 6, 9)
-    size = fastest / np.abs(np.cos(angle).sum(axis=1)).max()
-    velocity, position = size * np.cos(angle).sum(axis=1), size * np.sin(angle) @ (1 / pulsation)
-    if elastic == "spring":  # of 6 Hz
-        natural, damping = 2 * np.pi * 6.0, 0.08
-        above = natural**2 + 2j * damping * natural * pulsation
-        link = above / (above - pulsation**2)
-        inertia = (0.25 + 0.12 * link) * 1j * pulsation
-        torque = size * (np.exp(1j * angle) @ inertia).real + 0.8 * velocity + 3.0 * np.sign(velocity)
-    else:  # Dahl's, over 0.02 rad
-        state, bent = 0.0, np.zeros(len(time))
-        for k in range(1, len(time)):
-            step = position[k] - position[k - 1]
-            state = (state + step / 0.02) / (1 + abs(step) / 0.02)
-            bent[k] = state
-        acceleration = -size * np.sin(angle) @ pulsation
-        torque = 0.02 * acceleration + 0.05 * velocity + 0.02 * np.sign(velocity) + 0.28 * bent
-    channels = {
-        "time": time,
-        "torque": torque + 0.02 * np.std(torque) * rng.standard_normal(len(time)),
-        "velocity": velocity + 1e-3 * fastest * rng.standard_normal(len(time)),
-        "position": position + 1e-6 * rng.standard_normal(len(time)),
-    }
-    return Recording("log", Motion.ROTARY, channels, np.zeros(len(time), dtype=np.int64))
-
-
-SPRING, BENT = (0.3, 8.0, 3.0, "spring"), (0.4, 3.0, 0.6, "contact")
-
-
-@pytest.mark.parametrize("seed", [0, 1, 2])
-@pytest.mark.parametrize("drive", [SPRING, BENT])
-def test_a_spring_and_a_contact_that_bends_are_no_delay(drive: tuple[float, float, float, str], seed: int) -> None:
-    """One is late at some frequencies, the other after reversals only; no shift of the torque undoes that."""
-    assert "torque-delay" not in kinds(moved(*drive, seed))
-
-
-@pytest.mark.parametrize("seed", range(8))
-@pytest.mark.parametrize("fastest", [5.0, 6.0])
-def test_what_may_be_a_spring_is_not_to_be_shifted(fastest: float, seed: int) -> None:
-    """A heavy link that is moved up to its resonance is late nearly as if its torque was."""
-    found = [one for one in findings(moved(0.3, fastest, 3.0, "spring", seed)) if one.kind == "torque-delay"]
-    assert all("looks as if" in one.text and "improve" in one.remedy for one in found)
-
-
-@pytest.mark.parametrize("samples", [4, 8, 20])
-def test_a_known_delay_is_told_as_long_as_it_is(samples: int) -> None:
-    [found] = [one for one in findings(changed(torque=late(CLEAN.torque, samples))) if one.kind == "torque-delay"]
-    assert float(found.text.partition("(")[2].partition(" samples")[0]) == pytest.approx(samples, abs=0.3)
-    assert "looks as if" not in found.text
-    assert found.remedy.startswith("shift it")
 
 
 @pytest.mark.parametrize(

@@ -166,10 +166,10 @@ def of_file(model: str) -> FittedModel | None:
 
 
 def known(file: FittedModel, fixed: bool = False) -> Model:
-    """Return the model of a file that knows its numbers."""
+    """Return the model of a file that knows its numbers, and the runs that they are of."""
     from fricmodels.model import Known
 
-    return file.model.knowing(Known(file.parameters, file.standard_errors, fixed))
+    return file.model.knowing(Known(file.parameters, file.standard_errors, fixed, file.fitted_runs))
 
 
 def say_gaps(recording: Recording) -> None:

@@ -14,6 +14,7 @@ from fricmodels.diagnosis.where import Regime, where
 from fricmodels.display import Displayed
 from fricmodels.drive import Drive
 from fricmodels.errors import InputError
+from fricmodels.fitted_runs import numbered_as_fitted
 from fricmodels.model import Model
 from fricmodels.processes import give_back
 from fricmodels.progress import steps
@@ -21,7 +22,7 @@ from fricmodels.recording import Recording, check_recording
 from fricmodels.score.bands import Errors, torque_errors
 from fricmodels.score.proportional import recorded_inertia
 from fricmodels.score.torque import filtered_torque_error, sliding_half_width
-from fricmodels.score.zeroed import zeroed
+from fricmodels.score.zeroed import levelled, unknown_runs, zeroed
 from fricmodels.signals.lanczos import even_weights, lanczos_value
 from fricmodels.signals.rest import once
 from fricmodels.signals.switched import torque_noise
@@ -77,6 +78,11 @@ class Comparison(Displayed):
     sliding: SlidingErrors
     where: tuple[Regime, ...]
     problem: WeakFormProblem
+
+    @property
+    def offsets_of_runs(self) -> int:
+        """Number of the runs whose offset is taken from them, for the model was held and not fitted to them."""
+        return len(unknown_runs(self.drive, self.train)) if self.drive.model.known.fixed else 0
 
     @property
     def noise_floor_percent(self) -> float:
@@ -175,7 +181,8 @@ def compare_fit(
     Raises:
         InputError: when a parameter of the model has no value.
     """
-    drive = Drive(drive.model.on(train), drive.inertia, drive.motion)
+    if not drive.model.known.fixed:  # one that is held stays as it was fitted, whatever the runs here
+        drive = Drive(drive.model.on(train), drive.inertia, drive.motion)
     for p in drive.parameters:
         if p.key not in parameters:
             raise InputError(f"there is no value for '{p.key}' of '{drive.model.name}'; fit it again with this version")
@@ -185,8 +192,8 @@ def compare_fit(
 
 def _compared(problem: WeakFormProblem, found: Estimate, train: Recording, test: Recording) -> Comparison:
     drive = problem.drive
-    scored = zeroed(drive, found.parameters, test)
-    errors, error = torque_errors(drive, found.parameters, train, scored)
+    fitted, scored = (zeroed(drive, found.parameters, part) for part in (train, test))
+    errors, error = torque_errors(drive, found.parameters, fitted, scored)
     rows = tuple(where(error, train))
     sliding = _sliding(drive, found.parameters, train, scored)
     give_back(len(train) + len(test))
@@ -257,11 +264,14 @@ def compare(
     drive = Drive(Model.of(model), inertia, recording.motion)
     known = drive.model.known
     with steps(f"fitting {drive.model.name}", _PARTS) as done:
-        train, test = kept_back(ready(recording), how)
+        prepared = ready(recording)
+        if known.fixed:
+            values = {**known.values, **({} if inertia is None else {drive.inertia_key: inertia})}
+            prepared = levelled(drive, values, numbered_as_fitted(prepared, drive.model))
+        train, test = kept_back(prepared, how)
         done()
         if known.fixed:
-            given = {} if inertia is None else {drive.inertia_key: inertia}
-            return compare_fit(train, test, drive, {**known.values, **given}, known.standard_errors)
+            return compare_fit(train, test, drive, values, known.standard_errors)
         drive = Drive(drive.model.on(train), drive.inertia, drive.motion)
         problem, found = estimated(drive, train, known.values)
         done()

@@ -84,6 +84,7 @@ def _facts(comparison: Comparison) -> dict[str, Any]:
         "parameters": dict(estimate.parameters),
         "standard_errors": dict(estimate.standard_errors),
         "held": drive.model.known.fixed,
+        "offsets_of_runs": comparison.offsets_of_runs,
         "rms_torque_error": facts.TorqueError(
             SI=errors.SI,
             percent=errors.percent,

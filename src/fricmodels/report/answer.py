@@ -138,10 +138,18 @@ def error_words(data: ComparisonDocument) -> str:
     over = f", {window(data)}" if window(data) else ""
     where = f"of the RMS motor {data.quantity} on data that took no part in fitting{over}"
     if len(steps) > 1:
-        return f"Test error {percent(before)} → {percent(after)} {where}; {noise}."
+        return f"Test error {percent(before)} → {percent(after)} {where}; {noise}.{_of_other_runs(data)}"
     if data.held:
         where = f"of the RMS motor {data.quantity} on the three tenths that a fit would keep back{over}"
-    return f"Test error {percent(before)} {where}; {noise}."
+    return f"Test error {percent(before)} {where}; {noise}.{_of_other_runs(data)}"
+
+
+def _of_other_runs(data: ComparisonDocument) -> str:
+    if not data.offsets_of_runs:
+        return ""
+    several = data.offsets_of_runs > 1
+    runs, they = (f"each of {data.offsets_of_runs} runs", "they were") if several else ("the run", "it was")
+    return f" The offset of {runs} is taken from the run itself: as far as the model's file tells, {they} not fitted."
 
 
 def of_noise(data: ComparisonDocument) -> str:

@@ -177,6 +177,8 @@ class ComparisonDocument(ResultDocument):
     """By key, in the units of the parameters; none of what was given."""
     held: bool = False
     """Whether the numbers are those that a file has, and none was fitted to this recording."""
+    offsets_of_runs: int = 0
+    """Of so many runs the offset is taken from the run itself: the model is not known to have been fitted to them."""
     rms_torque_error: TorqueError
     """How far off the model is."""
     noise_floor_percent: Number

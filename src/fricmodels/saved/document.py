@@ -146,6 +146,7 @@ class ModelDocument(_Part):
         rest_width: speed below which the drive counts as at rest for the slope of a law [rad/s or m/s].
         range: what the recording covered, by channel.
         units: of further channels. runs: numbers of the runs.
+        run_checksums: of the torque of each of them, where parameters belong to runs; others have none.
         error: how far off it is. provenance: where it came from.
         controller: through which it was fitted to the motion; none where the recorded torque drove it.
     """
@@ -160,6 +161,7 @@ class ModelDocument(_Part):
     range: dict[str, StoredRange] = Field(default_factory=dict)
     units: dict[str, str] = Field(default_factory=dict)
     runs: tuple[int, ...] = (0,)
+    run_checksums: tuple[str, ...] = ()
     error: StoredError | None = None
     provenance: StoredProvenance
     controller: StoredController | None = None

@@ -15,8 +15,9 @@ from fricmodels.dimension import Motion
 from fricmodels.drive import Drive
 from fricmodels.errors import InputError
 from fricmodels.files import write_text
+from fricmodels.fitted_runs import numbered_as_fitted
 from fricmodels.memory import Memory, MemoryStep
-from fricmodels.model import Model
+from fricmodels.model import Known, Model
 from fricmodels.recording import Recording
 from fricmodels.saved.document import ModelDocument
 from fricmodels.saved.read import model_of, read_document
@@ -107,6 +108,12 @@ class FittedModel:
         )
 
     @property
+    def fitted_runs(self) -> dict[str, int]:
+        """Number of each run that it was fitted to, by the checksum of its torque; empty where none is known."""
+        pairs = zip(self.document.run_checksums, self.document.runs, strict=False)
+        return {checksum: number for checksum, number in pairs if checksum}
+
+    @property
     def inertia(self) -> float:
         """J [kg m²] or M [kg]."""
         return next(iter(self.document.parameters.values())).value
@@ -147,7 +154,8 @@ class FittedModel:
         r"""Return the friction torque τ_F [N m or N].
 
         Args:
-            data: a table with a column for each signal (``velocity`` or ``velocity_rad_s``, …), or a recording.
+            data: a table with a column for each signal (``velocity`` or ``velocity_rad_s``, …), or a recording. Of a
+                recording, runs are told by their torque: one that the model was not fitted to has no offset of its own.
             states: one number or array for each internal state of a model with memory. Without them they are
                 integrated along the motion, for which ``time`` is needed; ``run`` says where one begins anew.
             channels: further channels by name, such as ``{"other.j2_velocity": …}``.
@@ -160,7 +168,7 @@ class FittedModel:
         Raises:
             InputError: where a signal that the model needs is missing.
         """
-        call = given(self.model, data, {**signals, **(channels or {})})
+        call = given(self.model, self._known(data), {**signals, **(channels or {})})
         return call.answer(self._torque(call, self._states(call, states)))
 
     def compensation(
@@ -197,7 +205,7 @@ class FittedModel:
             InputError: for a missing signal, a missing reference, or a width that is not positive.
         """
         check_at_rest(at_rest, reference, width)
-        call = given(self.model, data, {**signals, **(channels or {})})
+        call = given(self.model, self._known(data), {**signals, **(channels or {})})
         if "velocity" not in call.values:
             raise InputError("a compensation needs the velocity; give it as velocity=…")
         z, velocity = self._states(call, states), call.values["velocity"]
@@ -210,6 +218,11 @@ class FittedModel:
         wanted = 0.0 if at_rest == "none" else np.sign(np.asarray(reference, dtype=float)).ravel()
         direction = np.where(np.abs(velocity) > w, np.sign(velocity), wanted)
         return call.answer(np.atleast_1d((above * (1 + direction) + below * (1 - direction)) / 2))
+
+    def _known(self, data: object) -> object:
+        """Return what is given; a recording with its runs numbered as the model knows them."""
+        known = Known(runs=self.fitted_runs)
+        return numbered_as_fitted(data, self.model.knowing(known)) if isinstance(data, Recording) else data
 
     def _torque(self, call: Given, states: Sequence[ArrayLike], velocity: Array | None = None) -> Array:
         values = dict(call.values) if velocity is None else {**call.values, "velocity": velocity}

@@ -14,6 +14,7 @@ from fricmodels.dimension import Motion
 from fricmodels.drive import Drive, DriveParameter, rest_width
 from fricmodels.errors import InputError
 from fricmodels.fit import Fit
+from fricmodels.fitted_runs import run_checksums
 from fricmodels.parameter import Parameter
 from fricmodels.recording import CHANNELS, RATE, Recording
 from fricmodels.results.part import finite
@@ -80,6 +81,7 @@ def document_of(
             reason=str(not_identified.get(key, "")),
             at_bound="" if given else _at_bound(value, own, listed.get(key), parameters),
         )
+    checksums = _checksums_of_runs(drive, recording)
     return ModelDocument(
         schema="fricmodels/model/1",
         model=drive.model.name,
@@ -90,7 +92,8 @@ def document_of(
         rest_width=rest_width(recording),
         range=_ranges(whole, drive.motion),
         units={name: unit for name, unit in recording.units.items() if name in channels and unit},
-        runs=tuple(np.unique(recording.signal("run")).astype(int).tolist()),
+        runs=tuple(checksums) or tuple(np.unique(recording.signal("run")).astype(int).tolist()),
+        run_checksums=tuple(checksums.values()),
         error=error,
         provenance=_provenance(recording, kept_back, estimator, message),
     )
@@ -232,6 +235,14 @@ def _terms(drive: Drive) -> tuple[StoredTerm, ...]:
             )
         )
     return tuple(terms)
+
+
+def _checksums_of_runs(drive: Drive, recording: Recording) -> dict[int, str]:
+    """Return the checksum of each run that parameters are of, by its number; those of the file of a held model."""
+    fitted = [effect.fitted_runs for effect in drive.model.effects if effect.fitted_runs is not None]
+    held = drive.model.known if drive.model.known.fixed else None
+    known = run_checksums(recording) if held is None else {number: own for own, number in (held.runs or {}).items()}
+    return {run: known.get(run, "") for run in sorted(frozenset().union(*fitted))} if fitted else {}
 
 
 def _covariance(given: tuple[tuple[str, ...], np.ndarray[Any, Any]] | None) -> StoredCovariance | None:

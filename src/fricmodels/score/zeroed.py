@@ -6,6 +6,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from fricmodels.arrays import Array, Index
 from fricmodels.drive import Drive
 from fricmodels.recording import RUN, Recording
 from fricmodels.score.torque import torque_error
@@ -24,18 +25,48 @@ def zeroed(drive: Drive, values: Mapping[str, float], prepared: Recording) -> Re
         values: parameters by key.
         prepared: what the model was not fitted to, with velocity and acceleration.
     """
-    fitted = [effect.fitted_runs for effect in drive.model.effects if effect.fitted_runs is not None]
-    if not fitted:
-        return prepared
-    run = prepared.signal(RUN).astype(np.int64)
-    unknown = np.setdiff1d(run, list(frozenset.intersection(*fitted)))
+    unknown = unknown_runs(drive, prepared)
     if not len(unknown):
         return prepared
-    error = torque_error(drive, values, prepared)
+    error, run = torque_error(drive, values, prepared), prepared.signal(RUN)
     torque = prepared.torque.copy()
     for number in unknown:
         halves = np.array_split(np.flatnonzero(run == number), 2)
         for half, other in zip(halves, reversed(halves), strict=True):
             if len(other):
                 torque[half] -= np.mean(error[other])
-    return prepared.with_channels(derived="torque" in prepared.derived, torque=torque)
+    return _with_torque(prepared, torque)
+
+
+def unknown_runs(drive: Drive, recording: Recording) -> Index:
+    """Return the numbers of the runs whose offset a model does not know; none where it has no offsets of runs."""
+    fitted = [effect.fitted_runs for effect in drive.model.effects if effect.fitted_runs is not None]
+    if not fitted:
+        return np.array([], dtype=np.int64)
+    run = np.unique(recording.signal(RUN)).astype(np.int64)
+    return np.setdiff1d(run, list(frozenset.intersection(*fitted)))
+
+
+def levelled(drive: Drive, values: Mapping[str, float], prepared: Recording) -> Recording:
+    """Return a recording with the mean torque error of every run that a model was not fitted to taken off its torque.
+
+    What is then looked for in what a model leaves meets no offset, and no step in the middle of a run as after
+    :func:`zeroed`, which scores.
+
+    Args:
+        drive: the model.
+        values: parameters by key.
+        prepared: with velocity and acceleration.
+    """
+    unknown = unknown_runs(drive, prepared)
+    if not len(unknown):
+        return prepared
+    error, run = torque_error(drive, values, prepared), prepared.signal(RUN)
+    torque = prepared.torque.copy()
+    for number in unknown:
+        torque[run == number] -= np.mean(error[run == number])
+    return _with_torque(prepared, torque)
+
+
+def _with_torque(recording: Recording, torque: Array) -> Recording:
+    return recording.with_channels(derived="torque" in recording.derived, torque=torque)
