@@ -149,7 +149,9 @@ def test_every_effect_declares_its_look_alikes_by_registered_names_and_once() ->
     [
         (["cogging"], ""),
         (["torque-offset", "asymmetry"], "a static test"),
-        (["thermal", "drift", "step-change"], "a thermometer"),
+        (["thermal", "drift", "step-change"], "a run that begins warm"),
+        (["thermal", "drift"], "a run that begins warm"),
+        (["drift", "step-change"], "a new record of the same motion"),
         (["gravity", "stiffness", "cogging"], "a wider position range"),
         (["cogging", "position-friction"], "pass the same positions in both directions"),
         (["inertia-error", "sensor-delay", "torque-gain", "joint-compliance"], "several frequencies"),
@@ -165,6 +167,13 @@ def test_a_class_of_look_alikes_names_the_experiments_that_would_tell(class_: li
     assert bool(text) == (len(class_) > 1)
     for first, second in combinations(class_, 2):
         assert experiment(first, second) == experiment(second, first)
+
+
+def test_no_experiment_asks_for_a_sensor_that_an_effect_of_the_class_needs() -> None:
+    """Where a temperature was recorded there is a thermometer; only then is friction that goes with it considered."""
+    for others in (["drift"], ["step-change"], ["drift", "step-change"]):
+        assert "thermometer" not in separated_by(["thermal", *others])
+    assert "thermometer" not in separated_by(["drift", "step-change"])  # it may be there, and tells them not
 
 
 def test_an_effect_of_a_plugin_declares_its_own_experiment(monkeypatch: pytest.MonkeyPatch) -> None:

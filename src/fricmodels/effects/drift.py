@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from fricmodels.effects.experiments import THERMOMETER
+from fricmodels.effects.experiments import NEW_RECORD
 from fricmodels.expressions import Expression, exp, sign
 from fricmodels.parameter import Parameter
 from fricmodels.term import Effect, Parameters, Signals
@@ -24,7 +24,7 @@ class Drift(Effect):
     signature = "along the motion, growing or falling with time"
     needs_motion = "a long record"
     friction = True
-    separated_from = {"step-change": THERMOMETER}
+    separated_from = {"step-change": NEW_RECORD}
     symmetry = "odd"
     depends_on_time = True
     a = Parameter("a", unit="N m/rad", meaning="change of the viscous coefficient per second, at first")

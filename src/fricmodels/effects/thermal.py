@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from fricmodels.effects.experiments import THERMOMETER
+from fricmodels.effects.experiments import WARM_START
 from fricmodels.expressions import Expression, exp, sign
 from fricmodels.parameter import Parameter
 from fricmodels.term import Effect, Parameters, Signals
@@ -24,7 +24,7 @@ class Thermal(Effect):
     signature = "along the motion, changing with the temperature"
     needs_motion = "a temperature that changes"
     friction = True
-    separated_from = dict.fromkeys(("drift", "step-change"), THERMOMETER)
+    separated_from = dict.fromkeys(("drift", "step-change"), WARM_START)
     symmetry = "odd"
     a = Parameter("a", unit="N m s/rad/K", meaning="change of the viscous coefficient per kelvin, at 0 °C")
     b = Parameter("b", unit="N m/K", meaning="change of the Coulomb torque per kelvin")
