@@ -11,12 +11,13 @@ import pytest
 
 from fricmodels.diagnosis import compare, diagnose, improve, kept_back, ready
 from fricmodels.diagnosis.comparison import compare_model
-from fricmodels.diagnosis.document import comparison_document
+from fricmodels.diagnosis.document import comparison_document, document, write
 from fricmodels.drive import Drive
 from fricmodels.model import Known, Model
 from fricmodels.recording import Recording
 from fricmodels.report.answer import comparison_words
 from fricmodels.report.figures.samples import Samples
+from fricmodels.report.folder import page
 from fricmodels.saved import FittedModel, keep
 from fricmodels.score.zeroed import zeroed
 
@@ -113,10 +114,12 @@ def test_a_held_model_knows_its_own_runs_by_their_torque(made: Made) -> None:
     assert compare(own, held(unknown), 2.0).offsets_of_runs == 2
 
 
-def test_what_other_runs_show_is_not_hidden_by_their_offsets(made: Made) -> None:
+def test_what_other_runs_show_is_not_hidden_by_their_offsets(made: Made, tmp_path: Path) -> None:
     model = keep(compare(days(made, OFFSETS[:2]), "coulomb-viscous+run-offset", 2.0))
     found = diagnose(days(made, OFFSETS[2:4]), held(model), 2.0)
     assert (found.verdict, found.findings) == ("adequate", ())
+    write(document(found), tmp_path)
+    assert "There are no figures: offsets were taken from the runs" in str(page(tmp_path).sections[0].blocks[0])
 
 
 def test_a_torque_of_other_runs_has_no_offset(made: Made) -> None:

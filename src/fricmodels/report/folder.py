@@ -118,6 +118,8 @@ def _rungs(data: DiagnosisDocument, folder: Path) -> list[Rung]:
     from fricmodels.readers import read_together
 
     known = data.recording
+    if data.offsets_of_runs:
+        raise FricmodelsError("offsets were taken from the runs; the option --report of the same command draws them")
     if not known.paths:
         raise FricmodelsError("the recording was not read from a file")
     paths = [Path(file) for file in known.paths]
