@@ -40,7 +40,7 @@ Inertia = Annotated[
         "--inertia",
         parser=inertia_of,
         metavar="J",
-        help="Inertia [kg m²], or mass [kg] of a linear axis, of all that moves: rotor, gear and link; estimated if left out.",
+        help="Inertia [kg m²], or mass [kg] of a linear axis: of rotor, gear and link; estimated if left out.",
     ),
 ]
 Column = Annotated[
