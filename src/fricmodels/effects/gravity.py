@@ -20,7 +20,8 @@ class Gravity(Effect):
     formula = "τ = a·cos q + b·sin q"
     signature = "once a turn in position, independent of the direction"
     needs_motion = "a wide position range"
-    separated_from = {"stiffness": WIDER_RANGE}
+    separated_from = {"stiffness": WIDER_RANGE, "torque-offset": WIDER_RANGE, "asymmetry": WIDER_RANGE}
+    distinct_from = frozenset({"torque-offset"})
     symmetry = "even"
     angular = True
     a = Parameter("a", unit="N m", meaning="torque in proportion to cos q")
