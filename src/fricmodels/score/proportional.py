@@ -60,10 +60,13 @@ def in_recorded_torque(drive: Drive, values: Mapping[str, float]) -> float:
 def recorded_inertia(drive: Drive, values: Mapping[str, float]) -> float:
     """Return the recorded motor torque per acceleration, which turns noise of the motion into noise of the error.
 
+    What a term takes off the drive's inertia, as a spring does that of the link, comes back with its states.
+
     Args:
         drive: model and inertia. values: parameters by key.
     """
-    return abs(drive.split(values)[0] + of_acceleration(drive, values)) * in_recorded_torque(drive, values)
+    own = drive.split(values)[0]
+    return max(own, own + of_acceleration(drive, values)) * in_recorded_torque(drive, values)
 
 
 def proportional_torque(drive: Drive, values: Mapping[str, float], recording: Recording) -> Array | None:
