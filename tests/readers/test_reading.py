@@ -239,7 +239,7 @@ def test_real_recordings_are_read():
     assert len(arm) == 2501
 
 
-@pytest.mark.parametrize("stamp", ["23:59:57.{:03d}", "01.05.2024 23:59:57.{:03d}", "05/01/2024 11:59:57.{:03d} PM"])
+@pytest.mark.parametrize("stamp", ["23:59:57.{:03d}", "01.05.24 23:59:57.{:03d}", "13/13/2024 11:59:57.{:03d} PM"])
 def test_a_clock_that_is_not_iso_is_told_how_to_be_read(tmp_path, stamp):
     rows = [f"{stamp.format(2 * i)},{np.cos(i / 9)},{np.sin(i / 9)}" for i in range(100)]
     path = tmp_path / "clock.csv"

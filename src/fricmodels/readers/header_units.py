@@ -7,6 +7,7 @@ from collections.abc import Iterator
 
 from fricmodels.errors import InputError
 from fricmodels.readers import units
+from fricmodels.readers.dates import states_order
 from fricmodels.recording import OTHER
 
 _BRACKETS = re.compile(r"[\[(]\s*([^\[\]()]+?)\s*[\])]\s*$")
@@ -127,6 +128,8 @@ def stated_unit(column: str, channel: str) -> str | None:
                 f"the column '{column}' is in '{found[1]}', which has no size; say how much one is, "
                 f"as in --column '{channel}={column}:{example}'{_OF_A_LENGTH.get(channel, '')}"
             )
+        if channel == "time" and states_order(found[1]) is not None:
+            return None
         if _INDEX.fullmatch(written) or _NOTES.fullmatch(written) or doubtful(column):
             return None
         why = "does not measure it" if units.known(written) else "is not known"

@@ -21,6 +21,7 @@ from fricmodels.readers.apart import table_apart
 from fricmodels.readers.base import Reader
 from fricmodels.readers.checks import check
 from fricmodels.readers.columns import ROW, Column, Mapped, asked, assign, overlooked_columns, unread_brackets
+from fricmodels.readers.dates import stamps
 from fricmodels.readers.gaps import Gaps, kept
 from fricmodels.readers.registers import find_register
 from fricmodels.readers.vectors import unequal_lengths
@@ -281,17 +282,18 @@ def numbers(source: Path, reader: Reader, table: pd.DataFrame, column: Column) -
     except OverflowError:  # a column of whole numbers, one of them beyond what a float holds
         numbers = pd.to_numeric(values.map(str), errors="coerce")
     if column.channel == "time" and numbers.isna().all():
-        stamps = pd.to_datetime(values.map(str), errors="coerce", format="ISO8601")
-        if stamps.notna().all():
-            return np.asarray((stamps - stamps.iloc[0]).dt.total_seconds(), dtype=float)
+        taken = stamps(values.map(str), column.column)
+        if taken is not None:
+            return np.asarray((taken - taken.iloc[0]).dt.total_seconds(), dtype=float)
     wrong = np.flatnonzero((numbers.isna() & values.notna()).to_numpy())
     if len(wrong):
         value = str(values.iloc[int(wrong[0])])
         if column.channel == "time" and _CLOCK.match(value):
             raise InputError(
-                f"{source}: column '{column.column}': '{value[:40]}' is neither a number nor a date and time as "
-                f"ISO 8601 writes them, such as 2024-05-01T13:59:57.002; write the stamps so, or count the rows at "
-                f"their interval, as with --column time={ROW}:2ms"
+                f"{source}: column '{column.column}': '{value[:40]}' is neither a number nor a date and time that can "
+                f"be read in one way only, as ISO 8601 writes them (2024-05-01T13:59:57.002) or with points "
+                f"(01.05.2024 13:59:57.002); write the stamps so, state their order in the name of the column, as in "
+                f"'Time [dd/mm/yyyy]', or count the rows at their interval, as with --column time={ROW}:2ms"
             )
         others = f", and {len(wrong) - 1} more" if len(wrong) > 1 else ""
         raise InputError(
