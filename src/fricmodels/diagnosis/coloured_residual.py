@@ -21,6 +21,7 @@ import numpy as np
 from fricmodels.arrays import Array
 from fricmodels.diagnosis.candidate_tests import CandidateTests
 from fricmodels.dimension import Motion
+from fricmodels.results.words import figures
 from fricmodels.weakform.problem import WeakFormProblem
 from fricmodels.weakform.regression import Regression
 
@@ -51,8 +52,8 @@ class ColouredNoise:
     def __str__(self) -> str:
         unit = "N m" if self.motion is Motion.ROTARY else "N"
         return (
-            f"coloured noise of the torque: standard deviation {self.deviation:.2g} {unit} ({self.percent:.2g} % of "
-            f"the RMS motor torque), correlation time {1000 * self.lasts:.2g} ms"
+            f"coloured noise of the torque: standard deviation {figures(self.deviation)} {unit} "
+            f"({figures(self.percent)} % of the RMS motor torque), correlation time {figures(1000 * self.lasts)} ms"
         )
 
 

@@ -84,7 +84,7 @@ def _hidden_by_sampling(diagnosis: Diagnosis) -> list[str]:
     return [
         f"The error is far above the noise because of the sampling: {SAMPLING}, are not known. Without what these can "
         "make, "
-        f"{beyond_sampling_percent(comparison):.2g} % is left. Sampled faster, the drive would show more."
+        f"{figures(beyond_sampling_percent(comparison))} % is left. Sampled faster, the drive would show more."
     ]
 
 

@@ -11,6 +11,7 @@ from fricmodels.arrays import Array, Index
 from fricmodels.logcheck.balance import Balance, Cells
 from fricmodels.logcheck.finding import Finding, Severity
 from fricmodels.logcheck.view import Log
+from fricmodels.results.words import figures
 from fricmodels.signals.clusters import significance, slope
 
 _SPEEDS = {"deg": "deg/s", "turn": "turn/s", "rpm": "rpm"}
@@ -38,7 +39,8 @@ def wrapped(log: Log) -> Iterator[Finding]:
         "wrapped-position",
         Severity.WARN,
         "position",
-        f"the {log.called('position')} was wrapped at {period:.6g} {log.length_unit} ({name}); it was unwrapped at "
+        f"the {log.called('position')} was wrapped at {figures(period, 6)} {log.length_unit} ({name}); it was "
+        f"unwrapped at "
         f"{count}",
     )
 
@@ -69,7 +71,7 @@ def grid(log: Log) -> Iterator[Finding]:
             "unit",
             Severity.STOP,
             "position",
-            f"the {log.called('position')} comes in steps of {value:.6g}, which is 360/{found['deg']:.0f}: "
+            f"the {log.called('position')} comes in steps of {figures(value, 6)}, which is 360/{found['deg']:.0f}: "
             f"it is in degrees, and is taken for radians",
             "give the unit, as in "
             + " ".join([log.option("position", "deg"), *(log.option(other, "deg/s") for other in others)]),

@@ -10,12 +10,14 @@ import numpy as np
 from fricmodels.logcheck import (
     angle,
     colour,
+    dead_band,
     delay,
     given_inertia,
     limits,
     magnitude,
     motion,
     rates,
+    repeats,
     samples,
     stamps,
     torque,
@@ -75,6 +77,7 @@ def _all(log: Log, inertia: float | None) -> Iterator[Finding]:
         yield from rates.lag(log)
     yield from limits.torque_limit(log)
     yield from limits.end_stop(log)
+    yield from dead_band.dead(log)
     yield from samples.overlooked(log)
     yield from samples.unequal(log)
     yield from samples.unread_units(log)
@@ -82,7 +85,10 @@ def _all(log: Log, inertia: float | None) -> Iterator[Finding]:
     constant = list(samples.constant(log))
     yield from constant
     yield from samples.spikes(log)
-    yield from samples.repeated(log)
+    renewed = list(repeats.repeated(log))
+    yield from renewed
+    polled = {finding.channel for finding in renewed}
+    yield from (finding for finding in repeats.held(log) if finding.channel not in polled)
     yield from samples.beginnings(log)
     yield from samples.quantisation(log)
     noises = {name: colour.channel_noise(log.short, log.short.recording[name]) for name in log.measured}

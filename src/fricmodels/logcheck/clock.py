@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from fricmodels.logcheck.finding import Finding, Severity
 from fricmodels.logcheck.view import Log
+from fricmodels.results.words import figures
 
 _UNITS = {0: "s", -3: "ms", -6: "us", -9: "ns"}
 """Power of ten of a second → unit."""
@@ -32,6 +33,6 @@ def in_unit(log: Log, unit: str, why: str) -> Finding:
         Severity.STOP,
         "time",
         f"the {log.called('time')} seems to be in {unit}: {why}, and from sample to sample it is "
-        f"{log.recording.interval:.3g} s as it is read",
+        f"{figures(log.recording.interval, 3)} s as it is read",
         f"give the unit, as in {log.option('time', unit)}",
     )

@@ -17,6 +17,7 @@ from numpy.lib.stride_tricks import sliding_window_view
 from fricmodels.arrays import Array
 from fricmodels.logcheck.finding import Finding, Severity
 from fricmodels.logcheck.view import Log
+from fricmodels.results.words import figures
 from fricmodels.signals.clusters import LEVEL, significance
 from fricmodels.signals.stamps import unevenness
 
@@ -140,7 +141,7 @@ def colour(log: Log, noises: dict[str, Noise]) -> Iterator[Finding]:
             Severity.NOTE if channel == "torque" else Severity.WARN,
             channel,
             f"the noise of the {log.called(channel)} is not white: it {'falls' if low_passed else 'rises'} with the "
-            f"frequency ({np.exp(abs(found.tilt)):.2g} : 1 in power)"
+            f"frequency ({figures(np.exp(abs(found.tilt)))} : 1 in power)"
             + (", as after a low-pass filter" if low_passed else ", as after a difference"),
             "log it unfiltered" if low_passed else "",
         )

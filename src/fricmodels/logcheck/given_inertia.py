@@ -13,6 +13,7 @@ from fricmodels.logcheck.balance import CLUSTERS, Balance
 from fricmodels.logcheck.finding import Finding, Severity
 from fricmodels.logcheck.rates import as_scaled, decades, units_of, velocity_scale
 from fricmodels.logcheck.view import Log
+from fricmodels.results.words import figures
 from fricmodels.signals.clusters import LEVEL, PROBABLE, certain, slope
 
 _FACTORS = {
@@ -149,7 +150,10 @@ def judged(log: Log, rows: Sequence[Balance], given: float | None) -> Iterator[F
 def _of_channel(log: Log, given: float, found: Told) -> Finding | None:
     """Return what is in another unit where the motion, or its time, says so as well."""
     apart = given / found.size
-    says = f"the torque asks for an inertia of {found.size:.3g} where {given:.3g} is given, a ratio of {apart:.3g}"
+    says = (
+        f"the torque asks for an inertia of {figures(found.size, 3)} where {figures(given, 3)} is given, a ratio of "
+        f"{figures(apart, 3)}"
+    )
     scale = velocity_scale(log)
     if scale is not None and decades(scale) and found.fits(given / scale):
         return Finding(
@@ -173,15 +177,15 @@ def _of_inertia(log: Log, given: float, found: Told) -> Finding:
     slips = _SLIPS if log.rotary else _LINEAR_SLIPS
     fitting = [one for one in slips if found.fits(given / one)]
     slip = min(fitting, key=lambda one: _off(given / one, found), default=None)
-    times = f"{'' if found.is_sure else 'over '}{given / found.size:.3g} times"
+    times = f"{'' if found.is_sure else 'over '}{figures(given / found.size, 3)} times"
     says = (
-        f"the inertia that is given, {given:.3g} {unit}, is {times} the one that the recording tells, "
-        f"{found.value:.3g} ± {found.half(0.025):.1g} {unit}"
+        f"the inertia that is given, {figures(given, 3)} {unit}, is {times} the one that the recording tells, "
+        f"{figures(found.value, 3)} ± {figures(found.half(0.025), 1)} {unit}"
     )
     remedy = f"give the inertia in {unit}, and of the side of a gear on which the motion was recorded"
     if slip is not None:
         says += f", as one in {slips[slip]} is"
-        remedy = f"give the inertia in {unit}, {given / slip:.3g}"
+        remedy = f"give the inertia in {unit}, {figures(given / slip, 3)}"
     remedy += ", or leave it out to have it estimated"
     units = _units(log, given, found)
     if units:

@@ -9,6 +9,7 @@ import numpy as np
 from fricmodels.arrays import Array
 from fricmodels.logcheck.finding import Finding, Severity
 from fricmodels.logcheck.view import Log
+from fricmodels.results.words import figures
 from fricmodels.signals.noise_level import quantum
 from fricmodels.signals.switched import is_switched
 
@@ -56,8 +57,9 @@ def torque_limit(log: Log) -> Iterator[Finding]:
             "saturation",
             Severity.WARN,
             "torque",
-            f"the {log.called('torque')} stands at its limit ({low:.4g} or {high:.4g} {log.force_unit}) in "
-            f"{100 * share:.2g} % of the samples; what drove the joint there may be less than what is recorded",
+            f"the {log.called('torque')} stands at its limit ({figures(low, 4)} or {figures(high, 4)} "
+            f"{log.force_unit}) in "
+            f"{figures(100 * share)} % of the samples; what drove the joint there may be less than what is recorded",
         )
 
 
@@ -100,7 +102,7 @@ def end_stop(log: Log) -> Iterator[Finding]:
                 "end-stop",
                 Severity.WARN,
                 "position",
-                f"the {log.called('position')} ends abruptly at {extreme:.5g} {log.length_unit}, "
+                f"the {log.called('position')} ends abruptly at {figures(extreme, 5)} {log.length_unit}, "
                 f"{len(entry)} times: {'an upper' if side > 0 else 'a lower'} end stop, or a sensor at its limit",
                 "leave out what touches it",
             )

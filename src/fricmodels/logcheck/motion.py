@@ -10,6 +10,7 @@ from fricmodels.arrays import Array
 from fricmodels.logcheck.balance import CLUSTERS
 from fricmodels.logcheck.finding import Finding, Severity
 from fricmodels.logcheck.view import Log
+from fricmodels.results.words import figures
 from fricmodels.signals.lanczos import lanczos_derivative
 from fricmodels.signals.noise_level import best_half_width
 
@@ -30,10 +31,11 @@ def little(log: Log, noise: float) -> Iterator[Finding]:
     speed = float(np.sqrt(np.mean(velocity**2)))
     if speed < 3.0 * noise:
         yield _finding(
-            f"the velocity (RMS {speed:.2g} {log.length_unit}/s) does not stand out of its noise ({noise:.2g})"
+            f"the velocity (RMS {figures(speed)} {log.length_unit}/s) does not stand out of its noise "
+            f"({figures(noise)})"
         )
     elif at_rest > 1.0 - _AGAIN:
-        yield _finding(f"{100 * at_rest:.3g} % of the velocities are within their noise of zero")
+        yield _finding(f"{figures(100 * at_rest, 3)} % of the velocities are within their noise of zero")
     elif log.one_way:
         yield _finding("the drive hardly ever turns back: Coulomb friction cannot be told from a constant torque")
 
@@ -63,8 +65,8 @@ def one_frequency(log: Log) -> Iterator[Finding]:
             "one-frequency",
             Severity.NOTE,
             "velocity",
-            f"the motion is one sine of {frequency:.2g} Hz: position and acceleration have one course but for "
-            f"{100 * left / whole:.2g} %, so that a spring, an inertia, a torque constant and a delay look alike",
+            f"the motion is one sine of {figures(frequency)} Hz: position and acceleration have one course but for "
+            f"{figures(100 * left / whole)} %, so that a spring, an inertia, a torque constant and a delay look alike",
             "record a second frequency as well",
         )
 

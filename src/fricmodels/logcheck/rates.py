@@ -15,6 +15,7 @@ from fricmodels.logcheck.balance import CLUSTERS, Balance, Cells, balances, best
 from fricmodels.logcheck.finding import Finding, Severity
 from fricmodels.logcheck.view import Log
 from fricmodels.recording import Recording
+from fricmodels.results.words import figures
 from fricmodels.signals.clusters import certain, clusters, slope
 from fricmodels.signals.rest import once
 
@@ -164,7 +165,7 @@ def _of_pair(log: Log, pair: tuple[str, str], found: Link, balance: Balance | No
             f"the {names[0]} does not follow the change of the {names[1]}",
             "check which columns they are",
         )
-    says = f"the {names[0]} is {found.scale:.3g} times the change of the {names[1]}"
+    says = f"the {names[0]} is {figures(found.scale, 3)} times the change of the {names[1]}"
     if found.scale < 0:
         turned = balance is not None and certain(-balance.power, CLUSTERS)
         which = rate if turned else quantity
@@ -347,7 +348,8 @@ def lag(log: Log) -> Iterator[Finding]:
         "velocity-lag",
         Severity.WARN,
         "velocity",
-        f"the {log.called('velocity')} is {1e3 * abs(found.late):.3g} ms ({abs(found.late) / found.interval:.1f} "
+        f"the {log.called('velocity')} is {figures(1e3 * abs(found.late), 3)} ms "
+        f"({abs(found.late) / found.interval:.1f} "
         f"samples) {'behind' if behind else 'ahead of'} the {log.called('position')}"
         + ("; where positions tell the motion more surely it is derived from them" if behind else ""),
         "" if behind else "leave the velocity out, so that it is derived from the position, or shift it",

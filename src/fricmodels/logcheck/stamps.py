@@ -9,6 +9,7 @@ import numpy as np
 
 from fricmodels.logcheck.finding import Finding, Severity
 from fricmodels.logcheck.view import Log
+from fricmodels.results.words import figures
 from fricmodels.signals.stamps import EVEN, are_false, share_explained, unevenness
 
 _WANDER = 0.1
@@ -26,8 +27,9 @@ def gaps(log: Log) -> Iterator[Finding]:
             "gap",
             Severity.WARN,
             "time",
-            f"{len(long)} gap{'s' if len(long) > 1 else ''} in time, the longest {1e3 * float(long.max()):.3g} ms, "
-            f"{float(long.sum()):.3g} s in all; nothing connects what is on both sides",
+            f"{len(long)} gap{'s' if len(long) > 1 else ''} in time, the longest "
+            f"{figures(1e3 * float(long.max()), 3)} ms, "
+            f"{figures(float(long.sum()), 3)} s in all; nothing connects what is on both sides",
         )
 
 
@@ -71,7 +73,8 @@ def lost(log: Log) -> Iterator[Finding]:
             "missing-samples",
             Severity.NOTE,
             "time",
-            f"{count} missing ({100 * share:.2g} %){most} between others that are evenly spaced; the fits bridge them",
+            f"{count} missing ({figures(100 * share)} %){most} between others that are evenly spaced; the fits "
+            f"bridge them",
         )
 
 
@@ -94,7 +97,8 @@ def truth(log: Log) -> Iterator[Finding]:
                 "false-stamps",
                 Severity.WARN,
                 "time",
-                f"the time stamps wander by {100 * uneven:.2g} % of the interval, but the {log.called(channel)} was "
+                f"the time stamps wander by {figures(100 * uneven)} % of the interval, but the "
+                f"{log.called(channel)} was "
                 f"sampled evenly (the stamps explain {100 * max(share, 0.0):.0f} % of what they claim); even stamps "
                 "are taken in their place",
             )
@@ -103,5 +107,5 @@ def truth(log: Log) -> Iterator[Finding]:
         "jitter",
         Severity.NOTE,
         "time",
-        f"the intervals vary by {100 * uneven:.2g} % (standard deviation); they are taken as stamped",
+        f"the intervals vary by {figures(100 * uneven)} % (standard deviation); they are taken as stamped",
     )

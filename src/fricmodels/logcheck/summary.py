@@ -13,6 +13,7 @@ from fricmodels.logcheck.finding import Finding
 from fricmodels.logcheck.stamps import missing
 from fricmodels.logcheck.view import Log
 from fricmodels.recording import Recording
+from fricmodels.results.words import figures
 from fricmodels.signals.clusters import LEVEL
 from fricmodels.signals.in_place import BAND
 from fricmodels.signals.noise_level import noise_of
@@ -80,24 +81,27 @@ class Summary:
         """Return what to print: label and value with unit."""
         length = "rad" if self.motion == "rotary" else "m"
         loop = "closed: the torque answers the noise of the velocity" if self.feedback else "no feedback of noise seen"
-        jitter = f"jitter {100 * self.jitter:.2g} %" if self.jitter > _EVEN else "evenly sampled"
+        jitter = f"jitter {figures(100 * self.jitter)} %" if self.jitter > _EVEN else "evenly sampled"
         jitter += " but for what is missing" if self.missing and self.jitter <= _EVEN else ""
         count = f"{self.missing} sample{'s' * (self.missing != 1)}"
         share = 100.0 * self.missing / (self.samples + self.missing)
         rows = [
             ("motion", self.motion),
-            ("samples", f"{self.samples} in {self.runs} run{'s' if self.runs != 1 else ''}, {self.duration:.4g} s"),
-            ("rate", f"{self.rate:.6g} Hz, {jitter}"),
-            ("gaps", f"{self.gaps}, {self.gap_time:.3g} s" if self.gaps else "none"),
-            *([("missing", f"{count} ({share:.2g} %)")] if self.missing else []),
-            ("at rest", f"{100 * self.rest:.3g} % of the samples"),
-            ("moving", f"{100 * self.forward:.3g} % forward, {self.reversals} reversals"),
-            ("excites", f"nine tenths of the velocity's power below {self.band:.3g} Hz"),
+            (
+                "samples",
+                f"{self.samples} in {self.runs} run{'s' if self.runs != 1 else ''}, {figures(self.duration, 4)} s",
+            ),
+            ("rate", f"{figures(self.rate, 6)} Hz, {jitter}"),
+            ("gaps", f"{self.gaps}, {figures(self.gap_time, 3)} s" if self.gaps else "none"),
+            *([("missing", f"{count} ({figures(share)} %)")] if self.missing else []),
+            ("at rest", f"{figures(100 * self.rest, 3)} % of the samples"),
+            ("moving", f"{figures(100 * self.forward, 3)} % forward, {self.reversals} reversals"),
+            ("excites", f"nine tenths of the velocity's power below {figures(self.band, 3)} Hz"),
             ("loop", loop),
         ]
         if self.travel is not None:
-            turns = f" ({self.travel / (2 * np.pi):.4g} turns)" if length == "rad" else ""
-            rows.insert(len(rows) - 2, ("travel", f"{self.travel:.4g} {length}{turns}"))
+            turns = f" ({figures(self.travel / (2 * np.pi), 4)} turns)" if length == "rad" else ""
+            rows.insert(len(rows) - 2, ("travel", f"{figures(self.travel, 4)} {length}{turns}"))
         return rows
 
     def to_json(self) -> dict[str, Any]:

@@ -13,6 +13,7 @@ from fricmodels.arrays import Array, Mask
 from fricmodels.dimension import Motion
 from fricmodels.readers import units
 from fricmodels.recording import Recording, word
+from fricmodels.results.words import figures
 from fricmodels.signals.noise_level import quantum
 from fricmodels.signals.segments import gap_length
 
@@ -209,7 +210,7 @@ class Log:
 
     def size(self, channel: str, value: float) -> str:
         """Return a value of a channel with its unit: in that of its column first, where that is another."""
-        plain = f"{value:.4g} {self.unit(channel)}".rstrip()
+        plain = f"{figures(value, 4)} {self.unit(channel)}".rstrip()
         if channel not in UNITS:
             return plain
         given = self.column(channel)[1].removeprefix("-1 ")
@@ -217,4 +218,4 @@ class Log:
             return plain
         factor = units.conversion(given, channel, self.recording.motion).factor
         times = " × " if given[:1].isdigit() else " "
-        return plain if abs(factor - 1.0) < 1e-12 else f"{value / factor:.4g}{times}{given} ({plain})"
+        return plain if abs(factor - 1.0) < 1e-12 else f"{figures(value / factor, 4)}{times}{given} ({plain})"

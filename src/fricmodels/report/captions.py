@@ -13,6 +13,7 @@ from fricmodels.dimension import Motion
 from fricmodels.report.figure_tables import axis_title, axis_unit, unit_shown
 from fricmodels.report.figures.spectrum import strongest
 from fricmodels.report.wording import listed, number
+from fricmodels.results.words import figures
 
 if TYPE_CHECKING:
     from plotly.graph_objects import Figure
@@ -56,7 +57,7 @@ def where_words(comparison: Comparison, most: int = 1) -> str:
     unit = "N m" if comparison.drive.motion is Motion.ROTARY else "N"
     parts: list[str] = []
     for row in rows:
-        share = f"{max(100 * row.share_of_samples, _LEAST_PART):.2g} %{'' if parts else ' of the samples'}"
+        share = f"{figures(max(100 * row.share_of_samples, _LEAST_PART))} %{'' if parts else ' of the samples'}"
         parts.append(f"{in_words(row.regime)} ({number(row.rms_torque_error)} {unit} RMS, {share})")
     over = "all other samples" if comparison.drive.model.known.fixed else "all that was fitted"
     return f"The error is largest {listed(parts)}; over {over} it is {number(whole)} {unit}."
