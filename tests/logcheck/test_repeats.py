@@ -133,10 +133,10 @@ def test_no_finding_writes_a_percentage_as_a_power_of_ten() -> None:
     """Nor a size: 99.7 % in two figures is 100 %, and 12 345 N m are no 1.234e+04."""
     spoilt = (
         changed(torque=np.repeat(TORQUE[::8], 8)[:SAMPLES]),
-        changed(torque=1e5 * np.clip(TORQUE, -0.1, 0.1)),
-        changed(torque=np.where(np.arange(SAMPLES) == 500, 4e6, 1e5 * TORQUE)),
+        changed(torque=1e4 * np.clip(TORQUE, -0.1, 0.1)),
+        changed(torque=np.where(np.arange(SAMPLES) == 500, 4e5, 1e4 * TORQUE)),
         changed(velocity=VELOCITY * 1e-3 + 0.02 * np.random.default_rng(2).standard_normal(SAMPLES)),
-        changed(time=np.where(np.arange(SAMPLES) > 6000, TIME + 3456.0, TIME)),
+        changed(time=np.where(np.arange(SAMPLES) > 6000, TIME + 34.56, TIME)),
     )
     texts = [str(one) for recording in spoilt for one in findings(recording, 0.05)]
     assert len(texts) > 5
