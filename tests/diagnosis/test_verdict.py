@@ -157,7 +157,13 @@ def test_every_effect_declares_its_look_alikes_by_registered_names_and_once() ->
         (["inertia-error", "sensor-delay", "torque-gain", "joint-compliance"], "several frequencies"),
         (["directional-efficiency", "torque-offset", "asymmetry"], "another load"),
         (["gravity", "torque-gain"], "another payload"),
-        (["thermal", "cogging"], "a recording in which 'cogging' and 'thermal' vary independently"),
+        (["thermal", "cogging"], "a record that warms and cools again"),
+        (["sensor-delay", "backlash"], "small reversals"),
+        (["drift", "gravity"], "a new record of the same motion"),
+        (["cogging", "stribeck"], "the same motion about another position"),
+        (["cogging", "gravity-friction"], "pass the same positions in both directions"),
+        (["other(j2_velocity)", "other-friction(j2_velocity)"], "the other joint moved alone"),
+        (["other(j2)", "other(j3)"], "the other joints moved one at a time"),
     ],
 )
 def test_a_class_of_look_alikes_names_the_experiments_that_would_tell(class_: list[str], told_by: str) -> None:
@@ -174,6 +180,15 @@ def test_no_experiment_asks_for_a_sensor_that_an_effect_of_the_class_needs() -> 
     for others in (["drift"], ["step-change"], ["drift", "step-change"]):
         assert "thermometer" not in separated_by(["thermal", *others])
     assert "thermometer" not in separated_by(["drift", "step-change"])  # it may be there, and tells them not
+
+
+def test_every_two_effects_have_an_experiment_that_names_something_to_do() -> None:
+    names = [name if name.partition("-")[0] not in ("other", "proximal") else f"{name}(j2)" for name in load().effects]
+    for first, second in combinations(names, 2):
+        text = experiment(first, second)
+        assert text
+        assert f"'{first}'" not in text
+        assert "independently" not in text
 
 
 def test_an_effect_of_a_plugin_declares_its_own_experiment(monkeypatch: pytest.MonkeyPatch) -> None:

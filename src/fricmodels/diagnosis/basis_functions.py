@@ -85,6 +85,26 @@ def basis_functions(problem: WeakFormProblem, regression: Regression, policy: Po
     return found
 
 
+def without_sign(problem: WeakFormProblem, regression: Regression, policy: Policy, name: str) -> Array | None:
+    """Return what a set along the motion is without the sign of the motion, as integrals; ``None`` where it has none.
+
+    It has as many columns or more, so that what both explain can be compared: slow waves that turn their sign with a
+    slow motion are finer ones without.
+    """
+    if ALONG not in name or name == STRETCH_ALONG:  # a stretch has its own place
+        return None
+    if name.startswith("time"):
+        return problem.integrals(_slow(problem.quadrature.recording.time, _FINER))
+    other = name.replace(ALONG, "the same in both directions") if name.startswith("speed") else unsigned(name)
+    build = basis_functions(problem, regression, policy, other).get(other)
+    return None if build is None else build()
+
+
+def unsigned(name: str) -> str:
+    """Return the name of a set without the sign of the motion."""
+    return name.replace(f", {ALONG}", "")
+
+
 def terms(name: str, columns: Array) -> int:
     """Return the number of a set's columns, and of the instants or wave numbers that were sought beside them."""
     waves = (len(columns) + 1) // 2 if name in OF_WAVES else 0

@@ -23,6 +23,7 @@ from fricmodels.diagnosis.coloured_residual import ColouredNoise, coloured_resid
 from fricmodels.diagnosis.comparison import Comparison, compare
 from fricmodels.diagnosis.effect_set import as_predictor, passing_predictors
 from fricmodels.diagnosis.floor import is_far_above_noise, is_noticed
+from fricmodels.diagnosis.in_words import as_told, from_when_to_when
 from fricmodels.diagnosis.look_alikes import separated_by
 from fricmodels.diagnosis.places import Place, largest_place, torque_of
 from fricmodels.diagnosis.policy import POLICY, Policy
@@ -108,7 +109,8 @@ class Diagnosis(Displayed):
         if self.verdict != "unknown-effect" or self.refits is None or self.result is None:
             return None
         channel = "" if self.view is None else self.view.channels
-        return remaining(self.comparison, channel, self.place, self.refits, self.result.tested)
+        when = from_when_to_when(self.result, self.view) if self.place is None else ""
+        return remaining(self.comparison, channel, self.place, self.refits, self.result.tested, when)
 
     noise: ColouredNoise | None = None
     ripple: FastRipple | None = None
@@ -212,7 +214,7 @@ def _examined(refits: Refits, problem: WeakFormProblem, out: set[str], policy: P
         comparison,
         verdict,
         findings,
-        view,
+        as_told(result, view),
         seen,
         passing,
         policy,

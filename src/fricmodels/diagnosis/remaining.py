@@ -46,8 +46,8 @@ class Remaining:
     Attributes:
         percent, SI: RMS test error beyond what sensor noise leaves, in % of the RMS motor torque and in N m or N.
         channel: the channel that predicts it best, in words; empty where none does.
-        where: the place in that channel, its width and the mean torque there, or else the regime of motion in which
-            most of it lies.
+        where: the place in that channel, its width and the mean torque there, or else from when to when it is there, or
+            the regime of motion in which most of it lies.
         place: the same place as numbers; ``None`` where it lies in none.
         nearest: the listed effects that come nearest to it, the one with the least test error first; of those that are
             as good but for the least gain that counts the simplest.
@@ -62,7 +62,12 @@ class Remaining:
 
 
 def remaining(
-    comparison: Comparison, channel: str, place: Place | None, refits: Refits, tested: Sequence[CandidateTest]
+    comparison: Comparison,
+    channel: str,
+    place: Place | None,
+    refits: Refits,
+    tested: Sequence[CandidateTest],
+    when: str = "",
 ) -> Remaining:
     """Return what a fitted model leaves.
 
@@ -72,6 +77,7 @@ def remaining(
         place: where the residual has a mean of its own.
         refits: fits of this model with one effect more.
         tested: the effects that were not named, the nearest first.
+        when: between which instants it is there, in words, if that is told.
     """
     errors = comparison.errors
     percent = float(np.sqrt(max(errors.held_out_percent**2 - comparison.noise_floor_percent**2, 0.0)))
@@ -95,7 +101,9 @@ def remaining(
         return (parameters[one.name] if as_good else max(parameters.values()) + 1), one.held_out_percent
 
     near = sorted(near, key=rank)[:_NEAREST]
-    if place is None:
+    if when:
+        where = when
+    elif place is None:
         where = f"{100 * worst.share_of_squared_error:.0f} % of the squared error lies {in_words(worst.regime)}{held}"
     else:
         where = at_place(place, comparison.drive.motion)

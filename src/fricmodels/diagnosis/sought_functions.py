@@ -155,35 +155,40 @@ def in_time(problem: WeakFormProblem, frequency: float) -> Array:
     return problem.integrals(np.vstack([np.cos(phase), np.sin(phase)]))
 
 
-def stretch(problem: WeakFormProblem, regression: Regression, *, along: bool) -> Array:
+def stretch(problem: WeakFormProblem, regression: Regression, *, along: bool, channel: str = "position") -> Array:
     r"""Return one torque in the stretch of the way that explains most, and its two ends apart, shape (3, rows).
 
-    With hats :math:`h_1 \dots h_K` over the position the torque of a stretch is :math:`h_i + \dots + h_j`: one inside,
-    and falling to nothing between two knots at either end. Hats at the ends have coefficients of their own, so that an
-    end may lie between knots. All stretches are compared at once: the products of their columns with each other and
-    with the residual are differences of running sums of those of the hats.
+    With hats :math:`h_1 \dots h_K` over the position, or the time, the torque of a stretch is
+    :math:`h_i + \dots + h_j`: one inside, and falling to nothing between two knots at either end. Hats at the ends have
+    coefficients of their own, so that an end may lie between knots. All stretches are compared at once: the products of
+    their columns with each other and with the residual are differences of running sums of those of the hats.
 
     Args:
         problem: the rows, of a recording with positions.
         regression: whose residual is to be explained.
         along: whether the torque is a friction, with the sign of the motion.
+        channel: that the stretch is one of, ``position`` or ``time``.
     """
-    hats, first, last = _best_stretch(problem, regression, along)
+    hats, first, last = _best_stretch(problem, regression, along, channel)
     part = hats[first:last]
     return np.vstack([part[1:-1].sum(axis=0, keepdims=True), part[:1], part[1:][-1:]])
 
 
-def ends_of_stretch(problem: WeakFormProblem, regression: Regression, *, along: bool) -> tuple[float, float]:
-    """Return where the stretch of :func:`stretch` begins and ends, half-way down to nothing [rad or m]."""
-    _, first, last = _best_stretch(problem, regression, along)
-    knots = _knots(problem.quadrature.recording["position"])
+def ends_of_stretch(
+    problem: WeakFormProblem, regression: Regression, *, along: bool, channel: str = "position"
+) -> tuple[float, float]:
+    """Return where the stretch of :func:`stretch` begins and ends, half-way down to nothing [rad, m or s]."""
+    _, first, last = _best_stretch(problem, regression, along, channel)
+    knots = _knots(problem.quadrature.recording[channel])
     middle = np.concatenate([knots[:1], 0.5 * (knots[1:] + knots[:-1]), knots[-1:]])
     return float(middle[first]), float(middle[last])
 
 
-def _best_stretch(problem: WeakFormProblem, regression: Regression, along: bool) -> tuple[Array, int, int]:
-    """Return hats over the way as integrals, shape (k, rows), and the first of the stretch and the one after it."""
-    hats = problem.integrated(("hats over the way", along), partial(_hats, problem, along))
+def _best_stretch(
+    problem: WeakFormProblem, regression: Regression, along: bool, channel: str
+) -> tuple[Array, int, int]:
+    """Return hats over a channel as integrals, shape (k, rows), and the first of the stretch and the one after it."""
+    hats = problem.integrated((f"hats over the {channel}", along), partial(_hats, problem, along, channel))
     knots = len(hats)
     products = regression.projected_gram(hats)
     gram = np.zeros((knots + 1, knots + 1))
@@ -202,13 +207,12 @@ def _best_stretch(problem: WeakFormProblem, regression: Regression, along: bool)
     return hats, int(first[shortest]), int(last[shortest])
 
 
-def _knots(position: Array) -> Array:
-    return np.unique(np.quantile(position, np.linspace(0, 1, _KNOTS)))
+def _knots(values: Array) -> Array:
+    return np.unique(np.quantile(values, np.linspace(0, 1, _KNOTS)))
 
 
-def _hats(problem: WeakFormProblem, along: bool) -> Array:
+def _hats(problem: WeakFormProblem, along: bool, channel: str) -> Array:
     points = problem.quadrature.recording
-    position = points["position"]
-    knots = _knots(position)
+    values = points[channel]
     side = np.sign(points.velocity) if along else 1.0
-    return problem.integrals(side * tents(position, knots))
+    return problem.integrals(side * tents(values, _knots(values)))

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from fricmodels.effects.experiments import ANOTHER_LOAD, NEW_RECORD
 from fricmodels.expressions import Expression, absolute
 from fricmodels.parameter import Parameter
+from fricmodels.results.experiments import ANOTHER_LOAD, NEW_RECORD
 from fricmodels.term import Effect, Parameters, Signals
 
 

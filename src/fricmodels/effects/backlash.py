@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from fricmodels.effects.experiments import SMALL_REVERSALS
 from fricmodels.expressions import Expression, absolute, exp, expm1, maximum, minimum, sign, sqrt, where
 from fricmodels.parameter import Parameter, State
+from fricmodels.results.experiments import SMALL_REVERSALS
 from fricmodels.term import Effect, Parameters, Signals
 
 
@@ -44,7 +44,7 @@ class Backlash(Effect):
     signature = "a pulse where the joint's torque turns, of fixed width in position, and a shock at its end"
     needs_motion = "reversals"
     separated_from = dict.fromkeys(
-        ("stribeck", "nonlinear-viscous", "rising-stiction", "frictional-lag"), SMALL_REVERSALS
+        ("stribeck", "nonlinear-viscous", "rising-stiction", "frictional-lag", "sensor-delay"), SMALL_REVERSALS
     )
     optional = frozenset({"load_torque"})
     J_l = Parameter("J_l", unit="kg m^2", lower=0.0, part_of_drive=True, meaning="inertia of the load behind the gap")

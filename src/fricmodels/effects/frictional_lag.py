@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fricmodels.arrays import Array
-from fricmodels.effects.experiments import SEVERAL_FREQUENCIES, SLOW_REVERSALS
 from fricmodels.expressions import Expression, absolute, exp, maximum, sign
 from fricmodels.parameter import Parameter, State
+from fricmodels.results.experiments import SEVERAL_FREQUENCIES, SLOW_REVERSALS
 from fricmodels.term import Effect, Parameters, Signals
 
 if TYPE_CHECKING:

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from fricmodels.effects.experiments import WIDER_RANGE
 from fricmodels.expressions import Expression, cos, sin
 from fricmodels.parameter import Parameter
+from fricmodels.results.experiments import WIDER_RANGE
 from fricmodels.term import Effect, Parameters, Signals
 
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from fricmodels.effects.experiments import SEVERAL_FREQUENCIES, SMALL_REVERSALS
 from fricmodels.expressions import Expression, absolute, cos, exp, maximum, sin, sqrt, where
 from fricmodels.parameter import Parameter, State
+from fricmodels.results.experiments import SEVERAL_FREQUENCIES, SMALL_REVERSALS
 from fricmodels.term import Effect, Parameters, Signals
 
 _LEAST = 1e-12

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from fricmodels.effects.experiments import SMALL_REVERSALS
 from fricmodels.expressions import Expression, power, sign
 from fricmodels.parameter import Parameter
+from fricmodels.results.experiments import SMALL_REVERSALS
 from fricmodels.term import Effect, Parameters, Signals
 
 

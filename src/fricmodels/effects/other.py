@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from fricmodels.effects.experiments import OUT_OF_STEP
 from fricmodels.effects.of_channel import MEANINGS, OfChannel
 from fricmodels.expressions import Expression
 from fricmodels.parameter import Parameter
+from fricmodels.results.experiments import OUT_OF_STEP
 from fricmodels.term import Parameters, Signals
 
 

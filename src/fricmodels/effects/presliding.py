@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from fricmodels.effects.experiments import SMALL_REVERSALS
 from fricmodels.expressions import Expression, absolute, negative, positive
 from fricmodels.parameter import Parameter, State
+from fricmodels.results.experiments import SMALL_REVERSALS
 from fricmodels.term import Effect, Parameters, Signals
 
 
@@ -36,7 +36,8 @@ class Presliding(Effect):
     signature = "a hysteresis loop in position after each reversal, of fixed width"
     needs_motion = "reversals"
     separated_from = dict.fromkeys(
-        ("backlash", "stribeck", "nonlinear-viscous", "rising-stiction", "frictional-lag"), SMALL_REVERSALS
+        ("backlash", "stribeck", "nonlinear-viscous", "rising-stiction", "frictional-lag", "sensor-delay"),
+        SMALL_REVERSALS,
     )
     F_1 = Parameter(
         "F_1", unit="N m", lower=0.0, meaning="friction torque that builds up elastically, positive rotation"

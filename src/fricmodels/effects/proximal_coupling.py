@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Self
 
-from fricmodels.effects.experiments import OUT_OF_STEP
 from fricmodels.effects.of_channel import OfChannel
 from fricmodels.expressions import Expression, cos, sin
 from fricmodels.parameter import Parameter
 from fricmodels.recording import RATE, Recording
+from fricmodels.results.experiments import OUT_OF_STEP
 from fricmodels.term import Parameters, Signals
 
 

@@ -7,11 +7,11 @@ from collections.abc import Sequence
 import numpy as np
 
 from fricmodels.drive import Drive
-from fricmodels.effects.experiments import MORE_RUNS
 from fricmodels.expressions import Expression, where
 from fricmodels.model import Model
 from fricmodels.parameter import Parameter
 from fricmodels.recording import RUN, Recording, channel_of
+from fricmodels.results.experiments import MORE_RUNS
 from fricmodels.term import Effect, Law, Parameters, Signals, Term
 
 _WITHIN = 1e-9

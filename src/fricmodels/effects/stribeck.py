@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from fricmodels.effects.experiments import SLOW_REVERSALS
 from fricmodels.expressions import Expression, exp, power, sign
 from fricmodels.parameter import Parameter
+from fricmodels.results.experiments import SLOW_REVERSALS, WIDER_SPEED
 from fricmodels.term import Effect, Parameters, Signals
 
 
@@ -22,7 +22,7 @@ class Stribeck(Effect):
     needs_motion = "slow sliding"
     friction = True
     separated_from = {
-        "nonlinear-viscous": "a wider speed range: constant speeds from a hundredth of the peak speed to the peak",
+        "nonlinear-viscous": WIDER_SPEED,
         "rising-stiction": SLOW_REVERSALS,
     }
     dissipative = True

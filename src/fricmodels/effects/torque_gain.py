@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from fricmodels.effects.experiments import SEVERAL_FREQUENCIES
 from fricmodels.expressions import Expression
 from fricmodels.parameter import Parameter
+from fricmodels.results.experiments import SEVERAL_FREQUENCIES
 from fricmodels.term import Effect, Parameters, Signals
 
 

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from fricmodels.effects.experiments import ANOTHER_LOAD, NEW_RECORD, WIDER_RANGE
 from fricmodels.expressions import Expression
 from fricmodels.parameter import Parameter
+from fricmodels.results.experiments import ANOTHER_LOAD, NEW_RECORD, WIDER_RANGE
 from fricmodels.term import Effect, Parameters, Signals
 
 

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from fricmodels.effects.experiments import BOTH_DIRECTIONS
 from fricmodels.effects.wave import Wave
 from fricmodels.expressions import Expression, cos, sin
 from fricmodels.parameter import Parameter
+from fricmodels.results.experiments import BOTH_DIRECTIONS
 from fricmodels.term import Parameters, Signals
 
 

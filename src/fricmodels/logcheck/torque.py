@@ -9,7 +9,6 @@ import numpy as np
 from fricmodels.logcheck.balance import CLUSTERS, Balance
 from fricmodels.logcheck.finding import Finding, Severity
 from fricmodels.logcheck.view import Log
-from fricmodels.results.words import figures
 from fricmodels.signals.clusters import LEVEL, PROBABLE, certain, significance
 
 _VOLTAGE = 0.75
