@@ -156,6 +156,15 @@ def test_noise_is_that_of_the_last_model() -> None:
     assert "noise alone would leave about 3.2" in older.error, "a file of an older version"
 
 
+@pytest.mark.parametrize("channel", ["torque", "velocity", ""])
+def test_a_noise_that_was_estimated_too_large_is_said_with_its_channel_and_what_to_do(channel: str) -> None:
+    last = {**step("coulomb-viscous", 2.0), "noise_floor_percent": 12.6, "noise_channel": channel}
+    found = answer(data(verdict="adequate", effects=[], ladder=[last]))
+    whose = f"the noise of the {channel}" if channel else "the noise"
+    assert f"; {whose} was estimated at 12.6\u00a0%, which is too much: go by the test error" in found.error
+    assert (f"a {channel} with less noise or finer steps would tell it" in found.error) == bool(channel)
+
+
 def test_an_effect_that_comes_near_is_offered_with_its_command() -> None:
     steps = [step("coulomb-viscous", 60.0), step("coulomb-viscous+gravity", 26.9, "gravity")]
     found = answer(data(ladder=steps, remaining=rest(26.7, 9.0)), ["--leave-out", "drift", "--trust"])

@@ -89,6 +89,14 @@ class Comparison(Displayed):
         """RMS torque error of the headline that sensor noise alone would leave, in % of the RMS motor torque."""
         return self.errors.headline.noise_floor_percent
 
+    @property
+    def noise_channel(self) -> str:
+        """The channel whose noise makes most of that: the torque, or that from which the acceleration is derived."""
+        inertia = recorded_inertia(self.drive, self.estimate.parameters)
+        of_motion, of_torque = noise_torques(self.train, inertia, sliding_half_width(self.train))
+        motion = "position" if "velocity" in self.train.derived else "velocity"
+        return "torque" if of_torque >= of_motion else motion
+
 
 def kept_back(prepared: Recording, how: Split | None = None) -> tuple[Recording, Recording]:
     """Return what is fitted and what is kept back, by the rule of every tournament if no other is asked for.

@@ -93,6 +93,7 @@ def _facts(comparison: Comparison) -> dict[str, Any]:
             bands=tuple(facts.Band(**asdict(band)) for band in errors.bands),
         ),
         "noise_floor_percent": comparison.noise_floor_percent,
+        "noise_channel": comparison.noise_channel,
         "where": tuple(facts.RegimeShare(**asdict(row)) for row in comparison.where),
         "recording": _recording(comparison),
         "versions": plugins.versions(),
@@ -218,6 +219,7 @@ def _ladder(diagnosis: Diagnosis, ladder: Ladder | None) -> tuple[facts.Step, ..
                 held_out_rms_percent=errors.held_out_percent,
                 added="",
                 noise_floor_percent=comparison.noise_floor_percent,
+                noise_channel=comparison.noise_channel,
             ),
         )
     return tuple(
@@ -230,6 +232,7 @@ def _ladder(diagnosis: Diagnosis, ladder: Ladder | None) -> tuple[facts.Step, ..
             parameters=dict(rung.comparison.estimate.parameters),
             standard_errors=dict(rung.comparison.estimate.standard_errors),
             noise_floor_percent=rung.comparison.noise_floor_percent,
+            noise_channel=rung.comparison.noise_channel,
         )
         for rung in ladder.rungs
     )

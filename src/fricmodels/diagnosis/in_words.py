@@ -39,7 +39,8 @@ def from_when_to_when(result: CandidateTests, view: ChannelPredictor | None) -> 
     """Return in words between which instants one torque is all that a channel in time shows; empty otherwise.
 
     It must explain as much as the waves of that channel, of which there are more: a torque that wanders has a stretch
-    that explains most, too, and more beside it. Instants are known to the distance of the places at which a stretch may end. Where the clock starts anew, none is.
+    that explains most, too, and more beside it. Instants are known to the distance of the places at which a stretch may
+    end. Where the clock starts anew, none is.
     """
     problem, regression = result.problem, result.regression
     time = problem.recording.time

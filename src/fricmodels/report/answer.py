@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Literal
 from fricmodels.diagnosis.policy import POLICY
 from fricmodels.dimension import Motion
 from fricmodels.readers.standard_names import STANDARD
+from fricmodels.recording import word
 from fricmodels.report.reliability import ONE_SINE, RECORDS
 from fricmodels.report.wording import counted, listed, listed_classes, noise_alone, percent, small
 from fricmodels.results.words import LINE, SAMPLING, figures, form, predictor
@@ -134,7 +135,7 @@ def error_words(data: ComparisonDocument) -> str:
     before, after = steps[0].held_out_rms_percent, steps[-1].held_out_rms_percent
     noise = f"noise alone would leave {of_noise(data)}"
     if _within_noise(data):
-        noise = f"the noise, estimated at {percent(data.last_noise_floor_percent)}, must be smaller"
+        noise = _estimated_too_large(data)
     over = f", {window(data)}" if window(data) else ""
     where = f"of the RMS motor {data.quantity} on data that took no part in fitting{over}"
     if len(steps) > 1:
@@ -166,6 +167,18 @@ def _within_noise(data: ComparisonDocument) -> bool:
     """Whether the error that is left is clearly smaller than what noise was estimated to leave."""
     end, noise = data.steps[-1].held_out_rms_percent, data.last_noise_floor_percent
     return end is not None and noise is not None and _TOO_LARGE * end < noise
+
+
+def _estimated_too_large(data: ComparisonDocument) -> str:
+    """Say of which channel the noise is smaller than it was estimated, and what to do about that."""
+    channel = data.steps[-1].noise_channel
+    named = word(channel, Motion(data.motion)) if channel else ""
+    whose = f"the noise of the {named}" if named else "the noise"
+    remedy = f"; a {named} with less noise or finer steps would tell it" if named else ""
+    return (
+        f"{whose} was estimated at {percent(data.last_noise_floor_percent)}, which is too much: go by the test "
+        f"error{remedy}"
+    )
 
 
 def comparison_words(data: ComparisonDocument) -> tuple[str, str]:

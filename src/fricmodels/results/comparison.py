@@ -156,6 +156,8 @@ class Step(Part):
     """By key, in the units of the parameters; none of what was given."""
     noise_floor_percent: Number = None
     """Error that sensor noise alone would leave [% of the RMS motor torque]: it grows with the inertia of the model."""
+    noise_channel: str = ""
+    """The channel whose noise makes most of that; empty in files of old versions."""
 
 
 class ComparisonDocument(ResultDocument):
@@ -183,6 +185,8 @@ class ComparisonDocument(ResultDocument):
     """How far off the model is."""
     noise_floor_percent: Number
     """Error that sensor noise alone would leave [% of the RMS motor torque]."""
+    noise_channel: str = ""
+    """The channel whose noise makes most of that; empty in files of old versions."""
     where: tuple[RegimeShare, ...]
     """By regime of motion, the greatest excess of error over samples first."""
     recording: RecordingFacts
@@ -203,6 +207,7 @@ class ComparisonDocument(ResultDocument):
                 parameters=self.parameters,
                 standard_errors=self.standard_errors,
                 noise_floor_percent=self.noise_floor_percent,
+                noise_channel=self.noise_channel,
             ),
         )
 
