@@ -43,7 +43,7 @@ def test_no_other_stretch_explains_more(made: Made, seed: int) -> None:
     """Running sums of products agree with a regression for each stretch."""
     result = examined(made(noise=2.0, seed=seed))
     problem, regression = result.problem, result.regression
-    hats = _hats(problem, along=True)
+    hats = _hats(problem, along=True, channel="position")
     limit = np.full(1, np.inf)
     every = {
         (i, j): regression.explained(hats[i:j].sum(axis=0)[None], -limit, limit)[0]

@@ -162,7 +162,7 @@ def test_a_noise_that_was_estimated_too_large_is_said_with_its_channel_and_what_
     found = answer(data(verdict="adequate", effects=[], ladder=[last]))
     whose = f"the noise of the {channel}" if channel else "the noise"
     assert f"; {whose} was estimated at 12.6\u00a0%, which is too much: go by the test error" in found.error
-    assert (f"a {channel} with less noise or finer steps would tell it" in found.error) == bool(channel)
+    assert (f"log the {channel} finer or with less noise to know it" in found.error) == bool(channel)
 
 
 def test_an_effect_that_comes_near_is_offered_with_its_command() -> None:
