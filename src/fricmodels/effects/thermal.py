@@ -14,7 +14,8 @@ class Thermal(Effect):
     .. math:: \tau = a\,\vartheta_v\,(1 - e^{-\vartheta/\vartheta_v})\,\omega + b\,\vartheta\operatorname{sgn}\omega
 
     The law's own coefficients are then those at ϑ = 0, and a and b the rates there. A lubricant thins exponentially,
-    by a factor of e in ϑ_v; over much less than that the change is the straight line a ϑ ω.
+    by a factor of e in ϑ_v; over much less than that the change is the straight line a ϑ ω. None does so in less than
+    10 K: below, a ϑ_v ω alone would be left, which is the law's own.
 
     Source: Bittencourt and Gunnarsson (2012); Reynolds' law of viscosity.
     """
@@ -32,7 +33,7 @@ class Thermal(Effect):
         "theta_v",
         unit="K",
         initial=50.0,
-        lower=1.0,
+        lower=10.0,
         upper=1e5,
         meaning="warming by which a lubricant thins by a factor of e",
         scan=(10.0, 30.0, 100.0, 1000.0),
