@@ -13,7 +13,7 @@ from fricmodels.recording import Recording
 INERTIA, VISCOUS, COULOMB, RATE = 0.1, 0.25, 0.84, 0.03
 
 
-@pytest.mark.parametrize("seed", (0, 1, 4))
+@pytest.mark.parametrize("seed", [0, 1, 4])
 def test_a_preload_that_changes_with_the_temperature_is_no_viscous_friction(seed: int) -> None:
     """A lubricant that thinned in 1 K would leave a ϑ_v ω alone, in the place of K_v ω."""
     rng = np.random.default_rng(seed)
