@@ -168,10 +168,11 @@ def test_the_model_with_it_is_fitted_to_all_motion(bent: Comparison, request: py
     )
     assert bent_torque == pytest.approx(COULOMB, rel=0.3)
     assert abs(bent_torque - COULOMB) < 3.5 * error
-    assert with_it.sliding.percent < 0.85 * bent.sliding.percent
-    assert with_it.sliding.held_out_percent < 0.85 * bent.sliding.held_out_percent
-    # Directions that smoothing turned made it 5.01 and 5.99 without the effect, where it is 4.25 and 4.75: of the first
-    # ones 0.75 and 0.7 were asked for, which is more than these limits.
+    before, after = ({band.window_ms: band for band in each.errors.bands}[20.0] for each in (bent, with_it))
+    assert after.percent < 0.82 * before.percent
+    assert after.held_out_percent < 0.82 * before.held_out_percent
+    # The errors of the decisions held directions that smoothing turned, or that nobody knows: 5.01 and 5.99 without the
+    # effect, where it is 3.9 and 4.5. Of the first ones 0.75 and 0.7 were asked for, which is more than these limits.
     most, most_kept_back = {5: (3.0, 3.1), 6: (4.0, 4.1)}[request.node.callspec.params["bent"]]
     assert with_it.sliding.percent < most
     assert with_it.sliding.held_out_percent < most_kept_back
