@@ -48,7 +48,7 @@ def test_beside_the_answer(command: str, here: Path, capsys: pytest.CaptureFixtu
     assert "new/page.html" in capsys.readouterr().out.replace("\n", "")
     text = page.read_text(encoding="utf-8")
     assert f"fricmodels {command} joint.csv --model coulomb-viscous --inertia 1.8" in text
-    assert ("cogging" in text.partition("<main")[0]) == (command != "compare")
+    assert ("stribeck" in text.partition("<main")[0]) == (command != "compare")
 
 
 def test_after_a_tournament_and_again_from_its_folder(here: Path) -> None:
