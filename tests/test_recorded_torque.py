@@ -6,6 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
+from tests.test_inertial_torque import positions
 
 from fricmodels.drive import Drive
 from fricmodels.model import Model
@@ -23,13 +24,6 @@ TRUE = Drive(Model.parse("coulomb-viscous+torque-gain"), INERTIA)
 WITH_GAIN = {**LAW, "torque-gain.g": GAIN}
 EQUAL = Drive(Model.parse("coulomb-viscous"), INERTIA / (1 + GAIN))
 WITHOUT_GAIN = {key: value / (1 + GAIN) for key, value in LAW.items()}
-
-
-def positions(recording: Recording) -> Recording:
-    """Return the same motion recorded by an encoder alone."""
-    counts = np.round(recording["position"] * 2**16) / 2**16
-    channels = {"time": recording.time, "torque": recording.torque, "position": counts}
-    return Recording("positions", recording.motion, channels, recording.run)
 
 
 def accelerations(recording: Recording) -> Recording:

@@ -169,6 +169,7 @@ def test_the_model_with_it_is_fitted_to_all_motion(bent: Comparison, request: py
     assert bent_torque == pytest.approx(COULOMB, rel=0.3)
     assert abs(bent_torque - COULOMB) < 3.5 * error
     before, after = ({band.window_ms: band for band in each.errors.bands}[20.0] for each in (bent, with_it))
+    assert with_it.sliding.held_out_percent < 0.85 * bent.sliding.held_out_percent
     assert after.percent < 0.82 * before.percent
     assert after.held_out_percent < 0.82 * before.held_out_percent
     # The errors of the decisions held directions that smoothing turned, or that nobody knows: 5.01 and 5.99 without the

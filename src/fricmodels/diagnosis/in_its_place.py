@@ -8,11 +8,13 @@ from fricmodels import plugins
 from fricmodels.diagnosis.comparison import Comparison, refitted
 from fricmodels.diagnosis.ladder import Ladder, added
 from fricmodels.errors import FricmodelsError
+from fricmodels.signals.rest import once
 
 _MOST = 3
 """Look-alikes of one effect that are fitted: each costs a fit."""
 
 
+@once
 def in_its_place(ladder: Ladder) -> dict[str, tuple[Comparison, ...]]:
     """Return by effect the final model with each of its look-alikes in its place, fitted.
 

@@ -15,9 +15,6 @@ from fricmodels.dimension import Motion
 from fricmodels.results.words import ALONG, LINE, figures
 from fricmodels.weakform.regression import Evidence
 
-_CLEARLY = 1.5
-"""Times as much as without the sign of the motion that a channel explains with it, where the sign is said."""
-
 
 def as_told(result: CandidateTests, view: ChannelPredictor | None) -> ChannelPredictor | None:
     """Return what predicts a residual under the name that the recording tells.
@@ -30,7 +27,7 @@ def as_told(result: CandidateTests, view: ChannelPredictor | None) -> ChannelPre
         return None
     columns = without_sign(result.problem, result.regression, result.policy, view.channels)
     other = None if columns is None else _evidence(result, columns)
-    if other is None or view.evidence.explained > _CLEARLY * other.explained:
+    if other is None or view.evidence.explained > result.policy.said_with_sign * other.explained:
         return view
     return replace(view, channels=unsigned(view.channels))
 

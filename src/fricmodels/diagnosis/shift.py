@@ -7,8 +7,10 @@ from fricmodels.diagnosis.diagnose import Diagnosis
 from fricmodels.diagnosis.floor import is_above_noise, is_noticed
 from fricmodels.errors import FricmodelsError
 from fricmodels.results.diagnosis import Shift
+from fricmodels.signals.rest import once
 
 
+@once
 def shift_within_sampling(diagnosis: Diagnosis) -> Shift | None:
     """Return the shift that leaves an adequate model an error above noise, if it is known that it is there.
 

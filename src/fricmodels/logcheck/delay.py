@@ -11,6 +11,7 @@ from fricmodels.arrays import Array, Index, Mask
 from fricmodels.logcheck.balance import CLUSTERS, Balance, Cells
 from fricmodels.logcheck.finding import Finding, Severity
 from fricmodels.logcheck.view import Log
+from fricmodels.results.words import figures
 from fricmodels.signals.clusters import PROBABLE, significance, slope
 
 _LEAST_LATE = 2.0
@@ -63,7 +64,7 @@ def delay(log: Log, rows: list[Balance]) -> Iterator[Finding]:
     undone = min((_undone(log.short, estimate) for estimate in found), key=lambda undone: undone.left)
     if undone.samples < _LEAST_LATE or undone.most > _LOOKS:
         return
-    size = f"{1e3 * undone.samples * interval:.3g} ms ({undone.samples:.1f} samples) behind the motion"
+    size = f"{figures(1e3 * undone.samples * interval, 3)} ms ({undone.samples:.1f} samples) behind the motion"
     known = undone.most < _KNOWN and undone.alone > _ALONE
     yield Finding(
         "torque-delay",

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 
 import numpy as np
 
@@ -25,17 +25,7 @@ def zeroed(drive: Drive, values: Mapping[str, float], prepared: Recording) -> Re
         values: parameters by key.
         prepared: what the model was not fitted to, with velocity and acceleration.
     """
-    unknown = unknown_runs(drive, prepared)
-    if not len(unknown):
-        return prepared
-    error, run = torque_error(drive, values, prepared), prepared.signal(RUN)
-    torque = prepared.torque.copy()
-    for number in unknown:
-        halves = np.array_split(np.flatnonzero(run == number), 2)
-        for half, other in zip(halves, reversed(halves), strict=True):
-            if len(other):
-                torque[half] -= np.mean(error[other])
-    return _with_torque(prepared, torque)
+    return _less(drive, values, prepared, _of_the_other_half)
 
 
 def unknown_runs(drive: Drive, recording: Recording) -> Index:
@@ -58,15 +48,28 @@ def levelled(drive: Drive, values: Mapping[str, float], prepared: Recording) -> 
         values: parameters by key.
         prepared: with velocity and acceleration.
     """
+    return _less(drive, values, prepared, _of_all)
+
+
+def _less(
+    drive: Drive, values: Mapping[str, float], prepared: Recording, offset: Callable[[Array], Array]
+) -> Recording:
+    """Return a recording less the offset that the torque error of each run unknown to a model shows, shape (n,)."""
     unknown = unknown_runs(drive, prepared)
     if not len(unknown):
         return prepared
     error, run = torque_error(drive, values, prepared), prepared.signal(RUN)
     torque = prepared.torque.copy()
     for number in unknown:
-        torque[run == number] -= np.mean(error[run == number])
-    return _with_torque(prepared, torque)
+        torque[run == number] -= offset(error[run == number])
+    return prepared.with_channels(derived="torque" in prepared.derived, torque=torque)
 
 
-def _with_torque(recording: Recording, torque: Array) -> Recording:
-    return recording.with_channels(derived="torque" in recording.derived, torque=torque)
+def _of_all(error: Array) -> Array:
+    return np.full(len(error), np.mean(error))
+
+
+def _of_the_other_half(error: Array) -> Array:
+    first, second = np.array_split(error, 2)
+    pairs = ((first, second), (second, first))
+    return np.concatenate([np.full(len(half), np.mean(other) if len(other) else 0.0) for half, other in pairs])

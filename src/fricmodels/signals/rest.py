@@ -44,6 +44,7 @@ _SHORT = 2.0
 _LONG = 20.0
 """A rest, or all of them together, so many correlation times long tells how large the noise is."""
 
+Subject = TypeVar("Subject")
 Found = TypeVar("Found")
 
 _STANDING = 0.01
@@ -53,12 +54,12 @@ _SLOW = 0.05
 time where the motion is Gaussian (Rice 1944)."""
 
 
-def once(find: Callable[[Recording], Found]) -> Callable[[Recording], Found]:
-    """Let a function find what it does once for each recording; its arrays are not to be written to."""
-    known: dict[int, tuple[weakref.ref[Recording], Found]] = {}
+def once(find: Callable[[Subject], Found]) -> Callable[[Subject], Found]:
+    """Let a function find what it does once for each recording or other object; its arrays are not to be written to."""
+    known: dict[int, tuple[weakref.ref[Subject], Found]] = {}
 
     @wraps(find)
-    def found(recording: Recording) -> Found:
+    def found(recording: Subject) -> Found:
         key = id(recording)
         if key not in known or known[key][0]() is not recording:
             known[key] = (weakref.ref(recording, lambda _: known.pop(key, None)), find(recording))

@@ -32,7 +32,8 @@ class PassingRules(Rules):
         0.05,
         "share of the residual",
         "On blocks that are kept back an effect must lower by this share what the residual has above noise; a channel "
-        "that is to make a drive unknown, the residual itself. What leaves less than this leaves nothing to the past.",
+        "that is to make a drive unknown, the residual itself. What leaves less than this leaves nothing to the past. "
+        "An effect is named, too, with which no more than this is left of squared printed errors far above noise.",
         "Judgement: what an effect must be worth to have a place in a model.",
         off=-_INF,
     )
