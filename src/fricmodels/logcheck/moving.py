@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from fricmodels.arrays import Array, Mask
+from fricmodels.arrays import Mask
 from fricmodels.logcheck.view import Log
+from fricmodels.signals.noise_level import noise
 
 _HALF = 4
 """Samples on each side over which a position must change."""
@@ -32,10 +33,5 @@ def moving(log: Log, channel: str) -> Mask | None:
 
 
 def _least(log: Log, channel: str) -> float:
-    return _CLEAR * max(log.resolution[channel], white_noise(log.short.recording[channel]))
-
-
-def white_noise(values: Array) -> float:
-    """Return the standard deviation of white noise of which third differences have the median that these have."""
-    third = np.diff(values, 3)
-    return float(np.sqrt(np.median(third**2) / (20.0 * 0.455))) if len(third) else 0.0
+    short = log.short.recording
+    return _CLEAR * max(log.resolution[channel], noise(short.time, short[channel], short.run))

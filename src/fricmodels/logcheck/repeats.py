@@ -8,11 +8,11 @@ import numpy as np
 
 from fricmodels.arrays import Array, Index, Mask
 from fricmodels.logcheck.finding import Finding, Severity
-from fricmodels.logcheck.moving import moving, white_noise
+from fricmodels.logcheck.moving import moving
 from fricmodels.logcheck.view import Log
 from fricmodels.results.words import figures
 from fricmodels.signals.clusters import LEVEL
-from fricmodels.signals.noise_level import quantum
+from fricmodels.signals.noise_level import noise, quantum
 from fricmodels.signals.switched import is_switched
 
 _NEAR = 8
@@ -139,8 +139,8 @@ def _is_noisy(values: Array) -> bool:
 
 
 def _noisy_chance(values: Array, grid: float) -> float:
-    noise = white_noise(values)
-    return grid / (np.sqrt(2.0 * np.pi) * noise) if noise > 0.0 else 1.0
+    deviation = noise(np.arange(len(values), dtype=float), values)
+    return grid / (np.sqrt(2.0 * np.pi) * deviation) if deviation > 0.0 else 1.0
 
 
 def _smooth_chance(values: Array, grid: float) -> float:
