@@ -195,7 +195,8 @@ def _examined(refits: Refits, problem: WeakFormProblem, out: set[str], policy: P
         view = own if view is None or own.evidence.left < view.evidence.left else view
     everything = as_a_whole(refits, together) if named is None else all_together(refits, named, together)
     if judgement is not None and judgement.only_jointly and len(everything) < len(together):
-        everything = []  # each showed beside all the others only, and with one of them the error does not fall
+        # Each showed beside all the others only, and with one of them the error does not fall.
+        everything = all_of_the_error(refits, judgement)
     if everything:
         ripple = _beside(refits, everything, out, policy)
     fast = _confirmed_ripple(_with_all(refits, everything), ripple)
