@@ -13,7 +13,7 @@ from fricmodels.diagnosis import diagnose
 @pytest.mark.parametrize(
     ("kind", "name", "index", "seed", "effect"),
     [
-        ("beside", "droop", 9, 3701, "presliding"),  # beside the channel of the torque it does more than that of its own
+        ("beside", "droop", 9, 3701, "presliding"),  # beside that of the torque more than its own channel
         ("single", "presliding", 3, 3701, "presliding"),  # slow: the torque's past says all of it, whatever its form
         # It showed only beside a wrong torque constant, and that is nothing once the wave is in the model.
         ("single", "torque-ripple", 4, 4801, "torque-ripple"),
