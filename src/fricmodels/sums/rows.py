@@ -13,6 +13,7 @@ from fricmodels.arrays import Array, Index, Mask
 from fricmodels.recording import Recording
 from fricmodels.signals.lanczos import DEGREE, fit_stretch
 from fricmodels.sums.plan import Plan
+from fricmodels.weakform.kinks import with_kinks
 from fricmodels.weakform.quadrature import Quadrature
 from fricmodels.weakform.test_functions import HOPS, TestFunctions, mean_velocity
 from fricmodels.weakform.unclear import hidden_turns, widened
@@ -52,7 +53,8 @@ class Stretch:
     def _margin(self) -> int:
         """Samples beside a block that its rows depend on, a multiple of the way between bumps."""
         plan = self.plan
-        needed = plan.half_width + 2 * plan.derived_over + lasting(plan) + _REACH
+        smoothed = plan.half_width + plan.derived_over  # a kink reaches as far, and is found in what is smoothed
+        needed = 2 * smoothed + plan.derived_over + lasting(plan) + _REACH
         return -(-needed // plan.hop) * plan.hop
 
     def take(self, channels: Mapping[str, Array]) -> Iterator[Rows]:
@@ -103,7 +105,10 @@ def block_rows(plan: Plan, channels: Mapping[str, Array], first: int, until: int
         reversals and of time would add; and the sample at which each row's bump begins.
     """
     recording, smooth = _moving(plan, channels)
-    unclear = _unclear(plan, recording, smooth)
+    limits, slow = plan.drive.sticking_interval(recording, plan.friction), _slow(plan, smooth)
+    inertia, _ = plan.drive.split(plan.friction)
+    smooth = with_kinks(recording, smooth, plan.half_width, slow, limits, inertia)
+    unclear = widened(slow | hidden_turns(recording, smooth, plan.error, limits), 1 + recording.derived_over)
     quadrature = Quadrature.of(recording, smooth, unclear, plan.jump)
     index = np.arange(len(recording))
     elsewhere = (index < first) | (index >= until + plan.width - plan.hop)
@@ -143,14 +148,13 @@ def _as_planned(recording: Recording, plan: Plan) -> Recording:
     return recording
 
 
-def _unclear(plan: Plan, recording: Recording, smooth: Array) -> Mask:
-    """Mark the samples whose direction of motion is not certain; see :mod:`fricmodels.weakform.unclear`."""
+def _slow(plan: Plan, smooth: Array) -> Mask:
+    """Mark where the drive creeps, or rests; see :func:`fricmodels.weakform.unclear.creeping`."""
     slow = np.abs(smooth) <= plan.slow
-    unclear = np.zeros(len(recording), dtype=bool)
+    found = np.zeros(len(smooth), dtype=bool)
     if slow.any():
         edges = np.flatnonzero(np.diff(np.r_[False, slow, False].astype(np.int8)))
         length = edges[1::2] - edges[::2]
         for begin, end in zip(edges[::2][length > lasting(plan)], edges[1::2][length > lasting(plan)], strict=True):
-            unclear[begin:end] = True
-    unclear |= hidden_turns(plan.drive, recording, smooth, plan.error, plan.friction)
-    return widened(unclear, 1 + recording.derived_over)
+            found[begin:end] = True
+    return found

@@ -23,6 +23,7 @@ from fricmodels.term import Effect
 from fricmodels.weakform.carriers import CarrierFunctions
 from fricmodels.weakform.explained import explained_torque, torque_by_acceleration
 from fricmodels.weakform.friction_limits import limits_of_friction
+from fricmodels.weakform.kinks import with_kinks
 from fricmodels.weakform.motion_states import MotionStates
 from fricmodels.weakform.quadrature import Quadrature
 from fricmodels.weakform.regression import Regression
@@ -53,7 +54,8 @@ class WeakFormProblem:
     Attributes:
         drive: the model under test, with its inertia given or not.
         recording: prepared; ``velocity`` as measured, torques at its time, see :meth:`fricmodels.drive.Drive.timed`.
-        smooth, half_width: velocity freed of noise, at which friction is evaluated, and half width of that filter.
+        smooth, half_width: velocity freed of noise, at which friction is evaluated, and half width of that filter; it
+            has the kinks that friction makes, see :mod:`.kinks`.
         resting: samples at rest.
         quadrature, bumps, friction_limits: see :mod:`.quadrature`, :mod:`.test_functions`, :mod:`.friction_limits`.
         estimated: parameters of the drive's fit, once there is one; see :attr:`motor_torque`.
@@ -104,12 +106,16 @@ class WeakFormProblem:
         delay, made_for = parameters[drive.model.delay] if drive.model.delay else 0.0, dict(parameters)
         recording, parameters = drive.timed(recording, parameters)
         motion = smoothed(recording)
-        part, smooth, at_rest = motion.recording, motion.velocity, motion.resting
+        part, at_rest = motion.recording, motion.resting
+        limits = drive.sticking_interval(part, parameters)
         plain = like is not None and like.estimated is None and not like.carriers and like.delay == delay
 
         def over(width: int) -> WeakFormProblem:
-            unclear = direction_unclear(drive, part, smooth, at_rest, width, parameters)
-            if like is not None and plain and like.recording is part and like.bumps.is_of(width, unclear):
+            slow = creeping(part, width)
+            smooth = with_kinks(part, motion.velocity, motion.half_width, slow, limits, inertia)
+            unclear = direction_unclear(part, smooth, at_rest | slow, limits)
+            same = like is not None and plain and like.recording is part and like.bumps.is_of(width, unclear)
+            if like is not None and same and np.array_equal(like.smooth, smooth):
                 return like
             rows, half = _rows(part, smooth, width, unclear), motion.half_width
             return cls(drive, part, smooth, at_rest, *rows, half, (0.0, 0.0), delay=delay, made_for=made_for)

@@ -2,47 +2,32 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
 import numpy as np
-from numpy.typing import NDArray
 
-from fricmodels.drive import Drive
+from fricmodels.arrays import Array, Mask
 from fricmodels.recording import Recording
 from fricmodels.signals import smoothed_velocity, stretches
 from fricmodels.signals.rest import once
 from fricmodels.weakform.test_functions import HOPS
 
-Array = NDArray[np.float64]
-
 CERTAIN = 3.0
 """Standard errors from zero at which the direction of motion is certain."""
 
 
-def direction_unclear(
-    drive: Drive,
-    recording: Recording,
-    smooth: Array,
-    resting: NDArray[np.bool_],
-    width: int,
-    parameters: Mapping[str, float],
-) -> NDArray[np.bool_]:
+def direction_unclear(recording: Recording, smooth: Array, slow: Mask, limits: tuple[Array, Array]) -> Mask:
     """Mark the samples whose direction of motion is not certain, and those that their smoothing reaches.
 
     Args:
-        drive: with the model under test.
         recording: prepared.
         smooth: velocity freed of noise.
-        resting: samples at rest.
-        width: samples that a bump spans.
-        parameters: the model's parameters by key.
+        slow: samples at rest, and those at which the drive creeps, see :func:`creeping`.
+        limits: least and greatest friction torque that holds the drive at rest, shape (N,) each.
     """
-    error = smoothed_velocity(recording)[1]
-    unclear = resting | creeping(recording, width) | hidden_turns(drive, recording, smooth, error, parameters)
+    unclear = slow | hidden_turns(recording, smooth, smoothed_velocity(recording)[1], limits)
     return widened(unclear, 1 + recording.derived_over)
 
 
-def creeping(recording: Recording, width: int) -> NDArray[np.bool_]:
+def creeping(recording: Recording, width: int) -> Mask:
     """Mark where the drive creeps so slowly that noise hides which way, for longer than an eighth of a bump.
 
     There the friction torque is not known, nor whether the drive moves at all. A reversal passes through faster.
@@ -54,11 +39,11 @@ def creeping(recording: Recording, width: int) -> NDArray[np.bool_]:
 
 
 @once
-def _creeping(_: Recording) -> dict[int, NDArray[np.bool_]]:
+def _creeping(_: Recording) -> dict[int, Mask]:
     return {}
 
 
-def _slow_for_long(recording: Recording, count: int) -> NDArray[np.bool_]:
+def _slow_for_long(recording: Recording, count: int) -> Mask:
     """Mark stretches of more than so many samples in which noise hides the direction."""
     velocity, error = smoothed_velocity(recording)
     slow = np.abs(velocity) <= CERTAIN * error
@@ -71,9 +56,7 @@ def _slow_for_long(recording: Recording, count: int) -> NDArray[np.bool_]:
     return unclear
 
 
-def hidden_turns(
-    drive: Drive, recording: Recording, smooth: Array, error: float, parameters: Mapping[str, float]
-) -> NDArray[np.bool_]:
+def hidden_turns(recording: Recording, smooth: Array, error: float, limits: tuple[Array, Array]) -> Mask:
     """Mark passages near zero speed of which the samples do not show the course.
 
     Where the velocity could have reached zero between two samples, it passed cleanly only if the torque at both drives
@@ -83,13 +66,13 @@ def hidden_turns(
     from fricmodels.weakform import split
 
     marked = np.empty(len(recording), dtype=bool)
-    least, most = drive.sticking_interval(recording, parameters)
+    least, most = limits
     push = recording.driving_torque
     split.hidden_turns(smooth, recording.run, CERTAIN * error, push, least, most, marked)
     return marked
 
 
-def widened(mask: NDArray[np.bool_], reach: int) -> NDArray[np.bool_]:
+def widened(mask: Mask, reach: int) -> Mask:
     """Mark also the ``reach`` samples before and after each marked one."""
     near, done = mask.copy(), 0
     while done < reach and done < len(mask):
