@@ -86,3 +86,36 @@ def test_too_few_waves_say_nothing_and_columns_of_the_model_are_no_effect() -> N
     one = left(PLACE, 0)
     assert p_beside_a_walk(one, WAVES[[0, 1, 37]], LINE[None]) == 0.0
     assert p_beside_a_walk(one, WAVES, BASE[:1]) == 1.0
+
+
+def strokes(seed: int) -> tuple[Array, Array, Array]:
+    """Return the position of a drive that jogs eight times to either side, its model, and waves along its friction."""
+    rng = np.random.default_rng([seed, 3])
+    begins = np.concatenate([[0.0], np.sort(rng.uniform(0.0, 1.0, 7)), [1.0]])
+    places = np.cumsum(np.concatenate([[0.0], rng.choice([-1.0, 1.0], 8) * rng.uniform(0.3, 1.0, 8)]))
+    position = np.interp(PLACE, begins, places)
+    velocity = np.gradient(position)
+    side = np.sign(velocity)
+    waves = np.vstack([np.ones((1, ROWS)), side * COSINES, COSINES])
+    return (position - position.mean()) / position.std(), np.vstack([side, velocity / velocity.std()]), waves
+
+
+@pytest.mark.parametrize("of_friction", [True, False])
+def test_a_walk_is_no_spring_where_strokes_are_few(of_friction: bool) -> None:
+    found, plain = [], []
+    for seed in range(100):
+        position, model, waves = strokes(seed)
+        noise = 0.3 * np.random.default_rng(seed).standard_normal(ROWS)
+        one = Regression(model, walk(seed) * (model[0] if of_friction else 1.0) + noise, float(ROWS))
+        found.append(p_beside_a_walk(one, waves, position[None]))
+        plain.append(one.test(position[None]).p_value)
+    assert np.mean(np.array(found) < 0.01) < 0.05
+    assert np.mean(np.array(plain) < 0.01) > 0.15
+
+
+def test_a_spring_larger_than_the_walk_is_there() -> None:
+    for seed in range(12):
+        position, model, waves = strokes(seed)
+        noise = 0.3 * np.random.default_rng(seed).standard_normal(ROWS)
+        one = Regression(model, position + 0.3 * walk(seed) * model[0] + noise, float(ROWS))
+        assert p_beside_a_walk(one, waves, position[None]) < 1e-6

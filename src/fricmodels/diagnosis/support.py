@@ -47,7 +47,7 @@ class Support:
         torque: RMS torque that only it explains, over the RMS torque.
         p_value: of the Wald test of its columns.
         rival: that channel; empty where none predicts clearly more.
-        p_beside_walk: of an effect of the time itself, where friction may walk; 0 of any other.
+        p_beside_walk: where friction or zero may walk; 0 where that was not asked, as the effect is not there.
         over_all_motion: whether it is large there, though small in the rows.
         beside_one_channel: whether it stands in the place of one of the channels that describe the rest, beside the
             others: then it was asked already whether one of them is all of it.
@@ -86,7 +86,7 @@ def support_of(result: CandidateTests, member: Member, others: list[Member], res
         return found
     if not found.is_large(result.policy):
         found = replace(found, over_all_motion=is_large_over_all_motion(result, member.found.first))
-    return replace(found, p_beside_walk=p_of_the_time(result, member, others))
+    return replace(found, p_beside_walk=p_beside_walk(result, member, others))
 
 
 def _support_beside(result: CandidateTests, member: Member, others: list[Member], rest: Rest) -> Support:
@@ -198,17 +198,21 @@ def _lies_within(result: CandidateTests, member: Member, beside: Array, parts: A
     return not len(columns) or outside(regression, torque[None], visible_of(regression, parts)) < result.policy.own_form
 
 
-def p_of_the_time(result: CandidateTests, member: Member, others: list[Member]) -> float:
-    """Return the p-value of an effect of the time itself where friction or zero may walk; 0 of any other effect.
+def p_beside_walk(result: CandidateTests, member: Member, others: list[Member]) -> float:
+    """Return the p-value of an effect where friction or zero may walk.
 
-    Others of the time are not beside it, nor is a description of the rest: they follow the walk, and hide it.
+    An effect of the time itself shows in slow waves over the record only. Any other one is there if it shows in them,
+    or outside of them, where nothing walks: the lesser p-value counts twice. Others of the time are not beside it, nor
+    is a description of the rest: they follow the walk, and hide it.
     """
-    if not member.effect.depends_on_time:
-        return 0.0
+    effect, trials = member.effect, member.found.first.found.trials
     beside = stacked(result, [other for other in others if not other.effect.depends_on_time])
-    base = regression_of(result.problem, result.parameters, beside)
-    p_value = p_beside_a_walk(base, waves_of_walks(result.problem), member.columns)
-    return min(1.0, p_value * member.found.first.found.trials)
+    base, waves = regression_of(result.problem, result.parameters, beside), waves_of_walks(result.problem)
+    within = trials * p_beside_a_walk(base, waves, member.columns)
+    if effect.depends_on_time or 2.0 * within < result.policy.walk_significance:
+        return min(1.0, within)
+    outside = trials * gain_of(result, np.vstack([beside, visible_of(base, waves)]), member).p_value
+    return min(1.0, 2.0 * within, 2.0 * outside)
 
 
 @dataclass(frozen=True)

@@ -46,7 +46,7 @@ from fricmodels.diagnosis.floor import floor
 from fricmodels.diagnosis.look_ahead import set_ahead, set_beside
 from fricmodels.diagnosis.one_cause import is_drawn, that_are_one_cause
 from fricmodels.diagnosis.policy import Policy
-from fricmodels.diagnosis.support import Support, p_of_the_time, support_of
+from fricmodels.diagnosis.support import Support, p_beside_walk, support_of
 from fricmodels.diagnosis.verdict import LookAlikes, select_effect
 from fricmodels.progress import each
 from fricmodels.term import Effect
@@ -85,7 +85,8 @@ class Judgement:
         return {
             found.first.name
             for found, support in self.members
-            if support.p_beside_walk >= policy.walk_significance
+            if found.first.effect.depends_on_time
+            and support.p_beside_walk >= policy.walk_significance
             and replace(support, p_beside_walk=0.0).suffices(policy)
             and not all(tested.effect.depends_on_time for tested in found.members)
         }
@@ -221,7 +222,7 @@ def _without_walks(result: CandidateTests, member: Member, others: list[Member])
         if not tested.effect.depends_on_time:
             return True
         alone = member_of(result, LookAlikes(tested, (tested,)))
-        return p_of_the_time(result, alone, others) < result.policy.walk_significance
+        return p_beside_walk(result, alone, others) < result.policy.walk_significance
 
     first = member.found.first
     return LookAlikes(first, tuple(t for t in member.found.members if t is first or is_there(t)))

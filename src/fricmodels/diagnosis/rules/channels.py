@@ -44,7 +44,7 @@ class ChannelRules(Rules):
     walk_significance: float = rule(
         0.01,
         "probability",
-        "An effect of the time itself must be there at this level though friction or zero may walk (`walk.py`).",
+        "An effect must be there at this level though friction or zero may walk (`walk.py`).",
         "Statistic, equal to significance. Of 169 rough drives with such an effect or a walk it keeps off seven wrong "
         "names and no right one that matters.",
         off=1.1,
