@@ -13,8 +13,8 @@ walk has the spectrum :math:`1/k^2`, and by themselves where the zero does; its 
 walk from 0 has a mean. The larger of the two p-values counts. λ is that of the largest restricted likelihood, 0 where
 nothing walks; θ is tested by generalised least squares, F(q, K − q). At a level of 1 % the test finds a line in 2 % of
 walks of the friction, a jump at a given instant in 1.2 % of them and in 1.5 % of walks of the zero, and either in 0.8 %
-of noise (1 000 of each); a spring of six or ten strokes in at most 2 % of walks, an offset in at most 0.5 % (200), where
-the test of the rows finds a spring in 20 to 30 % and an offset in 20 to 80 %.
+of noise (1 000 of each). Of six or ten strokes it finds a spring in at most 2 % of walks and an offset in at most 0.5 %
+(200 of each); the test of the rows finds a spring in 20 to 30 % and an offset in 20 to 80 %.
 
 Source: H. D. Patterson, R. Thompson, "Recovery of inter-block information when block sizes are unequal", Biometrika 58
 (1971); J. H. Stock, M. W. Watson, "Median unbiased estimation of coefficient variance in a time-varying parameter

@@ -190,7 +190,7 @@ def _begun_at(
     def left(found: Solved) -> float:
         return _left(drive, recording, found.parameters)
 
-    first = WeakFormProblem.of(drive, recording, _guess(drive, recording, start), width)
+    first = WeakFormProblem.of(drive, recording, _guess(drive, recording, start), width, guessed=True)
     carriers = carriers_of(first, start)
     found = _solved(first.carrying(carriers), start)
     # Once the friction is known, so is where the drive may stick at a reversal.

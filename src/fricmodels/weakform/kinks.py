@@ -7,10 +7,18 @@ the slope of the velocity does,
 
 and a filter F rounds that kink off: the velocity passes zero late, by up to a third of the filter's width where the
 torque hardly overcomes the friction. An encoder of 4096 counts asks for a filter of 23 samples, and a reversal that is
-two samples late is more than all noise of the rows about it. What the filter takes away of the motion u that the
-equation says, with friction at its limit on each side, is u − F u; about a reversal the velocity gets it back.
+two samples late is more than all noise of the rows about it. Of the motion u that the equation says, with friction at
+its limit on each side, the filter takes away d = u − F u.
 
-Friction changes sides at the instant of the reversal, which is that of the velocity that has it back. It is found in
+Whether it took that away of the motion that was measured, y, says the measurement: what is left of it, e = y − F y, has
+as much of d in it as
+
+.. math:: \beta = \sum_r d_r^T e_r \Big/ \sum_r d_r^T d_r,
+
+over the reversals r; their scatter gives its standard error. Where β is clear of 0, β d is given back, with β ≤ 1.
+Under a controller so stiff that the motor torque makes up for the jump, β is 0, and nothing is.
+
+Friction changes sides at the instant of the reversal, which is that of the velocity that has d back. It is found in
 few rounds: what a slightly wrong instant changes there is of second order.
 """
 
@@ -25,6 +33,12 @@ from fricmodels.signals.lanczos import DEGREE, even_weights
 
 _ROUNDS = 3
 """In which the instants of the reversals are found."""
+_LEAST_REACH = 1
+"""Samples to either side that any difference of positions takes: what a contact does within them nobody knows."""
+_FEWEST = 5
+"""Reversals whose scatter tells a standard error."""
+CERTAIN = 3.0
+"""Standard errors from which what smoothing took away is clear."""
 
 
 def with_kinks(
@@ -44,10 +58,10 @@ def with_kinks(
     if recording.derived_over:
         weights = np.convolve(weights, even_weights(recording.derived_over)[1])
     reach = len(weights) // 2
-    if reach == 0 or inertia <= 0.0:
+    if reach <= _LEAST_REACH or inertia <= 0.0:
         return smooth
     passed, clear = _cells_and_samples(recording, slow, reach)
-    around, found = np.arange(-reach, reach + 1), smooth
+    around, found, taken = np.arange(-reach, reach + 1), smooth, np.zeros_like(smooth)
     for _ in range(_ROUNDS):
         cell = np.flatnonzero((found[:-1] * found[1:] < 0.0) & passed)
         near = np.unique(cell[:, None] + np.arange(-reach, reach + 2))
@@ -58,10 +72,38 @@ def with_kinks(
         course = _course(recording, found, cell, limits, inertia)
         path = np.concatenate([[0.0], np.cumsum(0.5 * (course[1:] + course[:-1]))])
         signal = path if recording.derived_over else course
-        found = smooth.copy()
-        found[near] += course[near] - signal[near[:, None] + around] @ weights
-        found[smooth == 0.0] = 0.0
-    return found
+        taken = np.zeros_like(smooth)
+        taken[near] = course[near] - signal[near[:, None] + around] @ weights
+        taken[smooth == 0.0] = 0.0
+        found = smooth + taken
+    seen = _share_seen(recording, smooth, taken, cell, reach)
+    return smooth + seen * taken if seen else smooth
+
+
+def _share_seen(recording: Recording, smooth: Array, taken: Array, cell: Index, reach: int) -> float:
+    """Return which part of what smoothing takes away of the equation's motion it took of the measured one, β above.
+
+    Args:
+        recording, smooth: the motion, and its smoothed velocity.
+        taken: d, shape (N,).
+        cell: in which the drive turns.
+        reach: samples to either side that the filter takes.
+    """
+    left = recording.velocity - smooth
+    if recording.derived_over:
+        mean = np.diff(recording["position"]) / np.diff(recording.time) - 0.5 * (smooth[1:] + smooth[:-1])
+        left, taken = np.append(mean, 0.0), np.append(0.5 * (taken[1:] + taken[:-1]), 0.0)
+    # A sample between two reversals belongs to the earlier one: their windows end where the next begins.
+    begins = np.maximum(cell - reach, 0)
+    edges = np.append(begins, min(int(cell[-1]) + reach + 2, len(smooth)))
+    scores = np.add.reduceat(np.append(taken * left, 0.0), edges)[:-1]
+    sizes = np.add.reduceat(np.append(taken * taken, 0.0), edges)[:-1]
+    whole = float(np.sum(sizes))
+    if len(cell) < _FEWEST or whole <= 0.0:
+        return 0.0
+    share = float(np.sum(scores)) / whole
+    error = float(np.sqrt(np.sum((scores - share * sizes) ** 2))) / whole
+    return min(share, 1.0) if share > CERTAIN * error else 0.0
 
 
 def _cells_and_samples(recording: Recording, slow: Mask, reach: int) -> tuple[Mask, Mask]:

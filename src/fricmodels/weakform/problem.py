@@ -91,6 +91,8 @@ class WeakFormProblem:
         parameters: Mapping[str, float],
         width: int | None = None,
         like: WeakFormProblem | None = None,
+        *,
+        guessed: bool = False,
     ) -> WeakFormProblem:
         """Choose the test functions, and evaluate what all candidates share.
 
@@ -101,6 +103,7 @@ class WeakFormProblem:
             width: samples that a test function spans; as the noise asks for if not given. Where strokes are so short
                 that only few rows have room in them, rows may be half as wide as usual.
             like: another problem of this drive; where its rows are the same, they are not evaluated anew.
+            guessed: whether the parameters are no estimate yet, and tell no kinks.
         """
         inertia, _ = drive.split(parameters)
         delay, made_for = parameters[drive.model.delay] if drive.model.delay else 0.0, dict(parameters)
@@ -112,7 +115,9 @@ class WeakFormProblem:
 
         def over(width: int) -> WeakFormProblem:
             slow = creeping(part, width)
-            smooth = with_kinks(part, motion.velocity, motion.half_width, slow, limits, inertia)
+            smooth = motion.velocity
+            if not guessed:
+                smooth = with_kinks(part, smooth, motion.half_width, slow, limits, inertia)
             unclear = direction_unclear(part, smooth, at_rest | slow, limits)
             same = like is not None and plain and like.recording is part and like.bumps.is_of(width, unclear)
             if like is not None and same and np.array_equal(like.smooth, smooth):
