@@ -22,10 +22,18 @@ FRICTION = {"J": INERTIA, "K_v": 0.01, "K_c": COULOMB}
 PUSH = ((1.3, 0.09), (2.9, 0.08), (4.1, 0.05))
 
 
-def driven(count: int = 6000) -> tuple[Array, Array, Array]:
+def clock(count: int = 6000) -> Array:
+    return np.asarray(STEP * np.arange(count), dtype=np.float64)
+
+
+def push(time: Array) -> Array:
+    return np.asarray(sum(size * np.sin(2 * np.pi * f * time + f) for f, size in PUSH))
+
+
+def driven() -> tuple[Array, Array, Array]:
     """Return time, torque and velocity of a drive whose torque does not jump where it turns."""
-    time = STEP * np.arange(count)
-    torque = np.sum([size * np.sin(2 * np.pi * f * time + f) for f, size in PUSH], axis=0)
+    time = clock()
+    torque = push(time)
     return time, torque, simulate(DRIVE, FRICTION, time, torque, substeps=20).velocity
 
 
@@ -66,9 +74,9 @@ def test_a_coarse_encoder_has_its_reversals_back(direction: float) -> None:
 
 def test_a_drive_that_is_held_to_a_smooth_motion_gets_no_kink() -> None:
     """Its controller makes up for the friction that jumps: so does the torque, and the velocity has no kink."""
-    time = STEP * np.arange(6000)
-    velocity = sum(size * np.cos(2 * np.pi * f * time + f) for f, size in ((1.3, 2.0), (2.9, 1.5)))
-    torque = INERTIA * np.gradient(velocity, STEP) + 0.01 * velocity + COULOMB * np.sign(velocity)
+    time = clock()
+    velocity: Array = np.asarray(2.0 * np.cos(2 * np.pi * 1.3 * time) + 1.5 * np.cos(2 * np.pi * 2.9 * time + 1.0))
+    torque = np.asarray(INERTIA * np.gradient(velocity, STEP) + 0.01 * velocity + COULOMB * np.sign(velocity))
     plain, kinked = given_back(recorded(time, torque, velocity, 2048))
     near = about_reversals(velocity)
     wrong, right = (np.sqrt(np.mean((one - velocity)[near] ** 2)) for one in (kinked, plain))
@@ -77,8 +85,8 @@ def test_a_drive_that_is_held_to_a_smooth_motion_gets_no_kink() -> None:
 
 def test_a_friction_that_is_not_there_gives_nothing_back() -> None:
     """Without friction the velocity has no kink, whatever a model says."""
-    time = STEP * np.arange(6000)
-    torque = np.sum([size * np.sin(2 * np.pi * f * time + f) for f, size in PUSH], axis=0)
+    time = clock()
+    torque = push(time)
     free = simulate(DRIVE, {**FRICTION, "K_c": 0.0}, time, torque, substeps=20).velocity
     plain, kinked = given_back(recorded(time, torque, free, 2048))
     assert np.abs(kinked - plain).max() < 0.2 * np.abs(plain).std()
