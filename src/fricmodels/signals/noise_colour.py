@@ -23,7 +23,7 @@ of second ones, against motion; C. L. Lawson, R. J. Hanson, "Solving least squar
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
 
@@ -227,7 +227,8 @@ def coloured_noise(
         quiet: whether only the quietest stretches count. Strokes of a few samples have fourth differences larger than
             those of the noise; where a drive rests or keeps its speed in between, that shows the noise.
     """
-    squares = _squares(parts, _SCALES if moving else _ALL_SCALES, quiet)
+    sums = _sums(parts)
+    squares = dict(_squares(sums, _SCALES if moving else _ALL_SCALES, quiet))
     if not squares:
         return Noise(0.0)
     scales, measured = np.array(list(squares)), np.array(list(squares.values()))
@@ -237,8 +238,7 @@ def coloured_noise(
     motion = np.array([[float(s) ** power for power in _MOTION] for s in scales])
     fixed = np.hstack([own[:, :2], motion]) if moving else own[:, :2]
     plain, plain_left = _division(fixed, measured)
-    longer = [(time, values) for time, values in parts if len(time) > 4]
-    every = _joined([fourth_differences(*running_sums(*part), 1) for part in longer])
+    every = _joined([fourth_differences(*both, 1) for both in sums])
     untold = _UNTOLD * math.sqrt(float(every @ every) / max(len(every), 1)) / float(np.linalg.norm(DIFFERENCE))
     white = Noise(max(math.sqrt(plain[0]), untold), math.sqrt(plain[1]))
     count = len(measured)
@@ -263,10 +263,9 @@ def may_be_there(noise: Noise, parts: Sequence[tuple[Array, Array]]) -> bool:
         noise: white, the difference of white, and lasting.
         parts: time stamps and values of stretches without a gap.
     """
-    squares = _squares(parts, _SCALES, quiet=False)
     variances = np.array([noise.white**2, noise.difference**2, noise.lasting**2])
-    own = np.array([_gains(s, noise.samples)[[0, 1, -1]] @ variances for s in squares])
-    return bool(np.all(own <= _NO_MORE * np.array(list(squares.values()))))
+    squares = _squares(_sums(parts), _SCALES, quiet=False)
+    return all(_gains(s, noise.samples)[[0, 1, -1]] @ variances <= _NO_MORE * square for s, square in squares)
 
 
 def most_noise(parts: Sequence[tuple[Array, Array]]) -> float:
@@ -275,30 +274,35 @@ def most_noise(parts: Sequence[tuple[Array, Array]]) -> float:
     Args:
         parts: time stamps and values of stretches without a gap.
     """
-    squares = _squares(parts, (1,), quiet=True)
+    squares = dict(_squares(_sums(parts), (1,), quiet=True))
     return math.sqrt(squares.get(1, 0.0)) / float(np.linalg.norm(DIFFERENCE))
 
 
-def _squares(parts: Sequence[tuple[Array, Array]], scales: Sequence[int], quiet: bool) -> dict[int, float]:
-    """Return the mean square of fourth differences of means over s samples, by s, without the largest.
+def _sums(parts: Sequence[tuple[Array, Array]]) -> list[tuple[Array | None, Array]]:
+    """Return the running sums of each part that is long enough for a fourth difference."""
+    return [running_sums(*part) for part in parts if len(part[0]) > 4]
+
+
+def _squares(
+    sums: Sequence[tuple[Array | None, Array]], scales: Sequence[int], quiet: bool
+) -> Iterator[tuple[int, float]]:
+    """Yield s and the mean square of fourth differences of means over s samples, without the largest.
 
     Or, if ``quiet``, what it is by the quietest stretches, were all of them as quiet; those in which nothing changes
     tell nothing.
     """
-    found: dict[int, float] = {}
-    parts = [part for part in parts if len(part[0]) > 4]  # shorter ones have no fourth difference
-    sums = [running_sums(*part) for part in parts]
-    for scale in scales:
+    finest = 0.0
+    for count, scale in enumerate(scales):
         each = [fourth_differences(*both, scale) for both in sums if len(both[1]) > 5 * scale]
         for differences in each:
             differences *= differences
         if int(_KEPT * sum(map(len, each))) < 40:
             break
         value = _of_quietest(each, scale) if quiet else mean_square(_joined(each))
-        if value <= 0.0 or (len(found) >= _FEWEST and value > _MOSTLY_MOTION * found[1] * scale):
+        if value <= 0.0 or (count >= _FEWEST and value > _MOSTLY_MOTION * finest * scale):
             break
-        found[scale] = value
-    return found
+        finest = finest or value
+        yield scale, value
 
 
 def _joined(parts: Sequence[Array]) -> Array:

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import math
 import weakref
+from collections.abc import Callable, Hashable
 from copy import copy
 from dataclasses import replace
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -13,6 +15,8 @@ from fricmodels.arrays import Array, Mask
 from fricmodels.signals.lanczos import DEGREE, even_weights, fit_stretch, lanczos_derivative
 from fricmodels.signals.noise_colour import Noise, coloured_noise
 from fricmodels.signals.segments import Runs, is_even, stretches
+
+Found = TypeVar("Found")
 
 _EXCERPT = 2048
 _ENOUGH = 16 * _EXCERPT
@@ -44,6 +48,10 @@ def quantum(values: Array) -> float:
     apart. A coarse grid that was written with few digits has each value in two or three spellings: where they lie far
     closer to each other than to the others they are one.
     """
+    return _once(values, "step", lambda: _quantum(values))
+
+
+def _quantum(values: Array) -> float:
     distinct = np.unique(values)
     distance = np.diff(distinct)
     rounding = _FINEST * float(np.median(np.abs(distinct))) if len(distinct) else 0.0
@@ -101,24 +109,30 @@ def noise_of(time: Array, values: Array, runs: Runs | None = None, *, least: boo
         runs: run of each sample.
         least: whether a lasting noise is as small as it may be, or as large.
     """
-    borders = tuple(part.start for part in stretches(time, runs))
-    key = (id(values), float(values.sum()), hash((time - time[:1]).tobytes()), borders, least)
+    every = stretches(time, runs)
+    key = (hash((time - time[:1]).tobytes()), tuple(part.start for part in every), least)
+    return _once(values, key, lambda: _estimated(time, values, every, runs, least))
+
+
+def _once(values: Array, asked: Hashable, find: Callable[[], Found]) -> Found:
+    """Return what is found of a signal: anew only where the array is another one, or has other values."""
+    key = (id(values), float(values.sum()), asked)
     known = _known.get(key)
     if known is None or known[0]() is not values:
-        held = weakref.ref(values, lambda _: _known.pop(key, None))
-        known = _known[key] = (held, _estimated(time, values, runs, least))
-    return known[1]
+        known = _known[key] = (weakref.ref(values, lambda _: _known.pop(key, None)), find())
+    found: Found = known[1]
+    return found
 
 
-_known: dict[tuple[int, float, int, tuple[int, ...], bool], tuple[weakref.ref[Array], Noise]] = {}
-"""Noise of signals that are still in use."""
+_known: dict[tuple[int, float, Hashable], tuple[weakref.ref[Array], Any]] = {}
+"""What was found of signals that are still in use."""
 
 
-def _estimated(time: Array, values: Array, runs: Runs | None, least: bool) -> Noise:
-    every = stretches(time, runs)
+def _estimated(time: Array, values: Array, every: list[slice], runs: Runs | None, least: bool) -> Noise:
     parts = [part for part in _excerpts(every) if part.stop - part.start >= _SHORTEST]
     found = coloured_noise([(time[part], values[part]) for part in parts], least=least)
-    seen = np.concatenate([values[part] for part in parts]) if parts else np.zeros(0)
+    whole = sum(part.stop - part.start for part in parts) == len(values)
+    seen = values if whole else np.concatenate([values[part] for part in parts] or [np.zeros(0)])
     unseen = finest_noise(seen) ** 2 - found.deviation**2
     if unseen > 0.0:
         found = replace(found, white=math.sqrt(found.white**2 + unseen))

@@ -130,11 +130,14 @@ def not_identified(
         key = parameter.key
         if key in found:
             continue
+        beyond = not (searched[0][i] <= values[i] <= searched[1][i])
+        if not (beyond or contains_zero[i]):
+            continue
         unit = parameter.declared.unit_for(drive.motion)
-        half = NORMAL_95 * spread[i]
-        if not (searched[0][i] <= values[i] <= searched[1][i]):
+        if beyond:
             found[key] = f"its best value {values[i]:.3g} {unit} lies beyond what this motion can tell apart"
-        elif contains_zero[i]:
+        else:
+            half = NORMAL_95 * spread[i]
             partner, correlation = _partner(covariance, spread, i)
             found[key] = f"its 95 % interval, {values[i] - half:.3g} to {values[i] + half:.3g} {unit}, contains zero"
             if correlation > 0.9:

@@ -66,9 +66,11 @@ class Solved:
     def changed(self, **changes: Any) -> Solved:
         """Return a copy with other attributes than the rows, the plan or the solution; what these show is kept."""
         copy = replace(self, **changes)
-        for name in ("places", "values", "spread", "with_shift", "known_odds"):
+        for name in ("places", "values", "spread", "_by_rows", "with_shift", "known_odds"):
             if name in self.__dict__ and not (name == "spread" and "of_shifts" in changes):
                 copy.__dict__[name] = self.__dict__[name]
+        if "of_shifts" in changes:
+            copy.__dict__["_by_rows"] = self._by_rows
         return copy
 
     @cached_property
@@ -121,9 +123,18 @@ class Solved:
     @cached_property
     def spread(self) -> Array:
         """Covariance in the order of the solution; 0 for what is held."""
+        free, _ = self._free
+        result = np.zeros((len(self.solution.jacobian),) * 2)
+        result[np.ix_(free, free)] = self._by_rows
+        if self.of_shifts is not None:
+            result[np.ix_(self.places, self.places)] += self.of_shifts
+        return result
+
+    @cached_property
+    def _by_rows(self) -> Array:
+        """Covariance of what is not held, as the rows show it: whatever the nuisances may be that are held."""
         solution, (free, normal) = self.solution, self._free
-        result = np.zeros((len(solution.jacobian),) * 2)
-        jacobian = solution.jacobian if len(free) == len(result) else solution.jacobian[free]
+        jacobian = solution.jacobian if len(free) == len(solution.jacobian) else solution.jacobian[free]
         found = covariance(jacobian.T, solution.residual, normal.inverse, self.problem.independent)
         parts = self.problem.repeats
         if parts is not None:
@@ -133,10 +144,7 @@ class Solved:
         if len(scatter):
             moved = scatter @ jacobian.T @ normal.inverse
             found = at_least(found, moved.T @ moved / len(scatter))
-        result[np.ix_(free, free)] = found
-        if self.of_shifts is not None:
-            result[np.ix_(self.places, self.places)] += self.of_shifts
-        return result
+        return found
 
     def left_by(self, values: Array) -> float:
         """Return the sum of squares that other parameters leave of the rows, with the best nuisances."""
