@@ -199,6 +199,8 @@ class Recording(Displayed):
         return self._rate(self.torque)
 
     def _rate(self, values: Array) -> Array:
+        if len(self) > 1 and len(self.run_numbers) == 1:
+            return np.asarray(np.gradient(values, self.time))
         rate = np.zeros(len(self))
         for number in self.run_numbers:
             inside = np.flatnonzero(self.run == number)

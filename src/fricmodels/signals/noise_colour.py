@@ -311,9 +311,14 @@ def _joined(parts: Sequence[Array]) -> Array:
 
 
 def mean_square(squares: Array) -> float:
-    """Return the mean of squares of normal numbers without regard to the largest tenth, as jumps are few."""
+    """Return the mean of squares of normal numbers without regard to the largest tenth, as jumps are few.
+
+    They are added in their own order, not in that of a partition, which differs from processor to processor.
+    """
     kept = int(_KEPT * len(squares))
-    return float(np.partition(squares, kept)[:kept].mean()) / _KEPT_SQUARE
+    largest = float(np.partition(squares, (kept - 1, kept))[kept - 1])
+    below = squares[squares < largest]
+    return (float(below.sum()) + (kept - len(below)) * largest) / max(kept, 1) / _KEPT_SQUARE
 
 
 def _of_quietest(squares: Sequence[Array], scale: int) -> float:

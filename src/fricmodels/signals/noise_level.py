@@ -110,8 +110,12 @@ def noise_of(time: Array, values: Array, runs: Runs | None = None, *, least: boo
         least: whether a lasting noise is as small as it may be, or as large.
     """
     every = stretches(time, runs)
-    key = (hash((time - time[:1]).tobytes()), tuple(part.start for part in every), least)
-    return _once(values, key, lambda: _estimated(time, values, every, runs, least))
+    return _once(values, (_when(time, every), least), lambda: _estimated(time, values, every, runs, least))
+
+
+def _when(time: Array, every: list[slice]) -> Hashable:
+    """Return what tells the instants of samples, from the first one on, and their stretches from others."""
+    return hash((time - time[:1]).tobytes()), tuple(part.start for part in every)
 
 
 def _once(values: Array, asked: Hashable, find: Callable[[], Found]) -> Found:
@@ -188,11 +192,17 @@ def best_half_width(time: Array, values: Array, runs: Runs | None = None, *, noi
         runs: run of each sample.
         noise: of the signal; estimated if not given.
     """
+    every = stretches(time, runs)
+    known = noise or noise_of(time, values, runs)
+    # The noise is kept beside the width, so that no other one is taken for it.
+    return _once(values, (_when(time, every), id(known)), lambda: (_half_width(time, values, every, known), known))[0]
+
+
+def _half_width(time: Array, values: Array, every: list[slice], noise: Noise) -> int:
     shortest = max(1, (DEGREE + 1) // 2)
-    parts = _excerpts([part for part in stretches(time, runs) if part.stop - part.start >= _SHORTEST])
+    parts = _excerpts([part for part in every if part.stop - part.start >= _SHORTEST])
     if not parts:
         return shortest
-    noise = noise or noise_of(time, values, runs)
     risk = _Risk(time, values, parts, noise)
     limit = min(_WIDEST, max(part.stop - part.start for part in parts) // 8)
     best = _of_least_risk(risk, shortest, limit)
