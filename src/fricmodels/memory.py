@@ -158,7 +158,8 @@ def _add_beginning(beginning: Beginning, unit: tuple[Array, Array], states: Arra
 
 def _seen(slope: Array, states: Array) -> Array:
     """Return the torque of states, shape (..., q, n), by its slope along them, shape (q, m) with m at least n or 1."""
-    return np.asarray(np.sum(slope[:, : states.shape[-1]] * states, axis=-2))
+    each = slope[:, : states.shape[-1]] * states
+    return np.asarray(each[..., 0, :] if len(slope) == 1 else np.sum(each, axis=-2))
 
 
 def _count(places: slice) -> int:

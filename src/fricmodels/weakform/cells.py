@@ -51,31 +51,32 @@ def under_hats(
         rows, half, cell, before, after, bending, values: as of :func:`along_cubics`.
         half_step: half the duration of each split cell, shape (c,).
     """
-    count, cells = len(half) + 1, len(cell)
-    whole, late = np.empty(count), np.empty(count)
+    count, cells, late = len(half) + 1, len(cell), np.empty(len(half))
+    earlier, same, later = bending[0], bending[1], bending[2]
     for i in range(len(rows)):
         row, value = rows[i], values[i]
-        for k in range(count - 1):
-            whole[k] = (row[k] + row[k + 1]) * half[k]
-            late[k] = half[k] / 3.0 * (row[k] + 2.0 * row[k + 1])
-        for j in range(cells):
+        for k in range(1, count - 2):
+            own = same[k - 1] * (row[k + 1] - row[k])
+            bend = later[k - 1] * (row[k + 2] - row[k + 1]) + earlier[k - 1] * (row[k] - row[k - 1]) + own
+            whole = (row[k] + row[k + 1]) * half[k] + bend
+            late[k] = half[k] / 3.0 * (row[k] + 2.0 * row[k + 1]) + 0.5 * bend
+            value[k] = whole - late[k]
+        for k in (0, count - 2):
+            if 0 <= k < len(half):
+                late[k] = half[k] / 3.0 * (row[k] + 2.0 * row[k + 1])
+                value[k] = (row[k] + row[k + 1]) * half[k] - late[k]
+        for j in range(cells):  # where a cell is split it has no cubic
             k = cell[j]
             stopping, starting = row[count + j], row[count + cells + j]
             moving_on = after[j] * (starting + row[k + 1])
-            whole[k] = before[j] * (row[k] + stopping) + moving_on
+            whole = before[j] * (row[k] + stopping) + moving_on
             late[k] = 0.0
             if half_step[j] > 0.0:
                 rising = before[j] ** 2 / half_step[j] * (row[k] + 2.0 * stopping)
                 falling = after[j] ** 2 / half_step[j] * (2.0 * starting + row[k + 1])
                 late[k] = rising / 3.0 + moving_on - falling / 3.0
-        for k in range(1, count - 2):
-            own = bending[1, k - 1] * (row[k + 1] - row[k])
-            bend = bending[2, k - 1] * (row[k + 2] - row[k + 1]) + bending[0, k - 1] * (row[k] - row[k - 1]) + own
-            whole[k] += bend
-            late[k] += 0.5 * bend
+            value[k] = whole - late[k]
         value[count - 1] = 0.0
-        for k in range(count - 1):
-            value[k] = whole[k] - late[k]
         for k in range(count - 1):
             value[k + 1] += late[k]
 
