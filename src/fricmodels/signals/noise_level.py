@@ -115,7 +115,8 @@ def noise_of(time: Array, values: Array, runs: Runs | None = None, *, least: boo
 
 def _when(time: Array, every: list[slice]) -> Hashable:
     """Return what tells the instants of samples, from the first one on, and their stretches from others."""
-    return hash((time - time[:1]).tobytes()), tuple(part.start for part in every)
+    instants = _once(time, "instants", lambda: hash((time - time[:1]).tobytes()))
+    return instants, tuple(part.start for part in every)
 
 
 def _once(values: Array, asked: Hashable, find: Callable[[], Found]) -> Found:

@@ -192,17 +192,18 @@ def jackknife_covariance(
     shares, scores = np.empty((blocks, len(root), len(root))), np.empty((blocks, len(root)))
     products_of_blocks(rows, residual, edges, shares, scores)
     decisive = np.trace(shares, axis1=1, axis2=2) > 1.0 - 1.0 / blocks  # else each share is less, too
-    along = np.empty_like(scores)
+    along, alone = np.empty_like(scores), np.zeros((0, len(root)))
     along[~decisive] = np.linalg.solve(np.eye(len(root)) - shares[~decisive], scores[~decisive, :, None])[:, :, 0]
-    share, direction = np.linalg.eigh(shares[decisive])
-    left = np.maximum(1.0 - share, 1.0 / blocks)
-    turned = (scores[decisive, None] @ direction)[:, 0] / left
-    along[decisive] = (direction @ turned[:, :, None])[:, :, 0]
+    if decisive.any():
+        share, direction = np.linalg.eigh(shares[decisive])
+        left = np.maximum(1.0 - share, 1.0 / blocks)
+        turned = (scores[decisive, None] @ direction)[:, 0] / left
+        along[decisive] = (direction @ turned[:, :, None])[:, :, 0]
+        alone = direction.transpose(0, 2, 1)[share > 1.0 - 1.0 / blocks] @ root.T / size
     moved = along @ root.T
     apart = (moved - np.mean(moved, axis=0)) / size
     widen = float(stdtrit(blocks - 1, 0.975)) / NORMAL_95
     found = widen**2 * (blocks - 1) / blocks * apart.T @ apart
-    alone = direction.transpose(0, 2, 1)[share > 1.0 - 1.0 / blocks] @ root.T / size
     if len(alone):
         everywhere, _ = long_run_covariance(residual[:, None], independent)
         found = at_least(found, float(everywhere[0, 0]) / len(residual) * alone.T @ alone)

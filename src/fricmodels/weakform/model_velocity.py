@@ -73,6 +73,8 @@ def at_model_velocity(found: Solved, *, widen: bool = True) -> Solved:
         other, velocity, _ = _rounds(without, from_search, widen=widen)
         if velocity and (predicted is None or velocity.prediction_error < predicted.prediction_error):
             best, predicted = solve(other.problem, found.plan, timing=False), velocity
+    if predicted is None or _risk_of(predicted, recording) > smooth:
+        return at_smooth
     # Simulated with the torque at another time the velocity would be another, and what it is now hides the shift.
     if could_be_shifted(found) and log_odds_of_a_shift(found, reversals=False) > STRONG:
         return at_smooth
@@ -82,8 +84,6 @@ def at_model_velocity(found: Solved, *, widen: bool = True) -> Solved:
     contradicted = found is not at_smooth and is_contradicted(more, len(found.values), found.problem.independent)
     if more > _CONTRADICTED - 1.0 or contradicted:
         return at_smooth  # what the rows at the measured velocity contradict is not more certain than they are
-    if predicted is None or _risk_of(predicted, recording) > smooth:
-        return at_smooth
 
     def fitted(values: Array) -> Array:
         parameters = {**best.parameters, **dict(zip(problem.drive.keys, values.tolist(), strict=True))}
