@@ -154,15 +154,14 @@ def _correlation(courses: list[_Course], most: int) -> Array:
     from scipy.fft import irfft, next_fast_len, rfft
 
     size = next_fast_len(2 * max(len(course.total) for course in courses))
-    product, early, late = np.zeros((3, size))
+    product, late = np.zeros((2, size))
     for course in courses:
         there = (course.count > 0) & ~course.beginning
         velocity = course.mean * there
         value, square, mask = (rfft(x.astype(float), size) for x in (velocity, velocity**2, there))
         product += irfft(np.conj(value) * value, size)
-        early += irfft(np.conj(square) * mask, size)
         late += irfft(np.conj(mask) * square, size)
-    power = early * late
+    power = np.roll(late[::-1], 1) * late  # the squares before a lag are those behind its negative
     found = np.divide(product, np.sqrt(np.maximum(power, 0.0)), out=np.zeros(size), where=power > 1e-18 * power[0])
     return np.asarray(np.round(found[: most + 1], _DIGITS))
 

@@ -109,7 +109,7 @@ class Solved:
         held = 0.5 * self.problem.recording.interval if self.problem.held else 0.0
         return held + (float(self.solution.theta[nuisances[-1]]) if bounded and len(nuisances) else 0.0)
 
-    @property
+    @cached_property
     def nuisances(self) -> NDArray[np.int64]:
         """Places of the nuisances in the solution."""
         linear = sum(p.linear for p in self.problem.drive.parameters)
