@@ -64,6 +64,18 @@ def invert(gram: Any, least: float, size: Any, inverse: Any) -> float:
 
 
 @njit(cache=True, nogil=True)
+def first_alone(gram: Any, least: float, certain: float) -> float:
+    """Return what the first column has that the others do not explain, squared; 0 where that is not certain.
+
+    Args:
+        gram, least: as of :func:`invert`.
+        certain: determinant above which it is.
+    """
+    size, inverse = np.empty(len(gram)), np.empty(gram.shape)
+    return 1.0 / inverse[0, 0] if invert(gram, least, size, inverse) > certain else 0.0
+
+
+@njit(cache=True, nogil=True)
 def reduced(
     gram: Any, right: Any, inner: Any, free: Any, last: Any, scale: Any, damping: float, matrix: Any, gradient: Any
 ) -> None:

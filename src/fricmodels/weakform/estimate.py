@@ -298,8 +298,8 @@ def _explains_torque_by_itself(problem: WeakFormProblem, parameters: Mapping[str
     up to 20 standard errors (`benchmarks/effect_coverage.py --effects torque-ripple`). But a wave of few periods in the
     travel is nearly a gain, and does not average out.
     """
-    drive, law = problem.drive, Model(problem.drive.model.law)
-    if "motor_torque" in law.needs:
+    drive = problem.drive
+    if not drive.model.effects or "motor_torque" in Model(drive.model.law).needs:
         return False
     for effect in drive.model.effects:
         if "motor_torque" not in Model(drive.model.law, [effect]).needs:

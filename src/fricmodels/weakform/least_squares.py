@@ -97,12 +97,6 @@ class NormalEquations:
         return np.asarray(np.where(some & some[:, None], found, 0.0))
 
     @property
-    def first_alone(self) -> float:
-        """What the first column has that the others do not explain, squared; infinite where they explain it all."""
-        own = float(self.inverse[0, 0])
-        return 1.0 / own if own > 0.0 else math.inf
-
-    @property
     def solved(self) -> Array:
         """The least-squares solution, shape (n,); what is not determined is nothing."""
         return np.asarray(self.inverse @ self.right)
@@ -121,6 +115,21 @@ class NormalEquations:
             place = int(np.flatnonzero(constraints[row])[0])
             found[place] = limits[row] / constraints[row, place]  # it is at its bound, not beside it by rounding
         return found
+
+
+def first_alone(gram: Array) -> float:
+    """Return what the first column has that the others do not explain, squared; infinite where they explain it all.
+
+    Args:
+        gram: products of the columns, shape (n, n).
+    """
+    from fricmodels.kernels import small
+
+    found: float = small.first_alone(gram, _NOTHING, _CERTAIN)
+    if found > 0.0:
+        return found
+    own = float(NormalEquations.of(gram, gram[0]).inverse[0, 0])
+    return 1.0 / own if own > 0.0 else math.inf
 
 
 def _least_distance(matrix: Array, bound: Array) -> tuple[Array, NDArray[np.bool_]]:

@@ -66,13 +66,11 @@ class Quadrature:
         moving, half, cell = ~resting, np.empty(len(step)), np.empty(len(step), dtype=np.int64)
         cell = cell[: split_cells(step, joined, velocity, resting, half, cell)].copy()
         earlier, later = velocity[cell], velocity[cell + 1]
-        end = len(recording) - 1
-        previous, following = np.maximum([cell - 1, cell - 2], 0), np.minimum([cell + 2, cell + 3], end)
-        before, doubt_before = _share_to_zero(earlier, *velocity[previous])
-        after, doubt_after = _share_to_zero(later, *velocity[following])
-        before, after = np.where(moving[cell], before, 0.0), np.where(moving[cell + 1], after, 0.0)
+        beyond = np.clip([[cell - 1, cell + 2], [cell - 2, cell + 3]], 0, len(recording) - 1)
+        shares, doubts = _share_to_zero(np.array([earlier, later]), *velocity[beyond])
+        before, after = np.where(moving[[cell, cell + 1]], shares, 0.0)
         both_parts = before + after
-        turning = moving[cell] & moving[cell + 1] & (1.0 - both_parts <= doubt_before + doubt_after)
+        turning = moving[cell] & moving[cell + 1] & (1.0 - both_parts <= doubts[0] + doubts[1])
         both_parts[~turning] = np.maximum(both_parts[~turning], 1.0)
         before, after = before / both_parts, after / both_parts
         tiny = 1e-9 * float(np.max(np.abs(velocity), initial=1e-300))
@@ -230,8 +228,8 @@ def _share_to_zero(velocity: Array, next_one: Array, one_further: Array) -> tupl
     """Return the share of a cell in which a velocity reaches zero, and by how much the change of its slope moves it.
 
     Args:
-        velocity: at the sample beside the cell.
-        next_one, one_further: at the two samples beyond it, away from the cell.
+        velocity: at the sample beside the cell, before it or after it, shape (2, c).
+        next_one, one_further: at the two samples beyond it, away from the cell, likewise.
     """
     change, bend = next_one - velocity, one_further - 2 * next_one + velocity
     first = _share(velocity, change)

@@ -10,7 +10,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from fricmodels.weakform.least_squares import NormalEquations
+from fricmodels.weakform.least_squares import NormalEquations, first_alone
 from fricmodels.weakform.nonlinear import LARGEST_RATIO, Nonlinear
 from fricmodels.weakform.separable import Separable
 
@@ -338,7 +338,7 @@ class Projection:
         """
         noise = self._equations.acceleration_noise
         if noise and has_inertia:
-            alone = NormalEquations.of(gram, np.zeros(len(gram))).first_alone
+            alone = first_alone(gram)
             gram[0, 0] -= min(noise, 0.5 * alone) if alone < math.inf else 0.0
         return gram
 
