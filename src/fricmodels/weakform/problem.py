@@ -28,7 +28,7 @@ from fricmodels.weakform.motion_states import MotionStates
 from fricmodels.weakform.quadrature import Quadrature
 from fricmodels.weakform.regression import Regression
 from fricmodels.weakform.remembered import INTEGRALS, Part, Remembered
-from fricmodels.weakform.repeats import parts_of
+from fricmodels.weakform.repeats import parts_of, phase_of
 from fricmodels.weakform.row_noise import (
     beyond_noise,
     bump_width,
@@ -287,7 +287,7 @@ class WeakFormProblem:
     @cached_property
     def repeats(self) -> Index | None:
         """In which part of a motion that repeats each row lies, shape (rows,); ``None`` where none repeats."""
-        return parts_of(self.recording, self.centre, self.bumps.width / HOPS)
+        return parts_of(self.recording, self.centre, self.bumps.width / HOPS) if phase_of(self.recording) else None
 
     def integrals(self, rows: Array, derivatives: Array | None = None) -> Array:
         """Return ∫φ f dt of rows evaluated at the quadrature's samples, shape (k, rows).
