@@ -50,7 +50,8 @@ def is_even(time: Array) -> bool:
     if len(time) < 3:
         return True
     step = (time[-1] - time[0]) / (len(time) - 1)
-    apart = step * np.arange(float(len(time)))
+    apart = np.arange(float(len(time)))
+    apart *= step
     apart += time[0]
     np.subtract(time, apart, out=apart)
-    return bool(max(apart.max(), -apart.min()) <= 1e-3 * step)
+    return bool(np.abs(apart, out=apart).max() <= 1e-3 * step)
