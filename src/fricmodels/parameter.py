@@ -33,7 +33,8 @@ class Parameter:
         less_of_drive: share of the drive's inertia that minus it may be; 0 where it has no such bound.
         accompanies: whether by itself it is not the effect, as damping is no contact that bends; its other torques are.
         doubtful_ends: bounds of the search at which the estimate suggests that the effect, one with internal states,
-            imitates another effect; none where the end itself is a physical case.
+            imitates another effect; none where the end itself is a physical case. Of a ratio they are none unless
+            they are declared.
         own_time: whether a time or a rate is the drive's own, as that of a resonance, however long was recorded;
             ``scan`` counts it in durations of no more than 20 000 samples.
         slow: whether it is the time of a change all along the record: no shorter than the least that ``scan`` tries.
@@ -64,7 +65,7 @@ class Parameter:
     part_of_drive: bool = False
     less_of_drive: float = 0.0
     accompanies: bool = False
-    doubtful_ends: tuple[Literal["lower", "upper"], ...] = ("lower", "upper")
+    doubtful_ends: tuple[Literal["lower", "upper"], ...] | None = None
     own_time: bool = False
     slow: bool = False
     resonance: bool = False

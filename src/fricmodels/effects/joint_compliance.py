@@ -44,7 +44,15 @@ class JointCompliance(Effect):
         resonance=True,
         scan=tuple(round(10 ** (1.5 + 0.15 * i), 1) for i in range(19)),
     )
-    zeta = Parameter("zeta", initial=0.1, lower=0.0, upper=2.0, meaning="damping ratio", scan=(0.03, 0.15))
+    zeta = Parameter(
+        "zeta",
+        initial=0.1,
+        lower=0.0,
+        upper=1.0,  # beyond, nothing resonates: what fits best there is something else
+        meaning="damping ratio",
+        scan=(0.03, 0.15),
+        doubtful_ends=("upper",),
+    )
     x = State("x", unit="rad", meaning="twist")
     v = State("v", unit="rad/s", meaning="rate of twist")
 

@@ -7,6 +7,7 @@ import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from functools import cache
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -167,7 +168,8 @@ def is_at_an_end(nonlinear: Sequence[Parameter], point: Point, spacing: Sequence
 
 def is_at_end(parameter: Parameter, value: float) -> bool:
     """Whether a size, with the bounds of a recording, is as far as this can tell, where that is doubtful."""
-    ends = () if parameter.dimension == DIMENSIONLESS else parameter.doubtful_ends
+    both: tuple[Literal["lower", "upper"], ...] = () if parameter.dimension == DIMENSIONLESS else ("lower", "upper")
+    ends = both if parameter.doubtful_ends is None else parameter.doubtful_ends
     return any(math.isclose(value, getattr(parameter, end), rel_tol=_AT_END) for end in ends)
 
 
