@@ -22,6 +22,7 @@ from fricmodels.diagnosis.effect_set import (
     stacked,
     the_past_counts,
     visible_of,
+    without,
     without_tangents,
 )
 from fricmodels.diagnosis.floor import share_explained
@@ -202,11 +203,18 @@ def p_beside_walk(result: CandidateTests, member: Member, others: list[Member]) 
     """Return the p-value of an effect where friction or zero may walk.
 
     An effect of the time itself shows in slow waves over the record only. Any other one is there if it shows in them,
-    or outside of them, where nothing walks: the lesser p-value counts twice. Others of the time are not beside it, nor
-    is a description of the rest: they follow the walk, and hide it.
+    or outside of them, where nothing walks: the lesser p-value counts twice. A description of the rest is not beside
+    it, nor is an effect of the time that a walk may be as well: they follow the walk, and hide it.
     """
     effect, trials = member.effect, member.found.first.found.trials
-    beside = stacked(result, [other for other in others if not other.effect.depends_on_time])
+
+    def is_no_walk(other: Member) -> bool:
+        if not other.effect.depends_on_time:
+            return True
+        besides = without([*others, member], other)
+        return not effect.depends_on_time and p_beside_walk(result, other, besides) < result.policy.walk_significance
+
+    beside = stacked(result, [other for other in others if is_no_walk(other)])
     base, waves = regression_of(result.problem, result.parameters, beside), waves_of_walks(result.problem)
     within = trials * p_beside_a_walk(base, waves, member.columns)
     if effect.depends_on_time or 2.0 * within < result.policy.walk_significance:
