@@ -11,7 +11,7 @@ from fricmodels.diagnosis.comparison import compare
 from fricmodels.diagnosis.policy import POLICY
 from fricmodels.effects.thermal import Thermal
 from fricmodels.weakform.candidate import Candidate
-from fricmodels.weakform.shifted import regression_of
+from fricmodels.weakform.shifted import noise_within, regression_of
 
 
 @pytest.mark.parametrize("seed", [0, 1])
@@ -27,7 +27,7 @@ def test_a_column_that_is_mostly_noise_and_adds_nothing_hides_no_other(made: Mad
     found = Candidate(problem, regression, effect, problem.alone(effect)).found((6.0,), 1.0)
     assert found.kept.all()
     columns, _ = problem.perturbed.columns(problem.alone(effect), found.nonlinear, 0.0)
-    noise, signal = problem.noise_within(regression, found.columns, columns), regression.project_out(found.columns)
+    noise, signal = noise_within(problem, regression, found.columns, columns), regression.project_out(found.columns)
     viscous, dry = np.sum(noise**2, axis=1) / np.sum(signal**2, axis=1)
     share = noise_share(problem, problem.perturbed, regression, effect, found)
     assert viscous > POLICY.noise_share

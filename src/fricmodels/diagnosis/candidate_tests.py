@@ -19,7 +19,7 @@ from fricmodels.term import Effect
 from fricmodels.weakform.candidate import NonlinearOptimum
 from fricmodels.weakform.problem import WeakFormProblem
 from fricmodels.weakform.regression import LEAST_P, Evidence, Regression, compare, unwarned
-from fricmodels.weakform.shifted import regression_of
+from fricmodels.weakform.shifted import noise_within, regression_of
 
 Array = NDArray[np.float64]
 
@@ -251,7 +251,7 @@ def noise_share(
     the model, does no harm while it adds next to nothing. Columns that cancel each other count with the noise of each.
     """
     columns, _ = perturbed.columns(problem.alone(effect), found.nonlinear, found.delay)
-    noise = problem.noise_within(regression, found.columns, columns[found.kept])
+    noise = noise_within(problem, regression, found.columns, columns[found.kept])
     signal = regression.project_out(found.columns)
     together = np.linalg.lstsq(signal.T, regression.residual, rcond=1e-10)[0]
     power = float(np.sum((together @ signal) ** 2))

@@ -18,6 +18,7 @@ from fricmodels.diagnosis.candidate_tests import CandidateTests, beside_inertia,
 from fricmodels.progress import each
 from fricmodels.weakform.problem import WeakFormProblem
 from fricmodels.weakform.regression import LEAST_P, Evidence
+from fricmodels.weakform.shifted import noise_within
 
 Array = NDArray[np.float64]
 
@@ -100,7 +101,7 @@ def _is_only_noise(
     if perturbed is None:
         return False
     weights = evidence.coefficients[None]
-    noise = problem.noise_within(regression, weights @ columns, weights @ perturbed()[chosen])
+    noise = noise_within(problem, regression, weights @ columns, weights @ perturbed()[chosen])
     signal = regression.project_out(weights @ beside_inertia(problem, regression, columns))
     return is_noise(float(np.sum(noise**2) / np.sum(signal**2)), evidence.explained, policy)
 

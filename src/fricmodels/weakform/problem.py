@@ -26,14 +26,12 @@ from fricmodels.weakform.friction_limits import limits_of_friction
 from fricmodels.weakform.kinks import with_kinks
 from fricmodels.weakform.motion_states import MotionStates
 from fricmodels.weakform.quadrature import Quadrature
-from fricmodels.weakform.regression import Regression
 from fricmodels.weakform.remembered import INTEGRALS, Part, Remembered
 from fricmodels.weakform.repeats import parts_of, phase_of
 from fricmodels.weakform.row_noise import (
     beyond_noise,
     bump_width,
     momentum_noise,
-    noise_in_columns,
     noisier,
     torque_noise,
 )
@@ -54,8 +52,7 @@ class WeakFormProblem:
     Attributes:
         drive: the model under test, with its inertia given or not.
         recording: prepared; ``velocity`` as measured, torques at its time, see :meth:`fricmodels.drive.Drive.timed`.
-        smooth, half_width: velocity freed of noise, at which friction is evaluated, and half width of that filter; it
-            has the kinks that friction makes, see :mod:`.kinks`.
+        smooth, half_width: velocity freed of noise, with its :mod:`.kinks`, for friction; half width of that filter.
         resting: samples at rest.
         quadrature, bumps, friction_limits: see :mod:`.quadrature`, :mod:`.test_functions`, :mod:`.friction_limits`.
         estimated: parameters of the drive's fit, once there is one; see :attr:`motor_torque`.
@@ -115,12 +112,10 @@ class WeakFormProblem:
 
         def over(width: int) -> WeakFormProblem:
             slow = creeping(part, width)
-            smooth = motion.velocity
-            if not guessed:
-                smooth = with_kinks(part, smooth, motion.half_width, slow, limits, inertia)
+            smooth = with_kinks(part, motion.velocity, motion.half_width, slow, limits, 0.0 if guessed else inertia)
             unclear = direction_unclear(part, smooth, at_rest | slow, limits)
-            same = like is not None and plain and like.recording is part and like.bumps.is_of(width, unclear)
-            if like is not None and same and np.array_equal(like.smooth, smooth):
+            same = like is not None and plain and like.recording is part and np.array_equal(like.smooth, smooth)
+            if like is not None and same and like.bumps.is_of(width, unclear):
                 return like
             rows, half = _rows(part, smooth, width, unclear), motion.half_width
             return cls(drive, part, smooth, at_rest, *rows, half, (0.0, 0.0), delay=delay, made_for=made_for)
@@ -231,16 +226,6 @@ class WeakFormProblem:
     def torque_noise(self) -> float:
         """Sum of squares that noise of the motor torque adds to :attr:`driving`."""
         return float(np.sum(torque_noise(self.bumps, self.quadrature, self.recording) ** 2))
-
-    def noise_within(self, regression: Regression, columns: Array, perturbed: Array) -> Array:
-        """Return what noise makes of columns freed of the base directions, shape (k, rows).
-
-        Args:
-            regression: gives the base directions.
-            columns, perturbed: of this problem and of :attr:`perturbed`, shape (k, rows).
-        """
-        momentum = self.momentum if self.drive.inertia is None else None
-        return noise_in_columns(regression, columns, perturbed - columns, momentum, self.noise_of_momentum)
 
     @cached_property
     def driving(self) -> Array:

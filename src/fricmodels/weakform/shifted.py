@@ -18,6 +18,7 @@ from fricmodels.term import Effect
 from fricmodels.weakform.directions import base_directions
 from fricmodels.weakform.problem import WeakFormProblem
 from fricmodels.weakform.regression import SAME, Evidence, ProjectedGram, Regression, unwarned
+from fricmodels.weakform.row_noise import noise_in_columns
 
 Array = NDArray[np.float64]
 
@@ -139,3 +140,15 @@ def regression_of(
         return Regression(base, problem.target, problem.independent, problem.repeats)
     direction, most = problem.torque_rate, FREE_SHIFT * problem.recording.interval
     return ShiftedRegression(base, problem.target, problem.independent, direction, most, problem.repeats)
+
+
+def noise_within(problem: WeakFormProblem, regression: Regression, columns: Array, perturbed: Array) -> Array:
+    """Return what noise makes of columns freed of the base directions, shape (k, rows).
+
+    Args:
+        problem: the rows.
+        regression: gives the base directions.
+        columns, perturbed: of the problem and of its ``perturbed``, shape (k, rows).
+    """
+    momentum = problem.momentum if problem.drive.inertia is None else None
+    return noise_in_columns(regression, columns, perturbed - columns, momentum, problem.noise_of_momentum)
