@@ -16,9 +16,10 @@ from fricmodels.recording import Recording, channel_of
 from fricmodels.signals import lanczos_derivative, quantum, standstill, velocity_noise
 from fricmodels.signals.lanczos import even_weights
 from fricmodels.weakform.estimate import estimate
+from fricmodels.weakform.kinks import share_of_kinks
 from fricmodels.weakform.prepared import ready
 from fricmodels.weakform.test_functions import HOPS
-from fricmodels.weakform.unclear import CERTAIN
+from fricmodels.weakform.unclear import CERTAIN, creeping
 
 _SIGNALS = frozenset({"velocity", "position", "load_torque", "temperature"})
 """Signals that stand in a block of samples by themselves."""
@@ -41,6 +42,7 @@ class Plan(BaseModel):
         row_noise: mean square that noise of the velocity adds to ∫φ dω of a row.
         wrap: period by which the recorded position jumps back; 0 where it does not.
         jump: by how much the motor torque jumps with the sign of the velocity; see :mod:`fricmodels.weakform.jumps`.
+        kinks: share of what smoothing takes away at reversals that is given back; see :mod:`fricmodels.weakform.kinks`.
     """
 
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
@@ -59,6 +61,7 @@ class Plan(BaseModel):
     row_noise: Size
     wrap: Size = 0.0
     jump: float = 0.0
+    kinks: Size = 0.0
 
     @property
     def hop(self) -> int:
@@ -132,6 +135,7 @@ def plan_for(recording: Recording, model: str, inertia: float | None = None) -> 
     still = standstill(smooth)
     error = max(float(velocity_noise(part).after(even_weights(width)[0])), rounding, still / CERTAIN)
     steps = 0.0 if part.derived_over else 1.01 * quantum(part.velocity)
+    limits, slow = drive.sticking_interval(part, found.parameters), creeping(part, problem.bumps.width)
     return Plan(
         model=model,
         motion=part.motion,
@@ -146,5 +150,8 @@ def plan_for(recording: Recording, model: str, inertia: float | None = None) -> 
         friction=dict(found.parameters),
         row_noise=problem.momentum_noise / max(problem.rows, 1),
         jump=problem.quadrature.jump,
+        kinks=share_of_kinks(
+            part, np.where(np.abs(smooth) <= still, 0.0, smooth), width, slow, limits, drive.split(found.parameters)[0]
+        ),
         wrap=float(recording.provenance.get("unwrapped", {}).get("period", 0.0)),
     )

@@ -42,7 +42,13 @@ CERTAIN = 3.0
 
 
 def with_kinks(
-    recording: Recording, smooth: Array, half_width: int, slow: Mask, limits: tuple[Array, Array], inertia: float
+    recording: Recording,
+    smooth: Array,
+    half_width: int,
+    slow: Mask,
+    limits: tuple[Array, Array],
+    inertia: float,
+    share: float | None = None,
 ) -> Array:
     """Return the smoothed velocity with what smoothing took away of it about reversals, shape (N,).
 
@@ -53,22 +59,46 @@ def with_kinks(
         slow: samples at which the drive creeps or rests, and no reversal is told, shape (N,).
         limits: least and greatest friction torque that holds the drive at rest, shape (N,) each.
         inertia: of the drive; without one nothing is known.
+        share: β; as this recording shows it if not given.
+    """
+    found = _taken_away(recording, smooth, half_width, slow, limits, inertia) if share != 0.0 else None
+    if found is None:
+        return smooth
+    seen = _share_seen(recording, smooth, *found) if share is None else share
+    return smooth + seen * found[0] if seen else smooth
+
+
+def share_of_kinks(
+    recording: Recording, smooth: Array, half_width: int, slow: Mask, limits: tuple[Array, Array], inertia: float
+) -> float:
+    """Return β, which part of the kinks a recording shows; arguments as for :func:`with_kinks`."""
+    found = _taken_away(recording, smooth, half_width, slow, limits, inertia)
+    return 0.0 if found is None else _share_seen(recording, smooth, *found)
+
+
+def _taken_away(
+    recording: Recording, smooth: Array, half_width: int, slow: Mask, limits: tuple[Array, Array], inertia: float
+) -> tuple[Array, Index, int] | None:
+    """Return d, shape (N,), the cells in which the drive turns, and the samples to either side that the filter takes.
+
+    ``None`` where the drive turns nowhere, or the filter takes nothing away.
     """
     weights = even_weights(half_width)[0] if half_width > DEGREE // 2 else np.ones(1)  # so few points are met exactly
     if recording.derived_over:
         weights = np.convolve(weights, even_weights(recording.derived_over)[1])
     reach = len(weights) // 2
     if reach <= _LEAST_REACH or inertia <= 0.0:
-        return smooth
+        return None
     passed, clear = _cells_and_samples(recording, slow, reach)
     around, found, taken = np.arange(-reach, reach + 1), smooth, np.zeros_like(smooth)
+    cell = np.zeros(0, dtype=np.int64)
     for _ in range(_ROUNDS):
         cell = np.flatnonzero((found[:-1] * found[1:] < 0.0) & passed)
         near = np.unique(cell[:, None] + np.arange(-reach, reach + 2))
         near = near[(near >= 0) & (near < len(smooth))]
         near = near[clear[near]]
         if not len(near):
-            return smooth
+            return None
         course = _course(recording, found, cell, limits, inertia)
         path = np.concatenate([[0.0], np.cumsum(0.5 * (course[1:] + course[:-1]))])
         signal = path if recording.derived_over else course
@@ -76,8 +106,7 @@ def with_kinks(
         taken[near] = course[near] - signal[near[:, None] + around] @ weights
         taken[smooth == 0.0] = 0.0
         found = smooth + taken
-    seen = _share_seen(recording, smooth, taken, cell, reach)
-    return smooth + seen * taken if seen else smooth
+    return taken, cell, reach
 
 
 def _share_seen(recording: Recording, smooth: Array, taken: Array, cell: Index, reach: int) -> float:
