@@ -264,6 +264,7 @@ WAYS = (
     Way("velocity with the other sign", with_both(scaled(velocity=-1.0)), ("velocity-sign",)),
     Way("position with the other sign", with_both(scaled(position=-1.0)), ("velocity-sign",)),
     Way("a gear between the sensors (× 7)", with_both(scaled(velocity=7.0)), ("velocity-scale",)),
+    Way("velocity two hundredths too large", with_both(scaled(velocity=1.02)), ("velocity-scale",)),
     Way("position and velocity swapped", swapped("position", "velocity"), ("swapped-columns",)),
     Way("torque and velocity swapped", swapped("torque", "velocity"), ("swapped-columns",)),
     Way("torque and position swapped", swapped("torque", "position"), ("swapped-columns",)),

@@ -19,6 +19,7 @@ from fricmodels.logcheck import (
     rates,
     repeats,
     samples,
+    scale,
     stamps,
     torque,
 )
@@ -74,6 +75,7 @@ def _all(log: Log, inertia: float | None) -> Iterator[Finding]:
         yield from delay.delay(log, rows)
         yield from angle.periods(log, found)
     if not related:
+        yield from scale.scale(log)
         yield from rates.lag(log)
     yield from limits.torque_limit(log)
     yield from limits.end_stop(log)

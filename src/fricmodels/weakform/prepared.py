@@ -75,7 +75,8 @@ def surest_velocity(recording: Recording, *, known_by_position: bool = False) ->
     An encoder's position often gives a better velocity than the noisy channel beside it. The two must agree: the
     measured velocity is the derived one, to within a hundredth in scale and its own noise. Where it was itself computed
     as a difference of the positions it says nothing more than they do, and says that smeared or late. Where it comes
-    later than the positions, filtered by its drive or held up on a bus, all that it is off by is its error.
+    later than the positions, filtered by its drive or held up on a bus, all that it is off by is its error. Where it
+    certainly has another scale than they have, as by a calibration, it is divided by the ratio first.
 
     Args:
         recording: as measured.
@@ -84,7 +85,11 @@ def surest_velocity(recording: Recording, *, known_by_position: bool = False) ->
     if not _both_measured(recording):
         return recording
     from fricmodels.logcheck.rates import is_late  # costs a tenth of a second, and few recordings come here
+    from fricmodels.logcheck.scale import other_scale
 
+    times = 1.0 if known_by_position else other_scale(recording)
+    if times != 1.0:
+        recording = recording.with_channels(derived=False, velocity=recording.velocity / times)
     time, run, position, velocity = recording.time, recording.run, recording["position"], recording.velocity
     counted = with_false_stamps(recording, noise_of(time, position, run))
     width = best_half_width(time, position, run, noise=counted.slow)
