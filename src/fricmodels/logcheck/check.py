@@ -57,6 +57,7 @@ def _all(log: Log, inertia: float | None) -> Iterator[Finding]:
     yield from stamps.lost(log)
     yield from stamps.truth(log)
     yield from angle.wrapped(log)
+    yield from samples.jumps(log)
     yield from angle.grid(log)
     rows = balances(log)
     found = best(rows)

@@ -11,10 +11,13 @@ from fricmodels.logcheck.finding import Finding, Severity
 from fricmodels.logcheck.view import Log
 from fricmodels.results.words import figures
 from fricmodels.signals.beginnings import false_beginnings
+from fricmodels.signals.jumps import find_jumps
 from fricmodels.signals.switched import is_switched
 
 _FEW_JUMP = 500
 """Of so many samples one may be a spike, and two in a short log."""
+_TOLD = 3
+"""Jumps that are told one by one."""
 _COARSE = 0.01
 """Rounding of a hundredth of a channel's RMS is as large as the torque error that is looked for."""
 
@@ -66,6 +69,33 @@ def spikes(log: Log) -> Iterator[Finding]:
             f"{unit} and back at once, where all others are {figures(kept.min(), 4)} to {figures(kept.max(), 4)}{more}",
             "remove such rows",
         )
+
+
+def jumps(log: Log) -> Iterator[Finding]:
+    """Say where the position jumps within one sample and goes on from there; see `signals.jumps`."""
+    known = log.recording.provenance.get("jumps", [])
+    mended = bool(known)
+    if not mended:
+        found = find_jumps(log.recording)
+        if found is None:
+            return
+        times = log.recording.time[found.after] - log.recording.time[0]
+        known = np.stack([times, found.size], axis=1).tolist()
+    told = ", ".join(f"by {log.size('position', size)} after {figures(time, 6)} s" for time, size in known[:_TOLD])
+    more = f", and {len(known) - _TOLD} times more" if len(known) > _TOLD else ""
+    does = (
+        "the velocity does not go along, so that it was put together there"
+        if mended
+        else "before and after it has other zeros"
+    )
+    yield Finding(
+        "position-jump",
+        Severity.WARN,
+        "position",
+        f"the {log.called('position')} jumps within one sample, {told}{more}, and goes on from there, as where an "
+        f"encoder slips, a counter is reset, or samples are missing that the stamps do not show; {does}",
+        "" if mended else "cut the log there, or name a column that tells the parts apart with --column run=COLUMN",
+    )
 
 
 def overlooked(log: Log) -> Iterator[Finding]:

@@ -26,6 +26,7 @@ from fricmodels.readers.gaps import Gaps, kept
 from fricmodels.readers.registers import find_register
 from fricmodels.readers.vectors import unequal_lengths
 from fricmodels.recording import OTHER, Recording
+from fricmodels.signals.jumps import mend_jumps
 from fricmodels.signals.wrapping import unwrap
 
 if TYPE_CHECKING:
@@ -138,7 +139,7 @@ def read(
         units={channel: further.get(channel, (_AS_IT_IS, ""))[1] for channel in _further(found)},
     )
     check(recording, lambda row: chosen.place(source, int(order[row])))
-    return unwrap(recording)
+    return mend_jumps(unwrap(recording))
 
 
 def _table(reader: Reader, source: Path, wanted: Sequence[str]) -> pd.DataFrame:

@@ -18,6 +18,7 @@ from fricmodels.readers import check
 from fricmodels.readers.blocks import Block, Blocks, blocks, check_values
 from fricmodels.readers.gaps import kept
 from fricmodels.recording import Recording
+from fricmodels.signals.jumps import mend_jumps
 from fricmodels.signals.wrapping import unwrap
 from fricmodels.sums.plan import Plan
 from fricmodels.sums.rows import Rows, Stretch
@@ -99,7 +100,7 @@ def pilot(path: str | Path, *, gaps: Gaps | str | None = None, **how: Any) -> Re
     provenance = {"source": str(opened.source)}
     recording = Recording(opened.source.stem, opened.motion, channels, run, provenance=provenance)
     check(recording)
-    return unwrap(recording)
+    return mend_jumps(unwrap(recording))
 
 
 def _names(opened: Blocks, plan: Plan) -> list[str]:
