@@ -30,6 +30,25 @@ def test_a_torque_that_is_switched_is_exact_and_one_in_coarse_steps_is_rounded()
     assert torque_noise(time, rounded).deviation == pytest.approx(4.0 / np.sqrt(12.0), rel=0.2)
 
 
+def test_a_command_in_a_few_steps_is_exact_however_fine_the_grid_that_they_stand_on() -> None:
+    time = np.arange(20_000) / 200.0
+    levels = np.array([2.2, -1.6, 1.4, 0.0, -1.2, 2.5, -2.2, 1.8, 1.2])
+    command = levels[np.arange(20_000) // 600 % len(levels)]
+    assert is_switched(command)
+    assert torque_noise(time, command).deviation == 0.0
+
+
+def test_what_was_measured_is_no_command_though_it_stays_on_few_values() -> None:
+    rng = np.random.default_rng(0)
+    levels = np.array([2.2, -1.6, 1.4, 0.0, -1.2, 2.5, -2.2, 1.8, 1.2])
+    command = levels[np.arange(20_000) // 600 % len(levels)]
+    assert not is_switched(np.round(command + 0.02 * rng.standard_normal(20_000), 2)), "noise shows levels beside them"
+    assert not is_switched(0.1 * np.round(25.0 * np.sin(np.arange(20_000) / 900.0)))
+    assert not is_switched(np.repeat(np.round(rng.standard_normal(200), 3), 5)), "polled"
+    assert not is_switched(np.clip(np.round(9.0 * np.sin(np.arange(20_000) / 90.0), 3), -3.0, 3.0)), "clipped"
+    assert not is_switched(np.round(np.arange(20_000) / 5_000.0))
+
+
 @pytest.mark.parametrize("change", [0.0, 1e-12, 1e-9])
 def test_a_step_is_known_from_all_the_way(change: float) -> None:
     rng = np.random.default_rng(4)

@@ -20,7 +20,7 @@ from fricmodels.weakform.prepared import ready
 INTERVAL, SAMPLES = 2e-3, 12_000
 
 
-def logged(scale: float = 1.0, *, counts: int = 2**16, noise: float = 5e-3, smoothing: float = 1.0) -> Recording:
+def logged(scale: float = 1.0, *, counts: float = 2**16, noise: float = 5e-3, smoothing: float = 1.0) -> Recording:
     """Return a drive with an encoder and a tachometer.
 
     Args:

@@ -6,23 +6,42 @@ import numpy as np
 
 from fricmodels.arrays import Array
 from fricmodels.signals.noise_colour import Noise
-from fricmodels.signals.noise_level import noise_of
+from fricmodels.signals.noise_level import noise_of, quantum
 from fricmodels.signals.segments import Runs
 
 _FEW = 3
 """Values of a torque that is switched: forward, off and backward."""
-_EXCERPT = 4096
+_HELD = 10
+"""Samples that half of the values of a staircase last at least, all together: what is only passed lasts one or two."""
+_ALONE = 0.5
+"""Share of the values of a staircase that have no neighbour on their grid, at least. What is rounded passes from level
+to level, and one that stands still between two levels shows both: nearly all of its levels have one."""
+_EXCERPT, _MOST = 4096, 256
+"""Samples that are looked at first, and values in them from which a torque is no staircase."""
 
 
 def is_switched(torque: Array) -> bool:
-    """Whether a torque, shape (N,), takes no more than three values."""
-    return len(np.unique(torque[:_EXCERPT])) <= _FEW and len(np.unique(torque)) <= _FEW
+    """Whether a torque, shape (N,), takes no more than three values, or stays on a few with none between them.
+
+    A command in steps of 2.2, 1.4, 0 and -1.2 N m has values that are multiples of 0.2 N m, as if rounded to that. But
+    it goes from one to the other without those between, and none stands beside another on that grid.
+    """
+    if len(np.unique(torque[:_EXCERPT])) > _MOST:
+        return False
+    values, counts = np.unique(torque, return_counts=True)
+    if len(values) <= _FEW:
+        return True
+    if len(values) > _MOST or np.median(counts) < _HELD:
+        return False
+    step = quantum(values)
+    near = np.diff(values) < 1.5 * step
+    return step > 0.0 and float(np.mean(np.r_[near, False] | np.r_[False, near])) <= 1.0 - _ALONE
 
 
 def torque_noise(time: Array, torque: Array, runs: Runs | None = None) -> Noise:
     """Return the noise of a torque, its lasting part as small as it may be; none of one that is switched.
 
-    Rounding to a grid leaves errors of up to half a step where the values between are passed. A relay passes none.
+    Rounding to a grid leaves errors of up to half a step where the values between are passed. A switch passes none.
 
     Args:
         time: sample times [s], shape (N,).
