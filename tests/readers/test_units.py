@@ -55,6 +55,16 @@ R, L = Motion.ROTARY, Motion.LINEAR
         ("rad.s-1", "velocity", R, 1.0, 1.0),
         ("Grad", "position", R, 180.0, math.pi),
         ("sec.", "time", R, 5.0, 5.0),
+        *((unit, "velocity", R, 180.0, math.pi) for unit in ("dps", "DPS", "deg s^-1", "deg s-1")),
+        ("rad s-1", "velocity", R, 1.0, 1.0),
+        ("cnt/4096", "position", R, 2048.0, math.pi),
+        *(
+            (unit, "torque", R, 2.0, 2.0)
+            for unit in ("Newtonmeter", "newton meter", "Newton-meters", "Newton*metre", "newton_meter", "NM")
+        ),
+        ("millinewton-meters", "torque", R, 2.0, 2e-3),
+        *((unit, "torque", L, 2.0, 2.0) for unit in ("Newton", "Newtons", "newton")),
+        *((unit, "current", R, 2.0, 2.0) for unit in ("amps", "Amps", "Ampere", "amperes")),
         ("C", "temperature", R, 20.0, 20.0),
     ],
 )

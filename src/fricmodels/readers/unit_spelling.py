@@ -1,8 +1,8 @@
 """How units are spelled in the headers of logs, and what Pint calls them.
 
-``rev`` and ``Umdr`` are turns, ``U/min`` and ``1/min`` turns a minute, ``kp`` is a kilogram-force, a full stop or a
-dash between two units multiplies them, ``lb-in`` and ``kg.cm`` are torques, and a capital letter more or less changes
-no ``RPM``.
+``rev`` and ``Umdr`` are turns, ``U/min`` and ``1/min`` turns a minute, ``kp`` is a kilogram-force, ``dps`` are degrees
+a second, ``cnt`` and ``inc`` counts, a full stop or a dash between two units multiplies them, ``lb-in``, ``kg.cm`` and
+``Newtonmeter`` are torques, and a capital letter more or less changes no ``RPM``.
 """
 
 from __future__ import annotations
@@ -38,10 +38,27 @@ _WORDS = {
 }
 """Whole texts, in small letters."""
 _ANY_CASE = re.compile(
-    r"(?<![^\W\d_])(rpm|rps|deg|degrees?|rad|radians?|sec|seconds?|min|minutes?|turns?|counts?|inch(?:es)?)(?![^\W\d_])",
+    r"(?<![^\W\d_])(rpm|rps|deg|degrees?|rad|radians?|sec|seconds?|min|minutes?|turns?|counts?|inch(?:es)?|newtons?|amperes?)(?![^\W\d_])",
     re.IGNORECASE,
 )
-_NAMES = {"kp": "kgf", "Grad": "deg", "мин": "min", "lbs": "lb"}
+_NAMES = {
+    "kp": "kgf",
+    "Grad": "deg",
+    "мин": "min",
+    "lbs": "lb",
+    "NM": "Nm",
+    "dps": "deg/s",
+    "DPS": "deg/s",
+    "mdps": "mdeg/s",
+    "amps": "A",
+    "Amps": "A",
+    "Amp": "A",
+    "Sek": "s",
+    "Sekunden": "s",
+    **dict.fromkeys(("cnt", "cnts", "inc", "incs"), "count"),
+}
+_NEWTON_METRES = re.compile(r"(?<![^\W\d_])(milli|kilo)?newtons?[\s*·._-]*met(?:er|re)s?(?![^\W\d_])", re.IGNORECASE)
+_PREFIXES = {"milli": "m", "kilo": "k"}
 _NAME = re.compile(r"[^\W\d_]+")
 _PRODUCT = re.compile(r"(?<=[^\W\d_])\s*[.-]\s*(?=[^\W\d_])")
 _POWER = re.compile(r"(?<=[^\W\d_])(?<!\d[eE])-(?=\d{1,2}(?!\d))")
@@ -58,5 +75,6 @@ def spelled(unit: str) -> str:
         return word
     text = _TURNS_IN_A_TIME.sub("turn", _TURNS.sub(r"\1turn", text.replace("º", "°")))
     text = _ANY_CASE.sub(lambda found: found[0].lower(), text)
+    text = _NEWTON_METRES.sub(lambda found: _PREFIXES.get((found[1] or "").lower(), "") + "Nm", text)
     text = _NAME.sub(lambda found: _NAMES.get(found[0], found[0]), text)
     return _POWER.sub("^-", _PRODUCT.sub("*", text))

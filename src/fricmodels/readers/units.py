@@ -189,7 +189,7 @@ def conversion(unit: str, channel: str, motion: Motion) -> Conversion:
     """
     target = _si_unit(channel, motion)
     if not _measures(unit, target, channel):
-        hint = "; state the counts a turn, such as count/2000" if _COUNT.search(unit) else ""
+        hint = "; state the counts a turn, such as count/2000" if _COUNT.search(spelled(unit)) else ""
         if is_voltage(unit):
             hint = "; a voltage is not a torque: give the current with --torque-constant, or the torque itself"
         if "%" in unit:
