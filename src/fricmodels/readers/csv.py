@@ -1,4 +1,4 @@
-"""Comma-separated values, and semicolons, tabs or blanks; decimal points or commas; comments; a row of units."""
+"""Comma-separated values, also with ; | tabs or blanks; decimal points or commas; comments; a row of units."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class CsvReader(Reader):
 
     name = "csv"
     suffixes = (".csv", ".tsv", ".txt", ".dat")
-    summary = "delimited text: , ; tab or blanks, decimal points or commas"
+    summary = "delimited text: , ; | tab or blanks, decimal points or commas"
 
     def table(self, path: Path) -> pd.DataFrame:
         """Return the columns; numbers where a whole column is numbers."""

@@ -14,6 +14,8 @@ from fricmodels.readers.labelled import labels_of
 
 _COMMENTS = ("#", "%")
 _NUMBER = re.compile(r"\s*[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?\s*$|\s*[-+]?(nan|inf(inity)?)\s*$", re.IGNORECASE)
+_DIGITS, _BEHIND_A_COMMA = re.compile(r"\s*-?\d*([eE][-+]?\d+)?\s*$"), re.compile(r"\s*0\d+\s*$")
+_DELIMITERS = ("\t", ";", ",", "|", " ")
 DECIMAL_COMMA = re.compile(r"^(\s*[-+]?\d*),(\d+(?:[eE][-+]?\d+)?\s*)$")
 
 
@@ -89,11 +91,13 @@ def sniff(path: Path) -> Dialect:
         raise InputError(f"{path}: the file is empty")
     if (labels := labels_of(lines[0][1])) is not None:
         return Dialect(encoding, ",", ".", labels, {}, lines[0][0] - 1, labelled=True)
+    _refuse_commas_between_decimal_commas(path, lines)
     lines = _without_preamble(_commented_header(path, encoding, lines[0][0], lines[0][1]) + lines)
     number, header_line = lines[0]
     body = [line for _, line in lines[1:]]
     delimiter = _delimiter(header_line, body)
     header = fields_of(header_line, delimiter)
+    delimiter = _of_rows(len(header), body, delimiter)
     named = not all(_is_number(field, delimiter) for field in header if field)
     if len(header) > _MOST_COLUMNS:
         raise InputError(
@@ -120,6 +124,41 @@ def sniff(path: Path) -> Dialect:
     return Dialect(encoding, delimiter, "," if commas > points else ".", header, stated, first)
 
 
+def _of_rows(width: int, body: list[str], delimiter: str) -> str:
+    """Return what stands between the numbers: not what stands between the names, where that cuts no row into numbers.
+
+    Another mark is taken where it cuts every row into numbers, as many as there are names.
+    """
+
+    def cut(line: str, mark: str) -> bool:
+        fields = fields_of(line, mark)
+        return len(fields) == width and _all_numbers(fields, mark)
+
+    if width < 2 or not body or any(cut(line, delimiter) for line in body):
+        return delimiter
+    return next((mark for mark in _DELIMITERS if all(cut(line, mark) for line in body)), delimiter)
+
+
+def _refuse_commas_between_decimal_commas(path: Path, lines: list[tuple[int, str]]) -> None:
+    """Refuse a file whose commas stand both within its numbers and between them.
+
+    Below a row of names all is digits and commas, more fields than names, and some fields begin with a zero though they
+    are no number below one: they are what stands behind a decimal comma.
+
+    Raises:
+        InputError: naming the line and the way out.
+    """
+    names, rows = lines[0][1].split(","), [line.split(",") for _, line in lines[1:]]
+    if len(names) < 2 or not rows or any(map(_NUMBER.match, names)):
+        return
+    behind = any(_BEHIND_A_COMMA.match(field) for row in rows for field in row)
+    if behind and all(len(row) > len(names) and all(map(_DIGITS.match, row)) for row in rows):
+        raise InputError(
+            f"{path}: line {lines[1][0]} has {len(rows[0])} fields where the header names {len(names)} columns: commas "
+            "stand within the numbers and between them; save it with semicolons between them, or with decimal points"
+        )
+
+
 def _without_preamble(lines: list[tuple[int, str]]) -> list[tuple[int, str]]:
     """Return the lines from the names of the columns on, where a recorder wrote settings of its own before them.
 
@@ -130,7 +169,7 @@ def _without_preamble(lines: list[tuple[int, str]]) -> list[tuple[int, str]]:
     own = _delimiter(lines[0][1], [lines[-1][1]])
     if len(fields_of(lines[0][1], own)) == len(fields_of(lines[-1][1], own)) > 1:
         return lines
-    for delimiter in ("\t", ";", ",", " "):
+    for delimiter in _DELIMITERS:
         rows = [fields_of(line, delimiter) for _, line in lines]
         widths = [len(row) if _all_numbers(row, delimiter) else 0 for row in rows]
         ends = range(_ROWS, len(rows) + 1)
@@ -162,7 +201,7 @@ def _is_number(field: str, delimiter: str) -> bool:
 
 def _commented_header(path: Path, encoding: str, number: int, line: str) -> list[tuple[int, str]]:
     """Return the comment right above the data if it names the columns, where the first line is numbers already."""
-    if number == 1 or not all(_NUMBER.match(field) for field in re.split(r"[\s,;]+", line.strip()) if field):
+    if number == 1 or not all(_NUMBER.match(field) for field in re.split(r"[\s,;|]+", line.strip()) if field):
         return []
     with path.open(encoding=encoding, errors="replace") as stream:
         comment = [text for _, text in zip(range(number - 1), stream, strict=False)][-1].strip().lstrip("#% ")
@@ -175,4 +214,6 @@ def _delimiter(header: str, body: list[str]) -> str:
     for candidate in ("\t", ";", ","):
         if candidate in header:
             return candidate
+    if "|" in header and (not body or header.count("|") == body[0].count("|")):
+        return "|"
     return " " if body and len(header.split()) == len(body[0].split()) > 1 else ","
