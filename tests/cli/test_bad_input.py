@@ -212,3 +212,25 @@ def test_wrong_units_stop_the_work_unless_trusted(tmp_path, capsys):
     with pytest.raises(SystemExit, match="0"):
         main([*run, "--trust"])
     assert capsys.readouterr().err.count("as between deg and rad/s") == 1
+
+
+def test_info_calls_no_log_usable_that_is_too_short_to_fit(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "ten.csv"
+    path.write_text(table(motion(400)[::40]))
+    with pytest.raises(SystemExit) as done:
+        main(["info", str(path)])
+    assert not done.value.code
+    assert "10 samples are too few to fit a model to; record 20 at least" in " ".join(capsys.readouterr().out.split())
+    with pytest.raises(SystemExit, match="2"):
+        main(["diagnose", str(path), "--model", "coulomb-viscous"])
+    assert "10 samples are too few" in capsys.readouterr().err
+
+
+def test_a_missing_channel_is_told_with_the_model_that_was_asked_for(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "log.csv"
+    path.write_text(table(motion()))
+    with pytest.raises(SystemExit, match="2"):
+        main(["compare", str(path), "--model", "coulomb-viscous+thermal", "--inertia", "0.02"])
+    assert "'coulomb-viscous+thermal' needs the channel 'temperature'" in capsys.readouterr().err

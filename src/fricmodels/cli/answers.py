@@ -18,7 +18,8 @@ if TYPE_CHECKING:
     from fricmodels.progress import Cancelled
     from fricmodels.recording import Recording
 
-_FEWEST = 20
+FEWEST = 20
+"""Samples that a model is fitted to at least."""
 _GREATEST = 1e75
 """Fourth powers of sizes are computed; a float ends at 1e308."""
 _HEAVIEST = 1e9
@@ -32,8 +33,8 @@ def check_computable(recording: Recording, inertia: float | None) -> None:
         InputError: naming the channel or the inertia, and the way out.
     """
     source = recording.provenance.get("source", recording.name)
-    if len(recording) < _FEWEST:
-        raise InputError(f"{source}: {len(recording)} samples are too few to fit a model to; record {_FEWEST} at least")
+    if len(recording) < FEWEST:
+        raise InputError(f"{source}: {len(recording)} samples are too few to fit a model to; record {FEWEST} at least")
     steps = np.diff(recording.time)
     sizes = {name: np.abs(values) for name, values in recording.channels.items() if name != "time"}
     for name, size in {**sizes, "step of time": np.abs(steps)}.items():

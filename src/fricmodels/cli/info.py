@@ -61,11 +61,14 @@ def command(
 
 def _answer(found: Summary) -> str:
     """Return in one sentence whether a recording can be used, and what to do next."""
+    from fricmodels.cli.answers import FEWEST
     from fricmodels.logcheck import Severity
 
     counted = {severity: sum(finding.severity == severity for finding in found.findings) for severity in Severity}
     if counted[Severity.STOP]:
         return "not usable as it is: every answer would be nonsense. What stops it stands first, with the way out."
+    if found.samples < FEWEST:
+        return f"{found.samples} samples are too few to fit a model to; record {FEWEST} at least."
     if counted[Severity.WARN]:
         return "usable, with what is warned of below in mind. Next: fricmodels diagnose, with the same options."
     return "nothing is the matter. Next: fricmodels diagnose, with the same options."

@@ -104,8 +104,9 @@ def estimate(
         The rows at the smoothed velocity without carriers, on which candidates are tested, and the estimate.
 
     Raises:
-        InputError: when the recording moves too little to fit the model.
+        InputError: when the recording moves too little to fit the model, or lacks a channel that the model needs.
     """
+    recording.require(drive.model.required - {"velocity", "acceleration"}, drive.model.name)
     rows, found = _estimated(drive, recording, start or {}, width, model_velocity=model_velocity)
     told = told_by_kept_back(drive, recording, found.parameters)
     if told:
