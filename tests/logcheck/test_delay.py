@@ -92,3 +92,35 @@ def test_a_known_delay_is_told_as_long_as_it_is(samples: int) -> None:
     assert float(found.text.partition("(")[2].partition(" samples")[0]) == pytest.approx(samples, abs=0.3)
     assert "looks as if" not in found.text
     assert found.remedy.startswith("shift it")
+
+
+def counted(bits: int, samples: int = 15_000) -> Recording:
+    """Return a servo that follows two sines, with an encoder of so many bits and without a velocity."""
+    inertia, viscous, coulomb, step = 0.0031, 0.012, 0.06, 5e-4
+    time = step * np.arange(4.0 * samples)
+    wanted = 0.7 * np.sin(np.pi * time) + 0.1 * np.sin(3.0 * np.pi * time + 2.0)
+    rate = np.gradient(wanted, step)
+    angle = speed = lasting = 0.0
+    position, torque = np.empty(len(time)), np.empty(len(time))
+    for k in range(len(time)):
+        lasting += step * (wanted[k] - angle)
+        torque[k] = 5.0 * (wanted[k] - angle) + 0.15 * (rate[k] - speed) + 0.5 * lasting
+        position[k] = angle
+        free, held = (x / (inertia + step * viscous) for x in (inertia * speed + step * torque[k], step * coulomb))
+        speed = float(np.sign(free)) * max(abs(free) - held, 0.0)
+        angle += step * speed
+    count = 2.0 * np.pi / 2**bits
+    noisy = torque[::4] + 0.02 * np.std(torque) * np.random.default_rng(0).standard_normal(samples)
+    channels = {"time": time[::4], "torque": noisy, "position": count * np.round(position[::4] / count)}
+    return Recording("counts", Motion.ROTARY, channels, np.zeros(samples, dtype=np.int64))
+
+
+@pytest.mark.parametrize("bits", [10, 11])
+def test_coarse_counts_are_no_delay(bits: int) -> None:
+    """Counts blur the acceleration: what the balance then misses of the inertia goes with the change of K_v ω."""
+    assert not said(counted(bits))
+
+
+def test_a_late_torque_beside_counts_that_are_fine_enough_is_still_one() -> None:
+    recording = counted(16)
+    assert said(changed(recording, torque=late(recording.torque, 8)))
