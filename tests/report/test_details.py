@@ -20,6 +20,7 @@ from fricmodels.parameter import at_bound
 from fricmodels.recording import Recording
 from fricmodels.report import figures, sections, story
 from fricmodels.report.figures.style import unit_text
+from fricmodels.report.parameters import parameters
 from fricmodels.report.provenance import recording
 from fricmodels.report.render import render
 from fricmodels.report.wording import unit
@@ -85,9 +86,7 @@ def test_a_parameter_at_its_bound_is_named() -> None:
     declared = {p.key: p.declared for p in Model.parse("coulomb-viscous").parameters}
     assert at_bound(declared, {"K_v": 0.0, "K_c": 3.0}) == ["K_v"]
     assert at_bound(declared, {"K_v": 1e-9, "K_c": None}) == []
-    table = sections.parameters(
-        "coulomb-viscous", {"K_v": 0.0, "K_c": 3.0}, {"K_v": 0.0, "K_c": 0.1}, Motion.ROTARY, ""
-    )
+    table = parameters("coulomb-viscous", {"K_v": 0.0, "K_c": 3.0}, {"K_v": 0.0, "K_c": 0.1}, Motion.ROTARY, "")
     assert ["bound" in row[2] for row in table.rows] == [True, False]
 
 

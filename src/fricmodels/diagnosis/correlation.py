@@ -16,8 +16,9 @@ def correlation(comparison: Comparison) -> tuple[tuple[str, ...], NDArray[np.flo
     estimate = comparison.estimate
     if estimate.covariance is None:
         return None
+    own = estimate.own_errors
     spread = np.sqrt(np.maximum(np.diag(estimate.covariance), 0.0))
-    kept = spread > 0
-    keys = tuple(key for key, used in zip(estimate.standard_errors, kept, strict=True) if used)
+    kept = (spread > 0) & (np.array([own[key] for key in own]) > 0)
+    keys = tuple(key for key, used in zip(own, kept, strict=True) if used)
     matrix = estimate.covariance[np.ix_(kept, kept)] / np.outer(spread[kept], spread[kept])
     return keys, np.clip(matrix, -1.0, 1.0)

@@ -15,6 +15,7 @@ from fricmodels.diagnosis.explain import explain, sentence, unknown
 from fricmodels.diagnosis.floor import beyond_sampling_percent, is_above_noise
 from fricmodels.diagnosis.in_its_place import in_its_place
 from fricmodels.diagnosis.ladder import Ladder, added
+from fricmodels.diagnosis.remarks import remarks_on
 from fricmodels.diagnosis.shift import shift_within_sampling
 from fricmodels.dimension import INERTIA, Motion
 from fricmodels.files import write_text
@@ -82,7 +83,9 @@ def _facts(comparison: Comparison) -> dict[str, Any]:
             estimated=drive.inertia is None,
         ),
         "parameters": dict(estimate.parameters),
-        "standard_errors": dict(estimate.standard_errors),
+        "standard_errors": estimate.own_errors,
+        "not_identified": dict(estimate.not_identified),
+        "remarks": remarks_on(comparison),
         "held": drive.model.known.fixed,
         "offsets_of_runs": comparison.offsets_of_runs,
         "rms_torque_error": facts.TorqueError(
@@ -196,7 +199,7 @@ def _in_its_place(other: Comparison) -> typed.InItsPlace:
         model=other.drive.model.name,
         held_out_percent=other.errors.held_out_percent,
         parameters=dict(other.estimate.parameters),
-        standard_errors=dict(other.estimate.standard_errors),
+        standard_errors=dict(other.estimate.own_errors),
     )
 
 
@@ -230,7 +233,9 @@ def _ladder(diagnosis: Diagnosis, ladder: Ladder | None) -> tuple[facts.Step, ..
             added=rung.added,
             removed=rung.removed,
             parameters=dict(rung.comparison.estimate.parameters),
-            standard_errors=dict(rung.comparison.estimate.standard_errors),
+            standard_errors=dict(rung.comparison.estimate.own_errors),
+            not_identified=dict(rung.comparison.estimate.not_identified),
+            remarks=remarks_on(rung.comparison),
             noise_floor_percent=rung.comparison.noise_floor_percent,
             noise_channel=rung.comparison.noise_channel,
         )

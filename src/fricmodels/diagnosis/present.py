@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 import textwrap
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -17,12 +17,11 @@ from fricmodels.diagnosis.document import document
 from fricmodels.diagnosis.errors_table import sampled, show_bands
 from fricmodels.diagnosis.ladder import Ladder, Rung, added
 from fricmodels.diagnosis.places import profile
+from fricmodels.diagnosis.remarks import remarks_on
 from fricmodels.dimension import Motion
-from fricmodels.parameter import at_bound
 from fricmodels.recording import Recording
 from fricmodels.results.words import (
     FOUND,
-    NORMAL_95,
     NOT_FOUND,
     NOT_SEEN,
     SIZE,
@@ -36,7 +35,6 @@ from fricmodels.results.words import (
 from fricmodels.score import headline_window, torque_error_over
 from fricmodels.signals import stretches
 from fricmodels.terminal import Band, Column, Marks, bar, plain, show_plot, show_table, spoken
-from fricmodels.weakform.estimate import Estimate
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -46,8 +44,6 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-_NO_OTHER = "may be 0"
-"""Of a parameter whose 95 % interval includes zero."""
 _BAR = 20
 _NARROW_BAR = 8
 _SHOWN_REVERSALS = 4
@@ -81,30 +77,17 @@ def show_parameters(console: Console, comparison: Comparison, title: str = "Para
     drive, estimate = comparison.drive, comparison.estimate
     units = {p.key: p.declared.unit_for(drive.motion) for p in drive.parameters}
     units.setdefault(drive.inertia_key, "kg m^2" if drive.motion is Motion.ROTARY else "kg")
-    keys = tuple(estimate.parameters)
+    keys, errors = tuple(estimate.parameters), estimate.own_errors
     columns = [
         Column("parameter", keys),
-        Column("value", tuple(value_text(estimate.parameters[k], estimate.standard_errors.get(k)) for k in keys), True),
-        Column("std. error", tuple(spread_text(estimate.standard_errors.get(key)) for key in keys), number=True),
+        Column("value", tuple(value_text(estimate.parameters[k], errors.get(k)) for k in keys), True),
+        Column("std. error", tuple(spread_text(errors.get(key)) for key in keys), number=True),
         Column("unit", tuple(units.get(key, "") for key in keys)),
     ]
-    held = at_bound({p.key: p.declared for p in drive.parameters}, estimate.parameters)
-    above_zero = {p.key for p in drive.parameters if p.declared.lower > 0.0}
-    remarks = tuple(_remark(key, held, above_zero, estimate) for key in keys)
-    if any(remarks):
-        columns.append(Column("remark", remarks))
+    said = remarks_on(comparison)
+    if said:
+        columns.append(Column("remark", tuple(said.get(key, "") for key in keys)))
     show_table(console, columns, title)
-
-
-def _remark(key: str, held: Sequence[str], above_zero: Collection[str], estimate: Estimate) -> str:
-    if key in held:
-        return "at its bound"
-    if key in estimate.told_by_kept_back:
-        return "by what was kept back"
-    reason, error = estimate.not_identified.get(key, ""), estimate.standard_errors.get(key) or 0.0
-    if "contains zero" in reason or abs(estimate.parameters[key]) < NORMAL_95 * error:
-        return "not identified" if key in above_zero else _NO_OTHER
-    return "not identified" if reason else ""
 
 
 def show_overlay(console: Console, comparison: Comparison, rows: int = 13) -> None:

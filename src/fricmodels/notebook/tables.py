@@ -13,6 +13,7 @@ from fricmodels.diagnosis import Comparison, Diagnosis, Ladder
 from fricmodels.diagnosis.diagnose import Finding
 from fricmodels.diagnosis.document import document
 from fricmodels.diagnosis.ladder import added
+from fricmodels.diagnosis.remarks import remarks_on
 from fricmodels.dimension import DIMENSIONLESS, FORCE, INERTIA
 from fricmodels.export.columns import frame
 from fricmodels.fit import Fit
@@ -72,12 +73,13 @@ def _(comparison: Comparison) -> Tables:
     drive, unit = comparison.drive, FORCE.unit(comparison.drive.motion)
     units = {p.key: p.declared.unit_for(drive.motion) for p in drive.parameters}
     units.setdefault(drive.inertia_key, INERTIA.unit(drive.motion))
+    own, said = comparison.estimate.own_errors, remarks_on(comparison)
     parameters = {
         key: {
             "value": value,
-            "standard error": comparison.estimate.standard_errors.get(key, float("nan")),
+            "standard error": own.get(key, float("nan")),
             "unit": units[key],
-            "remark": "" if key in comparison.estimate.standard_errors else "given",
+            "remark": said.get(key, "" if key in own else "given"),
         }
         for key, value in comparison.estimate.parameters.items()
     }

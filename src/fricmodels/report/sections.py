@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Literal
 from fricmodels import plugins
 from fricmodels.diagnosis.policy import POLICY
 from fricmodels.dimension import Motion
-from fricmodels.parameter import Parameter, at_bound
 from fricmodels.report.answer import window
 from fricmodels.report.page import (
     Block,
@@ -25,6 +24,7 @@ from fricmodels.report.page import (
     Words,
     table,
 )
+from fricmodels.report.parameters import fitted, parameters, undetermined
 from fricmodels.report.pictures import (
     by_regime,
     correlated,
@@ -40,11 +40,8 @@ from fricmodels.report.pictures import (
 )
 from fricmodels.report.wording import (
     counted,
-    declared,
-    interval,
     known_model,
     listed,
-    meaning_of,
     noise_alone,
     number,
     percent,
@@ -53,9 +50,8 @@ from fricmodels.report.wording import (
     small,
     symbols_in,
     unit,
-    unit_of,
 )
-from fricmodels.results.words import BY_WINDOW, NORMAL_95, look_alikes, of_motion
+from fricmodels.results.words import BY_WINDOW, NORMAL_95, look_alikes
 
 if TYPE_CHECKING:
     from fricmodels.diagnosis.comparison import Comparison
@@ -140,7 +136,7 @@ def _statistics(effect: Effect, data: DiagnosisDocument) -> list[Block]:
     blocks: list[Block] = []
     if values:
         caption = f"Parameters of {effect.name}"
-        blocks.append(parameters(last.model, values, last.standard_errors, data.motion, caption))
+        blocks.append(parameters(last.model, values, last.standard_errors, data.motion, caption, said=last.remarks))
     elif effect.parameters:
         rows = [(key, number(value, 4), unit(effect.units.get(key, ""))) for key, value in effect.parameters.items()]
         titles = {"parameter": False, "value": True, "unit": False}
@@ -153,37 +149,6 @@ def _statistics(effect: Effect, data: DiagnosisDocument) -> list[Block]:
         )
     )
     return blocks
-
-
-def parameters(
-    model: str,
-    values: Mapping[str, float | None],
-    errors: Mapping[str, float | None],
-    motion: Motion,
-    caption: str,
-    truth: Mapping[str, float] | None = None,
-) -> Table:
-    """Return parameters with 95 % intervals, units and meaning; beside them the truth, where it is known."""
-    known = declared(model)
-    held = at_bound(known, values)
-    rows = []
-    effects = len({key.rpartition(".")[0] for key in values})
-    for key, value in values.items():
-        middle, half = interval(value, errors.get(key))
-        if key in held:
-            half = f"{half or '–'}, at its bound"
-        elif not half:
-            half = "given" if errors.get(key) is None and key in ("J", "M") else "not determined"
-        own = (number(truth[key], 4) if key in truth else "–",) if truth else ()
-        meaning = of_motion(_meaning(key, known, effects > 1), motion)
-        rows.append((key, middle, half, *own, unit_of(key, known, motion), meaning))
-    titles = {"parameter": False, "value": True, "95 % interval": True} | ({"truth": True} if truth else {})
-    return table(caption, titles | {"unit": False, "meaning": False}, rows, symbols=True)
-
-
-def _meaning(key: str, known: Mapping[str, Parameter], named: bool) -> str:
-    effect = key.rpartition(".")[0]
-    return f"{meaning_of(key, known)} ({effect})" if effect and named else meaning_of(key, known)
 
 
 def error_words(data: ComparisonDocument) -> str:
@@ -296,11 +261,6 @@ def all_parameters(data: ComparisonDocument, known: Correlation | None = None, c
     return Section("parameters", "Parameters", blocks)
 
 
-def fitted(step: Step, motion: Motion) -> Table:
-    """Return the table of a model's parameters."""
-    return parameters(step.model, step.parameters, step.standard_errors, motion, step.model)
-
-
 def equations(model: str, motion: Motion) -> list[Block]:
     """Return the equation of motion with the friction law and each effect."""
     known = known_model(model)
@@ -379,19 +339,7 @@ def _reason(text: str) -> tuple[str, str]:
 
 
 def _identified(data: DiagnosisDocument) -> list[Block]:
-    last = data.steps[-1]
-    errors = last.standard_errors
-    loose = [key for key, error in errors.items() if error is None or error <= 0]
-    values = last.parameters
-    weak = [key for key, e in errors.items() if e and (v := values.get(key)) is not None and abs(v) < NORMAL_95 * e]
-    points = []
-    if loose:
-        points.append(f"Not determined by this recording: {listed(loose)}.")
-    held = at_bound(declared(last.model), last.parameters)
-    if held:
-        points.append(f"At the end of what is physical: {listed(held)}; the data alone would go beyond it.")
-    if weak:
-        points.append(f"{listed(weak)} cannot be distinguished from zero: the 95 % interval includes it.")
+    points = [*undetermined(data.steps[-1])]
     points += [f"{effect.name}: {_alike(effect)}" for effect in data.effects if len(effect.names) > 1]
     if not points:
         points.append("Every parameter of the final model is determined, and every effect in it has no look-alike.")

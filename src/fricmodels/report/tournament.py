@@ -26,8 +26,9 @@ from fricmodels.report.page import (
     Words,
     table,
 )
+from fricmodels.report.parameters import parameters
 from fricmodels.report.provenance import versions
-from fricmodels.report.sections import equations, parameters
+from fricmodels.report.sections import equations
 from fricmodels.report.tournament_recordings import best_of_each, identity, recordings
 from fricmodels.report.wording import counted, percent
 from fricmodels.tournament.histories import read_histories

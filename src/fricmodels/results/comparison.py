@@ -153,7 +153,11 @@ class Step(Part):
     parameters: Numbers = Field(default_factory=dict)
     """By key, each in its SI unit."""
     standard_errors: Numbers = Field(default_factory=dict)
-    """By key, in the units of the parameters; none of what was given."""
+    """By key, in the units of the parameters; none of what was given, 0 of what is not known."""
+    not_identified: dict[str, str] = Field(default_factory=dict)
+    """Why the recording does not determine a parameter, by key; empty in files of old versions."""
+    remarks: dict[str, str] = Field(default_factory=dict)
+    """What tables of the parameters say beside a value, by key; empty in files of old versions."""
     noise_floor_percent: Number = None
     """Error that sensor noise alone would leave [% of the RMS motor torque]: it grows with the inertia of the model."""
     noise_channel: str = ""
@@ -176,7 +180,11 @@ class ComparisonDocument(ResultDocument):
     parameters: Numbers
     """By key, each in its SI unit."""
     standard_errors: Numbers
-    """By key, in the units of the parameters; none of what was given."""
+    """By key, in the units of the parameters; none of what was given, 0 of what is not known."""
+    not_identified: dict[str, str] = Field(default_factory=dict)
+    """Why the recording does not determine a parameter, by key; empty in files of old versions."""
+    remarks: dict[str, str] = Field(default_factory=dict)
+    """What tables of the parameters say beside a value, by key; empty in files of old versions."""
     held: bool = False
     """Whether the numbers are those that a file has, and none was fitted to this recording."""
     offsets_of_runs: int = 0
@@ -206,6 +214,8 @@ class ComparisonDocument(ResultDocument):
                 added="",
                 parameters=self.parameters,
                 standard_errors=self.standard_errors,
+                not_identified=self.not_identified,
+                remarks=self.remarks,
                 noise_floor_percent=self.noise_floor_percent,
                 noise_channel=self.noise_channel,
             ),

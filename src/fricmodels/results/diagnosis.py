@@ -233,7 +233,8 @@ class DiagnosisDocument(ComparisonDocument):
     @property
     def steps(self) -> tuple[Step, ...]:
         """The models on the way with their parameters, the given one first."""
-        own = {"parameters": self.parameters, "standard_errors": self.standard_errors}
+        names = ("parameters", "standard_errors", "not_identified", "remarks")
+        own = {name: getattr(self, name) for name in names}
         return tuple(step if step.parameters else step.model_copy(update=own) for step in self.ladder)
 
     @property

@@ -110,6 +110,19 @@ def with_spread(value: float, error: float | None) -> str:
     return f"{value_text(value, error)} {'± ' if known else ''}{spread_text(error)}"
 
 
+COMBINED = "the recording determines only a combination of it with"
+"""Begins the reason why a parameter is not identified, where others take its place."""
+CONTAINS_ZERO = "contains zero"
+"""In the reason why a parameter is not identified, where all that is wrong is that it may be nothing."""
+HELD = "; held at "
+"""Begins what is said of the value that a parameter was held at, after the reason."""
+
+
+def is_combined(reason: str) -> bool:
+    """Whether only a combination of a parameter with others is determined: it has no standard error of its own."""
+    return reason.startswith(COMBINED)
+
+
 def share_text(share: float | None) -> str:
     """Return a share of an error that an effect takes away, in whole percent.
 

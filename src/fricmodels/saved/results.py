@@ -18,6 +18,7 @@ from fricmodels.fitted_runs import run_checksums
 from fricmodels.parameter import Parameter
 from fricmodels.recording import CHANNELS, RATE, Recording
 from fricmodels.results.part import finite
+from fricmodels.results.words import is_combined
 from fricmodels.saved.document import (
     ModelDocument,
     StoredCovariance,
@@ -70,15 +71,17 @@ def document_of(
             raise InputError(f"'{drive.model.name}' has no value for '{key}': this fit cannot be kept")
         own = listed[key].declared if key in listed else declared
         given = key == drive.inertia_key and drive.inertia is not None
-        spread = standard_errors.get(key)  # 0 of what changes nothing: it is not known, not certain
+        spread, reason = standard_errors.get(key), str(not_identified.get(key, ""))
+        # 0 of what changes nothing: it is not known, not certain.
+        unknown = given or is_combined(reason) or (key in not_identified and not spread)
         stored[key] = StoredParameter(
             value=value,
             unit=own.unit_for(drive.motion),
             meaning=own.meaning,
-            standard_error=None if given or (key in not_identified and not spread) else finite(spread),
+            standard_error=None if unknown else finite(spread),
             given=given,
             identified=key not in not_identified,
-            reason=str(not_identified.get(key, "")),
+            reason=reason,
             at_bound="" if given else _at_bound(value, own, listed.get(key), parameters),
         )
     checksums = _checksums_of_runs(drive, recording)

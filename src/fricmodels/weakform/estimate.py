@@ -24,6 +24,7 @@ from fricmodels.drive import Drive
 from fricmodels.errors import InputError
 from fricmodels.model import Model
 from fricmodels.recording import Recording
+from fricmodels.results.words import is_combined
 from fricmodels.score.torque import filtered_torque_error, sliding_half_width
 from fricmodels.signals.rest import once
 from fricmodels.weakform.friction_limits import limits_of_friction
@@ -81,6 +82,12 @@ class Estimate:
     residual_percent: float = float("nan")
     message: str = ""
     told_by_kept_back: tuple[str, ...] = ()
+
+    @property
+    def own_errors(self) -> dict[str, float]:
+        """Standard errors as they are shown: 0, which is not known, of what is determined only in a combination."""
+        errors, reasons = self.standard_errors, self.not_identified
+        return {key: 0.0 if is_combined(reasons.get(key, "")) else error for key, error in errors.items()}
 
 
 def estimate(

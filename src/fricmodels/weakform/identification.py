@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from fricmodels.drive import Drive, DriveParameter
 from fricmodels.recording import Recording
+from fricmodels.results.words import COMBINED, CONTAINS_ZERO, HELD
 from fricmodels.weakform.cases import with_or_without_shift
 from fricmodels.weakform.hidden import drowned, lost_in_noise, sign_is_hidden
 from fricmodels.weakform.inference import NORMAL_95, is_contradicted
@@ -78,11 +79,11 @@ def identified(found: Solved, left: Callable[[Solved], float] | None = None) -> 
         if key != loose and (far_worse or _contradict(now, smaller)):
             refused.add(key)
             continue
-        held[key] = f"{reasons[key]}; held at {value:.3g}"
+        held[key] = f"{reasons[key]}{HELD}{value:.3g}"
         now = smaller
         idle = _idle(drive, held, search)
         if idle:  # where the search has left them hangs on the last digit
-            held |= {idle_key: f"{_NOTHING}; held at {at:.3g}" for idle_key, at in idle.items()}
+            held |= {idle_key: f"{_NOTHING}{HELD}{at:.3g}" for idle_key, at in idle.items()}
             now = with_or_without_shift(found, replace(plan, held={**plan.held, **idle}))
 
 
@@ -139,7 +140,7 @@ def not_identified(
         else:
             half = NORMAL_95 * spread[i]
             partner, correlation = _partner(covariance, spread, i)
-            found[key] = f"its 95 % interval, {values[i] - half:.3g} to {values[i] + half:.3g} {unit}, contains zero"
+            found[key] = f"its 95 % interval, {values[i] - half:.3g} to {values[i] + half:.3g} {unit}, {CONTAINS_ZERO}"
             if correlation > 0.9:
                 found[key] += f"; it trades with {keys[partner]} (correlation {correlation:.3f})"
     return {key: found[key] for key in keys if key in found}
@@ -152,9 +153,7 @@ def _combined(keys: Sequence[str], undetermined: Array) -> dict[str, str]:
         members = [keys[i] for i in np.flatnonzero(np.abs(direction) > _MEMBER).tolist()]
         for key in members:
             others = [other for other in members if other != key]
-            found[key] = (
-                f"the recording determines only a combination of it with {', '.join(others)}" if others else _NOTHING
-            )
+            found[key] = f"{COMBINED} {', '.join(others)}" if others else _NOTHING
     return found
 
 

@@ -1,0 +1,58 @@
+"""What is said of a parameter beside its value: the same words in a terminal, in a report and in a document."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+
+from fricmodels.diagnosis.comparison import Comparison
+from fricmodels.parameter import Parameter, at_bound
+from fricmodels.results.words import CONTAINS_ZERO, HELD, NORMAL_95
+
+AT_BOUND, MAY_BE_ZERO, NOT_IDENTIFIED = "at its bound", "may be 0", "not identified"
+_BY_KEPT_BACK = "by what was kept back"
+
+
+def remarks(
+    known: Mapping[str, Parameter],
+    values: Mapping[str, float | None],
+    errors: Mapping[str, float | None],
+    reasons: Mapping[str, str] | None = None,
+    kept_back: Collection[str] = (),
+) -> dict[str, str]:
+    """Return the remark on each parameter that needs one, by key.
+
+    The reason why it is not identified comes before its value: what is held at nothing is not said to be that.
+
+    Args:
+        known: how the parameters are declared.
+        values, errors: estimates and standard errors.
+        reasons: why parameters are not identified.
+        kept_back: keys of what only the data kept back tell.
+    """
+    held = at_bound(known, values)
+    found = {}
+    for key, value in values.items():
+        if key in held:
+            found[key] = AT_BOUND
+        elif key in kept_back:
+            found[key] = _BY_KEPT_BACK
+        else:
+            declared = known.get(key)
+            never_zero = declared is not None and declared.lower > 0.0
+            found[key] = _remark(value, errors.get(key) or 0.0, (reasons or {}).get(key, ""), never_zero=never_zero)
+    return {key: text for key, text in found.items() if text}
+
+
+def remarks_on(comparison: Comparison) -> dict[str, str]:
+    """Return the remark on each parameter of a fitted model that needs one, by key."""
+    known, found = {p.key: p.declared for p in comparison.drive.parameters}, comparison.estimate
+    return remarks(known, found.parameters, found.own_errors, found.not_identified, found.told_by_kept_back)
+
+
+def _remark(value: float | None, error: float, reason: str, *, never_zero: bool) -> str:
+    if reason and CONTAINS_ZERO not in reason:
+        _, held, at = reason.partition(HELD)
+        return f"{NOT_IDENTIFIED}, held at {at}" if held else NOT_IDENTIFIED
+    if reason or (value is not None and abs(value) < NORMAL_95 * error):
+        return NOT_IDENTIFIED if never_zero else MAY_BE_ZERO
+    return ""
