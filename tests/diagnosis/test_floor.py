@@ -10,7 +10,14 @@ import pytest
 
 from fricmodels.diagnosis import compare
 from fricmodels.diagnosis.candidate_tests import candidate_tests
-from fricmodels.diagnosis.floor import creditable, floor, gain_above_noise, is_noticed, share_explained
+from fricmodels.diagnosis.floor import (
+    creditable,
+    floor,
+    gain_above_noise,
+    is_far_above_noise,
+    is_noticed,
+    share_explained,
+)
 from fricmodels.diagnosis.policy import POLICY
 from fricmodels.drive import Drive
 from fricmodels.model import Model
@@ -93,3 +100,12 @@ def test_of_an_error_that_noise_alone_would_leave_nothing_is_noticed(
     wide = replace(line, noise_floor_percent=0.5 * bar if clear else bar)
     errors = replace(comparison.errors, headline=line, bands=(line, wide))
     assert is_noticed(replace(comparison, errors=errors), 1.1 * whole) == noticed
+
+
+@pytest.mark.parametrize(("noise", "far"), [(0.9, True), (1.1, False)])
+def test_what_is_no_more_than_the_printed_noise_is_not_far_above_noise(made: Made, noise: float, far: bool) -> None:
+    """Where counts of an encoder make the velocity, the long window of the decisions has an error of its own."""
+    comparison = compare(made("coulomb-viscous+gravity", {"gravity.a": 9.0, "gravity.b": 3.0}), LAW, 2.0)
+    line = comparison.errors.headline
+    line = replace(line, noise_floor_percent=noise * min(line.percent, line.held_out_percent))
+    assert is_far_above_noise(replace(comparison, errors=replace(comparison.errors, headline=line))) == far

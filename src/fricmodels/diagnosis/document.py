@@ -12,7 +12,7 @@ from fricmodels.diagnosis.comparison import Comparison
 from fricmodels.diagnosis.correlation import correlation
 from fricmodels.diagnosis.diagnose import Diagnosis, Finding
 from fricmodels.diagnosis.explain import explain, sentence, unknown
-from fricmodels.diagnosis.floor import beyond_sampling_percent, is_above_noise
+from fricmodels.diagnosis.floor import beyond_sampling_percent, is_seen_above_noise
 from fricmodels.diagnosis.in_its_place import in_its_place
 from fricmodels.diagnosis.ladder import Ladder, added
 from fricmodels.diagnosis.remarks import remarks_on
@@ -133,7 +133,7 @@ def _unknown(diagnosis: Diagnosis) -> typed.Predictor | None:
 
 def _beyond_sampling(diagnosis: Diagnosis) -> float | None:
     """Return the error without what sampling hides, where it is far above noise and nothing predicts it."""
-    hidden = diagnosis.verdict == "adequate" and is_above_noise(diagnosis.comparison, diagnosis.policy)
+    hidden = diagnosis.verdict == "adequate" and is_seen_above_noise(diagnosis.comparison, diagnosis.policy)
     return beyond_sampling_percent(diagnosis.comparison) if hidden else None
 
 

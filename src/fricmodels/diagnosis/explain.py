@@ -6,7 +6,7 @@ import numpy as np
 
 from fricmodels.diagnosis.candidate_tests import CandidateTest
 from fricmodels.diagnosis.diagnose import Diagnosis, Finding
-from fricmodels.diagnosis.floor import beyond_sampling_percent, is_above_noise
+from fricmodels.diagnosis.floor import beyond_sampling_percent, is_seen_above_noise
 from fricmodels.diagnosis.ladder import Ladder, added
 from fricmodels.diagnosis.predictability import AUTOREGRESSIVE
 from fricmodels.diagnosis.ripple import FastRipple
@@ -79,7 +79,7 @@ def explain(diagnosis: Diagnosis, ladder: Ladder | None = None) -> str:
 def _hidden_by_sampling(diagnosis: Diagnosis) -> list[str]:
     """Return why an adequate model leaves an error far above the noise, if it does."""
     comparison = diagnosis.comparison
-    if not is_above_noise(comparison, diagnosis.policy):
+    if not is_seen_above_noise(comparison, diagnosis.policy):
         return []
     return [
         f"The error is far above the noise because of the sampling: {SAMPLING}, are not known. Without what these can "
