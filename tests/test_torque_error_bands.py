@@ -15,7 +15,8 @@ from fricmodels.drive import Drive
 from fricmodels.model import Model
 from fricmodels.recording import Recording
 from fricmodels.score import headline_window, torque_error, torque_error_over, torque_errors, windows
-from fricmodels.score.bands import noise_floors
+from fricmodels.score.bands import CLEAR, noise_floors
+from fricmodels.score.noise import apparent_inertia
 from fricmodels.signals import prepare
 
 ROOT = Path(__file__).parents[1]
@@ -203,7 +204,7 @@ def test_windows_follow_the_rate_and_the_stretches(
     recording = sliding("velocity", time)
     assert windows(recording) == expected
     assert headline_window(recording) == headline
-    errors, error = torque_errors(DRIVE, {**TRUE, "K_c": 0.0}, prepare(recording))
+    errors, error = torque_errors(Drive(Model.of("coulomb-viscous")), {**TRUE, "K_c": 0.0}, prepare(recording))
     assert errors.headline.window_ms == pytest.approx(1000 * (headline or 1 / rate))
     assert rms(error) == pytest.approx(COULOMB, rel=2e-2)
     assert rms(error) == errors.headline.SI
@@ -219,15 +220,30 @@ def noisy(size: float) -> Recording:
 @pytest.mark.parametrize(("size", "window"), [(1e-5, 0.0), (0.002, 0.005), (0.01, 0.02), (0.1, 0.1), (30.0, 0.1)])
 def test_the_headline_is_the_narrowest_window_that_noise_leaves_clear(size: float, window: float) -> None:
     prepared = noisy(size)
-    assert headline_window(prepared) == window
-    drives = [
-        (name, inertia) for name in ("coulomb-viscous", "coulomb-viscous+torque-offset") for inertia in (J, 3 * J)
-    ]
+    assert headline_window(prepared) == headline_window(prepared, J) == window
+    drives = [(name, given) for name in ("coulomb-viscous", "coulomb-viscous+torque-offset") for given in (J, None)]
     figures = [
-        torque_errors(Drive(Model.of(name), inertia), {**TRUE, "J": inertia, "torque-offset.tau_0": 1.0}, prepared)[0]
-        for name, inertia in drives
+        torque_errors(Drive(Model.of(name), given), {**TRUE, "J": J, "torque-offset.tau_0": 1.0}, prepared)[0]
+        for name, given in drives
     ]
     assert all(each.headline.window_ms == pytest.approx(1000 * (window or STEP)) for each in figures)
+
+
+def test_with_a_given_inertia_the_headline_keeps_its_rule() -> None:
+    """A friction that goes with the acceleration hides two thirds of the inertia; the window named was too narrow."""
+    found = noisy(0.002)
+    hidden = found.with_channels(derived=False, torque=found.torque - 2 / 3 * J * found["acceleration"])
+    assert apparent_inertia(hidden) == pytest.approx(J / 3, rel=0.1)
+    line = torque_errors(DRIVE, TRUE, hidden)[0].headline
+    assert line.window_ms == pytest.approx(1000 * headline_window(hidden, J))
+    assert headline_window(hidden) < headline_window(hidden, J)
+    assert line.noise_floor_percent <= 100 * CLEAR
+
+
+def test_a_window_of_one_sample_stands_there_once() -> None:
+    """At 200 Hz the interval is 4.9999… ms by the stamps."""
+    time = 0.00499999999999 * np.arange(2000)
+    assert windows(sliding("velocity", time)) == (0.0, 0.02, 0.1)
 
 
 @pytest.mark.parametrize("share", [0.021, 0.1, 0.25])

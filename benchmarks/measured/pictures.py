@@ -29,7 +29,7 @@ def picture(story: Story, path: Path, recording: Recording | None = None) -> Non
     figure, axes = plt.subplots(2, 4, figsize=(15, 6.2), sharey=True, constrained_layout=True)
     most = 0.0
     for row, comparison in zip(axes, comparisons, strict=True):
-        window = headline_window(comparison.train)
+        window = headline_window(comparison.train, comparison.drive.inertia)
         error = torque_error_over(comparison.drive, comparison.estimate.parameters, drawn, window)
         most = max(most, float(np.quantile(np.abs(error), 0.998)))
         _row(row, comparison, drawn, error)

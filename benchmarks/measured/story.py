@@ -70,7 +70,7 @@ def tell(
 
 def percent(comparison: Comparison, recording: Recording) -> float:
     """Return the RMS torque error of a fitted model on another recording, in % of its RMS motor torque."""
-    window = headline_window(comparison.train)
+    window = headline_window(comparison.train, comparison.drive.inertia)
     error = torque_error_over(comparison.drive, comparison.estimate.parameters, recording, window)
     return 100 * float(np.sqrt(np.mean(error**2) / np.mean(recording.torque**2)))
 

@@ -20,7 +20,7 @@ def write_overlay(comparison: Comparison, directory: Path) -> Path:
 
     parts = []
     unit = "Nm" if comparison.drive.motion == "rotary" else "N"
-    window = headline_window(comparison.train)
+    window = headline_window(comparison.train, comparison.drive.inertia)
     for part, kept in ((comparison.train, False), (comparison.test, True)):
         error = torque_error_over(comparison.drive, comparison.estimate.parameters, part, window)
         columns = {

@@ -308,7 +308,7 @@ def _bars(console: Console, shares: list[float]) -> tuple[str, ...]:
 
 
 def _error(comparison: Comparison, part: Recording) -> Array:
-    window = headline_window(comparison.train)
+    window = headline_window(comparison.train, comparison.drive.inertia)
     return torque_error_over(comparison.drive, comparison.estimate.parameters, part, window)
 
 

@@ -22,6 +22,8 @@ Array: TypeAlias = NDArray[np.float64]
 
 WINDOWS = (0.005, 0.020, 0.100)
 """Windows over which torque errors are averaged [s], beside the error per sample."""
+_WIDER = 1.01
+"""Times the sampling interval from which a window is wider."""
 CLEAR = 0.05
 """Most noise of the error that is named first, as a share of the RMS torque; see docs/decisions/torque-error.md."""
 
@@ -108,25 +110,29 @@ def averaged(window_ms: float, sample_ms: float) -> str:
 def windows(recording: Recording) -> tuple[float, ...]:
     """Return the windows [s] of a recording: 0 for the error per sample, then all that are wider.
 
-    A window is left out where it is no wider than the sampling interval, or half of the samples lie in stretches that
-    are too short for it.
+    A window is left out where it is no wider than the sampling interval, to the last digits of its stamps, or half of
+    the samples lie in stretches that are too short for it.
     """
     time = recording.time
     parts = stretches(time, recording.run)
     room = np.repeat([(time[p.stop - 1] - time[p.start]) / 2 for p in parts], [p.stop - p.start for p in parts])
     most = float(np.median(room)) if len(room) else 0.0
-    return (0.0, *(window for window in WINDOWS if recording.interval < window <= most))
+    return (0.0, *(window for window in WINDOWS if _WIDER * recording.interval < window <= most))
 
 
-@once
-def headline_window(prepared: Recording) -> float:
+def headline_window(prepared: Recording, inertia: float | None = None) -> float:
     """Return the window [s] that ranks: the narrowest in which noise leaves less than a twentieth of the RMS torque.
 
-    It depends on the recording alone, with the inertia that this shows by itself: it is the same for all models.
-    Where noise leaves more in every window it is the widest. What noise leaves of an acceleration that a filter of the
-    user's choice has derived is not known; then it is the error per sample.
+    It is the same for all models: it depends on the recording, and on the inertia that is given for all of them. Where
+    none is, it is that which the recording shows by itself; beside a friction that the velocity does not tell, this may
+    be a third too small. Where noise leaves more in every window it is the widest. What noise leaves of an acceleration
+    that a filter of the user's choice has derived is not known; then it is the error per sample.
+
+    Args:
+        prepared: as it was fitted.
+        inertia: the given one.
     """
-    every, inertia = windows(prepared), apparent_inertia(prepared)
+    every, inertia = windows(prepared), apparent_inertia(prepared) if inertia is None else inertia
     most = CLEAR * _rms(prepared.torque)
     for window in every:
         torque, motion = noise_floors(prepared)[window]
@@ -160,7 +166,7 @@ def torque_errors(
         train, test: what was fitted and what was kept back, prepared.
     """
     inertia = recorded_inertia(drive, values)
-    every, floors, headline = windows(train), noise_floors(train), headline_window(train)
+    every, floors, headline = windows(train), noise_floors(train), headline_window(train, drive.inertia)
     kept = {} if test is None else over_windows(balances(drive, values, test), len(test), every)[0]
     fitted, error = over_windows(balances(drive, values, train), len(train), every, headline)
     reference = _rms(train.torque)

@@ -89,7 +89,7 @@ class Samples:
         from fricmodels.score import headline_window, torque_error_over
 
         train, test = self.joined.train, self.joined.test
-        window = headline_window(train)
+        window = headline_window(train, self.drive.inertia)
         found = [torque_error_over(self.drive, self.parameters, part, window) for part in (train, test)]
         give_back(len(self.recording))
         return self.joined.in_order(*found)
