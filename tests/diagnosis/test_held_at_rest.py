@@ -64,9 +64,8 @@ def test_of_effects_that_come_as_near_the_simplest_comes_first() -> None:
     effects = load().effects
     for offset, first in ((4.07, "torque-offset"), (4.2, "step-change")):
         errors = {"step-change": 3.93, "torque-offset": offset, "asymmetry": 14.9}
-        tested: Any = [
-            SimpleNamespace(name=name, effect=effects[name](), found=SimpleNamespace(kept=[True])) for name in errors
-        ]
+        found = SimpleNamespace(kept=[True], at_search_bound=False)
+        tested: Any = [SimpleNamespace(name=name, effect=effects[name](), found=found) for name in errors]
 
         def with_effect(one: Any, errors: dict[str, float] = errors) -> Any:
             drive = SimpleNamespace(model=SimpleNamespace(name=f"coulomb-viscous+{one.name}"))

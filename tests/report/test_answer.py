@@ -175,6 +175,38 @@ def test_an_effect_that_comes_near_is_offered_with_its_command() -> None:
     assert "--trust" in found.command
 
 
+@pytest.mark.parametrize(
+    ("nearest", "against", "channel", "offered"),
+    [
+        (18.0, "", "position", True),
+        (20.0, "", "position", False),
+        (9.0, "it has waves all over the way", "position, in one stretch", False),
+        (20.0, "", "its own course shortly before", False),
+    ],
+)
+def test_an_effect_is_offered_if_it_explains_a_good_part_and_nothing_speaks_against_it(
+    nearest: float, against: str, channel: str, offered: bool
+) -> None:
+    steps = [step("coulomb-viscous", 60.0), step("coulomb-viscous+gravity", 26.9, "gravity")]
+    left = {**rest(26.7, nearest), "channel": channel}
+    left["nearest"][0]["against"] = against
+    found = answer(data(ladder=steps, remaining=left))
+    assert ("cogging comes nearest" in found.next, "+cogging" in found.command) == (offered, offered)
+    if not offered:
+        of_form = "What remains goes with position" if channel.startswith("position") else "Record what this log lacks"
+        assert found.next.startswith(of_form)
+
+
+@pytest.mark.parametrize(
+    ("channel", "said"), [("speed, along the motion", True), ("motor torque", True), ("time", False)]
+)
+@pytest.mark.parametrize("nearest", [9.0, 26.0])
+def test_laws_may_have_the_form_of_what_goes_with_speed_or_load(channel: str, nearest: float, said: bool) -> None:
+    steps = [step("coulomb-viscous", 60.0), step("coulomb-viscous+gravity", 26.9, "gravity")]
+    found = answer(data(ladder=steps, remaining={**rest(26.7, nearest), "channel": channel}))
+    assert ("fricmodels list laws" in found.next) == said
+
+
 def test_look_alikes_are_told_apart_by_an_experiment() -> None:
     alike = effect(**{"class": ["gravity", "stiffness"], "separated_by": "a turn and more"})
     found = answer(data(verdict="undecided", effects=[alike], ladder=[step("coulomb-viscous", 60.0)]))

@@ -165,10 +165,14 @@ def unknown(diagnosis: Diagnosis) -> str:
         parts.append(f"{rest.where}.")
     if rest.nearest:
         here = diagnosis.comparison.errors.held_out_percent
-        near = ", ".join(f"'{one.name}' ({here:.3g} → {one.held_out_percent:.3g} %)" for one in rest.nearest)
+        near = ", ".join(
+            f"'{one.name}' ({here:.3g} → {one.held_out_percent:.3g} %{f'; {one.against}' if one.against else ''})"
+            for one in rest.nearest
+        )
+        first = next((one for one in rest.nearest if not one.against), rest.nearest[0])
         parts.append(
             f"The known effects that come nearest, with the test error that each would give: {near}. To take one "
-            f"anyway: --model {rest.nearest[0].model}."
+            f"anyway: --model {first.model}."
         )
     return " ".join(parts)
 

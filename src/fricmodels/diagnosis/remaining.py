@@ -10,6 +10,7 @@ import numpy as np
 from fricmodels.diagnosis.basis_functions import STRETCH, STRETCH_ALONG
 from fricmodels.diagnosis.candidate_tests import CandidateTest, CandidateTests
 from fricmodels.diagnosis.comparison import Comparison
+from fricmodels.diagnosis.contradiction import contradiction
 from fricmodels.diagnosis.places import ALONG, Place
 from fricmodels.diagnosis.predictability import ChannelPredictor
 from fricmodels.diagnosis.refits import Refits
@@ -32,11 +33,13 @@ class Nearest:
         name: of the effect.
         model: the model with it.
         held_out_percent: its test error, in % of the RMS motor torque.
+        against: what speaks against it, in words; empty where nothing is known to.
     """
 
     name: str
     model: str
     held_out_percent: float
+    against: str = ""
 
 
 @dataclass(frozen=True)
@@ -91,7 +94,8 @@ def remaining(
     for candidate in chosen:
         other = refits.with_effect(candidate)
         if other is not None:
-            near.append(Nearest(candidate.name, other.drive.model.name, other.errors.held_out_percent))
+            against = contradiction(comparison, candidate, channel)
+            near.append(Nearest(candidate.name, other.drive.model.name, other.errors.held_out_percent, against))
             parameters[candidate.name] = len(candidate.effect.parameters)
     least = (1 + refits.policy.least_gain) * min((one.held_out_percent for one in near), default=0.0)
 

@@ -101,6 +101,8 @@ class Nearest(Part):
     """The model with it."""
     held_out_percent: Number
     """Its test error [% of the RMS motor torque]."""
+    against: str = ""
+    """What speaks against it, in words; empty where nothing is known to."""
 
 
 class Shift(Part):
