@@ -18,6 +18,7 @@ from fricmodels.drive import Drive
 from fricmodels.errors import EstimationError
 from fricmodels.fit import Fit, Status
 from fricmodels.interval import about
+from fricmodels.parameter import outside_bounds
 from fricmodels.recording import Recording
 
 if TYPE_CHECKING:
@@ -105,6 +106,8 @@ class Estimator(ABC):
         free = [i for i, key in enumerate(keys) if key not in constant]
         keys, covariance = tuple(keys[i] for i in free), covariance[np.ix_(free, free)]
         no_interval = {key: reason for key, reason in no_interval.items() if key in keys}
+        declared = {p.key: p.declared for p in drive.parameters}
+        outside = outside_bounds(declared, parameters) if found.status is Status.OK else {}
         return Fit(
             model=drive.model.name,
             estimator=self.name,
@@ -114,7 +117,7 @@ class Estimator(ABC):
             estimated=keys,
             status=found.status,
             message=found.message,
-            not_identified=found.not_identified,
+            not_identified={**outside, **found.not_identified},
             no_interval=no_interval,
             history=found.history,
             seconds=time.perf_counter() - began,

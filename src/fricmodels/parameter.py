@@ -153,6 +153,24 @@ def at_bound(declared: Mapping[str, Parameter], values: Mapping[str, float | Non
     return found
 
 
+def outside_bounds(declared: Mapping[str, Parameter], values: Mapping[str, float | None]) -> dict[str, str]:
+    """Return key → reason of each estimate beyond the end of what is physical, which not every estimator keeps.
+
+    Args:
+        declared: parameters by key.
+        values: estimates by key.
+    """
+    found = {}
+    for key, parameter in declared.items():
+        value, lower, upper = values.get(key), parameter.lower, parameter.upper
+        if value is None or not math.isfinite(value):
+            continue
+        end = lower if value < lower else upper if value > upper else None
+        if end is not None and abs(value - end) > _AT_BOUND * max(abs(end), _AT_BOUND):
+            found[key] = f"its value {value:.3g} lies outside its bounds, {lower:.3g} to {upper:.3g}"
+    return found
+
+
 def check_inertia(inertia: float | None) -> None:
     """Refuse an inertia that no drive has.
 

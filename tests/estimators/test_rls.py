@@ -12,6 +12,7 @@ from estimators.rls import RecursiveLeastSquares, recursive_step
 from estimators.window_rows import sided_measure
 from fricmodels.errors import EstimationError
 from fricmodels.kernels import Scan
+from fricmodels.parameter import Parameter, outside_bounds
 
 
 def test_the_recursion_equals_weighted_least_squares() -> None:
@@ -103,3 +104,21 @@ def test_the_newest_window_is_that_of_the_whole_run(paper: SimpleNamespace) -> N
     expected = newest.design.windows(made)
     assert np.count_nonzero(expected[:, -1]) > 50
     np.testing.assert_allclose(found, expected, rtol=1e-10, atol=1e-10 * np.max(np.abs(expected)))
+
+
+def test_a_value_outside_its_bounds_is_said_to_be_so(paper: SimpleNamespace) -> None:
+    """A filter keeps no bounds: on a drive that friction pushes along, every friction is below zero."""
+    made = paper.recording()
+    pushed = made.with_channels(torque=made.torque - 0.1 * np.sign(made.velocity))
+    fit = RecursiveLeastSquares().fit(paper.drive(), pushed)
+    assert fit.parameters["K_c1"] < 0.0
+    assert "lies outside its bounds, 0 to inf" in fit.not_identified["K_c1"]
+    assert not fit.identified
+    assert "K_c1" not in RecursiveLeastSquares().fit(paper.drive(), made).not_identified
+
+
+def test_what_stands_at_a_bound_is_not_outside() -> None:
+    known = {"K_c": Parameter("K_c", "N m", lower=0.0), "g": Parameter("g", "1", lower=-0.9, upper=2.0)}
+    assert not outside_bounds(known, {"K_c": 0.0, "g": 2.0})
+    assert set(outside_bounds(known, {"K_c": -1e-6, "g": 2.1})) == {"K_c", "g"}
+    assert not outside_bounds(known, {"K_c": float("nan"), "g": None})

@@ -11,6 +11,7 @@ import pytest
 from fricmodels.report import of_run
 from fricmodels.report.page import Block, Code, Fold, Gallery, Page, Picture, Table, Words
 from fricmodels.report.render import render
+from fricmodels.report.tournament import verdict
 from fricmodels.tournament import run
 from fricmodels.tournament.config import Config
 from fricmodels.tournament.demonstration import MOTOR
@@ -64,9 +65,27 @@ def test_the_best_model_is_named_with_its_error(folder: Path) -> None:
     assert page.verdict.sentence.startswith("asymmetric-coulomb-viscous comes first")
     assert f"{best['held_out_rms_torque_error_percent']:.3g}" in page.verdict.sentence
     assert page.title == "motors"
-    assert "It is the best on 2 of 2 datasets." in page.verdict.details
+    assert page.verdict.sentence.endswith("It is first on all 2 of them.")
     assert "Two of 6 fits gave no result; the reasons stand below." in page.verdict.details
     assert page.tiles[-1].value == "4 of 6"
+
+
+def test_beside_the_winner_stands_how_often_it_is_first_and_its_worst_place() -> None:
+    """The median over recordings ranks; one that is always second is first, however bad it is on one of them."""
+    errors = {"steady": (2.0, 2.0, 60.0), "left": (1.0, 30.0, 50.0), "right": (30.0, 1.0, 40.0)}
+    rows = [
+        {
+            "model": model, "estimator": "rls", "dataset": name, "tags": {}, "status": "ok", "seconds": 1.0,
+            "held_out_rms_torque_error_percent": error, "parameters": {}, "message": "",
+        }
+        for model, own in errors.items()
+        for name, error in zip(("stage", "spindle", "wrist"), own, strict=True)
+    ]  # fmt: skip
+    sentence = verdict(Leaderboard.ranked(rows)).sentence
+    assert sentence.startswith("steady comes first")
+    assert sentence.endswith("It is first on 0 of 3 of them; its worst place is 3 of 3, on wrist.")
+    alone = verdict(Leaderboard.ranked(row for row in rows if row["dataset"] == "stage")).sentence
+    assert "of them" not in alone
 
 
 def test_failures_stand_with_their_reason_once(folder: Path) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 import shlex
 from collections.abc import Mapping
@@ -112,7 +113,6 @@ def verdict(board: Leaderboard) -> Verdict:
     if not ok:
         return Verdict("No fit gave a result.", "bad", ["The reasons stand below."])
     ranked = [each for each in entrants(board) if math.isfinite(each.middle)]
-    datasets = len({row["dataset"] for row in board.rows})
     over = "on the recording" if len(_recordings(board)) == 1 else "in the median over all recordings"
     kind = "data that took no part in fitting" if board.figure == HELD_OUT else "what was fitted"
     if not ranked:
@@ -121,6 +121,7 @@ def verdict(board: Leaderboard) -> Verdict:
         )
     first = ranked[0]
     sentence = f"{first.model} comes first: {percent(first.middle)} torque error {over}, with {first.estimator}."
+    sentence += _places(board, first)
     window = f", averaged{window_words(board)}" if window_words(board) else ""
     details = [f"The error is in % of the RMS motor torque, on {kind}{window}."]
     others = [each for each in ranked if each.model != first.model]
@@ -128,15 +129,31 @@ def verdict(board: Leaderboard) -> Verdict:
         details.append(
             f"The next model, {others[0].model} with {others[0].estimator}, leaves {percent(others[0].middle)}."
         )
-    if datasets > 1:
-        winners = {row["dataset"]: row["model"] for row in reversed(board.rows) if row["status"] == "ok"}
-        same = sum(model == first.model for model in winners.values())
-        details.append(f"It is the best on {same} of {datasets} datasets.")
     if board.failures:
         lost = counted(len(board.failures), "fit").partition(" ")[0].capitalize()
         stands = "reason stands" if len(board.failures) == 1 else "reasons stand"
         details.append(f"{lost} of {len(board.rows)} fits gave no result; the {stands} below.")
     return Verdict(sentence, "warn" if board.failures else "good", details)
+
+
+def _places(board: Leaderboard, first: Entrant) -> str:
+    """Say on how many recordings the winner by the median is first, and its worst place; nothing with only one."""
+    groups: dict[tuple[str, str], list[Row]] = {}
+    for row in board.summary():
+        groups.setdefault((row["dataset"], json.dumps(row["tags"], sort_keys=True)), []).append(row)
+    if len(groups) < 2:
+        return ""
+    places = []
+    for (dataset, _), rows in groups.items():
+        errors = {(row["model"], row["estimator"]): row["median"] for row in rows}
+        own = errors.get((first.model, first.estimator))
+        better = sum(error is not None and (own is None or error < own) for error in errors.values())
+        places.append((better + 1, len(errors), dataset))
+    worst, of, where = max(places, key=lambda place: place[0])
+    firsts = sum(place == 1 for place, _, _ in places)
+    if firsts == len(places):
+        return f" It is first on all {firsts} of them."
+    return f" It is first on {firsts} of {len(places)} of them; its worst place is {worst} of {of}, on {where}."
 
 
 def tiles(board: Leaderboard) -> list[Tile]:
