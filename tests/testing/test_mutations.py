@@ -108,6 +108,15 @@ MISTAKES: dict[str, tuple[Callable[[], type[Law]], str, str]] = {
         "dissipative",
         r"negative K_v, which its bounds \[-inf, inf\] allow",
     ),
+    "a friction that is negative at some places": (
+        lambda: law(
+            lambda self, s, p: right(self, s, p) + p.k * s.position * sign(s.velocity),
+            k=Parameter("k", unit="N m/rad", meaning="friction that grows with position"),
+        ),
+        "dissipative",
+        r"the part with k pushes along the motion where position is negative, with a positive k too: τ = .* at "
+        r"position = -.*absolute\(s.position\)",
+    ),
     "a derivative that is NaN at rest": (
         lambda: law(
             lambda self, s, p: right(self, s, p) + p.R * sqrt(absolute(s.velocity)) * sign(s.velocity),

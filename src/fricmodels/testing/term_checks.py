@@ -201,6 +201,8 @@ def _pushes(s: Subject, column: Array, torque: float) -> str:
         powers = [s.torque(x) * x[VELOCITY_PLACE] for x in (alone, mirrored)]
         if min(powers) >= 0:
             continue
+        if signed := _signed_signal(s, i, alone):
+            return signed
         if p.lower < 0:
             return (
                 f"the torque pushes along the motion with a negative {p.symbol}, which its bounds "
@@ -219,6 +221,24 @@ def _pushes(s: Subject, column: Array, torque: float) -> str:
         f"the torque pushes along the motion: {where}; look at signs, at absolute(s.velocity) and at bounds "
         "(at_least for a stick torque), or declare dissipative = False"
     )
+
+
+def _signed_signal(s: Subject, i: int, alone: Array) -> str:
+    """Say with which signal the part of a parameter changes its sign; empty where there is none: a bound is no cure."""
+    p = s.term.parameters[i]
+    for name in sorted(s.touched - {"velocity"}):
+        place, powers = list(s.model.signals).index(name), []
+        for side in (1.0, -1.0):
+            column = alone.copy()
+            column[s.place(i)], column[place] = abs(column[s.place(i)]), side * abs(column[place])
+            powers.append(s.torque(column) * column[VELOCITY_PLACE])
+        if powers[0] > 0.0 > powers[1]:
+            return (
+                f"the part with {p.symbol} pushes along the motion where {name} is negative, with a positive "
+                f"{p.symbol} too: τ = {s.torque(column):.3g} at {name} = {column[place]:.3g}, {s.written(column)}; write "
+                f"absolute(s.{name}) or another factor that is never negative, or declare dissipative = False"
+            )
+    return ""
 
 
 def check_symmetry(s: Subject) -> None:
