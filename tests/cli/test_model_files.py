@@ -86,6 +86,16 @@ def test_fixed_numbers_stay(room: Path, tmp_path: Path, capsys: pytest.CaptureFi
     assert float(np.median(np.abs(moved))) == pytest.approx(missing, rel=1e-3)
 
 
+@pytest.mark.parametrize(("inertia", "said"), [(5.0, True), (2.0, False), (None, False)])
+def test_an_inertia_in_the_place_of_the_files_is_said(
+    room: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], inertia: float | None, said: bool
+) -> None:
+    given = [] if inertia is None else ["--inertia", inertia]
+    model = room / "joint.model.json"
+    _, _, err = call(capsys, "compare", room / "joint.csv", "--model", model, "--fixed", *given, "--out", tmp_path)
+    assert ("warning: --inertia 5 is taken in the place of the 2 of" in err) == said
+
+
 def test_diagnose_holds_a_file_and_improve_leaves_its_own(
     room: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

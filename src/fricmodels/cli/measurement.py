@@ -128,8 +128,11 @@ def load(
     if fixed and file is None:
         raise InputError(f"--fixed holds the numbers of a model's file, '{model}' is a name; give a file of `fit`")
     chosen = Model.parse(model) if file is None else known(file, fixed)
-    if file is not None and inertia is None:
-        inertia = file.drive.inertia
+    if file is not None:
+        own = file.parameters[file.drive.inertia_key]
+        if fixed and inertia is not None and inertia != own:
+            warn([f"--inertia {inertia:g} is taken in the place of the {own:g} of {model}; --fixed alone holds that"])
+        inertia = file.drive.inertia if inertia is None else inertia
     registered = plugins.load()
     for term in chosen.terms:
         registry = registered.laws if term is chosen.law else registered.effects
