@@ -42,7 +42,8 @@ def generated() -> str:
     for effect in effects:
         flags = Model.only(effect).linear
         searched = ", ".join(f"`{p.symbol}`" for p, linear in zip(effect.parameters, flags, strict=True) if not linear)
-        needs = "; ".join(text for text in (channels(effect), effect.needs_motion) if text)
+        beside = f"`{effect.only_beside}` in the model" if effect.only_beside else ""
+        needs = "; ".join(text for text in (channels(effect), effect.needs_motion, beside) if text)
         lines.append(f"| `{effect.name}` | {cell(effect.formula)} | {effect.signature} | {needs} | {searched} |")
     lines += ["", "## Their parameters", "", "| effect | symbol | unit | meaning |", "|---|---|---|---|"]
     for effect in effects:
