@@ -235,8 +235,8 @@ def _signed_signal(s: Subject, i: int, alone: Array) -> str:
         if powers[0] > 0.0 > powers[1]:
             return (
                 f"the part with {p.symbol} pushes along the motion where {name} is negative, with a positive "
-                f"{p.symbol} too: τ = {s.torque(column):.3g} at {name} = {column[place]:.3g}, {s.written(column)}; write "
-                f"absolute(s.{name}) or another factor that is never negative, or declare dissipative = False"
+                f"{p.symbol} too: τ = {s.torque(column):.3g} at {name} = {column[place]:.3g}, {s.written(column)}; "
+                f"write absolute(s.{name}) or another factor that is never negative, or declare dissipative = False"
             )
     return ""
 
