@@ -202,9 +202,9 @@ def _lies_within(result: CandidateTests, member: Member, beside: Array, parts: A
 def p_beside_walk(result: CandidateTests, member: Member, others: list[Member]) -> float:
     """Return the p-value of an effect where friction or zero may walk.
 
-    An effect of the time itself shows in slow waves over the record only. Any other one is there if it shows in them,
-    or outside of them, where nothing walks: the lesser p-value counts twice. A description of the rest is not beside
-    it, nor is an effect of the time that a walk may be as well: they follow the walk, and hide it.
+    An effect of the time itself shows in slow waves over the record only. Any other one is there where nothing is seen
+    to walk, or if it shows in them, or outside of them: the lesser p-value counts twice. A description of the rest is
+    not beside it, nor is an effect of the time that a walk may be as well: they follow the walk, and hide it.
     """
     effect, trials = member.effect, member.found.first.found.trials
 
@@ -216,10 +216,10 @@ def p_beside_walk(result: CandidateTests, member: Member, others: list[Member]) 
 
     beside = stacked(result, [other for other in others if is_no_walk(other)])
     base, waves = regression_of(result.problem, result.parameters, beside), waves_of_walks(result.problem)
-    within = trials * p_beside_a_walk(base, waves, member.columns)
+    within = trials * p_beside_a_walk(base, waves, member.columns, seen=not effect.depends_on_time)
     if effect.depends_on_time or 2.0 * within < result.policy.walk_significance:
         return min(1.0, within)
-    outside = trials * gain_of(result, np.vstack([beside, visible_of(base, waves)]), member).p_value
+    outside = gain_of(result, np.vstack([beside, visible_of(base, waves)]), member).p_value
     return min(1.0, 2.0 * within, 2.0 * outside)
 
 
