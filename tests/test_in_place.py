@@ -10,8 +10,9 @@ from fricmodels.logcheck import findings
 from fricmodels.recording import Recording
 from fricmodels.signals import noise_of, resting
 from fricmodels.signals.beginnings import false_beginnings, with_true_beginnings
+from fricmodels.signals.differences import is_difference
 from fricmodels.signals.stamp_noise import with_false_stamps
-from fricmodels.weakform.prepared import is_difference, ready
+from fricmodels.weakform.prepared import ready
 
 STEP = 0.002
 

@@ -17,6 +17,7 @@ from fricmodels.logcheck.view import UNITS, Log
 from fricmodels.recording import Recording
 from fricmodels.results.words import figures
 from fricmodels.signals.clusters import certain, clusters
+from fricmodels.signals.differences import is_difference
 from fricmodels.signals.rest import once
 
 _WIDTHS, _APART = (1, 4, 16, 64, 256), 4
@@ -145,8 +146,6 @@ def scale(log: Log) -> Iterator[Finding]:
 
     Nothing is said of a velocity that was computed from the positions: it is not used.
     """
-    from fricmodels.weakform.prepared import is_difference  # which takes the scale from here
-
     found = velocity_scale(log)
     if found is None or not found.is_another or is_difference(log.recording):
         return

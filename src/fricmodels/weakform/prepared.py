@@ -11,16 +11,12 @@ from fricmodels.processes import give_back
 from fricmodels.recording import Recording
 from fricmodels.signals import best_half_width, noise_of, prepare, velocity_noise, with_derived_velocity
 from fricmodels.signals.beginnings import with_true_beginnings
+from fricmodels.signals.differences import is_difference
 from fricmodels.signals.lanczos import even_weights
 from fricmodels.signals.rest import once
 from fricmodels.signals.stamp_noise import with_false_stamps
 from fricmodels.signals.stamps import with_even_stamps
 from fricmodels.weakform.smoothed import MAX_SAMPLES
-
-_EQUAL, _EXCEPTIONS = 1e-3, 0.01
-"""Share of the RMS velocity to which a computed velocity equals the difference, and share of samples that may not."""
-_LEAST, _MOST = 50, 100_000
-"""Samples from which that is told; of a longer record so many in its middle."""
 
 
 def prepared(recording: Recording) -> Recording:
@@ -110,29 +106,3 @@ def surest_velocity(recording: Recording, *, known_by_position: bool = False) ->
     if abs(scale - 1) > 0.01 or left > 1.5 * float(np.hypot(own, error)):
         return recording
     return result
-
-
-def is_difference(recording: Recording) -> bool:
-    """Whether the velocity is a difference of the recorded positions: backward, forward, central or a parabola's slope.
-
-    The last is what `numpy.gradient` gives for unequal steps; for equal ones it is the central difference. All but a
-    hundredth of the samples, beginnings and lost ones among them, must be equal to a thousandth of the RMS.
-    """
-    some = slice(max(0, (len(recording) - _MOST) // 2), (len(recording) + _MOST) // 2)
-    time, position, velocity = recording.time[some], recording["position"][some], recording.velocity[some]
-    inside = np.diff(recording.run[some]) == 0
-    if np.count_nonzero(inside) < _LEAST:
-        return False
-    allowed = _EQUAL * float(np.sqrt(np.mean(velocity**2)))
-    steps, changes = np.where(inside, np.diff(time), np.inf), np.diff(position)
-    between = inside[1:] & inside[:-1]
-    wide = np.where(between, time[2:] - time[:-2], np.inf)
-    slope = changes / steps
-    later = np.where(between, np.diff(time)[:-1] / wide, 0.0)
-    forms = (
-        (slope, velocity[1:], inside),
-        (slope, velocity[:-1], inside),
-        ((position[2:] - position[:-2]) / wide, velocity[1:-1], between),
-        (slope[:-1] + later * (slope[1:] - slope[:-1]), velocity[1:-1], between),
-    )
-    return any(float(np.mean(np.abs(form - own)[counts] <= allowed)) > 1.0 - _EXCEPTIONS for form, own, counts in forms)
