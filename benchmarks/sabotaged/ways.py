@@ -160,6 +160,15 @@ def with_gap(recording: Recording, rng: np.random.Generator) -> Recording:
     return recording.select(np.r_[0:middle, middle + len(recording) // 40 : len(recording)])
 
 
+def slipped(recording: Recording, rng: np.random.Generator) -> Recording | None:
+    """Move the position by a tenth of the travel from a sample in the middle third on, as where an encoder slips."""
+    if "position" not in recording or "position" in recording.derived:
+        return None
+    position = recording["position"].copy()
+    position[len(position) // 3 + int(rng.integers(len(position) // 3)) :] += 0.1 * float(np.ptp(position))
+    return changed(recording, position=position)
+
+
 def held(name: str, samples: int) -> Callable[[Recording, np.random.Generator], Recording | None]:
     """Poll a channel less often than it is logged."""
 
@@ -276,6 +285,7 @@ WAYS = (
     Way("an end stop", stopped, ("end-stop",)),
     Way("time stamps ± 20 %", false_stamps, ("false-stamps", "jitter")),
     Way("a gap", with_gap, ("gap",)),
+    Way("an encoder that slips", slipped, ("position-jump",)),
     Way("velocity polled every third sample", held("velocity", 3), ("repeated-samples",)),
     Way("torque polled every fourth sample", held("torque", 4), ("repeated-samples",)),
     Way("one sample in ten repeated", repeated, ("repeated-samples",)),
