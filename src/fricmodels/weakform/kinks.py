@@ -37,7 +37,7 @@ _LEAST_REACH = 1
 """Samples to either side that any difference of positions takes: what a contact does within them nobody knows."""
 _FEWEST = 5
 """Reversals whose scatter tells a standard error."""
-CERTAIN = 3.0
+_CERTAIN = 3.0
 """Standard errors from which what smoothing took away is clear."""
 
 
@@ -120,7 +120,9 @@ def _share_seen(recording: Recording, smooth: Array, taken: Array, cell: Index, 
     """
     left = recording.velocity - smooth
     if recording.derived_over:
-        mean = np.diff(recording["position"]) / np.diff(recording.time) - 0.5 * (smooth[1:] + smooth[:-1])
+        length = np.diff(recording.time)
+        length = np.where(length > 0.0, length, recording.interval)  # between two runs nothing is taken
+        mean = np.diff(recording["position"]) / length - 0.5 * (smooth[1:] + smooth[:-1])
         left, taken = np.append(mean, 0.0), np.append(0.5 * (taken[1:] + taken[:-1]), 0.0)
     # A sample between two reversals belongs to the earlier one: their windows end where the next begins.
     begins = np.maximum(cell - reach, 0)
@@ -132,7 +134,7 @@ def _share_seen(recording: Recording, smooth: Array, taken: Array, cell: Index, 
         return 0.0
     share = float(np.sum(scores)) / whole
     error = float(np.sqrt(np.sum((scores - share * sizes) ** 2))) / whole
-    return min(share, 1.0) if share > CERTAIN * error else 0.0
+    return min(share, 1.0) if share > _CERTAIN * error else 0.0
 
 
 def _cells_and_samples(recording: Recording, slow: Mask, reach: int) -> tuple[Mask, Mask]:
