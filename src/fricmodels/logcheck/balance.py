@@ -187,6 +187,10 @@ class Cells:
         """First sample of each whole pair."""
         return self.edges[:-2][self.whole]
 
+    def inside(self, cells: int) -> Mask:
+        """Return which pairs of cells stand amid so many whole ones on either side, shape (pairs − 2 cells,)."""
+        return np.asarray(np.lib.stride_tricks.sliding_window_view(self.whole, 2 * cells + 1).all(axis=1))
+
     def mean(self, values: Array) -> Array:
         """Return the mean of a signal under each triangle."""
         cut = values[: self.edges[-1]].reshape(self.up.shape)
@@ -213,6 +217,5 @@ class Cells:
         before, after = slice(None, -2 * _APART - 1), slice(2 * _APART + 1, None)
         if len(speed) > 2 * _APART + 1:
             result[inside] = (speed[after] - speed[before]) / (middle[after] - middle[before])
-            joined = np.lib.stride_tricks.sliding_window_view(self.whole, 2 * _APART + 1).all(axis=1)
-            result[inside][~joined] = np.nan
+            result[inside][~self.inside(_APART)] = np.nan
         return result[self.whole]

@@ -13,11 +13,10 @@ from fricmodels.arrays import Array
 from fricmodels.logcheck import clock
 from fricmodels.logcheck.balance import CLUSTERS, Balance, Cells, balances, best
 from fricmodels.logcheck.finding import Finding, Severity
-from fricmodels.logcheck.view import Log
+from fricmodels.logcheck.view import Log, once_each
 from fricmodels.recording import Recording
 from fricmodels.results.words import figures
 from fricmodels.signals.clusters import certain, clusters, slope
-from fricmodels.signals.rest import once
 
 _WIDTHS = (1, 4, 16, 64, 256)
 _LEAST = 16
@@ -283,6 +282,7 @@ class Lag:
         return certain((abs(self.late) - _OF_SAMPLING * self.interval) / self.error, self.clusters)
 
 
+@once_each
 def velocity_lag(log: Log) -> Lag | None:
     r"""Return by how much the measured velocity comes later than the position moves, where there are both.
 
@@ -293,19 +293,6 @@ def velocity_lag(log: Log) -> Lag | None:
     where the two have noise of their own: most drives derive the velocity from the counts that they log. Error over 32
     clusters. Of cells of one sample, of four and of sixteen that with the least error.
     """
-    known = _known_lag(log.recording)
-    if not known:
-        known.append(_surest_lag(log))
-    return known[0]
-
-
-@once
-def _known_lag(_: Recording) -> list[Lag | None]:
-    """Return the lag of a recording, once it is found: it is asked for when one is prepared, and when it is told."""
-    return []
-
-
-def _surest_lag(log: Log) -> Lag | None:
     if not {"position", "velocity"} <= set(log.measured):
         return None
     short = log.short
@@ -316,8 +303,7 @@ def _surest_lag(log: Log) -> Lag | None:
         if len(recording) < width * 8 * CLUSTERS:
             break
         cells = Cells.of(short, width)
-        whole = np.lib.stride_tricks.sliding_window_view(cells.whole, 2 * _APART + 3).all(axis=1)
-        k = np.flatnonzero(whole) + _APART + 1
+        k = np.flatnonzero(cells.inside(_APART + 1)) + _APART + 1
         moved, mean = cells.slope(recording["position"]), cells.slope(area)
         step = 0.5 * (cells.time[k + 2] - cells.time[k - 1] + cells.time[k + 1] - cells.time[k])
         before, after = (mean[k + place + 1] - mean[k + place - 1] for place in (-_APART, _APART))
@@ -332,8 +318,11 @@ def is_late(recording: Recording) -> bool:
     """Whether a measured velocity is that of the position, in the same unit, and certainly later than it."""
     log = Log(recording)
     found = velocity_lag(log)
-    if found is None or found.late < 0.0 or not found.is_certain:
-        return False
+    return found is not None and found.late >= 0.0 and found.is_certain and in_same_unit(log)
+
+
+def in_same_unit(log: Log) -> bool:
+    """Whether a measured velocity may be the rate of the position in the same unit, with no gear between them."""
     same = link(log.short, log.short.recording["position"], log.short.recording.velocity)
     return same is not None and same.may_hold
 

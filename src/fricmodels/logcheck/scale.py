@@ -12,13 +12,12 @@ import numpy as np
 from fricmodels.arrays import Array, Index
 from fricmodels.logcheck.balance import CLUSTERS, Cells
 from fricmodels.logcheck.finding import Finding, Severity
-from fricmodels.logcheck.rates import link
-from fricmodels.logcheck.view import UNITS, Log
+from fricmodels.logcheck.rates import in_same_unit
+from fricmodels.logcheck.view import UNITS, Log, once_each
 from fricmodels.recording import Recording
 from fricmodels.results.words import figures
 from fricmodels.signals.clusters import certain, clusters
 from fricmodels.signals.differences import is_difference
-from fricmodels.signals.rest import once
 
 _WIDTHS, _APART = (1, 4, 16, 64, 256), 4
 """Samples of a cell, and cells between a row and its instruments."""
@@ -30,8 +29,6 @@ times the rate of the position makes J and K_v 1/k of what they are; with a J th
 J times the acceleration. Of 250 recordings with right velocities (31 of real machines, simulated drives with encoders
 from 9 to 24 bits, filtered, late, with jitter) none is off by more than a five thousandth where the error is below it,
 so that the limit is one of cost, not of what can be told."""
-
-
 _FURTHEST = 1.25
 """Ratio up to which it is a scale. Beyond, the two channels are in other units or tell other motions: `rates` says."""
 
@@ -57,6 +54,7 @@ class Scale:
         )
 
 
+@once_each
 def velocity_scale(log: Log) -> Scale | None:
     r"""Return the scale k of the measured velocity v beside the measured position q, where there are both.
 
@@ -68,19 +66,6 @@ def velocity_scale(log: Log) -> Scale | None:
     rounding of either channel shrinks the ratio. Error over 32 clusters. Of cells of 1 to 256 samples those with the
     least error. One sine alone does not tell T_2 from k: there the error is large.
     """
-    known = _known_scale(log.recording)
-    if not known:
-        known.append(_surest_scale(log))
-    return known[0]
-
-
-@once
-def _known_scale(_: Recording) -> list[Scale | None]:
-    """Return the scale of a recording, once it is found: it is asked for when one is prepared, and when it is told."""
-    return []
-
-
-def _surest_scale(log: Log) -> Scale | None:
     if not {"position", "velocity"} <= set(log.measured):
         return None
     short = log.short
@@ -93,8 +78,7 @@ def _at(log: Log, width: int, area: Array) -> Scale | None:
     if len(log.recording) < width * (_LEAST_ROWS + 2 * _APART + 3):
         return None
     cells = Cells.of(log, width)
-    whole = np.lib.stride_tricks.sliding_window_view(cells.whole, 2 * _APART + 3).all(axis=1)
-    rows = np.flatnonzero(whole) + _APART + 1
+    rows = np.flatnonzero(cells.inside(_APART + 1)) + _APART + 1
     if len(rows) < _LEAST_ROWS:
         return None
     rate, velocity = cells.slope(log.recording["position"]), cells.slope(area)
@@ -128,17 +112,16 @@ def _derivatives(cells: Cells, mean: Array, at: Index) -> Array:
     return np.stack([np.ones(len(at)), mean[at], 0.5 * first / step, second / step**2], axis=1)
 
 
-def other_scale(recording: Recording) -> float:
-    """Return by how much a measured velocity is to be divided so that it goes with the position; 1 where it does.
-
-    Only where the two are in the same unit: a gear between them is not undone.
-    """
-    log = Log(recording)
+def _another(log: Log) -> Scale | None:
+    """Return the scale of a velocity where it certainly is another one; a gear between the two is none."""
     found = velocity_scale(log)
-    if found is None or not found.is_another:
-        return 1.0
-    same = link(log.short, log.short.recording["position"], log.short.recording.velocity)
-    return found.value if same is not None and same.may_hold else 1.0
+    return found if found is not None and found.is_another and in_same_unit(log) else None
+
+
+def other_scale(recording: Recording) -> float:
+    """Return by how much a measured velocity is to be divided so that it goes with the position; 1 where it does."""
+    found = _another(Log(recording))
+    return 1.0 if found is None else found.value
 
 
 def scale(log: Log) -> Iterator[Finding]:
@@ -146,8 +129,8 @@ def scale(log: Log) -> Iterator[Finding]:
 
     Nothing is said of a velocity that was computed from the positions: it is not used.
     """
-    found = velocity_scale(log)
-    if found is None or not found.is_another or is_difference(log.recording):
+    found = _another(log)
+    if found is None or is_difference(log.recording):
         return
     digits = min(max(-math.floor(math.log10(found.error)), 2), 6)
     yield Finding(
