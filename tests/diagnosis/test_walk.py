@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from fricmodels.diagnosis.policy import POLICY
 from fricmodels.diagnosis.walk import p_beside_a_walk
 from fricmodels.weakform.regression import Regression
 
@@ -107,7 +108,7 @@ def test_a_walk_is_no_spring_where_strokes_are_few(of_friction: bool) -> None:
         position, model, waves = strokes(seed)
         noise = 0.3 * np.random.default_rng(seed).standard_normal(ROWS)
         one = Regression(model, walk(seed) * (model[0] if of_friction else 1.0) + noise, float(ROWS))
-        found.append(p_beside_a_walk(one, waves, position[None], seen=True))
+        found.append(p_beside_a_walk(one, waves, position[None], evidence=POLICY.walk_evidence))
         plain.append(one.test(position[None]).p_value)
     assert np.mean(np.array(found) < 0.01) < 0.06
     assert np.mean(np.array(plain) < 0.01) > 0.15
@@ -118,7 +119,7 @@ def test_a_spring_larger_than_the_walk_is_there() -> None:
         position, model, waves = strokes(seed)
         noise = 0.3 * np.random.default_rng(seed).standard_normal(ROWS)
         one = Regression(model, position + 0.3 * walk(seed) * model[0] + noise, float(ROWS))
-        assert p_beside_a_walk(one, waves, position[None], seen=True) < 1e-6
+        assert p_beside_a_walk(one, waves, position[None], evidence=POLICY.walk_evidence) < 1e-6
 
 
 def test_coloured_noise_hides_no_offset() -> None:
@@ -129,14 +130,14 @@ def test_coloured_noise_hides_no_offset() -> None:
         for i in range(1, ROWS):
             noise[i] = 0.9 * noise[i - 1] + 0.2 * rng.standard_normal()
         one = Regression(model, 0.8 + noise, float(ROWS))
-        assert p_beside_a_walk(one, waves, np.ones((1, ROWS)), seen=True) < 0.01
+        assert p_beside_a_walk(one, waves, np.ones((1, ROWS)), evidence=POLICY.walk_evidence) < 0.01
 
 
 def test_what_nothing_walks_beside_is_not_asked() -> None:
     position, model, waves = strokes(0)
     hidden = [
         p_beside_a_walk(Regression(model, 0.3 * np.random.default_rng(seed).standard_normal(ROWS), float(ROWS)),
-                        waves, position[None], seen=True)
+                        waves, position[None], evidence=POLICY.walk_evidence)
         for seed in range(40)
     ]  # fmt: skip
     assert np.mean(np.array(hidden) == 0.0) > 0.75, "nine in ten, as a walk is seen at 5 % of either kind"

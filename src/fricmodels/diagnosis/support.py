@@ -216,7 +216,8 @@ def p_beside_walk(result: CandidateTests, member: Member, others: list[Member]) 
 
     beside = stacked(result, [other for other in others if is_no_walk(other)])
     base, waves = regression_of(result.problem, result.parameters, beside), waves_of_walks(result.problem)
-    within = trials * p_beside_a_walk(base, waves, member.columns, seen=not effect.depends_on_time)
+    evidence = None if effect.depends_on_time else result.policy.walk_evidence
+    within = trials * p_beside_a_walk(base, waves, member.columns, evidence=evidence)
     if effect.depends_on_time or 2.0 * within < result.policy.walk_significance:
         return min(1.0, within)
     outside = gain_of(result, np.vstack([beside, visible_of(base, waves)]), member).p_value

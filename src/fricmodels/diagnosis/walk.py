@@ -44,8 +44,6 @@ _LEVEL = np.pi**2 / 6.0
 """Variance of the mean of a walk from 0, T/3, over that of its first cosine, 2T/π²."""
 _OWN = 0.05
 """Share of the largest singular value that a direction of the waves must have, beside the model."""
-_SEEN = 2.71
-"""Twice the logarithm of the ratio of likelihoods from which something walks: 5 % where nothing does."""
 _FADING = (0.0, 1.0, 2.0, 4.0, 8.0, 16.0)
 """Waves c up to which what walks comes back to where it was: coloured noise that lasts for T/(π c), of the spectrum
 1/(k² + c²). The likeliest counts."""
@@ -72,14 +70,15 @@ def waves_of_walks(problem: WeakFormProblem) -> Array:
     return problem.integrated("waves of walks", built)
 
 
-def p_beside_a_walk(regression: Regression, waves: Array, columns: Array, *, seen: bool = False) -> float:
+def p_beside_a_walk(regression: Regression, waves: Array, columns: Array, *, evidence: float | None = None) -> float:
     """Return the p-value of an effect where friction or zero may walk; 0 where too few waves are seen to say anything.
 
     Args:
         regression: the model without the effect.
         waves: see :func:`waves_of_walks`, shape (1 + 2 K, rows).
         columns: of the effect, tangents of its nonlinear parameters among them, shape (q, rows).
-        seen: whether only a walk counts that the record shows, one that may come back as coloured noise does.
+        evidence: twice the logarithm of how many times likelier a walk must be than none to count, one that may come
+            back as coloured noise does; every walk counts, and none comes back, if not given.
     """
     count = len(waves) // 2
     number, still = np.arange(1.0, count + 1.0), np.zeros(count)
@@ -93,13 +92,13 @@ def p_beside_a_walk(regression: Regression, waves: Array, columns: Array, *, see
     found = []
     for of_friction in (True, False):
         tried = []
-        for fading in _FADING if seen else _FADING[:1]:
+        for fading in _FADING[:1] if evidence is None else _FADING:
             share = 1.0 / (number**2 + fading**2)
             level = 0.5 / fading**2 if fading else _LEVEL
             walks = np.concatenate([[0.0], share, still] if of_friction else [[level], still, share])
             tried.append(_beside(target, effect, along, walks))
         found.append(min(tried, key=lambda one: one[2]))
-    return max((p_value for p_value, none, least in found if none - least > _SEEN or not seen), default=0.0)
+    return max((p_value for p_value, none, least in found if evidence is None or none - least > evidence), default=0.0)
 
 
 def _basis(regression: Regression, waves: Array) -> tuple[Array, Array]:

@@ -26,8 +26,9 @@ if TYPE_CHECKING:
 Tone = Literal["good", "warn", "bad", "plain"]
 
 _WORTH_A_TRY = 0.5
-"""Share that an effect must explain of the squared test error above noise to be worth a try. On twelve logs whose cause
-is on no list, those that resemble it explain 0.7 to 0.9, and 0.2 to 0.4 those that any other would do as well."""
+"""Share that an effect must explain of the squared test error above noise to be worth a try; no name hangs on it. On
+twelve logs whose cause is on no list, those that resemble it explain 0.7 to 0.9, those that any other would do as well
+0.2 to 0.4."""
 _OF_LAWS = frozenset({"speed", "motor torque", "load torque"})
 """Channels that the listed laws are functions of."""
 _TOO_LARGE = 1.25
