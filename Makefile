@@ -41,7 +41,7 @@ tests: $(VENV)/.installed
 	$(BYTECODE) $(ONE_THREAD) $(BIN)/pytest -n 2 --dist worksteal -m "not long" tests plugins
 
 test-long: $(VENV)/.installed
-	$(BYTECODE) $(ONE_THREAD) $(BIN)/pytest -n 2 --dist worksteal --timeout 3600 -m long tests plugins
+	$(BYTECODE) $(ONE_THREAD) $(BIN)/pytest -n 2 --dist worksteal -o faulthandler_timeout=3600 -m long tests plugins
 
 paper: $(VENV)/.installed
 	$(BIN)/python benchmarks/paper.py
