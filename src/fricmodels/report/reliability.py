@@ -30,7 +30,8 @@ RECORDS: Mapping[str, Record] = {
     "missing-effect": Record(
         "Where the truth was known, the right effect was not first on 2 of 154 drives with one hidden effect "
         "(docs/hidden_effects.md), and 47 of 1002 names were wrong with several on rough drives "
-        "(docs/rough_drives.md); where the true effect was not on the list, a name was given on 16 of 154 and 71 of 880.",
+        "(docs/rough_drives.md); where the true effect was not on the list, a name was given on 16 of 154 and "
+        "71 of 880.",
         {
             "hidden_effects.md": (
                 "| right class named first | ≥ 97 % | 44 of 44 | 43 of 44 | 65 of 66 | 152 of 154 |",
