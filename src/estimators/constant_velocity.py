@@ -83,7 +83,7 @@ class ConstantVelocity(Estimator):
             return Solution(status=Status.FAILED, message=reason)
         design, offset = drive.regressors(found.samples, [guess[key] for key in held])
         omega = dominant_frequency(kept)
-        rms = float(np.sqrt(np.mean(kept.torque**2)))
+        rms = kept.rms_torque
         natural = Scales(force=rms, displacement=peak_speed(kept) / omega, time=1 / omega)
         size = np.array([natural.of(p.declared.dimension) for p in linear])
         columns = design * size[:, None] / rms
@@ -115,7 +115,7 @@ class ConstantVelocity(Estimator):
         )
 
     def _plateaus(self, recording: Recording, inertia: float, parameters: int) -> _Plateaus:
-        rms = float(np.sqrt(np.mean(recording.torque**2)))
+        rms = recording.rms_torque
         steady = np.abs(inertia * recording["acceleration"]) < self.settings.acceleration_torque * rms
         moving = np.abs(recording.velocity) > _MOVING * peak_speed(recording)
         number = _stretches(recording, steady & moving)

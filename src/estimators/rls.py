@@ -191,7 +191,7 @@ class RecursiveLeastSquares(SequentialEstimator):
             window=self.settings.window or _window(recording, inertia, per_cycle),
             smoothing=self.settings.smoothing or _smoothing(recording, peak * 2 * np.pi / per_cycle),
             peak=peak,
-            torque=float(np.sqrt(np.mean(recording.torque**2))),
+            torque=recording.rms_torque,
             omega=dominant_frequency(recording),
         )
         forgetting = float(np.exp(-1 / (self.settings.memory * per_cycle)))
@@ -203,7 +203,7 @@ def _window(recording: Recording, inertia: float, per_cycle: float) -> int:
 
     The bump (1 − s²)³ over L samples turns white noise σ of the velocity into 5.04 J σ / (Δt L^(3/2)) of torque.
     """
-    torque = float(np.sqrt(np.mean(recording.torque**2)))
+    torque = recording.rms_torque
     noise = 5.04 * inertia * velocity_noise(recording) / recording.interval
     return int(np.clip(np.ceil((noise / (0.05 * torque)) ** (2 / 3)), 12, max(12, per_cycle / 10)))
 

@@ -14,8 +14,9 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict
 
 from fricmodels.arrays import Array
+from fricmodels.coasting import coasting
 from fricmodels.drive import Drive
-from fricmodels.errors import EstimationError
+from fricmodels.errors import EstimationError, InputError
 from fricmodels.fit import Fit, Status
 from fricmodels.interval import about
 from fricmodels.parameter import outside_bounds
@@ -187,7 +188,8 @@ def usable(drive: Drive, recording: Recording) -> Recording:
 
     Raises:
         InputError: when a channel is missing.
-        EstimationError: when fewer than 20 samples are left, or the drive does not move, or no torque was applied.
+        EstimationError: when fewer than 20 samples are left, or the drive does not move, or coasts without
+            a known inertia.
     """
     derived = {"acceleration"}
     if "position" in recording and "velocity" not in recording:
@@ -201,6 +203,7 @@ def usable(drive: Drive, recording: Recording) -> Recording:
         raise EstimationError(f"{where} has {len(kept)} usable samples; at least {_LEAST} are needed")
     if "velocity" in kept and not np.ptp(kept.velocity) > 0:
         raise EstimationError(f"{where} has a constant velocity; friction and inertia need a motion that changes")
-    if not np.any(kept.torque):
-        raise EstimationError(f"{where} has zero torque throughout; there is nothing to relate the motion to")
-    return kept
+    try:
+        return coasting(kept, drive.inertia)
+    except InputError as error:
+        raise EstimationError(str(error)) from None

@@ -108,6 +108,8 @@ class Recording(Displayed):
         units: SI unit of each further channel, by its name with ``other.``; empty where none was given.
         derived_over: half width [samples] of the differentiator that gave the velocity from the position; 0 where none
             did.
+        reference_torque: what errors are told in percent of where the motor has no torque [N m or N]; see
+            :func:`fricmodels.coasting.coasting`.
     """
 
     name: str
@@ -119,6 +121,7 @@ class Recording(Displayed):
     origin: Origin | None = field(default=None, compare=False)
     derived_over: int = 0
     units: Mapping[str, str] = field(default_factory=dict)
+    reference_torque: float = 0.0
 
     def __post_init__(self) -> None:
         for required in ("time", "torque"):
@@ -157,6 +160,11 @@ class Recording(Displayed):
     def velocity(self) -> Array:
         """Velocity [rad/s or m/s]."""
         return self["velocity"]
+
+    @property
+    def rms_torque(self) -> float:
+        """RMS motor torque [N m or N], in percent of which errors are told; where it is 0, :attr:`reference_torque`."""
+        return float(np.sqrt(np.mean(self.torque**2))) or self.reference_torque
 
     @property
     def load_torque(self) -> Array:
@@ -313,7 +321,8 @@ class Recording(Displayed):
             name: values / scales.of(CHANNELS.get(name, DIMENSIONLESS)) for name, values in self.channels.items()
         }
         origin = self.origin and replace(self.origin, whole=self.origin.whole.scaled(scales))
-        return replace(self, channels=channels, origin=origin)
+        torque = self.reference_torque / scales.of(CHANNELS["torque"])
+        return replace(self, channels=channels, origin=origin, reference_torque=torque)
 
     def runs(self) -> Iterator[Recording]:
         """Yield each run on its own, in order of run number."""

@@ -156,7 +156,7 @@ class Transcription:
         count, n = states.shape
         first = mesh.first
         self._scale = np.array([max(float(np.max(np.abs(row))), 1e-12) for row in states])
-        force = float(np.sqrt(np.mean(recording.torque**2)))
+        force = recording.rms_torque
         step = mesh.time[first + 1] - mesh.time[first]
         rates = self._scale[1:] / recording.interval
         needed = drive.model.needs | {"motor_torque", "load_torque"}

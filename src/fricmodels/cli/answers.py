@@ -47,7 +47,7 @@ def check_computable(recording: Recording, inertia: float | None) -> None:
     within = np.diff(recording.run) == 0
     fastest = float(np.abs(np.diff(recording.velocity) / steps)[within].max(initial=0.0))
     torque = float(np.abs(recording.torque).max())
-    if np.isfinite(inertia) and inertia * fastest / _HEAVIEST > torque:
+    if torque and np.isfinite(inertia) and inertia * fastest / _HEAVIEST > torque:
         times = inertia * fastest / torque
         raise InputError(
             f"{source}: an inertia of {inertia:.3g} would need {times:.1g} times the torque that was measured; "

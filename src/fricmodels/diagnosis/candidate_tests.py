@@ -16,6 +16,7 @@ from fricmodels.drive import Drive
 from fricmodels.progress import each
 from fricmodels.recording import RUN, channel_of
 from fricmodels.term import Effect
+from fricmodels.weakform.acting import acting
 from fricmodels.weakform.candidate import NonlinearOptimum
 from fricmodels.weakform.problem import WeakFormProblem
 from fricmodels.weakform.regression import LEAST_P, Evidence, Regression, compare, unwarned
@@ -131,7 +132,7 @@ def candidate_tests(
     registered = plugins.load().effects
     # The search for an effect with memory is long, and goes on only as far as it may yet compare with the others, and
     # with what sampling leaves by itself.
-    rival = policy.sampling_leaves**2 * float(problem.driving @ problem.driving)
+    rival = policy.sampling_leaves**2 * float(np.sum(acting(problem) ** 2))
     total = float(regression.residual @ regression.residual)
     names = [name for name in registered if only is None or name in only]
     for name in each(f"testing effects on {model.name}", sorted(names, key=lambda name: bool(registered[name].states))):

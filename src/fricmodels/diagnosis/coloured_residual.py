@@ -86,7 +86,7 @@ def coloured_residual(result: CandidateTests) -> ColouredNoise | None:
     at_end = samples > 0.95 * longest
     if at_end or square == 0.0 or miss / measured[0] ** 2 / len(lags) > max(_NOT_EXPLAINED**2, 4.0 * own_error):
         return None
-    size = float(np.sqrt(np.mean(recording.torque**2)))
+    size = recording.rms_torque
     deviation = float(np.sqrt(square))
     return ColouredNoise(deviation, samples * recording.interval, 100.0 * deviation / size, recording.motion)
 

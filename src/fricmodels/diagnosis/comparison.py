@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from fricmodels.coasting import coasting
 from fricmodels.diagnosis.candidate_tests import not_yet
 from fricmodels.diagnosis.journal import estimated
 from fricmodels.diagnosis.where import Regime, where
@@ -212,7 +213,7 @@ def _sliding(drive: Drive, values: Mapping[str, float], train: Recording, test: 
     half_width, inertia = sliding_half_width(train), recorded_inertia(drive, values)
 
     def percent(torque: float, part: Recording) -> float:
-        return 100 * torque / float(np.sqrt(np.mean(part.torque**2)))
+        return 100 * torque / part.rms_torque
 
     def error(part: Recording) -> float:
         left = filtered_torque_error(drive, values, part, half_width)
@@ -272,7 +273,8 @@ def compare(
     drive = Drive(Model.of(model), inertia, recording.motion)
     known = drive.model.known
     with steps(f"fitting {drive.model.name}", _PARTS) as done:
-        prepared = ready(recording)
+        known_inertia = known.values.get(drive.inertia_key) if known.fixed and inertia is None else inertia
+        prepared = ready(coasting(recording, known_inertia))
         if known.fixed:
             values = {**known.values, **({} if inertia is None else {drive.inertia_key: inertia})}
             prepared = levelled(drive, values, numbered_as_fitted(prepared, drive.model))

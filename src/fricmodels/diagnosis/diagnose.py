@@ -7,8 +7,6 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Literal, TypeGuard
 
-import numpy as np
-
 from fricmodels.diagnosis.at_bounds import beyond_bounds
 from fricmodels.diagnosis.by_fit import (
     all_of_the_error,
@@ -293,7 +291,7 @@ def _is_larger(ripple: FastRipple | None, result: CandidateTests, best: LookAlik
     if ripple is None or ripple.waves.lines[0].k < averaged_from(result.problem):
         return False
     in_rows = 0.0 if best is None else torque_share(result, best.first.evidence)
-    return ripple.torque > in_rows * float(np.sqrt(np.mean(result.problem.recording.torque**2)))
+    return ripple.torque > in_rows * result.problem.recording.rms_torque
 
 
 def _beside_ripple(refits: Refits, ripple: FastRipple, leave_out: set[str], policy: Policy) -> Diagnosis:

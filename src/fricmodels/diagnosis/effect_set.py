@@ -16,6 +16,7 @@ from fricmodels.diagnosis.places import largest_place
 from fricmodels.diagnosis.predictability import AUTOREGRESSIVE, ChannelPredictor, channel_predictors, each_predictor
 from fricmodels.diagnosis.verdict import LookAlikes, predicts, select_effect
 from fricmodels.term import Effect
+from fricmodels.weakform.acting import acting
 from fricmodels.weakform.regression import Regression, compare
 from fricmodels.weakform.shifted import regression_of
 
@@ -126,7 +127,7 @@ def pruned(result: CandidateTests, members: list[Member]) -> list[Member]:
     bound makes no other one superfluous: it describes what is missing, with tangents that have no bound, and is not it.
     """
     policy = result.policy
-    least = policy.least_torque**2 * float(np.sum(result.problem.driving**2))
+    least = policy.least_torque**2 * float(np.sum(acting(result.problem) ** 2))
     kept, removed = list(members), []
     while len(kept) > 1:
         gains = [gain_of(result, stacked(result, _rivals(kept, m)), m) for m in kept]

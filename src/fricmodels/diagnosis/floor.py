@@ -11,6 +11,7 @@ from fricmodels.score.bands import Band
 from fricmodels.score.proportional import recorded_inertia
 from fricmodels.score.torque import filtered_torque_error, sliding_half_width
 from fricmodels.score.zeroed import zeroed
+from fricmodels.weakform.acting import acting
 from fricmodels.weakform.problem import WeakFormProblem
 from fricmodels.weakform.regression import Evidence, Regression
 
@@ -21,7 +22,7 @@ _DRAWS, _CERTAIN = 12, 3.0
 def floor(problem: WeakFormProblem, policy: Policy = POLICY) -> float:
     """Return the sum of squares [(N m)² or N²] that noise and sampling may leave in the rows of a fitted model."""
     inertia, _ = problem.drive.split(problem.estimated or {})
-    return float(inertia**2 * problem.momentum_noise + policy.least_torque**2 * (problem.driving @ problem.driving))
+    return float(inertia**2 * problem.momentum_noise + policy.least_torque**2 * float(np.sum(acting(problem) ** 2)))
 
 
 def creditable(problem: WeakFormProblem, before: float, fall: float, policy: Policy = POLICY) -> float:
@@ -163,6 +164,6 @@ def _beyond_sampling(comparison: Comparison) -> tuple[float, float]:
 
     def percent(part: Recording) -> float:
         error = filtered_torque_error(drive, values, part, half_width, beyond_sampling=True)
-        return 100 * float(np.sqrt(np.mean(error**2) / np.mean(part.torque**2)))
+        return 100 * float(np.sqrt(np.mean(error**2))) / part.rms_torque
 
     return percent(comparison.train), percent(zeroed(drive, values, comparison.test))

@@ -8,6 +8,7 @@ from fricmodels.diagnosis.comparison import Comparison
 from fricmodels.drive import Drive
 from fricmodels.model import Model
 from fricmodels.term import Effect
+from fricmodels.weakform.acting import acting
 
 
 def driving_share(comparison: Comparison) -> float:
@@ -41,4 +42,4 @@ def own_torque(comparison: Comparison, effect: Effect) -> float:
     fitted = np.array([values[parameter.key] for parameter in alone.model.parameters])
     columns, rest = problem.columns(alone, fitted[~linear].tolist())
     torque = fitted[linear] @ columns + rest
-    return float(np.sqrt(np.sum(torque**2) / np.sum(problem.driving**2)))
+    return float(np.sqrt(np.sum(torque**2) / np.sum(acting(problem) ** 2)))

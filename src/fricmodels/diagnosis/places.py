@@ -29,6 +29,7 @@ from numpy.typing import NDArray
 
 from fricmodels.diagnosis.candidate_tests import CandidateTests
 from fricmodels.diagnosis.policy import Policy
+from fricmodels.weakform.acting import acting
 from fricmodels.weakform.problem import WeakFormProblem
 from fricmodels.weakform.regression import LEAST_P, Regression
 
@@ -88,9 +89,9 @@ def largest_place(result: CandidateTests) -> Place | None:
 
 def torque_of(place: Place, result: CandidateTests) -> float:
     """Return the RMS torque that the means of a place's bins explain, in % of the RMS torque."""
-    driving = result.problem.driving
+    torque = acting(result.problem)
     squares = place.share * float(result.regression.residual @ result.regression.residual)
-    return 100 * float(np.sqrt(squares / (driving @ driving)))
+    return 100 * float(np.sqrt(squares / (torque @ torque)))
 
 
 @dataclass(frozen=True)

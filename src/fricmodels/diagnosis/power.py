@@ -11,6 +11,7 @@ from fricmodels import plugins
 from fricmodels.diagnosis.candidate_tests import CandidateTest, CandidateTests
 from fricmodels.diagnosis.floor import above_noise
 from fricmodels.signals.order_spectrum import LEAST_PERIODS
+from fricmodels.weakform.acting import acting
 from fricmodels.weakform.lines import Whitened, fast_band, smallest_line
 from fricmodels.weakform.problem import WeakFormProblem
 from fricmodels.weakform.regression import LEAST_P
@@ -61,7 +62,7 @@ def _smallest(result: CandidateTests, tested: CandidateTest) -> Visibility:
     it, falls by the least gain g: an effect takes √(1/(1 − g)² − 1) times as much torque for it as is left without it.
     """
     problem, regression, policy = result.problem, result.regression, result.policy
-    reference = float(np.sqrt(np.mean(problem.driving**2)))
+    reference = float(np.sqrt(np.mean(acting(problem) ** 2)))
     residual = float(np.sqrt(above_noise(problem, float(np.sum(regression.residual**2)), policy) / problem.rows))
     columns = tested.found.columns
     gain_needed = residual * float(np.sqrt(max(1 / (1 - policy.least_gain) ** 2 - 1, 0.0)))
@@ -81,7 +82,7 @@ def _smallest(result: CandidateTests, tested: CandidateTest) -> Visibility:
     share = beyond * max(needed / reference, policy.least_torque) if reference > 0 else float("nan")
     if beyond > 1.0 and share > 1.0:  # more than all of the torque
         return Visibility(float("nan"), float("nan"), _HIDDEN + tested.effect.needs_motion)
-    torque = share * float(np.sqrt(np.mean(problem.recording.torque**2)))
+    torque = share * problem.recording.rms_torque
     return Visibility(100 * share, torque, "")
 
 
@@ -132,7 +133,7 @@ def _over_band(
         return replace(found, band=band)
     return replace(
         found,
-        smallest_percent=100 * torque / float(np.sqrt(np.mean(result.problem.recording.torque**2))),
+        smallest_percent=100 * torque / result.problem.recording.rms_torque,
         smallest_torque=torque,
         band=band,
     )

@@ -84,7 +84,7 @@ def remaining(
     """
     errors = comparison.errors
     percent = float(np.sqrt(max(errors.held_out_percent**2 - comparison.noise_floor_percent**2, 0.0)))
-    size = percent / 100 * float(np.sqrt(np.mean(comparison.test.torque**2)))
+    size = percent / 100 * comparison.test.rms_torque
     worst = comparison.where[0]
     held = held_at_rest(comparison) if place is None and worst.regime == "rest" else ""
     # Rows of motion do not tell which friction acts at rest: each is fitted then.

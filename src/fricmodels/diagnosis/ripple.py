@@ -51,7 +51,7 @@ def fast_ripple(
         leave_out: effects that are not considered.
         policy: decides what is significant, and large enough.
     """
-    least = policy.least_torque * float(np.sqrt(np.mean(problem.recording.torque**2)))
+    least = policy.least_torque * problem.recording.rms_torque
     waves = fast_waves(problem, parameters, policy.significance, least)
     if waves is None:
         return None

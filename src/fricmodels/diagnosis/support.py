@@ -32,6 +32,7 @@ from fricmodels.diagnosis.predictability import AUTOREGRESSIVE
 from fricmodels.diagnosis.rivals import Instead, against_channels, is_better
 from fricmodels.diagnosis.verdict import is_large_over_all_motion, outside
 from fricmodels.diagnosis.walk import p_beside_a_walk, waves_of_walks
+from fricmodels.weakform.acting import acting
 from fricmodels.weakform.shifted import regression_of
 
 Array = NDArray[np.float64]
@@ -255,7 +256,7 @@ def _support_of(result: CandidateTests, member: Member, place: _Place) -> Suppor
     found = Support(
         share_explained(result.problem, full.before, full.before - full.fall, result.policy),
         of_rest,
-        float(np.sqrt(max(full.fall, 0.0) / np.sum(result.problem.driving**2))),
+        float(np.sqrt(max(full.fall, 0.0) / np.sum(acting(result.problem) ** 2))),
         full.p_value,
         "the description of the rest" if np.isfinite(of_rest) else "",
     )

@@ -50,6 +50,7 @@ from fricmodels.diagnosis.support import Support, p_beside_walk, support_of
 from fricmodels.diagnosis.verdict import LookAlikes, select_effect
 from fricmodels.progress import each
 from fricmodels.term import Effect
+from fricmodels.weakform.acting import acting
 
 Array = NDArray[np.float64]
 
@@ -205,7 +206,7 @@ def _judged(result: CandidateTests, members: list[Member], rest: Rest) -> Judgem
     # A series of waves draws one torque over position: it does not end, or takes more terms than that.
     if further and (not OF_POSITION.isdisjoint(rest.channels) or any(is_drawn(result, members, m) for m in further)):
         one_cause += further
-    power = float(np.sum(result.problem.driving**2))
+    power = float(np.sum(acting(result.problem) ** 2))
     return Judgement(
         tuple((_without_walks(result, m, without(members, m)), support) for m, support in judged),
         tuple(m.found for m in one_cause),

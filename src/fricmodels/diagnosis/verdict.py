@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from fricmodels.diagnosis.candidate_tests import CandidateTest, CandidateTests
 from fricmodels.diagnosis.floor import gain_above_noise
+from fricmodels.weakform.acting import acting
 from fricmodels.weakform.all_motion import residual_rms
 from fricmodels.weakform.regression import Evidence, Regression, compare
 
@@ -91,7 +92,7 @@ def is_large_over_all_motion(result: CandidateTests, tested: CandidateTest) -> b
     if not _can_be_judged_by_samples(result, tested):
         return False
     problem = result.problem
-    power = float(np.mean(problem.recording.torque[~problem.resting] ** 2))
+    power = float(np.mean(problem.recording.torque[~problem.resting] ** 2)) or problem.recording.rms_torque**2
     fall = residual_rms(problem) ** 2 - _left_over_all_motion(result, tested) ** 2
     return fall > result.policy.least_torque_all_motion**2 * power
 
@@ -99,7 +100,7 @@ def is_large_over_all_motion(result: CandidateTests, tested: CandidateTest) -> b
 def torque_share(result: CandidateTests, evidence: Evidence) -> float:
     """Return the RMS torque that columns explain beyond the base model, over the RMS torque."""
     explained = evidence.explained * float(np.mean(result.regression.residual**2))
-    return float(np.sqrt(max(explained, 0.0) / np.mean(result.problem.driving**2)))
+    return float(np.sqrt(max(explained, 0.0) / np.mean(acting(result.problem) ** 2)))
 
 
 def select_effect(result: CandidateTests) -> LookAlikes | None:
@@ -164,8 +165,8 @@ def _left_over_all_motion(result: CandidateTests, tested: CandidateTest) -> floa
 
 def _rms(result: CandidateTests, tested: CandidateTest) -> float:
     """Return the RMS residual with an effect; what sampling leaves at the least counts as left by each."""
-    loss, driving = tested.evidence.loss, result.problem.driving
-    least = result.policy.sampling_leaves**2 * float(driving @ driving)
+    loss, torque = tested.evidence.loss, acting(result.problem)
+    least = result.policy.sampling_leaves**2 * float(torque @ torque)
     return float(np.sqrt((np.sum(loss) + least) / len(loss)))
 
 

@@ -103,7 +103,7 @@ class KalmanEstimator(Estimator):
         if drive.inertia is None:
             deviation[0] = settings.initial_inertia_deviation
         linear = np.array([p.linear for p in drive.parameters])
-        crest = float(np.max(np.abs(recording.torque)) / np.sqrt(np.mean(recording.torque**2)))
+        crest = float(np.max(np.abs(recording.torque)) / recording.rms_torque)
         largest = np.maximum(crest * deviation, 2.0 * (np.array(drive.keys) == drive.inertia_key))
         start = np.where(linear, np.clip(start, -largest, largest), start)
         lower = np.maximum(lower, start - _FARTHEST * deviation)
@@ -134,7 +134,7 @@ class KalmanEstimator(Estimator):
         part = (
             recording if len(recording) <= _CALIBRATION_SAMPLES else recording.select(np.arange(_CALIBRATION_SAMPLES))
         )
-        torque = float(np.sqrt(np.mean(recording.torque**2))) / scales.force
+        torque = recording.rms_torque / scales.force
         step = recording.interval / scales.time
         factors = _NOISE_FACTORS if settings.velocity_noise is None else (1.0,)
         levels = _MODEL_NOISE if settings.model_noise is None else (settings.model_noise,)
@@ -173,7 +173,7 @@ def initial_deviation(drive: Drive, recording: Recording, start: Array) -> Array
     A linear one may carry the whole RMS torque at the peak speed; a nonlinear one may be wrong by half.
     """
     omega = dominant_frequency(recording)
-    torque = float(np.sqrt(np.mean(recording.torque**2)))
+    torque = recording.rms_torque
     natural = Scales(force=torque, displacement=peak_speed(recording) / omega, time=1 / omega)
     size = drive.parameter_scales(natural)
     linear = np.array([p.linear for p in drive.parameters])

@@ -122,7 +122,7 @@ def scan_unit(dimension: Dimension, recording: Recording) -> float:
     reach = float(np.ptp(recording["position"])) if "position" in recording else 0.0
     reach = reach or peak / dominant_frequency(recording)
     duration = float(np.ptp(longest_run(recording).time))
-    size = float(np.sqrt(np.mean(recording.torque**2))) ** float(dimension.force)
+    size = recording.rms_torque ** float(dimension.force)
     along, time = float(dimension.displacement), float(dimension.time)
     if along == 0:
         return float(size * duration**time)

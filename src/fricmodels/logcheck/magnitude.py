@@ -30,7 +30,8 @@ def magnitude(log: Log, rows: Sequence[Balance]) -> Iterator[Finding]:
     the record (the two balances have the same columns), with friction that takes up power and a positive inertia.
     """
     torque = log.short.recording.torque
-    if log.one_way or abs(float(np.sum(torque))) < _OF_ONE_SIGN * float(np.sum(np.abs(torque))):
+    one_sign = torque.any() and abs(float(np.sum(torque))) >= _OF_ONE_SIGN * float(np.sum(np.abs(torque)))
+    if log.one_way or not one_sign:
         return
     pairs = [(row, _with_signs(row)) for row in rows]
     if not pairs:

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from fricmodels.coasting import coasts
 from fricmodels.logcheck.finding import Finding, Severity
 from fricmodels.logcheck.view import Log
 from fricmodels.results.words import figures
@@ -26,6 +27,15 @@ def constant(log: Log) -> Iterator[Finding]:
     """Say which channel of the drive has one value throughout though the drive moves: a sensor or a column is dead."""
     for channel, values in log.measured.items():
         if channel not in ("position", "torque", "acceleration") or np.ptp(values) > 0.0:
+            continue
+        if channel == "torque" and coasts(log.recording):
+            yield Finding(
+                "coasting",
+                Severity.NOTE,
+                channel,
+                f"the {log.called(channel)} is 0 throughout while the drive slows down: it coasts. Friction is known "
+                "per inertia, which has to be given (--inertia), and errors are in percent of the inertia's RMS torque",
+            )
             continue
         remedy = f"map the column that was measured, as with --column {channel}=COLUMN"
         yield Finding(

@@ -12,7 +12,7 @@ from fricmodels.recording import Recording
 
 
 def check(recording: Recording, place: Callable[[int], str] = lambda row: f"sample {row + 1}") -> None:
-    """Check that values are finite, time goes forward within each run, and something moves under some torque.
+    """Check that values are finite, time goes forward within each run, and something moves.
 
     Args:
         recording: samples of each run stand together.
@@ -105,8 +105,6 @@ def ticking(recording: Recording) -> float | None:
 
 
 def _check_motion(recording: Recording, source: str) -> None:
-    if not recording.torque.any():
-        raise InputError(f"{source}: the torque is zero throughout; map the column that drives the motion")
     if "velocity" in recording:
         velocity = recording.velocity
     else:

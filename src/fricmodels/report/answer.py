@@ -142,11 +142,11 @@ def error_words(data: ComparisonDocument) -> str:
     if _within_noise(data):
         noise = _estimated_too_large(data)
     over = f", {window(data)}" if window(data) else ""
-    where = f"of the RMS motor {data.quantity} on data that took no part in fitting{over}"
+    where = f"of the {data.reference} on data that took no part in fitting{over}"
     if len(steps) > 1:
         return f"Test error {percent(before)} → {percent(after)} {where}; {noise}.{_of_other_runs(data)}"
     if data.held:
-        where = f"of the RMS motor {data.quantity} on the three tenths that a fit would keep back{over}"
+        where = f"of the {data.reference} on the three tenths that a fit would keep back{over}"
     return f"Test error {percent(before)} {where}; {noise}.{_of_other_runs(data)}"
 
 

@@ -6,6 +6,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from fricmodels.coasting import coasting
 from fricmodels.diagnosis.document import FILE as DIAGNOSIS
 from fricmodels.errors import FricmodelsError, InputError
 from fricmodels.progress import each
@@ -133,8 +134,8 @@ def _rungs(data: DiagnosisDocument, folder: Path) -> list[Rung]:
     )
     if recording.provenance["sha256"] != known.sha256:
         raise FricmodelsError(f"{known.source} has changed since the diagnosis")
-    train, test = kept_back(ready(recording))
     inertia = None if data.inertia.estimated else data.inertia.value
+    train, test = kept_back(ready(coasting(recording, inertia)))
     rungs = []
     for step in each("evaluating the models", data.steps):
         model = known_model(step.model)

@@ -222,6 +222,12 @@ class ComparisonDocument(ResultDocument):
         )
 
     @property
+    def reference(self) -> str:
+        """What errors are told in percent of: the RMS motor torque, or that of the inertia where the drive coasts."""
+        coasts = any(finding.kind == "coasting" for finding in self.recording.findings)
+        return f"RMS {self.quantity} of the inertia" if coasts else f"RMS motor {self.quantity}"
+
+    @property
     def last_noise_floor_percent(self) -> float | None:
         """Error that sensor noise alone would leave of the last model; of the given one in files of old versions."""
         last = self.steps[-1].noise_floor_percent

@@ -190,7 +190,7 @@ def keep_row(row: Mapping[str, Any], recording: Recording, inertia: float | None
 
     drive = Drive(Model.parse(row["model"]).on(recording), inertia, recording.motion)
     figures = {key: row.get(f"{key}rms_torque_error_percent") for key in ("", "held_out_")}
-    size = 1e-2 * float(np.sqrt(np.mean(recording.torque**2)))
+    size = 1e-2 * recording.rms_torque
     error = None
     if row.get("rms_torque_error_band_ms") is not None and figures[""] is not None:
         error = StoredError(

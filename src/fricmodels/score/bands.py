@@ -133,7 +133,7 @@ def headline_window(prepared: Recording, inertia: float | None = None) -> float:
         inertia: the given one.
     """
     every, inertia = windows(prepared), apparent_inertia(prepared) if inertia is None else inertia
-    most = CLEAR * _rms(prepared.torque)
+    most = CLEAR * prepared.rms_torque
     for window in every:
         torque, motion = noise_floors(prepared)[window]
         if not float(np.hypot(torque, inertia * motion if motion else 0.0)) > most:
@@ -169,7 +169,7 @@ def torque_errors(
     every, floors, headline = windows(train), noise_floors(train), headline_window(train, drive.inertia)
     kept = {} if test is None else over_windows(balances(drive, values, test), len(test), every)[0]
     fitted, error = over_windows(balances(drive, values, train), len(train), every, headline)
-    reference = _rms(train.torque)
+    reference = train.rms_torque
     found = {}
     for window in every:
         own, other = fitted[window], kept.get(window, float("nan"))
@@ -180,7 +180,7 @@ def torque_errors(
             own,
             _percent(own, reference),
             other,
-            float("nan") if test is None else _percent(other, _rms(test.torque)),
+            float("nan") if test is None else _percent(other, test.rms_torque),
             _percent(floor, reference),
         )
     return Errors(found[headline], tuple(found.values())), error

@@ -148,7 +148,7 @@ def _rms(error: Array, prepared: Recording, measure: Measure, decimate: int) -> 
 
     kept = decimated(prepared.with_channels(torque_error=error), decimate)
     rms = float(np.sqrt(np.mean(kept["torque_error"] ** 2)))
-    reference = float(np.sqrt(np.mean(kept.torque**2)))
+    reference = kept.rms_torque
     return rms, 100 * rms / reference if reference > 0 else math.nan, len(kept)
 
 

@@ -86,7 +86,7 @@ def suggested_truth(subject: Subject) -> dict[str, float]:
     drive = Drive(subject.model, INERTIA)
     columns, _ = drive.regressors(reference, [values[p.symbol] for p in terms if not linear[p.symbol]])
     sizes = np.sqrt(np.mean(np.square(columns), axis=1))
-    torque = float(np.sqrt(np.mean(reference.torque**2)))
+    torque = reference.rms_torque
     if subject.term.states and not np.all(sizes < _UNBOUNDED):
         names = ", ".join(z.symbol for z in subject.term.states)
         raise Fault(

@@ -19,6 +19,7 @@ from typing import Any, overload
 
 import numpy as np
 
+from fricmodels.coasting import coasting
 from fricmodels.dimension import Motion
 from fricmodels.errors import InputError
 from fricmodels.recording import Recording
@@ -314,6 +315,7 @@ def load(source: Source) -> Loaded:
 
     values = source.values
     recording, tests = recordings_of(source)
+    recording, *tests = (coasting(each, source.inertia) for each in (recording, *tests))
     preparation = Preparation.model_validate(values["preparation"])
     test: Recording | None
     if tests:

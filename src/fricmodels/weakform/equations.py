@@ -97,5 +97,5 @@ def _constraints(drive: Drive, delay: float, largest_push: float) -> tuple[Array
 
 @once
 def _largest_push(recording: Recording) -> float:
-    """Return the largest torque that drives [N m or N]."""
-    return float(np.max(np.abs(recording.driving_torque)))
+    """Return the largest torque that drives [N m or N]; a drive that coasts says nothing of it: ∞."""
+    return float(np.max(np.abs(recording.driving_torque))) or np.inf

@@ -27,6 +27,7 @@ from fricmodels.recording import Recording
 from fricmodels.results.words import is_combined
 from fricmodels.score.torque import filtered_torque_error, sliding_half_width
 from fricmodels.signals.rest import once
+from fricmodels.weakform.acting import acting
 from fricmodels.weakform.friction_limits import limits_of_friction
 from fricmodels.weakform.identification import FAR_WORSE, identified
 from fricmodels.weakform.inference import is_contradicted
@@ -292,7 +293,7 @@ def _whatever_the_direction(
     if not too_much(*everywhere):
         return final
     gained = (everywhere[0] - everywhere[1]) / float(np.sum(problem.recording.driving_torque**2))
-    lost = (certain[1] - certain[0]) / float(np.sum(problem.driving**2))
+    lost = (certain[1] - certain[0]) / float(np.sum(acting(problem) ** 2))
     return final if too_much(certain[1], certain[0]) and lost > _FAR_LESS * gained else identified(other, left)
 
 

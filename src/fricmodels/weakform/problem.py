@@ -365,10 +365,10 @@ class WeakFormProblem:
         The recorded torque is what the rows are to explain. As a regressor it would explain them, its own error
         included, with a gain of one and nothing else. The model's :math:`\tau_L + J\dot\omega + \tau_F`, solved for the
         motor torque where the friction depends on it, stands for it (two-stage least squares). Before there is a fit it
-        is the recorded torque.
+        is the recorded torque, and of a drive that coasts none.
         """
         points = self.quadrature.recording
-        if self.estimated is None:
+        if self.estimated is None or not points.torque.any():
             return points.torque
         pairs = list(zip(self.drive.model.parameters, self.drive.model.linear, strict=True))
         nonlinear = [self.estimated[p.key] for p, linear in pairs if not linear]

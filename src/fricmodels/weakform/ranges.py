@@ -48,7 +48,7 @@ def _sizes(recording: Recording) -> tuple[float, float, float, float]:
     """Return peak velocity, duration, RMS torque and position range."""
     peak = float(np.max(np.abs(recording.velocity)))
     duration = float(np.ptp(recording.time))
-    force = float(np.sqrt(np.mean(recording.torque**2)))
+    force = recording.rms_torque
     length = float(np.ptp(recording["position"])) if "position" in recording else peak * duration
     return peak, duration, force, length
 

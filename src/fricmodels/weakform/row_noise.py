@@ -178,7 +178,7 @@ def bump_width(
 def _torque_and_shortest(recording: Recording) -> tuple[float, int]:
     """Return the RMS torque, and the samples of the shortest run."""
     shortest = min(int(np.count_nonzero(recording.run == number)) for number in recording.run_numbers)
-    return float(np.sqrt(np.mean(recording.torque**2))), shortest
+    return recording.rms_torque, shortest
 
 
 def _momentum(recording: Recording, width: int) -> tuple[int, float, float]:

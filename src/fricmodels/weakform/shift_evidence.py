@@ -172,8 +172,8 @@ def _sizes(found: Solved) -> tuple[Array, NDArray[np.bool_]]:
 
 @once
 def _largest_torque(recording: Recording) -> float:
-    """Return the largest motor torque [N m or N]."""
-    return float(np.max(np.abs(recording.torque)))
+    """Return the largest motor torque [N m or N]; of a drive that coasts what errors are told by."""
+    return float(np.max(np.abs(recording.torque))) or recording.reference_torque
 
 
 def _freedom(found: Solved) -> int:

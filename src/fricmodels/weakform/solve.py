@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from fricmodels.weakform.acting import acting
 from fricmodels.weakform.equations import projection
 from fricmodels.weakform.inference import NORMAL_95, at_least, covariance, covariance_once
 from fricmodels.weakform.instants import likely_instants
@@ -323,7 +324,7 @@ class Solved:
     @property
     def residual_percent(self) -> float:
         """RMS of what is left of the rows, of the RMS driving torque in them."""
-        return 100 * float(np.linalg.norm(self.solution.residual) / np.linalg.norm(self.problem.driving))
+        return 100 * float(np.linalg.norm(self.solution.residual) / np.linalg.norm(acting(self.problem)))
 
     @property
     def message(self) -> str:
