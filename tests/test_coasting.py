@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 from estimators.batch import Batch
-from fricmodels.coasting import coasting
 from fricmodels.diagnosis import compare, improve
 from fricmodels.dimension import Motion
 from fricmodels.drive import Drive
@@ -16,6 +15,7 @@ from fricmodels.errors import EstimationError, InputError
 from fricmodels.logcheck import findings
 from fricmodels.model import Model
 from fricmodels.recording import Recording
+from fricmodels.signals.coasting import coasting
 from fricmodels.simulation import simulate
 
 J, K_V, K_C = 0.012, 0.0009, 0.15

@@ -14,13 +14,13 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict
 
 from fricmodels.arrays import Array
-from fricmodels.coasting import coasting
 from fricmodels.drive import Drive
 from fricmodels.errors import EstimationError, InputError
 from fricmodels.fit import Fit, Status
 from fricmodels.interval import about
 from fricmodels.parameter import outside_bounds
 from fricmodels.recording import Recording
+from fricmodels.signals.coasting import coasting
 
 if TYPE_CHECKING:
     import pandas as pd

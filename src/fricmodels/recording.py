@@ -109,7 +109,7 @@ class Recording(Displayed):
         derived_over: half width [samples] of the differentiator that gave the velocity from the position; 0 where none
             did.
         reference_torque: what errors are told in percent of where the motor has no torque [N m or N]; see
-            :func:`fricmodels.coasting.coasting`.
+            :func:`fricmodels.signals.coasting.coasting`.
     """
 
     name: str

@@ -8,7 +8,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from fricmodels.coasting import coasting
 from fricmodels.diagnosis.candidate_tests import not_yet
 from fricmodels.diagnosis.journal import estimated
 from fricmodels.diagnosis.where import Regime, where
@@ -24,6 +23,7 @@ from fricmodels.score.bands import Errors, torque_errors
 from fricmodels.score.proportional import recorded_inertia
 from fricmodels.score.torque import filtered_torque_error, sliding_half_width
 from fricmodels.score.zeroed import levelled, unknown_runs, zeroed
+from fricmodels.signals.coasting import coasting
 from fricmodels.signals.lanczos import even_weights, lanczos_value
 from fricmodels.signals.rest import once
 from fricmodels.signals.switched import torque_noise

@@ -7,11 +7,11 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from fricmodels.coasting import coasts
 from fricmodels.logcheck.finding import Finding, Severity
 from fricmodels.logcheck.view import Log
 from fricmodels.results.words import figures
 from fricmodels.signals.beginnings import false_beginnings
+from fricmodels.signals.coasting import coasts
 from fricmodels.signals.jumps import find_jumps
 from fricmodels.signals.switched import is_switched
 

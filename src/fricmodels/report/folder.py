@@ -6,7 +6,6 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from fricmodels.coasting import coasting
 from fricmodels.diagnosis.document import FILE as DIAGNOSIS
 from fricmodels.errors import FricmodelsError, InputError
 from fricmodels.progress import each
@@ -15,6 +14,7 @@ from fricmodels.report.page import Fold, Page, Picture, Section, Words
 from fricmodels.report.wording import known_model
 from fricmodels.results.diagnosis import DiagnosisDocument
 from fricmodels.results.history import FILE as HISTORIES
+from fricmodels.signals.coasting import coasting
 from fricmodels.stored import as_written
 from fricmodels.tournament.leaderboard import AGAIN, Leaderboard
 from fricmodels.tournament.leaderboard import FILE as LEADERBOARD

@@ -19,11 +19,11 @@ from typing import Any, overload
 
 import numpy as np
 
-from fricmodels.coasting import coasting
 from fricmodels.dimension import Motion
 from fricmodels.errors import InputError
 from fricmodels.recording import Recording
 from fricmodels.signals import Preparation, prepare
+from fricmodels.signals.coasting import coasting
 from fricmodels.split import Split, split
 from fricmodels.tournament.config import Config, Dataset, Simulate
 from fricmodels.tournament.simulated import simulated
