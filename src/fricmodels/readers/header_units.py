@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
+from itertools import product
 
 from fricmodels.errors import InputError
 from fricmodels.readers import units
@@ -11,43 +12,46 @@ from fricmodels.readers.dates import states_order
 from fricmodels.recording import OTHER
 
 _BRACKETS = re.compile(r"[\[(]\s*([^\[\]()]+?)\s*[\])]\s*$")
-_SUFFIXES = {
-    "rad_s2": "rad/s^2",
-    "rads2": "rad/s^2",
-    "deg_s2": "deg/s^2",
-    "m_s2": "m/s^2",
-    "rad_s": "rad/s",
-    "rads": "rad/s",
-    "radps": "rad/s",
-    "deg_s": "deg/s",
-    "degs": "deg/s",
-    "degps": "deg/s",
-    "dps": "deg/s",
-    "rad_per_s": "rad/s",
-    "deg_per_s": "deg/s",
-    "m_s": "m/s",
-    "mps": "m/s",
-    "mm_s": "mm/s",
-    "mmps": "mm/s",
-    "mm_s2": "mm/s^2",
-    "rpm": "rpm",
-    "rps": "turn/s",
-    "rev_s2": "turn/s^2",
-    "rev_s": "turn/s",
-    "revs_s": "turn/s",
-    "rev_per_s": "turn/s",
-    "rev_min": "rpm",
-    "rev_per_min": "rpm",
-    "u_min": "rpm",
-    "rad": "rad",
-    "deg": "deg",
+_LENGTHS = {
+    **{name: name for name in ("rad", "mrad", "urad", "deg", "mdeg", "arcmin", "arcsec", "mm", "cm", "um", "nm")},
+    "inch": "in",
+    "inches": "in",
     "rev": "turn",
     "revs": "turn",
+    "turn": "turn",
     "turns": "turn",
-    "mm": "mm",
-    "cm": "cm",
-    "um": "um",
-    "nm": "nm",
+}
+"""Angles and lengths at the end of a name."""
+_OVER_TIME = {"_s": "/s", "/s": "/s", "_per_s": "/s", "ps": "/s", "_s2": "/s^2", "/s2": "/s^2", "/s^2": "/s^2"}
+_ANGLES_OVER_TIME = {**_OVER_TIME, "s": "/s", "s2": "/s^2"}
+_ARMS = {
+    "lb": ("in", "ft"),
+    "lbf": ("in", "ft"),
+    "oz": ("in", "ft"),
+    "ozf": ("in", "ft"),
+    "kg": ("cm",),
+    "kgf": ("cm",),
+}
+_FORCES = {"lb": "lbf", "oz": "ozf", "kg": "kgf"}
+
+
+def _endings() -> dict[str, str]:
+    found = dict(_LENGTHS)
+    for end, unit in {**_LENGTHS, "m": "m"}.items():
+        times = _ANGLES_OVER_TIME if unit.endswith(("rad", "deg")) else _OVER_TIME
+        found |= {end + over: unit + rate for over, rate in times.items()}
+    for force, arms in _ARMS.items():
+        for arm, between in product(arms, ("", "_", "-")):
+            torque = f"{_FORCES.get(force, force)}*{arm}"
+            found |= {f"{force}{between}{arm}": torque, f"{arm}{between}{force}": torque}
+    return found
+
+
+_SUFFIXES = {
+    **_endings(),
+    **dict.fromkeys(("rpm", "rev_min", "rev_per_min", "rev/min", "u_min"), "rpm"),
+    "dps": "deg/s",
+    "rps": "turn/s",
     "NM": "N*m",
     "Nm": "N*m",
     "mNm": "mN*m",
@@ -55,24 +59,7 @@ _SUFFIXES = {
     "Ncm": "N*cm",
     "Nmm": "N*mm",
     "kNm": "kN*m",
-    "kgcm": "kgf*cm",
-    "kgfcm": "kgf*cm",
-    "kg_cm": "kgf*cm",
-    "kgf_cm": "kgf*cm",
-    "lb_in": "lbf*in",
-    "lbf_in": "lbf*in",
-    "lb_ft": "lbf*ft",
-    "lbf_ft": "lbf*ft",
-    "oz_in": "ozf*in",
-    "ozf_in": "ozf*in",
-    "kN": "kN",
-    "mA": "mA",
-    "mV": "mV",
-    "ms": "ms",
-    "us": "us",
-    "ns": "ns",
-    "V": "V",
-    "A": "A",
+    **{name: name for name in ("kN", "mA", "mV", "ms", "us", "ns", "V", "A")},
 }
 """End of a column's name after an underscore → unit. Those of several letters may be in any case but for capitals that
 tell two units apart. Single letters that are often something else (``q_m`` of the motor, ``x_s``) are left out."""
