@@ -19,7 +19,7 @@ from fricmodels.lazy import first_use
 if TYPE_CHECKING:
     from fricmodels.diagnosis.comparison import compare
     from fricmodels.diagnosis.diagnose import diagnose
-    from fricmodels.diagnosis.ladder import improve
+    from fricmodels.diagnosis.improve import improve
     from fricmodels.display import Display
     from fricmodels.drive import Drive
     from fricmodels.estimator import Estimator, Solution

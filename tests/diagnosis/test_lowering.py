@@ -9,7 +9,8 @@ from typing import Any, cast
 import numpy as np
 import pytest
 
-from fricmodels.diagnosis import by_fit, compare, diagnose, improve, ladder
+from fricmodels.diagnosis import by_fit, compare, diagnose, improve
+from fricmodels.diagnosis import search as searching
 from fricmodels.diagnosis.candidate_tests import CandidateTest
 from fricmodels.diagnosis.diagnose import Diagnosis, Finding, comes_near
 from fricmodels.diagnosis.document import document
@@ -42,9 +43,9 @@ def fitted(error: float) -> Any:
     ],
 )
 def test_up_to_the_lowest_error(errors: list[float], kept: str, left_out: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(ladder, "from_scratch", lambda comparison: comparison)
+    monkeypatch.setattr(searching, "from_scratch", lambda comparison: comparison)
     first: Any = SimpleNamespace(comparison=fitted(10.0), judgement=None)
-    search = ladder._Search(set(), set(), ladder.POLICY, first)
+    search = searching.Search(set(), set(), POLICY, first)
     step: Any = [(first, Rung(fitted(error), added=name)) for name, error in zip("abc", errors, strict=False)]
     assert "".join(rung.added for _, rung in search._lowering(step)) == kept
     assert "".join(search._superfluous) == left_out
@@ -59,7 +60,7 @@ def test_a_pair_is_not_of_what_imitates_one_cause(imitating: str, tried: str, mo
     members = tuple((found, support) for found in classes.values())
     judgement = Judgement(members, tuple(classes[name] for name in imitating), (), 0.0, 0.0)
     first: Any = SimpleNamespace(comparison=fitted(10.0), judgement=judgement)
-    search, chained = ladder._Search(set(), set(), ladder.POLICY, first), list[str]()
+    search, chained = searching.Search(set(), set(), POLICY, first), list[str]()
 
     def chain(findings: list[Finding]) -> list[Any]:
         chained.extend(finding.tested.name for finding in findings)
@@ -78,9 +79,9 @@ def test_a_pair_is_not_of_what_imitates_one_cause(imitating: str, tried: str, mo
 def test_of_effects_that_show_only_jointly_all_are_added_or_none(
     errors: list[float], alone: str, jointly: str, only_jointly: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(ladder, "from_scratch", lambda comparison: comparison)
+    monkeypatch.setattr(searching, "from_scratch", lambda comparison: comparison)
     first: Any = SimpleNamespace(comparison=fitted(10.0), judgement=SimpleNamespace(only_jointly=only_jointly))
-    search = ladder._Search(set(), set(), ladder.POLICY, first)
+    search = searching.Search(set(), set(), POLICY, first)
     step: Any = [(first, Rung(fitted(error), added=name)) for name, error in zip("abc", errors, strict=False)]
     assert "".join(rung.added for _, rung in search._lowering(step)) == (jointly if only_jointly else alone)
 
@@ -91,22 +92,22 @@ def test_look_alikes_are_those_beside_the_others_though_one_of_them_comes_first(
     """It may not take the place, by a hair: what only stood for both causes is taken back all the same."""
     name, first = "torque-gain", SimpleNamespace(name="inertia-error")
     found = Finding(cast(CandidateTest, SimpleNamespace(name=name)), (name, "inertia-error", "stiffness"), "")
-    search = ladder._Search(set(), set(), POLICY, cast(Any, SimpleNamespace(comparison=None, refused=None)))
+    search = searching.Search(set(), set(), POLICY, cast(Any, SimpleNamespace(comparison=None, refused=None)))
     search.steps = [Diagnosis(cast(Any, None), "missing-effect", (found,), None, {})]
     seen = iter([SimpleNamespace(first=first, names=("inertia-error", name)), None])
-    monkeypatch.setattr(ladder._Search, "_added", property(lambda self: [name, "torque-offset"]))
-    monkeypatch.setattr(ladder._Search, "_place", lambda self, name: 0)
-    monkeypatch.setattr(ladder._Search, "_without", lambda self, comparison, name: comparison)
-    monkeypatch.setattr(ladder._Search, "_may_replace", lambda self, other, smaller: False)
-    monkeypatch.setattr(ladder, "seems_missing", lambda *arguments: next(seen))
-    monkeypatch.setattr(ladder, "Refits", lambda *arguments: SimpleNamespace(with_effect=lambda tested: tested))
+    monkeypatch.setattr(searching.Search, "_added", property(lambda self: [name, "torque-offset"]))
+    monkeypatch.setattr(searching.Search, "_place", lambda self, name: 0)
+    monkeypatch.setattr(searching.Search, "_without", lambda self, comparison, name: comparison)
+    monkeypatch.setattr(searching.Search, "_may_replace", lambda self, other, smaller: False)
+    monkeypatch.setattr(searching, "seems_missing", lambda *arguments: next(seen))
+    monkeypatch.setattr(searching, "Refits", lambda *arguments: SimpleNamespace(with_effect=lambda tested: tested))
     assert not search.exchange()
     assert search.steps[0].findings[0].names == (name, "inertia-error")
 
 
 def test_what_the_ladder_gives_up_is_not_missing(made: Made, monkeypatch: pytest.MonkeyPatch) -> None:
     recording = made("coulomb-viscous+gravity", {"gravity.a": 1.0, "gravity.b": 0.5}, samples=4000)
-    monkeypatch.setattr(ladder._Search, "_lowering", lambda self, step: self._superfluous.add("gravity") or [])
+    monkeypatch.setattr(searching.Search, "_lowering", lambda self, step: self._superfluous.add("gravity") or [])
     found = improve(recording, "coulomb-viscous", 2.0)
     assert len(found.rungs) == 1
     answer = document(found.first, found)
@@ -157,7 +158,7 @@ def test_the_verdict_is_that_of_the_look_alikes_that_were_kept(
         )
 
     first = diagnosis(before)
-    search = ladder._Search(set(), set(), ladder.POLICY, first)
+    search = searching.Search(set(), set(), POLICY, first)
     after: Any = SimpleNamespace(drive=SimpleNamespace(model=SimpleNamespace(effects=[SimpleNamespace(name="a")])))
     search.rungs.append(Rung(after, added="a"))
     search.steps.append(diagnosis(kept))

@@ -12,7 +12,8 @@ from fricmodels.cli import main
 from fricmodels.diagnosis.comparison import Comparison
 from fricmodels.diagnosis.diagnose import diagnose
 from fricmodels.diagnosis.document import document
-from fricmodels.diagnosis.ladder import Ladder, improve
+from fricmodels.diagnosis.improve import improve
+from fricmodels.diagnosis.ladder import Ladder
 from fricmodels.progress import Cancelled, Progress, Token, each, steps, watched
 from fricmodels.recording import Recording
 from fricmodels.report.answer import answer

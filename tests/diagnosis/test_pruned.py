@@ -10,10 +10,11 @@ import pytest
 from tests.conftest import INERTIA, Made
 
 from fricmodels.diagnosis import compare, examine, improve, ladder
+from fricmodels.diagnosis import search as searching
 from fricmodels.diagnosis.candidate_tests import CandidateTests, candidate_tests
 from fricmodels.diagnosis.effect_set import Member, columns_and_tangents, pruned
-from fricmodels.diagnosis.ladder import _Search
 from fricmodels.diagnosis.policy import POLICY
+from fricmodels.diagnosis.search import Search
 from fricmodels.diagnosis.support import Support
 from fricmodels.diagnosis.supported import Judgement
 from fricmodels.diagnosis.verdict import LookAlikes
@@ -73,7 +74,7 @@ def test_an_effect_that_came_to_nothing_leaves_the_ladder(made: Made) -> None:
     recording = made("coulomb-viscous+gravity+nonlinear-viscous", values)
     comparison = compare(recording, "coulomb-viscous+gravity+stribeck", INERTIA)
     assert comparison.estimate.parameters["stribeck.F_s"] == 0.0
-    search = _Search(set(), set(), POLICY, examine(comparison))
+    search = Search(set(), set(), POLICY, examine(comparison))
     assert search.prune()
     assert search.rungs[-1].model == "coulomb-viscous+gravity"
     assert search.rungs[-1].removed == "stribeck"
@@ -88,9 +89,9 @@ def test_an_effect_without_which_the_test_error_is_no_higher_leaves_the_ladder(
     alone = compare(recording, "coulomb-viscous+gravity", INERTIA)
     assert alone.errors.held_out_percent <= comparison.errors.held_out_percent
     sure = SimpleNamespace(gain=0.5, p_value=1e-9)
-    monkeypatch.setattr(ladder, "necessity", lambda comparison, name: sure)
-    monkeypatch.setattr(ladder, "is_void", lambda comparison, name: False)
-    search = _Search(set(), set(), POLICY, examine(comparison))
+    monkeypatch.setattr(searching, "necessity", lambda comparison, name: sure)
+    monkeypatch.setattr(searching, "is_void", lambda comparison, name: False)
+    search = Search(set(), set(), POLICY, examine(comparison))
     assert search.prune()
     assert search.rungs[-1].model == "coulomb-viscous+gravity"
     assert search._added == ["gravity"]
@@ -135,12 +136,12 @@ def test_what_the_last_step_makes_superfluous_leaves_the_ladder(made: Made, monk
     diagnosis = examine(compare(recording, "coulomb-viscous", INERTIA))
     alike = compare(recording, "coulomb-viscous+asymmetry", INERTIA)
     both = compare(recording, "coulomb-viscous+asymmetry+gravity", INERTIA)
-    search = _Search(set(), set(), POLICY, diagnosis)
+    search = Search(set(), set(), POLICY, diagnosis)
     rungs = iter([[ladder.Rung(alike, added="asymmetry")], [ladder.Rung(both, added="gravity")]])
-    monkeypatch.setattr(_Search, "extend", lambda self: self.rungs.extend(next(rungs)))
-    monkeypatch.setattr(_Search, "exchange", lambda self: len(self.rungs) == 2)
-    monkeypatch.setattr(_Search, "simplify", lambda self: False)
-    monkeypatch.setattr(_Search, "diagnose", lambda self: None)
+    monkeypatch.setattr(Search, "extend", lambda self: self.rungs.extend(next(rungs)))
+    monkeypatch.setattr(Search, "exchange", lambda self: len(self.rungs) == 2)
+    monkeypatch.setattr(Search, "simplify", lambda self: False)
+    monkeypatch.setattr(Search, "diagnose", lambda self: None)
     search.to_the_end()
     assert search.rungs[-1].model == "coulomb-viscous+gravity"
     assert search.rungs[-1].removed == "asymmetry"

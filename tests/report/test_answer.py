@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 
 from fricmodels.report.answer import answer, command_line
-from fricmodels.report.reliability import ONE_SINE, RECORDS
+from fricmodels.report.reliability import CHANGING, ONE_SINE, RECORDS
 from fricmodels.report.sections import ladder_words
 from fricmodels.results.comparison import Band
 from fricmodels.results.diagnosis import DiagnosisDocument
@@ -76,9 +76,9 @@ def test_names_on_one_sine_come_with_how_often_such_names_were_wrong() -> None:
     assert ONE_SINE.said not in answer(data(recording=on_one, verdict="adequate", effects=[])).sure
 
 
-@pytest.mark.parametrize("verdict", [*RECORDS, "one-frequency"])
+@pytest.mark.parametrize("verdict", [*RECORDS, "one-frequency", "changing"])
 def test_how_often_an_answer_was_wrong_is_what_the_pages_say(verdict: str) -> None:
-    record = RECORDS.get(verdict, ONE_SINE)
+    record = {**RECORDS, "one-frequency": ONE_SINE, "changing": CHANGING}[verdict]
     for page, phrases in record.cited.items():
         assert f"docs/{page}" in record.said
         text = " ".join(re.sub(r"^> ?", "", (DOCS / page).read_text(encoding="utf-8"), flags=re.MULTILINE).split())

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from fricmodels.diagnosis.comparison import Comparison, compare, compare_fit, compare_model, kept_back
 from fricmodels.diagnosis.diagnose import Diagnosis, diagnose, examine
-from fricmodels.diagnosis.ladder import Ladder, improve
+from fricmodels.diagnosis.improve import improve
+from fricmodels.diagnosis.ladder import Ladder
 from fricmodels.weakform.prepared import ready
 
 __all__ = [

@@ -9,6 +9,7 @@ from typing import Any
 
 from fricmodels import plugins
 from fricmodels.diagnosis.comparison import Comparison
+from fricmodels.diagnosis.constancy import changes
 from fricmodels.diagnosis.correlation import correlation
 from fricmodels.diagnosis.diagnose import Diagnosis, Finding
 from fricmodels.diagnosis.explain import explain, sentence, unknown
@@ -58,11 +59,19 @@ def document(diagnosis: Diagnosis, ladder: Ladder | None = None) -> DiagnosisDoc
             )
             for name, row in final.visibility.items()
         },
+        changes=() if ladder is None else _changes(ladder),
         explanation=explain(diagnosis, ladder),
         ladder=_ladder(diagnosis, ladder),
         note="" if ladder is None else ladder.note,
         partial=ladder is not None and ladder.partial,
     )
+
+
+def _changes(ladder: Ladder) -> tuple[typed.Change, ...]:
+    """Return which of the effects that a ladder added are not the same throughout the motion."""
+    kept = {finding.tested.name for finding in added(ladder)}
+    found = changes(ladder.rungs[-1].comparison, ladder.last.policy)
+    return tuple(typed.Change(**asdict(each), text=each.text) for each in found if each.effect in kept)
 
 
 def comparison_document(comparison: Comparison) -> ComparisonDocument:

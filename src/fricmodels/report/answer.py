@@ -14,7 +14,7 @@ from fricmodels.diagnosis.predictability import AUTOREGRESSIVE
 from fricmodels.dimension import Motion
 from fricmodels.readers.standard_names import STANDARD
 from fricmodels.recording import word
-from fricmodels.report.reliability import ONE_SINE, RECORDS
+from fricmodels.report.reliability import CHANGING, ONE_SINE, RECORDS
 from fricmodels.report.wording import counted, listed, listed_classes, noise_alone, percent, small
 from fricmodels.results.words import LINE, SAMPLING, figures, form, predictor
 from fricmodels.score.bands import averaged
@@ -222,6 +222,9 @@ def sure(data: DiagnosisDocument) -> str:
     known = [RECORDS[data.verdict]] if data.verdict in RECORDS else []
     if data.effects and any(finding.kind == "one-frequency" for finding in data.recording.findings):
         known.append(ONE_SINE)
+    doubt = "is not the same throughout the motion"
+    parts.extend(f"But {c.effect} {doubt}: {c.text}. It may stand for something else." for c in data.changes)
+    known.extend([CHANGING] if data.changes else [])
     return " ".join([*parts, *(record.said for record in known)])
 
 

@@ -78,3 +78,9 @@ ONE_SINE = Record(
     {"rough_drives.md": ("| a cause off the list acts too | 14 of 18 | 23 of 90 |",)},
 )
 """Of names that were given on such a motion."""
+
+CHANGING = Record(
+    "On rough drives 8 of 18 names of such effects were wrong, and 44 of 665 others (docs/decisions/constancy.md).",
+    {"decisions/constancy.md": ("| not the same throughout | 8 of 18 |", "| the same | 44 of 665 |")},
+)
+"""Of names of effects that are not the same throughout the motion."""

@@ -196,6 +196,23 @@ class Visible(Part):
     """Least and greatest wave number of which this is true [1/rad or 1/m]; left out of effects that are no wave."""
 
 
+class Change(Part):
+    """An effect of the last model that is not the same throughout the motion."""
+
+    effect: str
+    """Its name."""
+    half: str
+    """The half of the motion in which it is larger or smaller, in words."""
+    change: Number
+    """By how much, in units of the effect as it was fitted; positive where it is larger there [1]."""
+    standard_error: Number
+    """Of that [1]."""
+    p_value: Number
+    """That it is the same throughout, corrected for all halves and effects."""
+    text: str
+    """How it differs, in words."""
+
+
 class DiagnosisDocument(ComparisonDocument):
     """What a model lacks, as far as a recording can tell; with a ladder, what was added to it.
 
@@ -223,6 +240,8 @@ class DiagnosisDocument(ComparisonDocument):
     """A shift within sampling that makes much of that error; null where none is known to."""
     could_have_been_seen: dict[str, Visible] = Field(default_factory=dict)
     """Every effect that was not found, by name."""
+    changes: tuple[Change, ...] = ()
+    """Effects that were added and are not the same throughout the motion; a name of which this is so is doubtful."""
     explanation: str = ""
     """What was found and what it means, in words."""
     ladder: tuple[Step, ...] = Field(min_length=1)

@@ -40,6 +40,21 @@ class LadderRules(Rules):
         "Judgement: equal to least_gain.",
         off=_INF,
     )
+    constancy_significance: float = rule(
+        0.001,
+        "probability",
+        "It is said of an effect that it is not the same throughout, if its size differs between halves of the motion "
+        "with a corrected p-value below this.",
+        "Statistic. Nothing is named or given up by it.",
+        off=0.0,
+    )
+    constancy_change: float = rule(
+        0.5,
+        "share of the effect",
+        "And by this.",
+        "Judgement: what is half as large again elsewhere is doubtful.",
+        off=_INF,
+    )
     exchange_margin: float = rule(
         0.025,
         "share of the test error",
