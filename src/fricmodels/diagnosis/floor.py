@@ -87,7 +87,21 @@ def is_above_noise(comparison: Comparison, policy: Policy = POLICY) -> bool:
 
 def is_far_above_noise(comparison: Comparison, policy: Policy = POLICY) -> bool:
     """Whether the error is far more than noise and sampling leave, even where no channel predicts it."""
-    return is_seen_above_noise(comparison, policy) and _is_far_above(_beyond_sampling(comparison), comparison, policy)
+    seen = is_seen_above_noise(comparison, policy) and _is_far_above(_beyond_sampling(comparison), comparison, policy)
+    return seen or is_large(comparison, policy)
+
+
+def is_large(comparison: Comparison, policy: Policy = POLICY) -> bool:
+    """Whether what neither noise nor sampling leaves is a large part of the torque in the window that users are shown.
+
+    What lasts for a few samples only is averaged away in the window of the decisions: a motion that begins with a jump,
+    since an encoder has play, needs a force that nobody gave.
+    """
+    line, interval = comparison.errors.headline, comparison.train.interval
+    least = max(policy.large_error, policy.large_of_noise * line.noise_floor_percent)
+    if min(line.percent, line.held_out_percent) < least:
+        return False
+    return min(_beyond_sampling(comparison, max(1, round(0.5e-3 * line.window_ms / interval)))) >= least
 
 
 def is_seen_above_noise(comparison: Comparison, policy: Policy = POLICY) -> bool:
@@ -159,8 +173,9 @@ def beyond_sampling_percent(comparison: Comparison) -> float:
     return max(_beyond_sampling(comparison))
 
 
-def _beyond_sampling(comparison: Comparison) -> tuple[float, float]:
-    drive, values, half_width = comparison.drive, comparison.estimate.parameters, sliding_half_width(comparison.train)
+def _beyond_sampling(comparison: Comparison, half_width: int | None = None) -> tuple[float, float]:
+    drive, values = comparison.drive, comparison.estimate.parameters
+    half_width = half_width or sliding_half_width(comparison.train)
 
     def percent(part: Recording) -> float:
         error = filtered_torque_error(drive, values, part, half_width, beyond_sampling=True)
