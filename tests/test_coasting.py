@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
 
 from estimators.batch import Batch
+from fricmodels import sums
 from fricmodels.diagnosis import compare, improve
 from fricmodels.dimension import Motion
 from fricmodels.drive import Drive
@@ -134,3 +137,20 @@ def test_the_look_at_the_log_says_that_it_coasts() -> None:
     assert "in percent of the inertia's RMS torque" in found["coasting"].text
     assert "constant-channel" not in found
     assert not any(finding.severity == "stop" for finding in found.values())
+
+
+def test_sums_give_the_friction_of_a_spindle_that_coasts(tmp_path: Path) -> None:
+    recording = spindle(5)
+    path = tmp_path / "spindle.csv"
+    columns = {"time_s": "time", "torque_Nm": "torque", "velocity_rad_s": "velocity"}
+    table = pd.DataFrame({name: recording[channel] for name, channel in columns.items()} | {"run": recording.run})
+    table.to_csv(path, index=False)
+    total = sums.of_file(path, sums.plan_for(sums.pilot(path), "coulomb-viscous", J))
+    found = sums.solved(total, J)
+    for key, true in {"K_v": K_V, "K_c": K_C}.items():
+        assert abs(found.parameters[key] - true) < max(3.0 * found.standard_errors[key], 0.02 * true)
+    assert 0.0 < found.residual_percent < 5.0
+    with pytest.raises(InputError, match="give --inertia"):
+        sums.solved(total)
+    with pytest.raises(InputError, match="give --inertia"):
+        sums.plan_for(recording, "coulomb-viscous")

@@ -14,6 +14,7 @@ from fricmodels.errors import InputError
 from fricmodels.model import Model
 from fricmodels.recording import Recording, channel_of
 from fricmodels.signals import lanczos_derivative, quantum, standstill, velocity_noise
+from fricmodels.signals.coasting import coasting
 from fricmodels.signals.lanczos import even_weights
 from fricmodels.weakform.estimate import estimate
 from fricmodels.weakform.kinks import share_of_kinks
@@ -126,7 +127,7 @@ def plan_for(recording: Recording, model: str, inertia: float | None = None) -> 
             f"the {channel} was written without its sign, as a register of {register}; sums read blocks as they are: "
             f"write it with its sign, or fit without sums"
         )
-    prepared = ready(recording)
+    prepared = ready(coasting(recording, inertia))
     drive = Drive(linear_model(model), inertia, prepared.motion)
     problem, found = estimate(drive, prepared, model_velocity=False)
     part, width = problem.recording, problem.half_width

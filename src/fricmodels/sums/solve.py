@@ -34,13 +34,19 @@ def solved(sums: Sums, inertia: float | None = None) -> Estimate:
         inertia: given [kg m² or kg]; estimated if not.
 
     Raises:
-        InputError: where there are too few rows.
+        InputError: where there are too few rows, or a drive coasts whose inertia is not given.
     """
     drive = Drive(sums.plan.drive.model, inertia, sums.plan.motion)
     if sums.rows <= _ROWS * len(drive.parameters):
         raise InputError(
             f"these sums have {sums.rows} stretches of clear motion for {len(drive.parameters)} parameters; add files "
             f"with more motion"
+        )
+    push = float(sums.whole[0, 0]) if inertia is None else float(sums.whole[0, 0]) or inertia**2 * sums.whole[1, 1]
+    if not push:
+        raise InputError(
+            "the torque of these sums is zero throughout: a drive that coasts tells friction per inertia only; give "
+            "--inertia"
         )
     rows = _rows_of(sums.whole)
     equations = _equations(sums, drive, rows)
@@ -66,7 +72,7 @@ def solved(sums: Sums, inertia: float | None = None) -> Estimate:
         covariance,
         reasons,
         float(found.theta[-1]),
-        100.0 * float(np.sqrt(found.cost / max(sums.whole[0, 0], 1e-300))),
+        100.0 * float(np.sqrt(found.cost / push)),
     )
 
 
