@@ -10,7 +10,7 @@ import pytest
 from fricmodels.errors import InputError
 from fricmodels.logcheck import Severity, findings
 from fricmodels.readers import read
-from fricmodels.readers.header_units import stated_unit
+from fricmodels.readers.header_units import stated_unit, without_unit
 
 
 @pytest.mark.parametrize(
@@ -53,10 +53,31 @@ from fricmodels.readers.header_units import stated_unit
         ("stamp (UTC)", "time", None),
         ("temp [C]", "temperature", "C"),
         ("link [foo]", "other.link", None),
+        ("pos_mrad", "position", "mrad"),
+        ("pos_arcmin", "position", "arcmin"),
+        ("vel_mrads", "velocity", "mrad/s"),
+        ("vel_mrad_s", "velocity", "mrad/s"),
+        ("vel_mrad/s", "velocity", "mrad/s"),
+        ("vel_um_s", "velocity", "um/s"),
+        ("v_mps", "velocity", "m/s"),
+        ("acc_mm_s2", "acceleration", "mm/s^2"),
+        ("torque_inlb", "torque", "lbf*in"),
+        ("torque_in-lb", "torque", "lbf*in"),
+        ("torque_lbin", "torque", "lbf*in"),
+        ("torque_oz_in", "torque", "ozf*in"),
+        ("tau_kg_cm", "torque", "kgf*cm"),
+        ("x_s", "position", None),
+        ("pos_deg_s", "position", None),
+        ("vel_deg", "velocity", None),
     ],
 )
 def test_the_unit_in_a_name(column, channel, unit):
     assert stated_unit(column, channel) == unit
+
+
+def test_a_name_without_its_unit():
+    assert without_unit("torque_in-lb") == "torque"
+    assert without_unit("vel_mrad_s") == "vel"
 
 
 def log(tmp_path, header):
