@@ -161,7 +161,7 @@ class Recording(Displayed):
         """Velocity [rad/s or m/s]."""
         return self["velocity"]
 
-    @property
+    @cached_property
     def rms_torque(self) -> float:
         """RMS motor torque [N m or N], in percent of which errors are told; where it is 0, :attr:`reference_torque`."""
         return float(np.sqrt(np.mean(self.torque**2))) or self.reference_torque

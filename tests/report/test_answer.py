@@ -76,6 +76,13 @@ def test_names_on_one_sine_come_with_how_often_such_names_were_wrong() -> None:
     assert ONE_SINE.said not in answer(data(recording=on_one, verdict="adequate", effects=[])).sure
 
 
+def test_errors_of_a_drive_that_coasts_are_of_the_torque_of_its_inertia() -> None:
+    note = {"kind": "coasting", "severity": "note", "text": "the torque is 0 throughout"}
+    coasting = {**recording("time=t:ms"), "findings": [note]}
+    assert "of the RMS torque of the inertia on data" in answer(data(recording=coasting)).error
+    assert "of the RMS motor torque on data" in answer(data()).error
+
+
 @pytest.mark.parametrize("verdict", [*RECORDS, "one-frequency", "changing"])
 def test_how_often_an_answer_was_wrong_is_what_the_pages_say(verdict: str) -> None:
     record = {**RECORDS, "one-frequency": ONE_SINE, "changing": CHANGING}[verdict]

@@ -15,7 +15,7 @@ with a variance that holds for autocorrelated rows.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -70,7 +70,8 @@ def changes(comparison: Comparison, policy: Policy = POLICY) -> tuple[Change, ..
         return ()
     problem, parameters = comparison.problem, comparison.estimate.parameters
     result = candidate_tests(replace(problem), parameters, only=(), policy=policy)
-    tested = [(effect, *one) for effect in effects for one in _tested(result, comparison, effect)]
+    halves = dict(_halves(result))
+    tested = [(effect, *one) for effect in effects for one in _tested(result, comparison, effect, halves)]
     found: dict[str, Change] = {}
     for effect, half, change, error, p_value in tested:
         p_corrected = min(p_value * len(tested), 1.0)
@@ -83,12 +84,12 @@ def changes(comparison: Comparison, policy: Policy = POLICY) -> tuple[Change, ..
 
 
 def _tested(
-    result: CandidateTests, comparison: Comparison, effect: Effect
+    result: CandidateTests, comparison: Comparison, effect: Effect, halves: Mapping[str, Mask]
 ) -> Iterator[tuple[str, float, float, float]]:
     """Yield each half of the motion with the change of an effect in it, its standard error and its p-value."""
     problem = result.problem
     torque = _torque(result, comparison, effect)
-    for half, inside in _halves(result):
+    for half, inside in halves.items():
         column = problem.integrals((torque * inside)[None])
         own = result.regression.project_out(column)
         if not np.linalg.norm(own) > _OWN * np.linalg.norm(column):

@@ -24,6 +24,7 @@ from fricmodels.results import comparison as facts
 from fricmodels.results import diagnosis as typed
 from fricmodels.results.comparison import ComparisonDocument
 from fricmodels.results.diagnosis import DiagnosisDocument
+from fricmodels.signals.rest import once
 
 FILE = "diagnosis.json"
 
@@ -67,6 +68,7 @@ def document(diagnosis: Diagnosis, ladder: Ladder | None = None) -> DiagnosisDoc
     )
 
 
+@once
 def _changes(ladder: Ladder) -> tuple[typed.Change, ...]:
     """Return which of the effects that a ladder added are not the same throughout the motion."""
     kept = {finding.tested.name for finding in added(ladder)}

@@ -86,7 +86,7 @@ def tone(data: DiagnosisDocument) -> Tone:
 
 def _sentence(data: DiagnosisDocument) -> str:
     model = data.model
-    left = f"{percent(data.ladder[-1].held_out_rms_percent)} of the motor {data.quantity} remains"
+    left = f"{percent(data.ladder[-1].held_out_rms_percent)} of the {data.reference} remains"
     if data.verdict == "adequate":
         nothing = "nothing that could be predicted is left"
         why = (
@@ -104,7 +104,7 @@ def _sentence(data: DiagnosisDocument) -> str:
         return f"{most}. Part of what {model} lacks was found: {names}."
     text = f"The model {model} lacks {counted(len(data.effects), 'effect')}: {names}."
     if len(data.ladder) > 1 and data.remaining is not None and data.remaining.percent:
-        rest = f"{percent(data.remaining.percent)} of the motor {data.quantity}, beyond noise, remains unexplained"
+        rest = f"{percent(data.remaining.percent)} of the {data.reference}, beyond noise, remains unexplained"
         text += f" With {'it' if len(data.effects) == 1 else 'them'} {rest}."
     elif len(data.ladder) > 1 and not data.partial and _noticed_above_noise(data):
         text += f" With {'it' if len(data.effects) == 1 else 'them'} {left}, more than noise ({_noise(data)})."
@@ -142,11 +142,11 @@ def error_words(data: ComparisonDocument) -> str:
     if _within_noise(data):
         noise = _estimated_too_large(data)
     over = f", {window(data)}" if window(data) else ""
-    where = f"of the {data.reference} on data that took no part in fitting{over}"
+    where = f"of the RMS {data.reference} on data that took no part in fitting{over}"
     if len(steps) > 1:
         return f"Test error {percent(before)} → {percent(after)} {where}; {noise}.{_of_other_runs(data)}"
     if data.held:
-        where = f"of the {data.reference} on the three tenths that a fit would keep back{over}"
+        where = f"of the RMS {data.reference} on the three tenths that a fit would keep back{over}"
     return f"Test error {percent(before)} {where}; {noise}.{_of_other_runs(data)}"
 
 
@@ -189,7 +189,7 @@ def _estimated_too_large(data: ComparisonDocument) -> str:
 def comparison_words(data: ComparisonDocument) -> tuple[str, str]:
     """Say how far off a model is: the answer, and the errors that it rests on."""
     errors = data.rms_torque_error
-    left = f"{percent(errors.held_out_percent)} of the motor {data.quantity}"
+    left = f"{percent(errors.held_out_percent)} of the {data.reference}"
     sentence = f"The model {data.model} leaves a test error of {left}."
     words = f"{error_words(data)} Fit error {percent(errors.percent)}."
     if data.held:
@@ -262,7 +262,7 @@ def _remains(data: DiagnosisDocument) -> str:
                 noise = f"as much as noise makes ({of_noise(data)})"
             return f"{percent(last)}, {noise}; {why}"
         return ""
-    size = f"{percent(rest.percent)} of the motor {data.quantity} beyond noise ({form(rest.SI, '.2g')} {data.unit} RMS)"
+    size = f"{percent(rest.percent)} of the {data.reference} beyond noise ({form(rest.SI, '.2g')} {data.unit} RMS)"
     if not rest.percent:
         size = f"No more than the noise was estimated to leave ({percent(data.last_noise_floor_percent)})"
     shown = f", predicted from {predictor(rest.channel)}" if rest.channel else ", predicted from no recorded channel"

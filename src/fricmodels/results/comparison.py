@@ -223,9 +223,9 @@ class ComparisonDocument(ResultDocument):
 
     @property
     def reference(self) -> str:
-        """What errors are told in percent of: the RMS motor torque, or that of the inertia where the drive coasts."""
+        """Of whose RMS errors are percentages: the motor torque, or that of the inertia where the drive coasts."""
         coasts = any(finding.kind == "coasting" for finding in self.recording.findings)
-        return f"RMS {self.quantity} of the inertia" if coasts else f"RMS motor {self.quantity}"
+        return f"{self.quantity} of the inertia" if coasts else f"motor {self.quantity}"
 
     @property
     def last_noise_floor_percent(self) -> float | None:

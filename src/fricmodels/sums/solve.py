@@ -42,8 +42,8 @@ def solved(sums: Sums, inertia: float | None = None) -> Estimate:
             f"these sums have {sums.rows} stretches of clear motion for {len(drive.parameters)} parameters; add files "
             f"with more motion"
         )
-    push = float(sums.whole[0, 0]) if inertia is None else float(sums.whole[0, 0]) or inertia**2 * sums.whole[1, 1]
-    if not push:
+    squares = float(sums.whole[0, 0]) or float((inertia or 0.0) ** 2 * sums.whole[1, 1])  # of the push, or the inertia
+    if not squares:
         raise InputError(
             "the torque of these sums is zero throughout: a drive that coasts tells friction per inertia only; give "
             "--inertia"
@@ -72,7 +72,7 @@ def solved(sums: Sums, inertia: float | None = None) -> Estimate:
         covariance,
         reasons,
         float(found.theta[-1]),
-        100.0 * float(np.sqrt(found.cost / push)),
+        100.0 * float(np.sqrt(found.cost / squares)),
     )
 
 

@@ -51,7 +51,7 @@ class LadderRules(Rules):
     constancy_change: float = rule(
         0.5,
         "share of the effect",
-        "And by this.",
+        "And if it differs by more than this.",
         "Judgement: what is half as large again elsewhere is doubtful.",
         off=_INF,
     )

@@ -62,14 +62,16 @@ class RefitRules(Rules):
     large_error: float = rule(
         10.0,
         "% of the RMS torque",
-        "So is one that is larger than this without what sampling hides, in the window that users are shown.",
-        "Found on 226 drives of two makes with nothing hidden: in that window sampling and noise leave up to 7.5.",
+        "An error is far above noise, too, if it is larger than this in the window that users are shown, without what "
+        "sampling hides.",
+        "Found on 226 drives of two makes with nothing hidden: up to 7.5 is left there. Without it an axis whose scale "
+        "has play is adequate at 39 %.",
         off=_INF,
     )
     large_of_noise: float = rule(
         5.0,
         "factor of the noise there",
-        "And by this.",
+        "And larger than so many times the noise there.",
         "Found on the same drives: three have more, errors of up to 1.7 %.",
         off=0.0,
     )
