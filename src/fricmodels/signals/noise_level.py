@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 import weakref
 from collections.abc import Callable, Hashable
-from copy import copy
 from dataclasses import replace
 from typing import Any, TypeVar
 
@@ -33,6 +32,8 @@ _NEAREST = 1.2
 _OFF_THE_EDGE = 1e-3
 """Share of a step by which comparisons are moved off its half and its whole, on which means of few rounded values lie:
 their last digits decide nothing then."""
+_OUTSIDE, _OFTEN = 0.75, 1e-3
+"""Rounding leaves at most half a step. A course is too smooth if one sample in a thousand is off by three quarters."""
 _SPELLING = 0.02
 """Share of the median distance between different values up to which two are one, written with other digits."""
 _FINEST = 1e-8
@@ -146,13 +147,26 @@ def _estimated(time: Array, values: Array, every: list[slice], runs: Runs | None
     if not step or finest >= step / math.sqrt(12.0):
         return found
     plain = Noise(step / math.sqrt(12.0))
-    between = _between_steps(values, step)
-    course, _ = lanczos_derivative(time, between, best_half_width(time, values, runs, noise=plain), runs)
+    width = best_half_width(time, values, runs, noise=plain)
+    course, error = _rounded(time, values, step, width, runs)
+    # A course that follows the steps hides how long their errors last: it is as smooth as rounding allows.
+    while (width := max(width + 1, width * 5 // 4)) <= _WIDEST:
+        smoother = _rounded(time, values, step, width, runs)
+        if np.mean(np.abs(smoother[1]) > _OUTSIDE * step) > _OFTEN:
+            break
+        course, error = smoother
+    return replace(plain, step=step, course=course, error=error)
+
+
+def _rounded(time: Array, values: Array, step: float, half_width: int, runs: Runs | None) -> tuple[Array, Array]:
+    """Return a smooth course of which a quantised signal is the rounding, and what they differ by."""
+    between = np.concatenate([_between_steps(values[part], step) for part in stretches(time, runs)])
+    course, _ = lanczos_derivative(time, between, half_width, runs)
     error = values - course
     # Where steps come as fast as samples, that is what smoothing changed of the motion: there it is rounded anew.
     fast = np.abs(np.gradient(course)) > (1.0 + _OFF_THE_EDGE) * step
     error[fast] = (error - step * np.floor(error / step + 0.5 + _OFF_THE_EDGE))[fast]
-    return replace(plain, step=step, course=course, error=error)
+    return course, error
 
 
 def finest_noise(values: Array) -> float:
@@ -184,8 +198,9 @@ def best_half_width(time: Array, values: Array, runs: Runs | None = None, *, noi
 
     with the weights d and the autocovariance R of the noise (Stein's unbiased estimate of risk). First the shortest one
     serves as :math:`D_0`, then a third of the width that it led to, which is far less noisy. On uneven samples the
-    weights are met by differentiating such noise. Widths are tried in steps of a quarter, on some thirty thousand
-    samples spread over the record.
+    weights are met by differentiating such noise. The errors of steps go with the motion: what the same two filters
+    make of them stands for the last term, at the same samples. Widths are tried in steps of a quarter, on some thirty
+    thousand samples spread over the record.
 
     Args:
         time: sample times [s], shape (N,).
@@ -206,14 +221,6 @@ def _half_width(time: Array, values: Array, every: list[slice], noise: Noise) ->
         return shortest
     risk = _Risk(time, values, parts, noise)
     limit = min(_WIDEST, max(part.stop - part.start for part in parts) // 8)
-    best = _of_least_risk(risk, shortest, limit)
-    if noise.course is None:
-        return best
-    # Where steps come as fast as samples they are white, and a course that was smoothed from them follows them.
-    return max(best, _of_least_risk(risk.beside(Noise(noise.deviation)), shortest, limit))
-
-
-def _of_least_risk(risk: _Risk, shortest: int, limit: int) -> int:
     first = _least(risk, shortest, shortest, limit)
     return _least(risk, first // 3, shortest, limit) if first // 3 > shortest else first
 
@@ -246,7 +253,7 @@ def _least(risk: _Risk, reference: int, shortest: int, limit: int) -> int:
         value = risk(half_width, reference)
         if value < least:
             best, least = half_width, value
-        elif half_width > 3 * best:
+        elif half_width > 3 * best and not risk.of_steps:
             break
         half_width = max(half_width + 1, half_width * 5 // 4)
     return best
@@ -256,42 +263,44 @@ class _Risk:
     """The estimated squared error of the derivative, but for a constant, summed over samples."""
 
     def __init__(self, time: Array, values: Array, parts: list[slice], noise: Noise) -> None:
-        self._parts = [(time[part], values[part]) for part in parts]
-        self._even = [is_even(part_time) for part_time, _ in self._parts]
-        # Always the same noise: it weighs a filter on samples of any spacing.
-        like = np.empty(0) if all(self._even) else noise.like(len(values), np.random.default_rng(0))
-        self._like = [np.empty(0) if even else like[part] for even, part in zip(self._even, parts, strict=True)]
-        self._noise = noise
-        self._slopes: dict[tuple[int, int], tuple[Array, Array | None]] = {}
-
-    def beside(self, noise: Noise) -> _Risk:
-        """Return the risk of the same signal with other noise."""
-        other = copy(self)
-        other._noise = noise
-        return other
+        self._time, self._parts, self._noise = time, parts, noise
+        self.of_steps = noise.error is not None and len(noise.error) == len(values)
+        # Where the noise is that of steps, the very errors that they make.
+        self._even = [is_even(time[part]) and not self.of_steps for part in parts]
+        self._slopes, self._slopes_of_noise = _Slopes(time, values, parts), None
+        if noise.error is not None and self.of_steps:
+            self._slopes_of_noise = _Slopes(time, noise.error, parts)
+        elif not all(self._even):  # always the same noise: it weighs a filter on samples of any spacing
+            self._slopes_of_noise = _Slopes(time, noise.like(len(values), np.random.default_rng(0)), parts)
 
     def __call__(self, half_width: int, reference: int) -> float:
         total = 0.0
         weights, short_weights = (even_weights(h)[1] for h in (half_width, reference))
-        shared = self._noise.product(weights, short_weights)
-        for i, (time, _) in enumerate(self._parts):
-            slope, noise = self._slope(i, half_width)
-            short, short_noise = self._slope(i, reference)
-            if noise is None or short_noise is None:
+        shared = self._noise.product(weights, short_weights) if any(self._even) else 0.0
+        for i, part in enumerate(self._parts):
+            slope, short = (self._slopes(i, h) for h in (half_width, reference))
+            if self._even[i] or self._slopes_of_noise is None:
+                time = self._time[part]
                 step = (time[-1] - time[0]) / (len(time) - 1)
                 overlap = shared * len(time) / step**2
             else:
+                noise, short_noise = (self._slopes_of_noise(i, h) for h in (half_width, reference))
                 overlap = float(noise @ short_noise)
             total += float(slope @ (slope - 2.0 * short)) + 2.0 * overlap
         return total
 
-    def _slope(self, i: int, half_width: int) -> tuple[Array, Array | None]:
-        if (i, half_width) not in self._slopes:
-            time, values = self._parts[i]
-            slope = fit_stretch(time, values, half_width, DEGREE)[1]
-            noise = None if self._even[i] else fit_stretch(time, self._like[i], half_width, DEGREE)[1]
-            self._slopes[i, half_width] = (slope, noise)
-        return self._slopes[i, half_width]
+
+class _Slopes:
+    """Derivatives of one signal over its parts, each width found once."""
+
+    def __init__(self, time: Array, values: Array, parts: list[slice]) -> None:
+        self._parts = [(time[part], values[part]) for part in parts]
+        self._known: dict[tuple[int, int], Array] = {}
+
+    def __call__(self, i: int, half_width: int) -> Array:
+        if (i, half_width) not in self._known:
+            self._known[i, half_width] = fit_stretch(*self._parts[i], half_width, DEGREE)[1]
+        return self._known[i, half_width]
 
 
 def _excerpts(parts: list[slice]) -> list[slice]:
