@@ -148,25 +148,19 @@ def _estimated(time: Array, values: Array, every: list[slice], runs: Runs | None
         return found
     plain = Noise(step / math.sqrt(12.0))
     width = best_half_width(time, values, runs, noise=plain)
-    course, error = _rounded(time, values, step, width, runs)
+    between = np.concatenate([_between_steps(values[part], step) for part in stretches(time, runs)])
+    course, _ = lanczos_derivative(time, between, width, runs)
     # A course that follows the steps hides how long their errors last: it is as smooth as rounding allows.
     while (width := max(width + 1, width * 5 // 4)) <= _WIDEST:
-        smoother = _rounded(time, values, step, width, runs)
-        if np.mean(np.abs(smoother[1]) > _OUTSIDE * step) > _OFTEN:
+        smoother, _ = lanczos_derivative(time, between, width, runs)
+        if np.mean(np.abs(values - smoother) > _OUTSIDE * step) > _OFTEN:
             break
-        course, error = smoother
-    return replace(plain, step=step, course=course, error=error)
-
-
-def _rounded(time: Array, values: Array, step: float, half_width: int, runs: Runs | None) -> tuple[Array, Array]:
-    """Return a smooth course of which a quantised signal is the rounding, and what they differ by."""
-    between = np.concatenate([_between_steps(values[part], step) for part in stretches(time, runs)])
-    course, _ = lanczos_derivative(time, between, half_width, runs)
+        course = smoother
     error = values - course
     # Where steps come as fast as samples, that is what smoothing changed of the motion: there it is rounded anew.
     fast = np.abs(np.gradient(course)) > (1.0 + _OFF_THE_EDGE) * step
     error[fast] = (error - step * np.floor(error / step + 0.5 + _OFF_THE_EDGE))[fast]
-    return course, error
+    return replace(plain, step=step, course=course, error=error)
 
 
 def finest_noise(values: Array) -> float:
