@@ -83,13 +83,33 @@ def test_runs_are_not_bridged(made: Made) -> None:
 def test_long_recordings_are_spread_over_blocks() -> None:
     count = MAX_SAMPLES * 2
     time = np.arange(count) * 1e-3
-    recording = Recording("long", Motion.ROTARY, {"time": time, "torque": time}, np.zeros(count, dtype=np.int64))
+    channels = {"time": time, "torque": time, "velocity": np.sin(time)}
+    recording = Recording("long", Motion.ROTARY, channels, np.zeros(count, dtype=np.int64))
     part = spread(recording)
     assert len(part) <= MAX_SAMPLES
     assert part.time[0] == 0.0
     assert part.time[-1] > 0.99 * time[-1]
     assert np.all(np.diff(part.time)[np.diff(part.run) == 0] == pytest.approx(1e-3))
     assert len(spread(recording.select(slice(0, 1000)))) == 1000
+
+
+def test_the_blocks_of_a_long_recording_remember_what_was_before() -> None:
+    """A bristle that was bent in a nudge stays bent while the drive stands; each block began with a straight one."""
+    rate, drive = 20_000.0, Drive(Model.parse("coulomb-viscous+presliding"), 2.0)
+    truth = {"J": 2.0, "K_v": 0.5, "K_c": 3.0, "presliding.F_1": 2.0, "presliding.F_2": 2.0, "presliding.D": 0.0}
+    truth["presliding.x_s"] = 0.05
+    time = np.arange(2 * MAX_SAMPLES) / rate
+    part = np.where((time / 0.35) % 3.0 < 1.0, np.sign(np.sin(time / 1.7)), 0.0)
+    nudge = 3.0 * part * np.sin(2.0 * np.pi * time / 0.7) ** 3
+    position = np.concatenate([[0.0], np.cumsum(0.5 * (nudge[1:] + nudge[:-1])) / rate])
+    channels = {"time": time, "velocity": nudge, "position": position, "torque": np.zeros(len(time))}
+    exact = Recording("nudges", Motion.ROTARY, channels, np.zeros(len(time), dtype=np.int64))
+    _, parameters = drive.timed(exact, truth)
+    torque = 2.0 * np.gradient(nudge, 1.0 / rate) + drive.friction(exact, parameters)
+    noisy = torque + 0.01 * np.random.default_rng(0).standard_normal(len(time))
+    _, found = estimate(drive, exact.with_channels(derived=False, torque=noisy))
+    for key in ("K_c", "presliding.F_1", "presliding.F_2", "presliding.x_s"):
+        assert found.parameters[key] == pytest.approx(truth[key], rel=0.02), key
 
 
 def test_wider_bumps_where_the_velocity_is_noisier(made: Made) -> None:

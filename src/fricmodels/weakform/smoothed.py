@@ -7,15 +7,17 @@ from typing import Any
 
 import numpy as np
 
-from fricmodels.arrays import Array, Mask
-from fricmodels.recording import RATE, RUN, Recording
-from fricmodels.signals import lanczos_derivative, resting, smoothing_half_width, standstill
+from fricmodels.arrays import Array, Index, Mask
+from fricmodels.recording import RATE, RUN, Origin, Recording
+from fricmodels.signals import lanczos_derivative, resting, smoothed_velocity, smoothing_half_width, standstill
 from fricmodels.signals.rest import once
 
 MAX_SAMPLES = 163_840
 """Longer recordings are diagnosed on this many samples, in blocks spread evenly over them."""
 
 _BLOCK = 8_192
+_REMEMBERED = 2
+"""Blocks' lengths of motion before each block along which states are integrated: three times as many samples in all."""
 
 
 @dataclass(frozen=True)
@@ -51,14 +53,43 @@ def blocks_of(count: int) -> list[tuple[int, int]]:
 
 
 def spread(recording: Recording) -> Recording:
-    """Return at most :data:`MAX_SAMPLES` samples, as blocks spread evenly over a longer recording."""
+    """Return at most :data:`MAX_SAMPLES` samples, as blocks spread evenly over a longer recording.
+
+    A block remembers the motion before it, :data:`_REMEMBERED` times as long: states do not begin anew with each.
+    """
     count = len(recording)
     if count <= MAX_SAMPLES:
         return recording
     pieces = blocks_of(count)
-    blocks, index = len(pieces), np.concatenate([np.arange(start, stop) for start, stop in pieces])
+    index = np.concatenate([np.arange(start, stop) for start, stop in pieces])
+    origin = recording.origin or Origin(recording, np.arange(count))
     chosen = replace(recording, origin=None).select(index)
     # Blocks are runs of their own; a block that spans two runs stays two.
-    fresh = np.repeat(np.arange(blocks), _BLOCK)
-    _, run = np.unique(np.column_stack([fresh, chosen.run]), axis=0, return_inverse=True)
-    return replace(chosen, run=run.astype(np.int64).ravel())
+    fresh = np.repeat(np.arange(len(pieces)), _BLOCK)
+    run = _numbered(np.column_stack([fresh, chosen.run]))
+    return replace(chosen, run=run, origin=_with_what_was_before(origin, [origin.index[a:b] for a, b in pieces]))
+
+
+def _with_what_was_before(origin: Origin, blocks: list[Index]) -> Origin:
+    """Return the samples of blocks and of what was just before them, its velocity smoothed and zero at rest.
+
+    Args:
+        origin: the recording that blocks were cut from, if need be through what was cut out.
+        blocks: places of their samples in it.
+    """
+    whole = replace(origin.whole, origin=None)
+    needed = np.zeros(len(whole), dtype=np.bool_)
+    for block in blocks:
+        needed[max(block[0] - _REMEMBERED * _BLOCK, 0) : block[-1] + 1] = True
+    still = np.where(resting(whole), 0.0, smoothed_velocity(whole)[0])
+    before = whole.with_channels(derived="velocity" in whole.derived, velocity=still).select(needed)
+    pieces = np.cumsum(np.diff(needed.astype(np.int8), prepend=0) > 0)[needed]
+    place = np.cumsum(needed) - 1
+    run = _numbered(np.column_stack([pieces, before.run]))
+    return Origin(replace(before, run=run), place[np.concatenate(blocks)])
+
+
+def _numbered(rows: Index) -> Index:
+    """Return the same number for the same rows, shape (N,)."""
+    _, number = np.unique(rows, axis=0, return_inverse=True)
+    return number.astype(np.int64).ravel()

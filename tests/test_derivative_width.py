@@ -1,0 +1,48 @@
+"""The width over which counts are differentiated is near the best one, which needs the truth to be known."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from types import ModuleType
+
+import numpy as np
+import pytest
+
+from fricmodels.signals import noise_of
+
+
+@pytest.mark.parametrize(
+    ("rate", "bits", "fastest", "noise"),
+    [(200, 12, 8.0, 0.0), (1000, 12, 1.0, 0.0), (4000, 14, 8.0, 0.0), (4000, 16, 8.0, 0.0), (4000, 12, 8.0, 0.5)],
+)
+def test_it_is_near_the_best(
+    from_benchmarks: Callable[[str], ModuleType], rate: int, bits: int, fastest: float, noise: float
+) -> None:
+    """With errors of steps averaged over the record, or a course that follows the steps, it was 2 to 9 times worse."""
+    width = from_benchmarks("derivative_width")
+    for seed in (3, 4):
+        velocity = width.steps(seed, fastest)
+        ratio, chosen, best = width.excess(*width.read_off(velocity, rate, bits, noise, seed))
+        assert ratio < 1.4, (seed, chosen, best)
+
+
+def test_the_errors_of_steps_are_those_of_rounding(from_benchmarks: Callable[[str], ModuleType]) -> None:
+    """What counts and a smooth course differ by is what they differ from the truth by: as large, and going with it."""
+    width = from_benchmarks("derivative_width")
+    velocity = width.steps(5, 1.0)
+    time, position, _ = width.read_off(velocity, 4000, 14, 0.0, 5)
+    noise = noise_of(time, position)
+    error = position - (np.cumsum(velocity) / width.FINE)[:: width.FINE // 4000]
+    assert noise.error is not None
+    assert float(np.std(noise.error)) == pytest.approx(float(np.std(error)), rel=0.1)
+    assert np.corrcoef(noise.error, error)[0, 1] > 0.9
+
+
+def test_nothing_is_joined_across_runs() -> None:
+    """A run that begins where the other one did not end: no course leads from one to the other."""
+    time = np.arange(4000) * 1e-3
+    course = 0.3 * np.sin(2.0 * time)
+    position, run = np.floor(course / 0.01) * 0.01, (time > 2.35).astype(np.int64)  # turns, and stays at one count
+    noise = noise_of(time, position + 50.0 * run, run)
+    assert noise.error is not None
+    assert float(np.max(np.abs(noise.error))) < 1.5 * noise.step
