@@ -12,6 +12,7 @@ from fricmodels.logcheck.view import Log
 from fricmodels.results.words import figures
 from fricmodels.signals.beginnings import false_beginnings
 from fricmodels.signals.coasting import coasts
+from fricmodels.signals.counted import step_of_counts
 from fricmodels.signals.jumps import find_jumps
 from fricmodels.signals.switched import is_switched
 
@@ -178,7 +179,8 @@ def quantisation(log: Log) -> Iterator[Finding]:
 
     Rounding to steps of q has the standard deviation :math:`q/\sqrt{12}` (Widrow and Kollár 2008). A channel is coarse
     where that is more than a hundredth of its RMS value about its mean, and more than the noise within a step; a
-    position, where the speed of a step a sample is never reached.
+    position, where the speed of a step a sample is never reached. A velocity that is a difference of counts is as fine
+    as their sum.
     """
     for channel in log.measured:
         step = log.resolution[channel]
@@ -194,6 +196,16 @@ def quantisation(log: Log) -> Iterator[Finding]:
                 channel,
                 f"the {log.called(channel)} takes {len(np.unique(values))} values only: it is taken as a command "
                 "that is switched, and exact; what drives may lag behind it",
+            )
+            continue
+        if channel == "velocity" and (count := step_of_counts(log.recording)):
+            angle = count * log.recording.interval
+            yield Finding(
+                "counted-velocity",
+                Severity.NOTE,
+                channel,
+                f"the {log.called(channel)} is a difference of counts, each of {figures(angle, 4)} {log.length_unit}: "
+                "their sum is taken as the position, from zero on",
             )
             continue
         spread = float(np.std(values))

@@ -15,8 +15,10 @@ from fricmodels.logcheck.view import Log
 from fricmodels.recording import Recording
 from fricmodels.results.words import figures
 from fricmodels.signals.clusters import LEVEL
+from fricmodels.signals.counted import with_counted_position
 from fricmodels.signals.in_place import BAND
 from fricmodels.signals.noise_level import noise_of
+from fricmodels.signals.preparation import prepare
 from fricmodels.signals.rest import resting, smoothed_velocity
 from fricmodels.signals.stamps import unevenness
 from fricmodels.signals.switched import is_switched
@@ -153,11 +155,12 @@ def summary(recording: Recording, inertia: float | None = None) -> Summary:
         inertia: the stated one [kg m² or kg], by which units are judged.
     """
     log = Log(recording)
-    velocity = log.velocity
+    moved = _as_fitted(recording)
+    velocity = log.velocity if moved is recording else moved.velocity
     within = np.diff(recording.run) == 0
     lost = log.steps[within & ~log.joined]
     noise = {name: _noise(log, name) for name in log.measured}
-    moving = ~resting(recording) & (velocity != 0.0)
+    moving = ~resting(moved) & (velocity != 0.0)
     position = log.measured.get("position")
     return Summary(
         name=recording.name,
@@ -182,12 +185,21 @@ def summary(recording: Recording, inertia: float | None = None) -> Summary:
         missing=missing(log).samples,
         rest=1.0 - float(np.mean(moving)),
         forward=float(np.mean(velocity[moving] > 0.0)) if moving.any() else 0.0,
-        reversals=_reversals(recording),
+        reversals=_reversals(moved),
         travel=None if position is None else float(np.ptp(position)),
         band=_band(log),
         feedback=_feedback(log.short),
         findings=findings_of(log, inertia),
     )
+
+
+def _as_fitted(recording: Recording) -> Recording:
+    """Return the recording with the velocity of its counts, where their differences are all that was recorded."""
+    counted = with_counted_position(recording)
+    if counted is recording:
+        return recording
+    channels = {name: values for name, values in counted.channels.items() if name != "velocity"}
+    return prepare(replace(counted, channels=channels))
 
 
 def _jitter(recording: Recording) -> float:

@@ -15,6 +15,7 @@ from fricmodels.model import Model
 from fricmodels.recording import Recording, channel_of
 from fricmodels.signals import lanczos_derivative, quantum, standstill, velocity_noise
 from fricmodels.signals.coasting import coasting
+from fricmodels.signals.counted import step_of_counts
 from fricmodels.signals.lanczos import even_weights
 from fricmodels.weakform.estimate import estimate
 from fricmodels.weakform.kinks import share_of_kinks
@@ -41,6 +42,7 @@ class Plan(BaseModel):
         peak: largest speed of the recording that the plan was made from.
         friction: parameters of a first fit, which tell where a drive may stick between two samples.
         row_noise: mean square that noise of the velocity adds to ∫φ dω of a row.
+        counts: velocity of one count to a sample, where the position is the sum of them; 0 where it is not.
         wrap: period by which the recorded position jumps back; 0 where it does not.
         jump: by how much the motor torque jumps with the sign of the velocity; see :mod:`fricmodels.weakform.jumps`.
         kinks: share of what smoothing takes away at reversals that is given back; see :mod:`fricmodels.weakform.kinks`.
@@ -60,6 +62,7 @@ class Plan(BaseModel):
     peak: PositiveFloat
     friction: dict[str, float]
     row_noise: Size
+    counts: Size = 0.0
     wrap: Size = 0.0
     jump: float = 0.0
     kinks: Size = 0.0
@@ -77,8 +80,9 @@ class Plan(BaseModel):
     @property
     def channels(self) -> tuple[str, ...]:
         """The channels that the rows are made of, beside a load torque that a file may have."""
-        moved = "position" if self.derived_over else "velocity"
+        moved = "position" if self.derived_over and not self.counts else "velocity"
         needed = {channel_of(signal) for signal in self.drive.model.needs} - {"velocity"}
+        needed -= {"position"} if self.counts else set()
         return tuple(sorted({"time", "torque", moved, *needed}))
 
 
@@ -154,5 +158,6 @@ def plan_for(recording: Recording, model: str, inertia: float | None = None) -> 
         kinks=share_of_kinks(
             part, np.where(np.abs(smooth) <= still, 0.0, smooth), width, slow, limits, drive.split(found.parameters)[0]
         ),
+        counts=step_of_counts(recording) if part.derived_over else 0.0,
         wrap=float(recording.provenance.get("unwrapped", {}).get("period", 0.0)),
     )

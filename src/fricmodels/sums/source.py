@@ -18,6 +18,7 @@ from fricmodels.readers import check
 from fricmodels.readers.blocks import Block, Blocks, blocks, check_values
 from fricmodels.readers.gaps import kept
 from fricmodels.recording import Recording
+from fricmodels.signals.counted import sum_of_counts
 from fricmodels.signals.jumps import mend_jumps
 from fricmodels.signals.wrapping import unwrap
 from fricmodels.sums.plan import Plan
@@ -148,7 +149,7 @@ class _Cut:
                         yield from self._stretch.rest()
                     self._stretch, self._turned, self._last = Stretch(self.plan, whole.first + start), 0.0, None
                 piece = {name: values[start:stop] for name, values in whole.channels.items()}
-                yield from self._stretch.take(self._unwrapped(piece))
+                yield from self._stretch.take(self._summed(self._unwrapped(piece)))
                 self._last = (float(piece["time"][-1]), int(whole.run[stop - 1]), self._position(whole, stop - 1))
         if self._stretch is not None:
             yield from self._stretch.rest()
@@ -204,6 +205,14 @@ class _Cut:
             limits = np.array([values.min(), values.max()])
             old = self.seen.get(name, limits)
             self.seen[name] = np.array([min(old[0], limits[0]), max(old[1], limits[1])])
+
+    def _summed(self, piece: dict[str, Array]) -> dict[str, Array]:
+        """Return samples with the sum of counts as position, where only their differences were recorded."""
+        if not self.plan.counts:
+            return piece
+        position = self._turned + sum_of_counts(piece["velocity"], self.plan.counts, self.plan.interval)
+        self._turned = float(position[-1])
+        return {**piece, "position": position}
 
     def _position(self, block: Block, row: int) -> float:
         return float(block.channels["position"][row]) if "position" in block.channels else 0.0
