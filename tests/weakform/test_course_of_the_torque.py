@@ -70,7 +70,7 @@ def test_errors_of_steps_are_within_half_a_step_and_none_without_steps() -> None
     assert len(cells) == len(slopes) > 1
     assert np.max(np.abs(cells)) <= 1.01 * step / ready.interval
     problem = WeakFormProblem.of(DRIVE, ready, TRUTH)
-    scatter = scatter_of_steps(problem, TRUTH)
+    scatter, _ = scatter_of_steps(problem, TRUTH)
     assert scatter.shape == (len(cells), problem.rows)
     assert np.all(np.std(scatter, axis=1) > 0.0)
 

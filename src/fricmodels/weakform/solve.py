@@ -141,10 +141,10 @@ class Solved:
         if parts is not None:
             once = covariance_once(jacobian.T, solution.residual, normal.inverse, self.problem.independent, parts)
             found = found if once is None else at_least(found, once)
-        scatter = scatter_of_steps(self.problem, self.parameters)
-        if len(scatter):
-            moved = scatter @ jacobian.T @ normal.inverse
-            found = at_least(found, moved.T @ moved / len(scatter))
+        scatters = [each for each in scatter_of_steps(self.problem, self.parameters) if len(each)]
+        if scatters:
+            moved = [each @ jacobian.T @ normal.inverse / np.sqrt(len(each)) for each in scatters]
+            found = at_least(found, sum((each.T @ each for each in moved), np.zeros_like(found)))
         return found
 
     def left_by(self, values: Array) -> float:

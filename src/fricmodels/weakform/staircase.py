@@ -9,6 +9,8 @@ estimate by
 
 and the mean of :math:`\delta\theta\,\delta\theta^T` over evenly spaced places of the staircase is their covariance.
 
+The steps of the torque's sensor do the same to ∫φ τ_m dt: at constant speeds it is rounded the same way every time.
+
 A staircase of the velocity has an offset besides, which no sample shows: values are rounded up, down or to the nearest
 step, of a scale whose zero may lie anywhere within a step. It is taken to lie anywhere within a step either way.
 """
@@ -19,10 +21,11 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from fricmodels.arrays import Array
+from fricmodels.arrays import Array, Index, Mask
 from fricmodels.recording import Recording
 from fricmodels.signals import lanczos_derivative, motion_noise, quantum
 from fricmodels.signals.rest import once
+from fricmodels.signals.switched import torque_noise
 from fricmodels.weakform.problem import WeakFormProblem
 from fricmodels.weakform.quadrature import Quadrature
 from fricmodels.weakform.test_functions import mean_velocity
@@ -31,6 +34,8 @@ PLACES = 8
 """Places of the staircase, evenly spaced within a step."""
 _ON_EDGE = 1e-9
 """Share of a step: what lies so near below an edge lies on it but for rounding, as means of few rounded values do."""
+_LONGER = 2.5
+"""Times as long as those beside it that a step lasts that is only passed: from rest, evenly faster, it is 2.41."""
 _GOLDEN = 0.5 * (np.sqrt(5.0) - 1.0)
 """Multiples of it, less whole numbers, are spread evenly: offsets that do not go with the places."""
 
@@ -51,8 +56,7 @@ def errors_of_steps(recording: Recording) -> tuple[Array, Array]:
     course = noise.course
     if course is None or len(course) != len(values):
         course = lanczos_derivative(time, values, max(derived, 1), run)[0]
-    place = (np.arange(PLACES) + 0.5) / PLACES
-    errors = step * (np.floor(course / step + place[:, None] + _ON_EDGE) + 0.5 - place[:, None]) - course
+    errors = _rounded_elsewhere(course, step)
     if not derived:
         errors += step * (2.0 * (np.arange(1, PLACES + 1) * _GOLDEN % 1.0) - 1.0)[:, None]
         return errors, errors
@@ -60,8 +64,46 @@ def errors_of_steps(recording: Recording) -> tuple[Array, Array]:
     return np.array([mean_velocity(recording, error) for error in errors]), np.array(slopes)
 
 
-def scatter_of_steps(problem: WeakFormProblem, parameters: Mapping[str, float]) -> Array:
-    """Return by how much what is left of the rows would differ, were the steps of the sensor elsewhere.
+def _rounded_elsewhere(course: Array, step: float) -> Array:
+    """Return the errors of a staircase at evenly spaced places of it, shape (places, N)."""
+    place = (np.arange(PLACES) + 0.5)[:, None] / PLACES
+    return np.asarray(step * (np.floor(course / step + place + _ON_EDGE) + 0.5 - place) - course)
+
+
+@once
+def errors_of_torque_steps(recording: Recording) -> Array:
+    """Return errors that the steps of the torque's sensor may have made, shape (places, N); none without steps.
+
+    Where it is as noisy as its steps they are white noise; a torque that is switched is a command, and exact. A torque
+    that stays in a step, as at a constant speed, may be anywhere within it, each time anew.
+    """
+    noise = torque_noise(recording.time, recording.torque, recording.run)
+    if noise.course is None or len(noise.course) != len(recording):
+        return np.zeros((0, len(recording)))
+    errors, places = _rounded_elsewhere(noise.course, noise.step), (np.arange(PLACES) + 0.5)[:, None] / PLACES
+    changed = np.abs(np.diff(recording.torque, prepend=recording.torque[:1])) > 0.5 * noise.step
+    within = np.cumsum(changed, dtype=np.int64)
+    anywhere = noise.step * ((places + within * _GOLDEN) % 1.0 - 0.5)
+    return np.where(_stays(recording.torque, within), anywhere, errors)
+
+
+def _stays(values: Array, within: Index) -> Mask:
+    """Mark samples of a step that is not passed: it ends where it began, or lasts far longer than those beside it.
+
+    Args:
+        values: quantised, shape (N,).
+        within: number of the step that each sample lies in, shape (N,), from 0 on.
+    """
+    length = np.bincount(within)
+    level = values[np.cumsum(length) - 1]
+    change = np.sign(np.diff(level))
+    passed = np.r_[False, change[1:] * change[:-1] > 0.0, False] if len(level) > 1 else np.zeros(1, dtype=np.bool_)
+    beside = np.maximum(np.r_[0, length[:-1]], np.r_[length[1:], 0])
+    return np.asarray((~passed | (length > _LONGER * beside))[within])
+
+
+def scatter_of_steps(problem: WeakFormProblem, parameters: Mapping[str, float]) -> tuple[Array, Array]:
+    """Return by how much what is left of the rows would differ, were the steps of the sensors elsewhere.
 
     Once for the same rows: a little other parameters change nothing of this order.
 
@@ -70,9 +112,22 @@ def scatter_of_steps(problem: WeakFormProblem, parameters: Mapping[str, float]) 
         parameters: of the drive, by key, the inertia among them.
 
     Returns:
-        Shape (places, rows); no places where the motion was recorded without steps.
+        Of the motion and of the torque, (places, rows) each; no places where it was recorded without steps.
     """
-    return problem.integrated(("steps of the sensor",), lambda: _scatter(problem, parameters))
+    return (
+        problem.integrated(("steps of the motion",), lambda: _scatter(problem, parameters)),
+        problem.integrated(("steps of the torque",), lambda: _scatter_of_torque(problem)),
+    )
+
+
+def _scatter_of_torque(problem: WeakFormProblem) -> Array:
+    errors, cell = errors_of_torque_steps(problem.recording), problem.quadrature.cell
+    if not len(errors):
+        return np.zeros((0, problem.bumps.count))
+    if problem.held:
+        return np.asarray(problem.bumps.of_cells(errors * problem.quadrature.moving_time))
+    at_points = np.concatenate([errors, errors[:, cell], errors[:, cell + 1]], axis=1)
+    return np.asarray(problem.bumps.torques(problem.quadrature, at_points))
 
 
 def _scatter(problem: WeakFormProblem, parameters: Mapping[str, float]) -> Array:
