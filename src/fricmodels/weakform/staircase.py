@@ -36,6 +36,8 @@ _ON_EDGE = 1e-9
 """Share of a step: what lies so near below an edge lies on it but for rounding, as means of few rounded values do."""
 _LONGER = 2.5
 """Times as long as those beside it that a step lasts that is only passed: from rest, evenly faster, it is 2.41."""
+_EXCERPT = 2048
+"""Samples that show whether a torque comes in steps at all."""
 _GOLDEN = 0.5 * (np.sqrt(5.0) - 1.0)
 """Multiples of it, less whole numbers, are spread evenly: offsets that do not go with the places."""
 
@@ -77,9 +79,12 @@ def errors_of_torque_steps(recording: Recording) -> Array:
     Where it is as noisy as its steps they are white noise; a torque that is switched is a command, and exact. A torque
     that stays in a step, as at a constant speed, may be anywhere within it, each time anew.
     """
+    none = np.zeros((0, len(recording)))
+    if not quantum(recording.torque[:_EXCERPT]):
+        return none
     noise = torque_noise(recording.time, recording.torque, recording.run)
     if noise.course is None or len(noise.course) != len(recording):
-        return np.zeros((0, len(recording)))
+        return none
     errors, places = _rounded_elsewhere(noise.course, noise.step), (np.arange(PLACES) + 0.5)[:, None] / PLACES
     changed = np.abs(np.diff(recording.torque, prepend=recording.torque[:1])) > 0.5 * noise.step
     within = np.cumsum(changed, dtype=np.int64)
