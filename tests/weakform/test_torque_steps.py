@@ -8,6 +8,7 @@ from types import ModuleType
 import numpy as np
 import pytest
 
+from fricmodels.diagnosis import diagnose
 from fricmodels.dimension import Motion
 from fricmodels.drive import Drive
 from fricmodels.model import Model
@@ -41,6 +42,13 @@ def test_intervals_hold(from_benchmarks: Callable[[str], ModuleType]) -> None:
         off += [(found.parameters[key] - value) / found.standard_errors[key] for key, value in TRUE.items()]
     assert np.sqrt(np.mean(np.square(off))) < 1.6
     assert np.mean(np.abs(off) < 1.96) > 0.75
+
+
+@pytest.mark.parametrize(("share", "seed"), [(0.05, 6), (0.1, 2), (0.1, 3), (0.1, 7), (0.2, 4), (0.2, 10)])
+def test_they_are_no_effect(from_benchmarks: Callable[[str], ModuleType], share: float, seed: int) -> None:
+    """At each speed the torque is rounded the same way: that was named asymmetry, Stribeck or nonlinear friction."""
+    recording = recorded(from_benchmarks("derivative_width"), seed, share)
+    assert diagnose(recording, "coulomb-viscous", INERTIA).verdict == "adequate"
 
 
 @pytest.mark.parametrize("share", [0.02, 0.1])

@@ -13,6 +13,7 @@ from fricmodels.weakform.directions import base_directions
 from fricmodels.weakform.problem import WeakFormProblem
 from fricmodels.weakform.regression import Evidence, Regression
 from fricmodels.weakform.ripple import carriers_alone, carriers_of
+from fricmodels.weakform.staircase import scatter_of_torque
 
 
 def necessity(comparison: Comparison, effect: str) -> Evidence:
@@ -34,6 +35,6 @@ def necessity(comparison: Comparison, effect: str) -> Evidence:
     columns, _ = problem.columns(alone, nonlinear, delay)
     nuisances = np.vstack([problem.sign_change, problem.torque_rate])
     base = np.vstack([rest, nuisances[:1] if delay else nuisances])
-    regression = Regression(base, problem.target, problem.independent, problem.repeats)
+    regression = Regression(base, problem.target, problem.independent, problem.repeats, scatter_of_torque(problem))
     visible = regression.visible(columns)
     return regression.test(columns[visible]) if np.any(visible) else no_evidence(regression)

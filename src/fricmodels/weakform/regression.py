@@ -116,15 +116,24 @@ class Regression:
         target: shape (M,).
         independent: about how many of the M rows are independent.
         parts: in which part of what repeats each row lies, shape (M,); ``None`` where nothing repeats.
+        rounding: what the steps of the torque's sensor may have made of the target, shape (places, M).
     """
 
-    def __init__(self, base: Array, target: Array, independent: float, parts: Index | None = None) -> None:
+    def __init__(
+        self,
+        base: Array,
+        target: Array,
+        independent: float,
+        parts: Index | None = None,
+        rounding: Array | None = None,
+    ) -> None:
         size = np.linalg.norm(base, axis=1)
         self.base = base[size > 0] / size[size > 0, None]
         self.target = target
         left, singular, _ = np.linalg.svd(self.base.T, full_matrices=False)
         self._basis = left[:, singular > SAME * singular[0]] if len(singular) else left
         self._independent = independent
+        self._rounding = np.zeros((0, len(target))) if rounding is None else rounding
         # Rows that the base directions leave free are all there is to learn a variance from.
         self.terms = self._terms(independent, len(target))
         self._once = self._counted_once(parts)
@@ -241,12 +250,14 @@ class Regression:
         along = directions @ self.residual
         left = self.residual - along @ directions
         scores = directions * left
-        variance, p_value = self._wald(along, scores, len(columns), self._independent, self.terms)
+        rounded = self._rounding @ directions.T / math.sqrt(max(len(self._rounding), 1))
+        by_steps = rounded.T @ rounded
+        variance, p_value = self._wald(along, scores, by_steps, len(columns), self._independent, self.terms)
         p_once = p_value
         if self._once is not None:
             parts, independent, terms = self._once
             folded = np.array([np.bincount(parts, weights=row) for row in scores], dtype=float)
-            other, p_of_parts = self._wald(along, folded, len(columns), independent, terms)
+            other, p_of_parts = self._wald(along, folded, by_steps, len(columns), independent, terms)
             if p_of_parts > p_value:
                 variance, p_once = other, p_of_parts
         theta = turn @ along
@@ -282,12 +293,15 @@ class Regression:
         without[block] = loss[block]
         return compare(loss, without, self.terms)[1]
 
-    def _wald(self, along: Array, scores: Array, q: int, independent: float, terms: int) -> tuple[Array, float]:
+    def _wald(
+        self, along: Array, scores: Array, by_steps: Array, q: int, independent: float, terms: int
+    ) -> tuple[Array, float]:
         """Return the covariance of coefficients along orthonormal directions, and how probable they are by chance.
 
         Args:
             along: the coefficients, shape (k,).
             scores: directions times residual in independent order, shape (k, n).
+            by_steps: covariance of the coefficients that the steps of a sensor make, which repeats with the motion.
             q: number of columns that the directions are of.
             independent, terms: about how many of the n are independent; cosines.
         """
@@ -295,7 +309,7 @@ class Regression:
 
         # What was fitted took its share of the residual: as many degrees of freedom of the independent rows.
         gone = min(self._basis.shape[1] + q, 0.75 * independent)
-        variance = long_run_sum(scores, terms) * (independent / (independent - gone))
+        variance = long_run_sum(scores, terms) * (independent / (independent - gone)) + by_steps
         freedom = terms - q + 1
         if freedom <= 0:  # more columns than that prove nothing, whatever they explain
             return variance, 1.0

@@ -19,6 +19,7 @@ from fricmodels.weakform.directions import base_directions
 from fricmodels.weakform.problem import WeakFormProblem
 from fricmodels.weakform.regression import SAME, Evidence, ProjectedGram, Regression, unwarned
 from fricmodels.weakform.row_noise import noise_in_columns
+from fricmodels.weakform.staircase import scatter_of_torque
 
 Array = NDArray[np.float64]
 
@@ -37,6 +38,7 @@ class ShiftedRegression(Regression):
         direction: what a shift by a second adds, shape (M,).
         most: largest shift [s].
         parts: in which part of what repeats each row lies, shape (M,); ``None`` where nothing repeats.
+        rounding: what the steps of the torque's sensor may have made of the target, shape (places, M).
     """
 
     def __init__(
@@ -47,9 +49,10 @@ class ShiftedRegression(Regression):
         direction: Array,
         most: float,
         parts: Index | None = None,
+        rounding: Array | None = None,
     ) -> None:
         self._direction, self._most = direction, most
-        self._unshifted = Regression(base, target, independent, parts)
+        self._unshifted = Regression(base, target, independent, parts, rounding)
         own = self._unshifted.project_out(direction[None])[0]
         size = float(own @ own)
         self._residual_and_own = np.column_stack([self._unshifted.residual, own])
@@ -136,10 +139,11 @@ def regression_of(
         base = np.vstack([base, also])
     delayed = problem.drive.model.delay is not None or (added is not None and any(p.delay for p in added.parameters))
     base = np.vstack([base, problem.sign_change[None]])
+    rounding = scatter_of_torque(problem)
     if delayed:
-        return Regression(base, problem.target, problem.independent, problem.repeats)
+        return Regression(base, problem.target, problem.independent, problem.repeats, rounding)
     direction, most = problem.torque_rate, FREE_SHIFT * problem.recording.interval
-    return ShiftedRegression(base, problem.target, problem.independent, direction, most, problem.repeats)
+    return ShiftedRegression(base, problem.target, problem.independent, direction, most, problem.repeats, rounding)
 
 
 def noise_within(problem: WeakFormProblem, regression: Regression, columns: Array, perturbed: Array) -> Array:

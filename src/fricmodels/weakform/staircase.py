@@ -121,8 +121,17 @@ def scatter_of_steps(problem: WeakFormProblem, parameters: Mapping[str, float]) 
     """
     return (
         problem.integrated(("steps of the motion",), lambda: _scatter(problem, parameters)),
-        problem.integrated(("steps of the torque",), lambda: _scatter_of_torque(problem)),
+        scatter_of_torque(problem),
     )
+
+
+def scatter_of_torque(problem: WeakFormProblem) -> Array:
+    """Return by how much the driving torque of the rows would differ, were the steps of its sensor elsewhere.
+
+    Returns:
+        Shape (places, rows); no places where it was recorded without steps.
+    """
+    return problem.integrated(("steps of the torque",), lambda: _scatter_of_torque(problem))
 
 
 def _scatter_of_torque(problem: WeakFormProblem) -> Array:
