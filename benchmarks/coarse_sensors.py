@@ -14,9 +14,9 @@ import argparse
 from collections.abc import Iterator
 
 import numpy as np
-from derivative_width import FINE, read_off, steps
 from numpy.typing import NDArray
 
+from derivative_width import FINE, read_off, steps
 from fricmodels import compare, diagnose
 from fricmodels.dimension import Motion
 from fricmodels.recording import Recording
