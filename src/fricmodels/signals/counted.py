@@ -19,12 +19,13 @@ from fricmodels.signals.segments import stretches
 
 _LEAST, _MOST = 500, 100_000
 """Samples of the longest stretch from which that is told; of a longer one so many in its middle."""
-_WIDTHS = (4, 8, 16, 32, 64, 128)
+_WIDTHS = (16, 32, 64, 128)
+"""Samples of a passage: too short for the motion to be other than smooth, or long enough for errors to add up."""
 _WOULD_ADD_UP = 4.0
 """Squared counts to which independent errors would add up over a passage that tells."""
-_OFF, _SHARE = 0.8, 0.85
+_OFF, _SHARE = 0.8, 0.83
 """Of sums of counts 96 % are off by less than 0.8 (the difference of two roundings), of independent errors 68 % at most
-(a standard deviation of 2, of which smoothing leaves 0.4): the border lies half-way."""
+(a standard deviation of 2, of which smoothing leaves 0.4): the border lies about half-way."""
 _PASSAGES = 20
 """Passages that tell, side by side, from which that is known."""
 _ON_GRID = 0.05
@@ -69,6 +70,7 @@ def _adds_up(time: Array, steps: Array) -> bool:
         error = counts - lanczos_value(time, counts, width)
         total, square = (np.concatenate([[0.0], np.cumsum(values)]) for values in (error, error**2))
         telling = square[width:] - square[:-width] >= _WOULD_ADD_UP
-        if np.count_nonzero(telling) >= _PASSAGES * width:
-            return bool(np.mean(np.abs(total[width:] - total[:-width])[telling] < _OFF) > _SHARE)
+        sums = np.abs(total[width:] - total[:-width])[telling]
+        if len(sums) >= _PASSAGES * width and np.mean(sums < _OFF) > _SHARE:
+            return True
     return False
