@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from derivative_width import FINE, read_off, steps
 from fricmodels import compare, diagnose
 from fricmodels.dimension import Motion
+from fricmodels.errors import FricmodelsError
 from fricmodels.recording import Recording
 
 Array = NDArray[np.float64]
@@ -56,6 +57,19 @@ def sensors(seed: int, hidden: bool) -> Iterator[tuple[str, Recording]]:
         yield f"torque in steps of {100 * share:g} %", recorded(time, rounded, position=position)
 
 
+def tried(plain: Recording, hidden: Recording) -> tuple[bool, bool, bool, list[float]]:
+    """Return whether a false name is given, nothing known, the effect found; and how far off the true model is."""
+    try:
+        nothing = diagnose(plain, "coulomb-viscous", INERTIA)
+        first = next((one.names for one in diagnose(hidden, "coulomb-viscous", INERTIA).findings), ())
+        fit = compare(hidden, "coulomb-viscous+stribeck", INERTIA).estimate
+    except FricmodelsError:  # it "moves too little"
+        return False, True, False, []
+    errors = {key: fit.standard_errors.get(key, np.inf) for key in TRUE}
+    off = [(fit.parameters[key] - value) / errors[key] for key, value in TRUE.items() if errors[key] > 0.0]
+    return bool(nothing.findings), nothing.verdict == "unknown-effect", "stribeck" in first, off
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("--seeds", type=int, default=12, help="drives of each kind")
@@ -63,13 +77,7 @@ def main() -> None:
     found: dict[str, list[tuple[bool, bool, bool, list[float]]]] = {}
     for seed in range(FIRST, FIRST + count):
         for (name, plain), (_, hidden) in zip(sensors(seed, False), sensors(seed, True), strict=True):
-            nothing = diagnose(plain, "coulomb-viscous", INERTIA)
-            first = next((one.names for one in diagnose(hidden, "coulomb-viscous", INERTIA).findings), ())
-            fit = compare(hidden, "coulomb-viscous+stribeck", INERTIA).estimate
-            errors = {key: fit.standard_errors.get(key, np.inf) for key in TRUE}
-            off = [(fit.parameters[key] - value) / errors[key] for key, value in TRUE.items() if errors[key] > 0.0]
-            unknown = nothing.verdict == "unknown-effect"
-            found.setdefault(name, []).append((bool(nothing.findings), unknown, "stribeck" in first, off))
+            found.setdefault(name, []).append(tried(plain, hidden))
     print(f"{'':<26} false  unknown  found  standard errors off  intervals that hold")
     for name, rows in found.items():
         off = np.concatenate([row[3] for row in rows])
