@@ -13,8 +13,10 @@ from fricmodels.dimension import Motion
 from fricmodels.drive import Drive
 from fricmodels.model import Model
 from fricmodels.recording import Recording
+from fricmodels.weakform import solve
 from fricmodels.weakform.estimate import estimate
 from fricmodels.weakform.prepared import ready
+from fricmodels.weakform.problem import WeakFormProblem
 from fricmodels.weakform.staircase import errors_of_torque_steps
 
 INERTIA, TRUE = 1e-3, {"K_v": 3e-3, "K_c": 0.05}
@@ -62,3 +64,17 @@ def test_errors_are_as_large_as_those_of_rounding(from_benchmarks: Callable[[str
 
 def test_there_are_none_without_steps(from_benchmarks: Callable[[str], ModuleType]) -> None:
     assert not len(errors_of_torque_steps(ready(recorded(from_benchmarks("derivative_width"), 3, 0.0))))
+
+
+def test_what_steps_move_without_end_is_a_number_still(
+    from_benchmarks: Callable[[str], ModuleType], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of velocities in eleven levels the square overflowed, and eigenvalues of a covariance did not converge."""
+
+    def scatter(problem: WeakFormProblem, _: object) -> tuple[np.ndarray, np.ndarray]:
+        return np.full((8, problem.rows), 1e200), np.zeros((0, problem.rows))
+
+    monkeypatch.setattr(solve, "scatter_of_steps", scatter)
+    recording = ready(recorded(from_benchmarks("derivative_width"), 3, 0.0))
+    _, found = estimate(Drive(Model.parse("coulomb-viscous"), INERTIA), recording)
+    assert all(np.isfinite(error) for error in found.standard_errors.values())

@@ -28,6 +28,8 @@ Array = NDArray[np.float64]
 
 _FEW, _SIGNED = 2, 0.25
 """Of more nonlinear parameters than these likely ones are sought together, those of either sign so far away."""
+_ENDLESS = 1e100
+"""What the steps of a sensor may move a parameter by that nothing determines; its square is still a number."""
 _ROUGH = 1.2
 """Times its standard error to which a parameter is likely, from which on an error is not smooth."""
 _NEARLY_ALL, _MUCH_MORE = 0.9, 2.0
@@ -144,6 +146,7 @@ class Solved:
         scatters = [each for each in scatter_of_steps(self.problem, self.parameters) if len(each)]
         if scatters:
             moved = [each @ jacobian.T @ normal.inverse / np.sqrt(len(each)) for each in scatters]
+            moved = [np.clip(each, -_ENDLESS, _ENDLESS) for each in moved]
             found = at_least(found, sum((each.T @ each for each in moved), np.zeros_like(found)))
         return found
 
