@@ -16,8 +16,9 @@ MAX_SAMPLES = 163_840
 """Longer recordings are diagnosed on this many samples, in blocks spread evenly over them."""
 
 _BLOCK = 8_192
-_REMEMBERED = 2
-"""Blocks' lengths of motion before each block along which states are integrated: three times as many samples in all."""
+_SHORT, _BLOCKS_MORE = 2.0, 2
+"""Blocks that last less than so long [s] remember what was before them, for so many lengths of a block at most: three
+times as many samples to integrate states along. In longer ones a state that begins anew is soon forgotten."""
 
 
 @dataclass(frozen=True)
@@ -55,7 +56,7 @@ def blocks_of(count: int) -> list[tuple[int, int]]:
 def spread(recording: Recording) -> Recording:
     """Return at most :data:`MAX_SAMPLES` samples, as blocks spread evenly over a longer recording.
 
-    A block remembers the motion before it, :data:`_REMEMBERED` times as long: states do not begin anew with each.
+    Short blocks remember the motion before them: states do not begin anew with each.
     """
     count = len(recording)
     if count <= MAX_SAMPLES:
@@ -66,7 +67,9 @@ def spread(recording: Recording) -> Recording:
     chosen = replace(recording, origin=None).select(index)
     # Blocks are runs of their own; a block that spans two runs stays two.
     fresh = np.repeat(np.arange(len(pieces)), _BLOCK)
-    run = _numbered(np.column_stack([fresh, chosen.run]))
+    run = _numbered(fresh, chosen.run)
+    if _BLOCK * recording.interval > _SHORT:
+        return replace(chosen, run=run)
     return replace(chosen, run=run, origin=_with_what_was_before(origin, [origin.index[a:b] for a, b in pieces]))
 
 
@@ -80,16 +83,16 @@ def _with_what_was_before(origin: Origin, blocks: list[Index]) -> Origin:
     whole = replace(origin.whole, origin=None)
     needed = np.zeros(len(whole), dtype=np.bool_)
     for block in blocks:
-        needed[max(block[0] - _REMEMBERED * _BLOCK, 0) : block[-1] + 1] = True
-    still = np.where(resting(whole), 0.0, smoothed_velocity(whole)[0])
-    before = whole.with_channels(derived="velocity" in whole.derived, velocity=still).select(needed)
+        needed[max(block[0] - _BLOCKS_MORE * _BLOCK, 0) : block[-1] + 1] = True
     pieces = np.cumsum(np.diff(needed.astype(np.int8), prepend=0) > 0)[needed]
-    place = np.cumsum(needed) - 1
-    run = _numbered(np.column_stack([pieces, before.run]))
-    return Origin(replace(before, run=run), place[np.concatenate(blocks)])
+    before = whole.select(needed)
+    before = replace(before, run=_numbered(pieces, before.run))
+    still = np.where(resting(before), 0.0, smoothed_velocity(before)[0])
+    before = before.with_channels(derived="velocity" in whole.derived, velocity=still)
+    return Origin(before, (np.cumsum(needed) - 1)[np.concatenate(blocks)])
 
 
-def _numbered(rows: Index) -> Index:
-    """Return the same number for the same rows, shape (N,)."""
-    _, number = np.unique(rows, axis=0, return_inverse=True)
-    return number.astype(np.int64).ravel()
+def _numbered(pieces: Index, runs: Index) -> Index:
+    """Return a number for each run of each piece, shape (N,)."""
+    changes = (np.diff(pieces, prepend=pieces[:1]) != 0) | (np.diff(runs, prepend=runs[:1]) != 0)
+    return np.asarray(np.cumsum(changes, dtype=np.int64))
