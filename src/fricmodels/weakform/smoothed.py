@@ -84,7 +84,7 @@ def _with_what_was_before(origin: Origin, blocks: list[Index]) -> Origin:
     needed = np.zeros(len(whole), dtype=np.bool_)
     for block in blocks:
         needed[max(block[0] - _BLOCKS_MORE * _BLOCK, 0) : block[-1] + 1] = True
-    pieces = np.cumsum(np.diff(needed.astype(np.int8), prepend=0) > 0)[needed]
+    pieces = np.cumsum(np.diff(needed.astype(np.int8), prepend=0) > 0, dtype=np.int64)[needed]
     before = whole.select(needed)
     before = replace(before, run=_numbered(pieces, before.run))
     still = np.where(resting(before), 0.0, smoothed_velocity(before)[0])
