@@ -131,7 +131,7 @@ def scatter_of_torque(problem: WeakFormProblem) -> Array:
     Returns:
         Shape (places, rows); no places where it was recorded without steps.
     """
-    return problem.integrated(("steps of the torque",), lambda: _scatter_of_torque(problem))
+    return problem.integrated(("steps of the torque", problem.held), lambda: _scatter_of_torque(problem))
 
 
 def _scatter_of_torque(problem: WeakFormProblem) -> Array:
