@@ -26,18 +26,6 @@ def test_it_is_near_the_best(
         assert ratio < 1.4, (seed, chosen, best)
 
 
-def test_the_errors_of_steps_are_those_of_rounding(from_benchmarks: Callable[[str], ModuleType]) -> None:
-    """What counts and a smooth course differ by is what they differ from the truth by: as large, and going with it."""
-    width = from_benchmarks("derivative_width")
-    velocity = width.steps(5, 1.0)
-    time, position, _ = width.read_off(velocity, 4000, 14, 0.0, 5)
-    noise = noise_of(time, position)
-    error = position - (np.cumsum(velocity) / width.FINE)[:: width.FINE // 4000]
-    assert noise.error is not None
-    assert float(np.std(noise.error)) == pytest.approx(float(np.std(error)), rel=0.1)
-    assert np.corrcoef(noise.error, error)[0, 1] > 0.9
-
-
 def test_nothing_is_joined_across_runs() -> None:
     """A run that begins where the other one did not end: no course leads from one to the other."""
     time = np.arange(4000) * 1e-3

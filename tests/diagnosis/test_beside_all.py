@@ -100,6 +100,19 @@ def test_two_waves_of_one_wave_number_are_larger_than_the_drive(made: Made) -> N
     assert Refits(bare, replace(POLICY, own_torque=0.5 * share)).with_effect(tested) is None
 
 
+def test_what_a_law_could_be_as_well_is_no_torque_of_an_effects_own(made: Made) -> None:
+    """From 20 °C on a lubricant thins; from 0 °C on, where its formula begins, the law has many times the torque."""
+    plain = made(samples=6000)
+    warm = 20.0 + 25.0 * (1.0 - np.exp(-plain.time / 4.0))
+    torque = plain.torque + 1200.0 * np.exp(-warm / 10.0) * plain.velocity
+    recording = plain.with_channels(derived=False, torque=torque, temperature=warm)
+    fitted = compare(recording, "coulomb-viscous+thermal", INERTIA)
+    assert fitted.estimate.parameters["K_v"] * float(np.std(plain.velocity)) > POLICY.own_torque * recording.rms_torque
+    assert own_torque(fitted, fitted.drive.model.effects[0]) < 1.0
+    (found,) = diagnose(recording, "coulomb-viscous", INERTIA).findings
+    assert found.names[0] == "thermal"
+
+
 def late(samples: float) -> Recording:
     """Return a drive at 100 Hz whose motion was recorded so many samples late."""
     time, rate = np.arange(8000) / 100.0, 100.0

@@ -36,7 +36,7 @@ def rows(seed: int = 0) -> tuple[Array, Array, Array]:
 
 def shifted(target: Array, seed: int = 0) -> ShiftedRegression:
     base, direction, _ = rows(seed)
-    return ShiftedRegression(base, target, 200, direction, SAMPLE)
+    return ShiftedRegression(Regression(base, target, 200), direction, SAMPLE)
 
 
 @pytest.mark.parametrize("share", [-0.9, 0.0, 0.5])
@@ -78,8 +78,10 @@ def test_units_of_torque_and_time_change_nothing() -> None:
     base, direction, column = rows(1)
     rng = np.random.default_rng(2)
     target = base[0] + 0.2 * column + 0.1 * rng.standard_normal(ROWS)
-    one = ShiftedRegression(base, target, 200, direction, SAMPLE).test(column[None])
-    other = ShiftedRegression(1e3 * base, 1e3 * target, 200, direction, 1e3 * SAMPLE).test(1e3 * column[None])
+    one = ShiftedRegression(Regression(base, target, 200), direction, SAMPLE).test(column[None])
+    other = ShiftedRegression(Regression(1e3 * base, 1e3 * target, 200), direction, 1e3 * SAMPLE).test(
+        1e3 * column[None]
+    )
     assert other.coefficients == pytest.approx(one.coefficients)
     assert other.p_value == pytest.approx(one.p_value)
     assert other.gain == pytest.approx(one.gain)

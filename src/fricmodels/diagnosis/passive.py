@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 
+from fricmodels.arrays import Array
 from fricmodels.diagnosis.comparison import Comparison
 from fricmodels.drive import Drive
 from fricmodels.model import Model
 from fricmodels.term import Effect
 from fricmodels.weakform.acting import acting
+from fricmodels.weakform.problem import WeakFormProblem
 
 
 def driving_share(comparison: Comparison) -> float:
@@ -34,12 +38,23 @@ def own_torque(comparison: Comparison, effect: Effect) -> float:
     """Return the RMS torque of one effect of a fitted model, over the RMS motor torque, as the rows see both.
 
     It may be more than 1 where another torque balances it, as a spring balances gravity. Two waves of nearly one wave
-    number may have any size with opposite signs: of such the recording tells the sum only.
+    number may have any size with opposite signs: of such the recording tells the sum only. What the law's own terms
+    could be as well does not count: a friction that thins with the temperature is a change of theirs from 0 °C on.
     """
     problem, values = comparison.problem, comparison.estimate.parameters
-    alone = problem.alone(effect)
-    linear = np.array(alone.model.linear)
-    fitted = np.array([values[parameter.key] for parameter in alone.model.parameters])
-    columns, rest = problem.columns(alone, fitted[~linear].tolist())
-    torque = fitted[linear] @ columns + rest
+    law = Drive(Model(comparison.drive.model.law, ()), comparison.drive.inertia, comparison.drive.motion)
+    torque, (own, _) = _torque(problem, problem.alone(effect), values), _columns(problem, law, values)
+    torque = torque - np.linalg.lstsq(own.T, torque, rcond=None)[0] @ own
     return float(np.sqrt(np.sum(torque**2) / np.sum(acting(problem) ** 2)))
+
+
+def _torque(problem: WeakFormProblem, drive: Drive, values: Mapping[str, float]) -> Array:
+    """Return the torque of a part of the model as the rows see it, shape (rows,)."""
+    columns, rest = _columns(problem, drive, values)
+    pairs = zip(drive.model.parameters, drive.model.linear, strict=True)
+    return np.asarray(np.array([values[p.key] for p, linear in pairs if linear]) @ columns + rest)
+
+
+def _columns(problem: WeakFormProblem, drive: Drive, values: Mapping[str, float]) -> tuple[Array, Array]:
+    pairs = zip(drive.model.parameters, drive.model.linear, strict=True)
+    return problem.columns(drive, [values[p.key] for p, linear in pairs if not linear])

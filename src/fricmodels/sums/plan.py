@@ -14,6 +14,7 @@ from fricmodels.errors import InputError
 from fricmodels.model import Model
 from fricmodels.recording import Recording, channel_of
 from fricmodels.signals import lanczos_derivative, quantum, standstill, velocity_noise
+from fricmodels.signals.beginnings import with_true_beginnings
 from fricmodels.signals.coasting import coasting
 from fricmodels.signals.counted import step_of_counts
 from fricmodels.signals.lanczos import even_weights
@@ -158,6 +159,6 @@ def plan_for(recording: Recording, model: str, inertia: float | None = None) -> 
         kinks=share_of_kinks(
             part, np.where(np.abs(smooth) <= still, 0.0, smooth), width, slow, limits, drive.split(found.parameters)[0]
         ),
-        counts=step_of_counts(recording) if part.derived_over else 0.0,
+        counts=step_of_counts(with_true_beginnings(recording)) if part.derived_over else 0.0,
         wrap=float(recording.provenance.get("unwrapped", {}).get("period", 0.0)),
     )

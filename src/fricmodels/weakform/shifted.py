@@ -13,7 +13,6 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from fricmodels.arrays import Index
 from fricmodels.term import Effect
 from fricmodels.weakform.directions import base_directions
 from fricmodels.weakform.problem import WeakFormProblem
@@ -32,27 +31,13 @@ class ShiftedRegression(Regression):
     """The base model's regression with a bounded shift in time.
 
     Args:
-        base: base directions, shape (k, M).
-        target: shape (M,).
-        independent: about how many of the M rows are independent.
+        unshifted: the regression without a shift.
         direction: what a shift by a second adds, shape (M,).
         most: largest shift [s].
-        parts: in which part of what repeats each row lies, shape (M,); ``None`` where nothing repeats.
-        rounding: what the steps of the torque's sensor may have made of the target, shape (places, M).
     """
 
-    def __init__(
-        self,
-        base: Array,
-        target: Array,
-        independent: float,
-        direction: Array,
-        most: float,
-        parts: Index | None = None,
-        rounding: Array | None = None,
-    ) -> None:
-        self._direction, self._most = direction, most
-        self._unshifted = Regression(base, target, independent, parts, rounding)
+    def __init__(self, unshifted: Regression, direction: Array, most: float) -> None:
+        self._unshifted, self._direction, self._most = unshifted, direction, most
         own = self._unshifted.project_out(direction[None])[0]
         size = float(own @ own)
         self._residual_and_own = np.column_stack([self._unshifted.residual, own])
@@ -140,10 +125,10 @@ def regression_of(
     delayed = problem.drive.model.delay is not None or (added is not None and any(p.delay for p in added.parameters))
     base = np.vstack([base, problem.sign_change[None]])
     rounding = scatter_of_torque(problem)
+    unshifted = Regression(base, problem.target, problem.independent, problem.repeats, rounding)
     if delayed:
-        return Regression(base, problem.target, problem.independent, problem.repeats, rounding)
-    direction, most = problem.torque_rate, FREE_SHIFT * problem.recording.interval
-    return ShiftedRegression(base, problem.target, problem.independent, direction, most, problem.repeats, rounding)
+        return unshifted
+    return ShiftedRegression(unshifted, problem.torque_rate, FREE_SHIFT * problem.recording.interval)
 
 
 def noise_within(problem: WeakFormProblem, regression: Regression, columns: Array, perturbed: Array) -> Array:

@@ -31,6 +31,7 @@ from fricmodels.weakform.quadrature import Quadrature
 from fricmodels.weakform.test_functions import mean_velocity
 
 PLACES = 8
+_PLACE = (np.arange(PLACES) + 0.5)[:, None] / PLACES
 """Places of the staircase, evenly spaced within a step."""
 _ON_EDGE = 1e-9
 """Share of a step: what lies so near below an edge lies on it but for rounding, as means of few rounded values do."""
@@ -68,8 +69,7 @@ def errors_of_steps(recording: Recording) -> tuple[Array, Array]:
 
 def _rounded_elsewhere(course: Array, step: float) -> Array:
     """Return the errors of a staircase at evenly spaced places of it, shape (places, N)."""
-    place = (np.arange(PLACES) + 0.5)[:, None] / PLACES
-    return np.asarray(step * (np.floor(course / step + place + _ON_EDGE) + 0.5 - place) - course)
+    return np.asarray(step * (np.floor(course / step + _PLACE + _ON_EDGE) + 0.5 - _PLACE) - course)
 
 
 @once
@@ -85,11 +85,10 @@ def errors_of_torque_steps(recording: Recording) -> Array:
     noise = torque_noise(recording.time, recording.torque, recording.run)
     if noise.course is None or len(noise.course) != len(recording):
         return none
-    errors, places = _rounded_elsewhere(noise.course, noise.step), (np.arange(PLACES) + 0.5)[:, None] / PLACES
     changed = np.abs(np.diff(recording.torque, prepend=recording.torque[:1])) > 0.5 * noise.step
     within = np.cumsum(changed, dtype=np.int64)
-    anywhere = noise.step * ((places + within * _GOLDEN) % 1.0 - 0.5)
-    return np.where(_stays(recording.torque, within), anywhere, errors)
+    anywhere = noise.step * ((_PLACE + within * _GOLDEN) % 1.0 - 0.5)
+    return np.where(_stays(recording.torque, within), anywhere, _rounded_elsewhere(noise.course, noise.step))
 
 
 def _stays(values: Array, within: Index) -> Mask:

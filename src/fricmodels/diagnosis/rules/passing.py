@@ -90,7 +90,8 @@ class PassingRules(Rules):
     own_torque: float = rule(
         10.0,
         "times the RMS torque",
-        "An effect is refused whose own torque is more than this: another one cancels it, and only their sum is known.",
+        "An effect is refused whose own torque, beyond what the law's terms could be, is more than this: another one "
+        "cancels it, and only their sum is known.",
         "Physical: a spring may balance gravity ten to one. Of 82 effects of rough drives the largest has 1.8. Without "
         "it one of 408 ladders ended with two waves of 4000 that cancel, and eight times the error on another motion.",
         off=_INF,
