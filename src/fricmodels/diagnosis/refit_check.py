@@ -24,7 +24,7 @@ from fricmodels.diagnosis.comparison import Comparison
 from fricmodels.diagnosis.floor import beyond_sampling_percent, is_above_noise
 from fricmodels.diagnosis.policy import Policy
 from fricmodels.diagnosis.refits import Refits
-from fricmodels.diagnosis.supported import judge
+from fricmodels.diagnosis.supported import Judgement, judge
 from fricmodels.diagnosis.verdict import (
     LookAlikes,
     contains,
@@ -164,28 +164,43 @@ def _best(
         leave_out: effects that are not considered.
         bound: the error must be at most this [% of the RMS torque].
     """
-    policy, before, samples = result.policy, _error(refits.comparison), _error_per_sample(refits.comparison)
+    policy = result.policy
     chosen = [t for t in passing if not t.found.at_search_bound][: policy.refit_trials]
     trials = sorted((_error(refits.with_effect(t)), i, t) for i, t in enumerate(chosen))
-    for error, _, first in trials:
-        after = _error_per_sample(refits.with_effect(first))
-        # What rings faster than the window of the decisions shows in single samples, as far as these are no noise.
-        heard = max(after, policy.noise_known_to * refits.comparison.errors.bands[0].noise_floor_percent)
-        rings = error <= policy.window_may_rise * before and _falls_far(samples, heard, policy)
-        falls = rings or (error <= bound and _falls_far(before, error, policy))
-        if falls and not refits.ends_at_bound(first):
-            break
-    else:
+    far = [t for _, _, t in trials if _leaves_far_less(refits, t, bound)]
+    if not far:
         return None
-    judgement = judge(result, leave_out, LookAlikes(first, (first,)))
-    by_error = any(found.first is first for found in most_of_the_error(refits, judgement))
-    if not judgement.stands(first, policy) and not by_error:
+    judgement = judge(result, leave_out, LookAlikes(far[0], (far[0],)))
+    by_error = any(found.first is far[0] for found in most_of_the_error(refits, judgement))
+    first = far[0] if by_error else _that_stands(refits, judgement, far, bound)
+    if first is None:
         return None
-    alike = policy.alike_after_refit
-    near = [t for other, _, t in trials if other <= alike * error]
-    return LookAlikes(
-        first, tuple(t for t in near if _error_per_sample(refits.with_effect(t)) <= alike * max(after, error))
-    )
+    error, after = (policy.alike_after_refit * e(refits.with_effect(first)) for e in (_error, _error_per_sample))
+    near = [t for other, _, t in trials if other <= error and t.name != first.name]
+    alike = [t for t in near if _error_per_sample(refits.with_effect(t)) <= max(after, error)]
+    return LookAlikes(first, (first, *alike))
+
+
+def _that_stands(refits: Refits, judgement: Judgement, far: list[CandidateTest], bound: float) -> CandidateTest | None:
+    """Return the first of some effects that leave far less which is there by the rows, or ``None``.
+
+    The one that leaves least of the recording may stand for another, which shows beside it and makes it superfluous.
+    That one is what was found in the set.
+    """
+    there = {found.first.name: found.first for found, _ in judgement.members}
+    found = [there[t.name] for t in far if t.name in there and judgement.stands(there[t.name], refits.policy)]
+    return next((t for t in found if _leaves_far_less(refits, t, bound)), None)
+
+
+def _leaves_far_less(refits: Refits, tested: CandidateTest, bound: float) -> bool:
+    """Whether a model with an effect leaves far less of the recording, and at most a bound [% of the RMS torque]."""
+    policy, comparison, fitted = refits.policy, refits.comparison, refits.with_effect(tested)
+    (before, error), (samples, after) = ((e(comparison), e(fitted)) for e in (_error, _error_per_sample))
+    # What rings faster than the window of the decisions shows in single samples, as far as these are no noise.
+    heard = max(after, policy.noise_known_to * comparison.errors.bands[0].noise_floor_percent)
+    rings = error <= policy.window_may_rise * before and _falls_far(samples, heard, policy)
+    falls = rings or (error <= bound and _falls_far(before, error, policy))
+    return falls and not refits.ends_at_bound(tested)
 
 
 def _falls_far(before: float, after: float, policy: Policy) -> bool:
