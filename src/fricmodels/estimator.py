@@ -21,6 +21,7 @@ from fricmodels.interval import about
 from fricmodels.parameter import outside_bounds
 from fricmodels.recording import Recording
 from fricmodels.signals.coasting import coasting
+from fricmodels.signals.integrated import with_integrated_position
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -90,6 +91,8 @@ class Estimator(ABC):
     def fit(self, drive: Drive, recording: Recording, *, seed: int = 0) -> Fit:
         """Estimate the drive's free parameters from the recording, in SI units; see :meth:`solve`."""
         began = time.perf_counter()
+        if "position" in drive.model.required:
+            recording = with_integrated_position(recording)
         kept = usable(drive, recording)
         found = self.solve(drive, kept, seed)
         keys = drive.keys if found.estimated is None else found.estimated

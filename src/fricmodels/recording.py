@@ -139,6 +139,10 @@ class Recording(Displayed):
     def __contains__(self, channel: object) -> bool:
         return channel in self.channels
 
+    def measures(self, channel: str) -> bool:
+        """Whether a channel is there, and was not computed from others."""
+        return channel in self.channels and channel not in self.derived
+
     def __getitem__(self, channel: str) -> Array:
         try:
             return self.channels[channel]

@@ -112,7 +112,7 @@ class Batch(Estimator):
         """Bring the simulated position nearest to the measured one, from the fit of the torque."""
         from fricmodels.motion import Simulator, fit_motion, torque_between_samples
 
-        if "position" not in ready:
+        if not ready.measures("position"):
             raise EstimationError(f"objective 'position' needs the position, which '{ready.name}' does not have")
         try:
             between = torque_between_samples(drive, found.parameters, ready)

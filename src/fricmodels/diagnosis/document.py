@@ -20,11 +20,13 @@ from fricmodels.diagnosis.remarks import remarks_on
 from fricmodels.diagnosis.shift import shift_within_sampling
 from fricmodels.dimension import INERTIA, Motion
 from fricmodels.files import write_text
+from fricmodels.model import Model
 from fricmodels.results import comparison as facts
 from fricmodels.results import diagnosis as typed
 from fricmodels.results.comparison import ComparisonDocument
 from fricmodels.results.diagnosis import DiagnosisDocument
 from fricmodels.signals.rest import once
+from fricmodels.term import Effect
 
 FILE = "diagnosis.json"
 
@@ -41,7 +43,7 @@ def document(diagnosis: Diagnosis, ladder: Ladder | None = None) -> DiagnosisDoc
     final = diagnosis if ladder is None else ladder.last
     places = {} if ladder is None else in_its_place(ladder)
     return DiagnosisDocument(
-        **_facts(comparison),
+        **_facts(comparison, [finding.tested.effect for finding in findings]),
         verdict=diagnosis.verdict,
         effects=tuple(_effect(finding, comparison.drive.motion, places) for finding in findings),
         unknown=_unknown(final),
@@ -81,9 +83,10 @@ def comparison_document(comparison: Comparison) -> ComparisonDocument:
     return ComparisonDocument(**_facts(comparison))
 
 
-def _facts(comparison: Comparison) -> dict[str, Any]:
-    """Return the fields of :class:`ComparisonDocument`."""
+def _facts(comparison: Comparison, found: Sequence[Effect] = ()) -> dict[str, Any]:
+    """Return the fields of :class:`ComparisonDocument`; what was found beside the model's own effects counts too."""
     drive, estimate, errors = comparison.drive, comparison.estimate, comparison.errors
+    over_position = any("position" in Model.only(term).needs for term in (*drive.model.terms, *found))
     return {
         "dataset": comparison.train.name,
         "model": drive.model.name,
@@ -99,6 +102,7 @@ def _facts(comparison: Comparison) -> dict[str, Any]:
         "remarks": remarks_on(comparison),
         "held": drive.model.known.fixed,
         "offsets_of_runs": comparison.offsets_of_runs,
+        "integrated_position": over_position and "position" in comparison.train.derived,
         "rms_torque_error": facts.TorqueError(
             SI=errors.SI,
             percent=errors.percent,

@@ -99,6 +99,7 @@ def _all(log: Log, inertia: float | None) -> Iterator[Finding]:
     if "velocity" in noises and "position" in noises and not related and "position" not in dead:
         noises["velocity"] = max(noises["velocity"], colour.difference_noise(log.short), key=colour.evidence)
     yield from colour.colour(log, noises)
+    yield from motion.without_position(log)
     little = list(motion.little(log, noises["velocity"].size if "velocity" in noises else 0.0))
     yield from little
     if not little and not related:

@@ -6,11 +6,12 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from fricmodels.arrays import Array
 from fricmodels.logcheck.balance import CLUSTERS
 from fricmodels.logcheck.finding import Finding, Severity
 from fricmodels.logcheck.view import Log
 from fricmodels.results.words import figures
+from fricmodels.signals.counted import step_of_counts
+from fricmodels.signals.integrated import way
 from fricmodels.signals.lanczos import lanczos_derivative
 from fricmodels.signals.noise_level import best_half_width
 
@@ -53,8 +54,9 @@ def one_frequency(log: Log) -> Iterator[Finding]:
     smooth, acceleration = lanczos_derivative(time, velocity, best_half_width(time, velocity, run), run)
     position = np.empty(len(time))
     for part in short.parts:
-        way = short.recording["position"][part] if "position" in short.measured else _way(time[part], smooth[part])
-        position[part] = way - np.mean(way)
+        given = "position" in short.measured
+        position[part] = short.recording["position"][part] if given else way(time[part], smooth[part])
+        position[part] -= np.mean(position[part])
         acceleration[part] -= np.mean(acceleration[part])
     size = float(acceleration @ acceleration)
     slope = float(acceleration @ position) / size if size > 0 else 0.0
@@ -71,9 +73,17 @@ def one_frequency(log: Log) -> Iterator[Finding]:
         )
 
 
-def _way(time: Array, velocity: Array) -> Array:
-    """Return the integral of a velocity from the first sample on."""
-    return np.concatenate([[0.0], np.cumsum(0.5 * (velocity[1:] + velocity[:-1]) * np.diff(time))])
+def without_position(log: Log) -> Iterator[Finding]:
+    """Say that the integral of the velocity stands for the position, where that was not recorded."""
+    if "velocity" in log.measured and "position" not in log.measured and not step_of_counts(log.recording):
+        yield Finding(
+            "no-position",
+            Severity.NOTE,
+            "velocity",
+            f"no position was recorded: the integral of the {log.called('velocity')} is taken for it, from zero at the "
+            "first sample of each run",
+            "log the position as well, to compare what goes with it between logs",
+        )
 
 
 def _finding(text: str) -> Finding:

@@ -15,6 +15,7 @@ from fricmodels.dimension import Motion
 from fricmodels.readers.standard_names import STANDARD
 from fricmodels.recording import word
 from fricmodels.report.reliability import CHANGING, ONE_SINE, RECORDS
+from fricmodels.report.reservations import reservations
 from fricmodels.report.wording import counted, listed, listed_classes, noise_alone, percent, small
 from fricmodels.results.words import LINE, SAMPLING, figures, form, predictor
 from fricmodels.score.bands import averaged
@@ -144,18 +145,10 @@ def error_words(data: ComparisonDocument) -> str:
     over = f", {window(data)}" if window(data) else ""
     where = f"of the RMS {data.reference} on data that took no part in fitting{over}"
     if len(steps) > 1:
-        return f"Test error {percent(before)} → {percent(after)} {where}; {noise}.{_of_other_runs(data)}"
+        return f"Test error {percent(before)} → {percent(after)} {where}; {noise}.{reservations(data)}"
     if data.held:
         where = f"of the RMS {data.reference} on the three tenths that a fit would keep back{over}"
-    return f"Test error {percent(before)} {where}; {noise}.{_of_other_runs(data)}"
-
-
-def _of_other_runs(data: ComparisonDocument) -> str:
-    if not data.offsets_of_runs:
-        return ""
-    several = data.offsets_of_runs > 1
-    runs, they = (f"each of {data.offsets_of_runs} runs", "they were") if several else ("the run", "it was")
-    return f" The offset of {runs} is taken from the run itself: as far as the model's file tells, {they} not fitted."
+    return f"Test error {percent(before)} {where}; {noise}.{reservations(data)}"
 
 
 def of_noise(data: ComparisonDocument) -> str:

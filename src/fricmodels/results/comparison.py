@@ -189,6 +189,8 @@ class ComparisonDocument(ResultDocument):
     """Whether the numbers are those that a file has, and none was fitted to this recording."""
     offsets_of_runs: int = 0
     """Of so many runs the offset is taken from the run itself: the model is not known to have been fitted to them."""
+    integrated_position: bool = False
+    """Whether what is in the model, or missing, goes with a position that is the integral of the velocity."""
     rms_torque_error: TorqueError
     """How far off the model is."""
     noise_floor_percent: Number

@@ -13,6 +13,7 @@ from fricmodels.arrays import Array, Index
 from fricmodels.errors import InputError, suggestion
 from fricmodels.model import Model
 from fricmodels.recording import RATE, SIGNAL_CHANNEL, Recording
+from fricmodels.signals.integrated import with_integrated_position
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -122,6 +123,7 @@ def _of_table(table: pd.DataFrame, wanted: set[str]) -> dict[str, Array]:
 
 
 def _of_recording(model: Model, recording: Recording) -> dict[str, Array]:
+    recording = with_integrated_position(recording)
     recording.require(model.required, model.name)
     return {name: recording.signal(name) for name in {*model.needs, "time", "velocity"}}
 

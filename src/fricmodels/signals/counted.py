@@ -52,7 +52,7 @@ def sum_of_counts(velocity: Array, step: float, interval: float) -> Array:
 @once
 def step_of_counts(recording: Recording) -> float:
     """Return the velocity of one count a sample, where a difference of counts is all that tells the motion; else 0."""
-    if "position" in recording or "velocity" not in recording or "velocity" in recording.derived:
+    if "position" in recording or not recording.measures("velocity"):
         return 0.0
     longest = max(stretches(recording.time, recording.run), key=lambda part: part.stop - part.start)
     step = quantum(recording.velocity) if longest.stop - longest.start >= _LEAST else 0.0

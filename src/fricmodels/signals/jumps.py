@@ -48,7 +48,7 @@ def find_jumps(recording: Recording) -> Jumps | None:
     further than any other as well, so that lost samples are no jump. A step across a gap in time is none, and one that
     took longer than the usual counts as slower.
     """
-    if "position" not in recording or "position" in recording.derived or len(recording) <= _LEAST:
+    if not recording.measures("position") or len(recording) <= _LEAST:
         return None
     time, position = recording.time, recording["position"]
     length = np.diff(time)

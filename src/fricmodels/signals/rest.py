@@ -147,7 +147,7 @@ def _found(recording: Recording) -> _Motion:
     if by_position:
         return _seen(recording, with_false_stamps(recording, noise))
     noise = _not_less(noise, coloured_noise(_parts(recording), quiet=True))
-    if "position" in recording and "position" not in recording.derived:
+    if recording.measures("position"):
         if noise.lasting:
             noise = noise.lasting_as(_square_beside_position(recording))
         noise = _not_less(noise, _beside_position(recording))
@@ -297,7 +297,7 @@ def resting(recording: Recording) -> Mask:
         InputError: when the recording has neither.
     """
     found = _motion(recording)
-    measured = "position" in recording and "position" not in recording.derived
+    measured = recording.measures("position")
     return found.resting if measured or "torque" not in recording.channels else _held(recording)
 
 
@@ -344,12 +344,12 @@ def _resting(recording: Recording, velocity: Array, error: float) -> Mask:
         band = max(band, 1.01 * _step_of_velocity(recording))
     still = np.abs(velocity) <= band
     passage = _passage(recording, velocity, band)
-    if "position" in recording and "position" not in recording.derived:
+    if recording.measures("position"):
         still &= in_place(recording, still, band, passage, standstill(velocity))
     mask = np.zeros(len(recording), dtype=bool)
     for start, stop in pieces(recording, still):
         mask[start:stop] = recording.time[stop - 1] - recording.time[start] > passage
-    return bridged(recording, mask) if "position" in recording and "position" not in recording.derived else mask
+    return bridged(recording, mask) if recording.measures("position") else mask
 
 
 @once

@@ -81,7 +81,7 @@ def unwrapped(values: Array, run: Index, wrap: Wrap) -> Array:
 
 def unwrap(recording: Recording) -> Recording:
     """Return the recording with its position unwrapped; its provenance then says ``unwrapped``, with the period."""
-    if "position" not in recording or "position" in recording.derived:
+    if not recording.measures("position"):
         return recording
     position = recording["position"]
     wrap = find_wrap(position, recording.run, rotary=recording.motion is Motion.ROTARY)

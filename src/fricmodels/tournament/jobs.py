@@ -208,7 +208,7 @@ def _motion(job: Job, drive: Drive, fit: Fit, loaded: Loaded) -> Row:
     )
 
     scored = loaded.prepared_test if loaded.prepared_test is not None else loaded.prepared_train
-    if "position" not in scored:
+    if not scored.measures("position"):
         raise InputError(f"score: position needs the position, which recording '{scored.name}' does not have")
     loop = None
     if job.controller:

@@ -77,7 +77,7 @@ def _check_motion(config: Config, loaded: Loaded) -> None:
     if config.score != "position":
         return
     scored = loaded.prepared_test if loaded.prepared_test is not None else loaded.prepared_train
-    if "position" not in scored:
+    if not scored.measures("position"):
         raise InputError(
             f"score: position needs the position, which recording '{scored.name}' does not have; "
             f"map a column under 'columns: {{position: COLUMN}}', or take score: held-out"

@@ -13,6 +13,7 @@ from fricmodels.signals import best_half_width, noise_of, prepare, velocity_nois
 from fricmodels.signals.beginnings import with_true_beginnings
 from fricmodels.signals.counted import with_counted_position
 from fricmodels.signals.differences import is_difference
+from fricmodels.signals.integrated import with_integrated_position
 from fricmodels.signals.lanczos import even_weights
 from fricmodels.signals.rest import once
 from fricmodels.signals.stamp_noise import with_false_stamps
@@ -38,7 +39,7 @@ def prepared(recording: Recording) -> Recording:
 
 
 def ready(recording: Recording) -> Recording:
-    """Return a recording with velocity and acceleration, and with time from its start.
+    """Return a recording with velocity, position and acceleration, and with time from its start.
 
     The same one every time, so that all fits to it know its noise and rests; a long one is not kept.
 
@@ -56,14 +57,15 @@ def _ready(recording: Recording) -> Recording:
         raise InputError(f"recording '{recording.name}' does not move; record some motion")
     give_back(len(prepared))
     time, begin = prepared.time, float(prepared.time[0])
-    return prepared.with_channels(derived="time" in recording.derived, time=time - begin if begin else time)
+    begun = prepared.with_channels(derived="time" in recording.derived, time=time - begin if begin else time)
+    return with_integrated_position(begun)
 
 
 _kept = once(_ready)
 
 
 def _both_measured(recording: Recording) -> bool:
-    return "velocity" in recording and "position" in recording and "velocity" not in recording.derived
+    return recording.measures("velocity") and recording.measures("position")
 
 
 def surest_velocity(recording: Recording, *, known_by_position: bool = False) -> Recording:
