@@ -79,7 +79,7 @@ def check_score(
     """
     from fricmodels.errors import InputError
 
-    if score is Score.POSITION and "position" not in recording:
+    if score is Score.POSITION and not recording.measures("position"):
         raise InputError(
             f"the position is needed, which recording '{recording.name}' does not have; "
             f"map a column with --column position=COLUMN[:UNIT]"

@@ -48,7 +48,7 @@ def torque_between_samples(
     window = _LENGTH * max(SAMPLES, 2 * recording.derived_over + 1)
     straight = Simulator(drive, recording, horizon=window, compiled=compiled)
     held = Simulator(drive, recording, horizon=window, between_samples="held", compiled=compiled)
-    known = "position" in recording
+    known = recording.measures("position")
     measured = recording["position"] if known else recording.velocity
     one, other = ((np.asarray(each(values)[0 if known else 1]) - measured) ** 2 for each in (straight, held))
     begins = [predicted.start for predicted, _ in straight.starts]

@@ -53,7 +53,7 @@ def motion_errors(simulator: Simulator, values: Mapping[str, float]) -> MotionEr
     position, velocity = simulator(values)
     measured, scored = simulator.recording, simulator.scored
     speed = (velocity - measured.velocity)[scored]
-    known = "position" in measured
+    known = measured.measures("position")
     where = (position - measured["position"])[scored] if known else np.full(len(speed), math.nan)
     spread = float(np.std(measured["position"][scored])) if known else math.nan
     rms = _rms(where)

@@ -88,7 +88,12 @@ class Problem:
             low[0] = max(low[0], 1e-9 * size[0])
         pairs = tuple((i, keys.index(other)) for i, (*_, other) in enumerate(listed) if other in keys)
         return cls(
-            simulator, objective if "position" in recording else "velocity", keys, (low, high), _SMALL * size, pairs
+            simulator,
+            objective if recording.measures("position") else "velocity",
+            keys,
+            (low, high),
+            _SMALL * size,
+            pairs,
         )
 
     def values(self, at: Array) -> dict[str, float]:

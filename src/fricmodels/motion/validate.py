@@ -106,7 +106,7 @@ def log_error(simulator: Simulator, values: Mapping[str, float], where: Mask | N
     """
     position, velocity = simulator(values)
     measured = simulator.recording
-    known = "position" in measured
+    known = measured.measures("position")
     right = measured["position"] if known else measured.velocity
     error = ((position if known else velocity) - right)[simulator.scored if where is None else simulator.scored & where]
     if not np.all(np.isfinite(error)):

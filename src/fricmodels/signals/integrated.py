@@ -19,11 +19,16 @@ def with_integrated_position(recording: Recording) -> Recording:
     """Return a recording with a position, marked as derived, where only its velocity was measured; else as it is."""
     if recording.measures("position") or not recording.measures("velocity"):
         return recording
-    position = way(recording.time, recording.velocity)
+    return recording.with_channels(position=from_zero(recording, recording.velocity))
+
+
+def from_zero(recording: Recording, velocity: Array) -> Array:
+    """Return the integral of a velocity along a recording, from zero at the first sample of each run, shape (N,)."""
+    position = way(recording.time, velocity)
     for number in recording.run_numbers:
         inside = recording.run == number
         position[inside] -= position[np.argmax(inside)]
-    return recording.with_channels(position=position)
+    return position
 
 
 def way(time: Array, velocity: Array) -> Array:

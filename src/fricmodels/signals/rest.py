@@ -156,7 +156,7 @@ def _found(recording: Recording) -> _Motion:
         if not found.resting.any():
             found = _seen(recording, Noise(max(most_noise(_parts(recording)), noise.white)))
         noise = _not_less(noise, _at_rest(recording, found.resting))
-        if not noise.lasting and found.resting.any():
+        if not noise.lasting:
             noise = _in_wider_bands(recording, replace(found, noise=noise))
         if not noise.lasting:
             return found if noise is found.noise else _seen(recording, noise)

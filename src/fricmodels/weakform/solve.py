@@ -23,6 +23,7 @@ from fricmodels.weakform.problem import WeakFormProblem
 from fricmodels.weakform.staircase import scatter_of_steps
 from fricmodels.weakform.stepwise import by_steps, to_the_end
 from fricmodels.weakform.variable_projection import THINNED, Projection, Solution, ranked
+from fricmodels.weakform.wandering import scatter_of_position
 
 Array = NDArray[np.float64]
 
@@ -145,10 +146,18 @@ class Solved:
             found = found if once is None else at_least(found, once)
         scatters = [each for each in scatter_of_steps(self.problem, self.parameters) if len(each)]
         if scatters:
-            moved = [each @ jacobian.T @ normal.inverse / np.sqrt(len(each)) for each in scatters]
-            moved = [np.clip(each, -_ENDLESS, _ENDLESS) for each in moved]
-            found = at_least(found, sum((each.T @ each for each in moved), np.zeros_like(found)))
+            found = at_least(found, sum(map(self._variance_by, scatters), np.zeros_like(found)))
+        wandering = scatter_of_position(self.problem, self.parameters)
+        if len(wandering):  # the residual shows little of it
+            found = found + self._variance_by(wandering)
         return found
+
+    def _variance_by(self, scatter: Array) -> Array:
+        """Return the covariance that errors of a sensor make, which may be any of those that move the rows so."""
+        free, normal = self._free
+        moved = scatter @ self.solution.jacobian[free].T @ normal.inverse / np.sqrt(len(scatter))
+        moved = np.clip(moved, -_ENDLESS, _ENDLESS)
+        return np.asarray(moved.T @ moved)
 
     def left_by(self, values: Array) -> float:
         """Return the sum of squares that other parameters leave of the rows, with the best nuisances."""

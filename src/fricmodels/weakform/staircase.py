@@ -51,20 +51,32 @@ def errors_of_steps(recording: Recording) -> tuple[Array, Array]:
     those of the position where the velocity was derived from it. Where what else is noisy is as large as a step, they
     are no staircase any more, but white noise.
     """
+    derived, errors = recording.derived_over, errors_of_staircase(recording)
+    if not len(errors):
+        return errors, errors
+    if not derived:
+        offsets = 2.0 * (np.arange(1, PLACES + 1) * _GOLDEN % 1.0) - 1.0
+        errors = errors + quantum(recording.velocity) * offsets[:, None]
+        return errors, errors
+    slopes = [lanczos_derivative(recording.time, error, derived, recording.run)[1] for error in errors]
+    return np.array([mean_velocity(recording, error) for error in errors]), np.array(slopes)
+
+
+@once
+def errors_of_staircase(recording: Recording) -> Array:
+    """Return errors that the steps of the channel that tells the motion may have made, without an offset, (places, N).
+
+    None where it has no steps, or is as noisy as they are.
+    """
     derived, time, run = recording.derived_over, recording.time, recording.run
     values = recording["position" if derived else "velocity"]
     step, noise = quantum(values), motion_noise(recording)
     if not step or noise.filtered is not None or noise.deviation >= step:
-        return np.zeros((0, len(values))), np.zeros((0, len(values)))
+        return np.zeros((0, len(values)))
     course = noise.course
     if course is None or len(course) != len(values):
         course = lanczos_derivative(time, values, max(derived, 1), run)[0]
-    errors = _rounded_elsewhere(course, step)
-    if not derived:
-        errors += step * (2.0 * (np.arange(1, PLACES + 1) * _GOLDEN % 1.0) - 1.0)[:, None]
-        return errors, errors
-    slopes = [lanczos_derivative(time, error, derived, run)[1] for error in errors]
-    return np.array([mean_velocity(recording, error) for error in errors]), np.array(slopes)
+    return _rounded_elsewhere(course, step)
 
 
 def _rounded_elsewhere(course: Array, step: float) -> Array:

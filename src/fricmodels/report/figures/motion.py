@@ -81,7 +81,7 @@ def simulated_motion(judged: Judged) -> Figure:
     recording = simulator.recording
     values = judged.rung.parameters if judged.fit is None else judged.fit.parameters
     position, velocity = simulator(values)
-    known = "position" in recording
+    known = recording.measures("position")
     channel = "position" if known else "velocity"
     simulated, measured = (position, recording["position"]) if known else (velocity, recording.velocity)
     time, axis = _without_gaps(_one_clock(recording.time, recording.interval), recording.interval)
