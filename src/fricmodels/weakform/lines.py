@@ -98,6 +98,11 @@ class Whitened:
         self.ways = [way for way in ways if np.any(way & self.valid)]
         self.set(series)
 
+    @property
+    def tells(self) -> bool:
+        """Whether there are enough samples to tell a wave: where most repeat the one before there may be none."""
+        return int(np.sum(self.valid)) >= _ENOUGH
+
     def set(self, residual: Array) -> None:
         """Take a residual, shape (N,)."""
         self.residual = residual
@@ -247,8 +252,7 @@ def fast_lines(
     found: list[Line] = []
     whole = white.residual
     independent = max(1.0, (band[1] - band[0]) * white.steps.span / np.pi)
-    enough = int(np.sum(white.valid)) >= _ENOUGH
-    while enough and len(found) < _MOST_LINES and white.variance > 0:
+    while white.tells and len(found) < _MOST_LINES and white.variance > 0:
         k, power, torque = white.scores(*band)
         peaks = _peaks(power / _background(power), torque >= least, significance / independent, len(white.ways))
         tests = (white.test(_summit(k, power, int(peak)), independent) for peak in peaks)
@@ -262,7 +266,7 @@ def fast_lines(
 
 
 def smallest_line(white: Whitened, band: tuple[float, float], level: float) -> float:
-    """Return the RMS torque [N m or N] of the smallest wave that would be found wherever in a band it is.
+    """Return the RMS torque [N m or N] of the smallest wave that would be found wherever in a band it is; NaN if none.
 
     Args:
         white: the residual.
@@ -271,7 +275,7 @@ def smallest_line(white: Whitened, band: tuple[float, float], level: float) -> f
     """
     from scipy.special import fdtri
 
-    k, power, _ = white.scores(*band)
+    k, power, _ = white.scores(*band) if white.tells else (np.zeros(0), np.zeros(0), np.zeros(0))
     if not len(k):
         return float("nan")
     q = 2 * len(white.ways)

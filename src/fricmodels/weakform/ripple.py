@@ -64,6 +64,8 @@ def fast_waves(
     if band is None:
         return None
     white = Whitened(Steps.of(problem, parameters))
+    if not white.tells:
+        return None
     # What is left of a wave that the model has is how well the samples show it, not another one.
     known = [k for effect in problem.drive.model.effects for k in wave_numbers(effect, parameters) if k < band[1]]
     white = white.with_residual(white.without(known))
