@@ -75,3 +75,13 @@ def test_a_velocity_of_the_other_side_of_a_gear_stays(made: Made) -> None:
     geared = with_velocity(good, 3.0 * shifted(good.velocity, 6))
     assert not is_late(geared)
     np.testing.assert_array_equal(ready(geared).velocity, geared.velocity)
+
+
+def test_so_it_is_for_one_that_is_late_by_less_than_a_sample(made: Made) -> None:
+    """Beside a spring the viscous torque would be too small by the stiffness times the lag, 0.4 samples."""
+    good = made("coulomb-viscous+stiffness", {"stiffness.k": 60.0})
+    velocity = 0.6 * good.velocity + 0.4 * shifted(good.velocity, 1)
+    bad = with_velocity(good, velocity)
+    assert is_late(bad)
+    fit = estimate(Drive(Model.parse("coulomb-viscous+stiffness"), INERTIA), ready(bad))[1]
+    assert fit.parameters["K_v"] == pytest.approx(LAW["K_v"], abs=3.0 * fit.standard_errors["K_v"])

@@ -315,10 +315,13 @@ def velocity_lag(log: Log) -> Lag | None:
 
 
 def is_late(recording: Recording) -> bool:
-    """Whether a measured velocity is that of the position, in the same unit, and certainly later than it."""
+    """Whether a measured velocity is that of the position, in the same unit, and certainly later than it.
+
+    However short the lag is: a viscous torque beside a spring of stiffness k is too small by k times it.
+    """
     log = Log(recording)
     found = velocity_lag(log)
-    return found is not None and found.late >= 0.0 and found.is_certain and in_same_unit(log)
+    return found is not None and certain(found.late / found.error, found.clusters) and in_same_unit(log)
 
 
 def in_same_unit(log: Log) -> bool:
