@@ -2,15 +2,21 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
+from tests.conftest import INERTIA as MADE_WITH
+from tests.conftest import Made
 
 from fricmodels.dimension import Motion
 from fricmodels.drive import Drive
 from fricmodels.model import Model
 from fricmodels.recording import Recording
+from fricmodels.weakform import solve
 from fricmodels.weakform.estimate import estimate
 from fricmodels.weakform.identification import _last_of_a_combination
+from fricmodels.weakform.prepared import ready
 
 INERTIA, VISCOUS, COULOMB, OFFSET, JUMP = 2.0, 0.5, 3.0, 0.4, 0.3
 STRIBECK, STRIBECK_SPEED = 2.0, 0.1
@@ -97,3 +103,16 @@ def test_what_the_rows_need_is_not_held_at_nothing_though_its_interval_contains_
     assert abs(found.parameters["K_v"] - VISCOUS) < 2 * found.standard_errors["K_v"]
     assert abs(plain.parameters["K_v"] - VISCOUS) > 0.25
     assert found.residual_percent < 0.9 * plain.residual_percent
+
+
+def test_what_far_more_is_left_without_is_not_held(made: Made, monkeypatch: pytest.MonkeyPatch) -> None:
+    """However wide its interval: a covariance of strokes that are much alike may be a hundred times too large."""
+    law = "coulomb-viscous+nonlinear-viscous"
+    recording = ready(made(law, {"nonlinear-viscous.b": 0.4}))
+    expected = estimate(Drive(Model.parse(law), MADE_WITH), recording)[1]
+    known = solve.covariance
+    monkeypatch.setattr(solve, "covariance", lambda *given: 1e8 * known(*given))
+    _, found = estimate(Drive(Model.parse(law), MADE_WITH), replace(recording))
+    assert found.parameters["nonlinear-viscous.b"] == pytest.approx(expected.parameters["nonlinear-viscous.b"], rel=0.1)
+    assert "contains zero" in found.not_identified["nonlinear-viscous.b"]
+    assert found.residual_percent < 2.0 * expected.residual_percent

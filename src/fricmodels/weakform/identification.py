@@ -76,7 +76,7 @@ def identified(found: Solved, left: Callable[[Solved], float] | None = None) -> 
             continue
         smaller = with_or_without_shift(found, plan)
         far_worse = left is not None and left(smaller) > FAR_WORSE * left(now)
-        if key != loose and (far_worse or _contradict(now, smaller)):
+        if key != loose and (far_worse or _contradict(free, now, smaller)):
             refused.add(key)
             continue
         held[key] = f"{reasons[key]}{HELD}{value:.3g}"
@@ -87,10 +87,19 @@ def identified(found: Solved, left: Callable[[Solved], float] | None = None) -> 
             now = with_or_without_shift(found, replace(plan, held={**plan.held, **idle}))
 
 
-def _contradict(larger: Solved, smaller: Solved) -> bool:
-    """Whether the rows contradict a fit with one parameter more held; of a linear model the Wald test says it all."""
+def _contradict(free: Solved, larger: Solved, smaller: Solved) -> bool:
+    """Whether the rows contradict a fit with one parameter more held.
+
+    Of a linear model the Wald test says it all, where its covariance is known: few strokes that are much alike may
+    leave an interval that is a hundred times too wide. What far more is left without is not nothing.
+
+    Args:
+        free: the fit with nothing held. larger, smaller: with one parameter less, and more, held.
+    """
     if all(p.linear for p in larger.problem.drive.parameters):
-        return False
+        if smaller.solution.cost <= FAR_WORSE * free.solution.cost:
+            return False
+        larger = free
     more = smaller.solution.cost / larger.solution.cost - 1.0
     return is_contradicted(more, len(larger.values), larger.problem.independent)
 
