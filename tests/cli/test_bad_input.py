@@ -84,7 +84,7 @@ CONFIGS = {
     "unknown estimator": (("estimators: rls", "estimators: rsl"), ":6: ", "did you mean 'rls'?"),
     "unknown key": (("estimators: rls", "estimatros: rls"), ":6: ", "did you mean 'estimators'?"),
     "tag that builds objects": (("name: bench", "name: !!python/object/apply:os.getcwd []"), ":2: ", "refused"),
-    "channel that is not there": (("coulomb-viscous", "coulomb-viscous+cogging"), "", "'position'"),
+    "channel that is not there": (("coulomb-viscous", "coulomb-viscous+load-friction"), "", "'load_torque'"),
     "channel of temperature": (("coulomb-viscous", "coulomb-viscous+thermal"), "", "'temperature'"),
     "broken yaml": (("name: bench", "name: [bench"), ":3: ", "not valid YAML"),
     "run that is not there": (("inertia: 0.01", "runs: [7]"), "", "run '7'"),

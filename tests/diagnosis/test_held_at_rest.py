@@ -48,7 +48,7 @@ def test_of_one_that_acts_in_none_it_is_said_what_is_held_and_what_comes_nearest
     assert diagnosis.verdict == "unknown-effect"
     assert rest is not None
     assert "at rest, where the drive holds up to 4 N m more than the 2 N m of the model" in rest.where
-    assert [one.name for one in rest.nearest] == ["stribeck"]
+    assert rest.nearest[0].name == "stribeck"
     assert rest.nearest[0].held_out_percent < 0.9 * diagnosis.comparison.errors.held_out_percent
 
 

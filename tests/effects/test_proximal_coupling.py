@@ -94,10 +94,10 @@ def test_a_joint_before_that_does_nothing_is_not_named() -> None:
     assert diagnose(recorded(0.01, coupling=False), "coulomb-viscous").findings == ()
 
 
-def test_it_needs_this_joints_angle() -> None:
+def test_the_integral_of_this_joints_velocity_is_angle_enough() -> None:
     own = recorded(0.01)
     without = Recording(
         "elbow", own.motion, {k: v for k, v in own.channels.items() if k != "position"}, own.run, units=own.units
     )
-    found = diagnose(without, "coulomb-viscous")
-    assert all(NAME not in finding.names for finding in found.findings)
+    (found,) = diagnose(without, "coulomb-viscous").findings
+    assert found.names == (NAME,)

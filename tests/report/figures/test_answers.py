@@ -188,11 +188,9 @@ def test_maps_show_only_channels_that_change(compared):
     channels = {name: recording[name] for name in ("time", "torque", "velocity", "load_torque")}
     channels["temperature"] = np.full(SAMPLES, 20.0)
     plain = compared(Recording("plain", Motion.ROTARY, channels, recording.run))
-    assert set(figures.residual_maps(plain)) == {"acceleration", "load_torque", "time"}
+    assert set(figures.residual_maps(plain)) == {"position", "acceleration", "load_torque", "time"}
     with pytest.raises(InputError, match="temperature"):
         figures.residual_map(plain, "velocity", "temperature")
-    with pytest.raises(InputError, match="position"):
-        figures.residual_map(plain)
 
 
 def test_a_map_shows_the_ripple_where_it_is(rotary):

@@ -157,7 +157,7 @@ def residual_spectrum(comparison: Comparison) -> Figure:
     error, side = samples.error[moving], np.sign(samples.velocity[moving])
     figure = go.Figure()
     lines: tuple[tuple[str, Array], ...]
-    if "position" in samples.recording and float(np.ptp(samples.recording["position"])) > 0:
+    if samples.recording.measures("position") and float(np.ptp(samples.recording["position"])) > 0:
         turn = 2 * np.pi if samples.motion is Motion.ROTARY else 1.0
         place = samples.recording["position"][moving] / turn
         speed = float(np.sqrt(np.mean(samples.velocity[moving] ** 2))) / turn
