@@ -71,8 +71,8 @@ def _led_by_fit(refits: Refits, named: LookAlikes, policy: Policy) -> LookAlikes
     parameters whose error is lower by the margin of an exchange, and to one with more whose error is far lower. What
     happened once gives way to what repeats with no more parameters and as low an error: that can be tested again. One
     that comes out as nothing, or as a friction that drives, is no look-alike; nor is one that explains less than half
-    of the squared test error that the first does. One that does not show with what repeats counted once stays in the
-    class, behind the others; what is at its search bound does not come before what is not.
+    of the squared test error that the first does, or leaves far more of it. One that does not show with what repeats
+    counted once stays in the class, behind the others; what is at its search bound does not come before what is not.
     """
     tried = named.members[: policy.step_trials]
     if len(tried) == 1:
@@ -93,7 +93,8 @@ def _led_by_fit(refits: Refits, named: LookAlikes, policy: Policy) -> LookAlikes
             first, least = other, error
     before = refits.comparison.sliding.held_out_percent
     enough = before**2 - policy.own_share * max(before**2 - least**2, 0.0)
-    alike = [t for t in possible if t is first or least >= before or refits.test_error(t) ** 2 <= enough]
+    near = [t for t in possible if refits.test_error(t) ** 2 <= enough and refits.leaves_as_much(t, least)]
+    alike = possible if least >= before else [t for t in possible if t is first or t in near]
     members = (*alike, *doubtful, *named.members[len(tried) :])
     return LookAlikes(first, (first, *(t for t in members if t is not first)))
 

@@ -94,6 +94,11 @@ class Refits:
         fitted = self.with_effect(tested)
         return float("inf") if fitted is None else fitted.sliding.held_out_percent
 
+    def leaves_as_much(self, tested: CandidateTest, least: float) -> bool:
+        """Whether a model with an effect leaves no more than a look-alike may of a test error [%], or of its noise."""
+        most = self.policy.far_worse * max(least, self.comparison.sliding.held_out_noise_percent)
+        return self.test_error(tested) <= most
+
     def fit_error(self, tested: CandidateTest) -> float:
         """Return the fit error of the decisions with an effect [%]; infinite where it cannot be fitted."""
         fitted = self.with_effect(tested)

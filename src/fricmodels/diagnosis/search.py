@@ -13,6 +13,7 @@ from fricmodels.diagnosis.look_alikes import separated_by
 from fricmodels.diagnosis.necessity import necessity
 from fricmodels.diagnosis.policy import Policy
 from fricmodels.diagnosis.refits import Refits, is_undetermined, is_void
+from fricmodels.diagnosis.verdict import LookAlikes
 from fricmodels.progress import stage
 
 
@@ -202,13 +203,14 @@ class Search:
             seems = seems_missing(smaller, self._out_beside(), self._policy)
             if seems is None:
                 continue
+            refits = Refits(smaller, self._policy)
             if seems.first.name == name:
-                self._update_look_alikes(name, seems.names)
+                self._update_look_alikes(name, self._as_near(name, seems, refits))
                 continue
-            trial = Refits(smaller, self._policy).with_effect(seems.first)
+            trial = refits.with_effect(seems.first)
             if trial is None or not self._may_replace(trial, smaller):
                 if name in seems.names:
-                    self._update_look_alikes(name, seems.names)
+                    self._update_look_alikes(name, self._as_near(name, seems, refits))
                 continue
             diagnosis = self._examine(smaller)
             if not diagnosis.findings:
@@ -274,6 +276,11 @@ class Search:
         """Return which step last added an effect."""
         names = [rung.added for rung in self.rungs if rung.added]
         return len(names) - 1 - names[::-1].index(name)
+
+    def _as_near(self, name: str, seems: LookAlikes, refits: Refits) -> list[str]:
+        """Return which of a class explain as much as an effect of it, fitted in its place beside all others."""
+        least = _test_error(self._here)
+        return [t.name for t in seems.members if t.name == name or refits.leaves_as_much(t, least)]
 
     def _update_look_alikes(self, name: str, again: Iterable[str]) -> None:
         """Take the look-alikes that an effect has now that the others are there."""

@@ -50,9 +50,10 @@ class NamingRules(Rules):
     )
     far_worse: float = rule(
         1.5,
-        "factor of the residual",
+        "factor of the residual, or of the test error",
         "No effect with so many times the residual of the best one is a look-alike, passes over all motion only, "
-        "stands in for one with which the test error does not fall, or is fitted as a simpler one in its place.",
+        "stands in for one with which the test error does not fall, or is fitted as a simpler one in its place. Nor is "
+        "one a look-alike that leaves so many times the test error, fitted beside all others, or of noise.",
         "Judgement: with little data no test tells even such a difference. Where every simpler effect is fitted, "
         "the ladder of `fricmodels demo` takes a quarter more time and ends the same.",
         off=_INF,
