@@ -10,7 +10,7 @@ import pandas as pd
 import pytest
 
 from estimators.batch import Batch
-from fricmodels import sums
+from fricmodels import read, sums
 from fricmodels.diagnosis import compare, improve
 from fricmodels.dimension import Motion
 from fricmodels.drive import Drive
@@ -137,6 +137,18 @@ def test_the_look_at_the_log_says_that_it_coasts() -> None:
     assert "in percent of the inertia's RMS torque" in found["coasting"].text
     assert "constant-channel" not in found
     assert not any(finding.severity == "stop" for finding in found.values())
+
+
+def test_of_a_coast_one_way_another_coast_is_asked_for() -> None:
+    (little,) = (one for one in findings(spindle(starts=(300.0, 250.0)), J) if one.kind == "little-motion")
+    assert little.remedy == "let it coast the other way as well, if it can turn so"
+
+
+def test_a_log_without_a_torque_is_told_how_to_say_that_it_coasts(tmp_path: Path) -> None:
+    path = tmp_path / "down.csv"
+    pd.DataFrame({"time_s": STEP * np.arange(9), "velocity_rad_s": np.arange(9.0)}).to_csv(path, index=False)
+    with pytest.raises(InputError, match="or add one of zeros if the drive coasts without a torque"):
+        read(path)
 
 
 def test_sums_give_the_friction_of_a_spindle_that_coasts(tmp_path: Path) -> None:

@@ -10,6 +10,7 @@ from fricmodels.logcheck.balance import CLUSTERS
 from fricmodels.logcheck.finding import Finding, Severity
 from fricmodels.logcheck.view import Log
 from fricmodels.results.words import figures
+from fricmodels.signals.coasting import coasts
 from fricmodels.signals.counted import step_of_counts
 from fricmodels.signals.integrated import way
 from fricmodels.signals.lanczos import lanczos_derivative
@@ -18,6 +19,8 @@ from fricmodels.signals.noise_level import best_half_width
 _AGAIN = 2.0 / CLUSTERS
 _DIFFERENT = 0.1
 """RMS difference of two courses, as a share of the position's, below which they count as one."""
+
+_MORE = "record more motion, in both directions"
 
 
 def little(log: Log, noise: float) -> Iterator[Finding]:
@@ -38,7 +41,8 @@ def little(log: Log, noise: float) -> Iterator[Finding]:
     elif at_rest > 1.0 - _AGAIN:
         yield _finding(f"{figures(100 * at_rest, 3)} % of the velocities are within their noise of zero")
     elif log.one_way:
-        yield _finding("the drive hardly ever turns back: Coulomb friction cannot be told from a constant torque")
+        more = "let it coast the other way as well, if it can turn so" if coasts(log.recording) else _MORE
+        yield _finding("the drive hardly ever turns back: Coulomb friction cannot be told from a constant torque", more)
 
 
 def one_frequency(log: Log) -> Iterator[Finding]:
@@ -86,5 +90,5 @@ def without_position(log: Log) -> Iterator[Finding]:
         )
 
 
-def _finding(text: str) -> Finding:
-    return Finding("little-motion", Severity.WARN, "velocity", text, "record more motion, in both directions")
+def _finding(text: str, remedy: str = _MORE) -> Finding:
+    return Finding("little-motion", Severity.WARN, "velocity", text, remedy)

@@ -306,9 +306,10 @@ def _require(found: Mapping[str, Column], motion: Motion, present: Sequence[str]
         options.append(_option(channel if channel in any_of else any_of[0], column))
     needed = _listed(["the " + " or ".join(any_of) for any_of in missing], "and")
     standard = _listed([STANDARD[motion][ALIASES.get(c, c)] for any_of in missing for c in any_of], "or")
+    coasts = f", or add one of zeros if the drive coasts without a {force}" if missing == [(force, "current")] else ""
     raise InputError(
         f"no column for {needed}: none is called {standard}; "
-        f"map {'one' if len(missing) == 1 else 'them'} with {' '.join(options)}; columns: {_list(present)}"
+        f"map {'one' if len(missing) == 1 else 'them'} with {' '.join(options)}{coasts}; columns: {_list(present)}"
     )
 
 
