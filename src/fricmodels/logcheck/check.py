@@ -88,6 +88,7 @@ def _all(log: Log, inertia: float | None) -> Iterator[Finding]:
     constant = list(samples.constant(log))
     yield from constant
     yield from samples.spikes(log)
+    yield from repeats.polled(log)
     renewed = list(repeats.repeated(log))
     yield from renewed
     polled = {finding.channel for finding in renewed}

@@ -75,6 +75,21 @@ def repeated(log: Log) -> Iterator[Finding]:
         )
 
 
+def polled(log: Log) -> Iterator[Finding]:
+    """Say where each sample stood in several rows, and was taken once."""
+    known = log.recording.provenance.get("polled")
+    if known:
+        rows, samples = known["rows"], known["samples"]
+        yield Finding(
+            "repeated-samples",
+            Severity.WARN,
+            "torque",
+            f"{figures(100 * (1 - samples / rows))} % of the rows repeat the one before in all channels: the log was "
+            f"written more often than there were new values, of {rows} rows {samples} are taken",
+            "log each new value once: when it was new is known to a row only",
+        )
+
+
 def held(log: Log) -> Iterator[Finding]:
     r"""Say where a channel stands exactly still again and again while the drive moves: values were lost.
 
