@@ -168,7 +168,7 @@ def test_a_noise_that_was_estimated_too_large_is_said_with_its_channel_and_what_
     last = {**step("coulomb-viscous", 2.0), "noise_floor_percent": 12.6, "noise_channel": channel}
     found = answer(data(verdict="adequate", effects=[], ladder=[last]))
     whose = f"the noise of the {channel}" if channel else "the noise"
-    assert f"; {whose} was estimated at 12.6\u00a0%, which is too much: go by the test error" in found.error
+    assert f"; {whose} was estimated at 12.6\u00a0%, an estimate that is too high: go by the test error" in found.error
     assert (f"log the {channel} finer or with less noise to know it" in found.error) == bool(channel)
 
 

@@ -97,7 +97,10 @@ class Summary:
             ("gaps", f"{self.gaps}, {figures(self.gap_time, 3)} s" if self.gaps else "none"),
             *([("missing", f"{count} ({figures(share)} %)")] if self.missing else []),
             ("at rest", f"{figures(100 * self.rest, 3)} % of the samples"),
-            ("moving", f"{figures(100 * self.forward, 3)} % forward, {self.reversals} reversals"),
+            (
+                "moving",
+                f"{figures(100 * self.forward, 3)} % forward, {self.reversals} reversal{'s' * (self.reversals != 1)}",
+            ),
             ("excites", f"nine tenths of the velocity's power below {figures(self.band, 3)} Hz"),
             ("loop", loop),
         ]

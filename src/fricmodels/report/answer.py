@@ -172,10 +172,10 @@ def _estimated_too_large(data: ComparisonDocument) -> str:
     channel = data.steps[-1].noise_channel
     named = word(channel, Motion(data.motion)) if channel else ""
     whose = f"the noise of the {named}" if named else "the noise"
-    remedy = f", and log the {named} finer or with less noise to know it" if named else ""
+    remedy = f"; a {named} that is logged finer, or with less noise, tells it better" if named else ""
     return (
-        f"{whose} was estimated at {percent(data.last_noise_floor_percent)}, which is too much: go by the test "
-        f"error{remedy}"
+        f"{whose} was estimated at {percent(data.last_noise_floor_percent)}, an estimate that is too high: go by the "
+        f"test error{remedy}"
     )
 
 
