@@ -169,7 +169,7 @@ def test_a_noise_that_was_estimated_too_large_is_said_with_its_channel_and_what_
     found = answer(data(verdict="adequate", effects=[], ladder=[last]))
     whose = f"the noise of the {channel}" if channel else "the noise"
     assert f"; {whose} was estimated at 12.6\u00a0%, an estimate that is too high: go by the test error" in found.error
-    assert (f"log the {channel} finer or with less noise to know it" in found.error) == bool(channel)
+    assert (f"a {channel} that is logged finer, or with less noise, tells it better" in found.error) == bool(channel)
 
 
 def test_an_effect_that_comes_near_is_offered_with_its_command() -> None:
@@ -274,7 +274,7 @@ def test_an_answer_without_effects_says_what_it_can() -> None:
     assert "Position predicts the error, and not by chance: p is below" in found.sure
     adequate = answer(data(verdict="adequate", effects=[], ladder=[step("coulomb-viscous", 3.3)]))
     assert adequate.tone == "good"
-    assert "ten of 17 that were looked at were called adequate" in adequate.sure
+    assert "ten of 17 that were looked at, were called adequate" in adequate.sure
     assert adequate.next.startswith("Use the model")
     far = answer(data(verdict="adequate", effects=[], ladder=[step("coulomb-viscous", 8.65)]))
     assert far.tone == "warn"

@@ -87,6 +87,7 @@ class Summary:
         jitter += " but for what is missing" if self.missing and self.jitter <= _EVEN else ""
         count = f"{self.missing} sample{'s' * (self.missing != 1)}"
         share = 100.0 * self.missing / (self.samples + self.missing)
+        turns = f"{self.reversals} reversal{'s' * (self.reversals != 1)}"
         rows = [
             ("motion", self.motion),
             (
@@ -97,10 +98,7 @@ class Summary:
             ("gaps", f"{self.gaps}, {figures(self.gap_time, 3)} s" if self.gaps else "none"),
             *([("missing", f"{count} ({figures(share)} %)")] if self.missing else []),
             ("at rest", f"{figures(100 * self.rest, 3)} % of the samples"),
-            (
-                "moving",
-                f"{figures(100 * self.forward, 3)} % forward, {self.reversals} reversal{'s' * (self.reversals != 1)}",
-            ),
+            ("moving", f"{figures(100 * self.forward, 3)} % forward, {turns}"),
             ("excites", f"nine tenths of the velocity's power below {figures(self.band, 3)} Hz"),
             ("loop", loop),
         ]
