@@ -59,8 +59,8 @@ RECORDS: Mapping[str, Record] = {
     ),
     "adequate": Record(
         "Of 154 simulated drives with one hidden effect two were not given its name (docs/hidden_effects.md), of 1457 "
-        "drives of a rougher simulator 92 were not (docs/rough_drives.md); more than half of these, ten of 17 that were "
-        "looked at, were called adequate. An effect that this recording could not show is not excluded.",
+        "drives of a rougher simulator 92 were not (docs/rough_drives.md); more than half of these, ten of 17 that "
+        "were looked at, were called adequate. An effect that this recording could not show is not excluded.",
         {
             "hidden_effects.md": (
                 "| right class named first | ≥ 97 % | 44 of 44 | 43 of 44 | 65 of 66 | 152 of 154 |",
