@@ -332,14 +332,17 @@ def test_of_look_alikes_that_which_fits_the_record_comes_first(made: Made) -> No
     assert led(made, truth, "stiffness", "gravity", bound="gravity") == ["stiffness", "gravity"]
 
 
-def test_what_explains_less_than_half_of_the_test_error_is_no_look_alike(
-    made: Made, monkeypatch: pytest.MonkeyPatch
+@pytest.mark.parametrize("least", [0.8, 0.1])
+def test_what_explains_less_than_half_or_leaves_far_more_is_no_look_alike(
+    made: Made, monkeypatch: pytest.MonkeyPatch, least: float
 ) -> None:
-    """A torque ripple of 23.1 % stood in a class whose first left 3.8 of 22.8 %."""
+    """A torque ripple of 23.1 % stood in a class whose first left 3.8 of 22.8, a cogging of 25 beside 4.6 of 77 %."""
     truth = {"gravity.a": 0.6, "gravity.b": 0.3}
-    before = compare(made("coulomb-viscous+gravity", truth), "coulomb-viscous", 2.0).sliding.held_out_percent
-    for share, names in ((0.72, ["gravity"]), (0.70, ["gravity", "stiffness"])):  # of the RMS error; √½ = 0.707
-        errors = {"gravity": 1e-3 * before, "stiffness": share * before}
+    sliding = compare(made("coulomb-viscous+gravity", truth), "coulomb-viscous", 2.0).sliding
+    before, noise = sliding.held_out_percent, sliding.held_out_noise_percent / sliding.held_out_percent
+    border = min(np.sqrt(0.5 * (1.0 + least**2)), 1.5 * max(least, noise))
+    for share, names in ((1.01 * border, ["gravity"]), (0.99 * border, ["gravity", "stiffness"])):
+        errors = {"gravity": least * before, "stiffness": share * before}
         monkeypatch.setattr(Refits, "test_error", lambda _, tested, errors=errors: errors[tested.name])
         assert led(made, truth, "stiffness", "gravity") == names
 
