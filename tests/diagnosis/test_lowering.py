@@ -26,7 +26,8 @@ Made = Callable[..., Recording]
 
 
 def fitted(error: float) -> Any:
-    return SimpleNamespace(errors=SimpleNamespace(held_out_percent=error))
+    errors = SimpleNamespace(held_out_percent=error)
+    return SimpleNamespace(errors=errors, sliding=errors)
 
 
 @pytest.mark.parametrize(
@@ -89,18 +90,23 @@ def test_of_effects_that_show_only_jointly_all_are_added_or_none(
 def test_look_alikes_are_those_beside_the_others_though_one_of_them_comes_first(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    """It may not take the place, by a hair: what only stood for both causes is taken back all the same."""
+    """It may not take the place, by a hair: what only stood for both causes is taken back all the same.
+
+    So is what leaves far more, fitted in its place.
+    """
     name, first = "torque-gain", SimpleNamespace(name="inertia-error")
     found = Finding(cast(CandidateTest, SimpleNamespace(name=name)), (name, "inertia-error", "stiffness"), "")
-    search = searching.Search(set(), set(), POLICY, cast(Any, SimpleNamespace(comparison=None, refused=None)))
+    search = searching.Search(set(), set(), POLICY, cast(Any, SimpleNamespace(comparison=fitted(10.0), refused=None)))
     search.steps = [Diagnosis(cast(Any, None), "missing-effect", (found,), None, {})]
-    seen = iter([SimpleNamespace(first=first, names=("inertia-error", name)), None])
+    members = (first, SimpleNamespace(name=name), SimpleNamespace(name="drift"))
+    seen = iter([SimpleNamespace(first=first, names=("inertia-error", name, "drift"), members=members), None])
     monkeypatch.setattr(searching.Search, "_added", property(lambda self: [name, "torque-offset"]))
     monkeypatch.setattr(searching.Search, "_place", lambda self, name: 0)
     monkeypatch.setattr(searching.Search, "_without", lambda self, comparison, name: comparison)
     monkeypatch.setattr(searching.Search, "_may_replace", lambda self, other, smaller: False)
     monkeypatch.setattr(searching, "seems_missing", lambda *arguments: next(seen))
-    monkeypatch.setattr(searching, "Refits", lambda *arguments: SimpleNamespace(with_effect=lambda tested: tested))
+    refits = SimpleNamespace(with_effect=lambda tested: tested, leaves_as_much=lambda tested, _: tested.name != "drift")
+    monkeypatch.setattr(searching, "Refits", lambda *arguments: refits)
     assert not search.exchange()
     assert search.steps[0].findings[0].names == (name, "inertia-error")
 
