@@ -20,8 +20,8 @@ class Record:
 
 
 ROUGH = (
-    "| 2101 to 5401 together | 5, 21 / 1830 | **1394 / 1488** | 1112 / 1163 | 941 / 1107 | **320 / 471** | 968 / 1005 | "
-    "**81 / 1048** | **2279 / 2420** |"
+    "| 2101 to 5401 together | 5, 21 / 1830 | **1394 / 1488** | 1112 / 1163 | 941 / 1107 | **320 / 471** | "
+    "968 / 1005 | **81 / 1048** | **2279 / 2420** |"
 )
 """Nothing hidden: false, unknown; right first names; of several: names there, named; beside a cause off the list:
 named, rest unknown; only such a cause: a wrong name."""
