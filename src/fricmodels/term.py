@@ -229,10 +229,6 @@ class Effect(Term):
     only_beside: ClassVar[str] = ""
     """Name of an effect without which a diagnosis does not consider this one; empty where it stands by itself."""
 
-    wave: ClassVar[bool] = False
-    """Whether its linear parameters are the cosines and sines of a wave: how they share it says where it begins, and
-    nothing of its form."""
-
     fitted_runs: frozenset[int] | None = None
     """Numbers of the runs that its parameters are of, each of one run; ``None`` where they are of all alike."""
 

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from fricmodels.diagnosis.candidate_tests import CandidateTest
 from fricmodels.diagnosis.comparison import Comparison, with_effect
 from fricmodels.diagnosis.passive import driving_share, own_torque
@@ -175,7 +173,7 @@ def is_undetermined(fitted: Comparison, name: str) -> bool:
 
     A single one that the rows need is there, though its size may trade with a speed that was sought with it. Nor is one
     unknown of which the recording tells only the sum with another one of the effect: with that held at 0 its interval
-    is clear of zero. Of a wave it is enough that cosines and sines are not all zero together.
+    is clear of zero.
     """
     estimate = fitted.estimate
     values, unknown, errors = estimate.parameters, estimate.not_identified, estimate.standard_errors
@@ -184,25 +182,7 @@ def is_undetermined(fitted: Comparison, name: str) -> bool:
     def may_be_nothing(key: str) -> bool:
         return values[key] == 0.0 or (key in unknown and abs(values[key]) < NORMAL_95 * errors.get(key, float("inf")))
 
-    if is_void(fitted, name) or (len(own) > 1 and all(may_be_nothing(key) for key in own)):
-        wave = any(effect.wave for effect in fitted.drive.model.effects if effect.name == name)
-        return not (wave and _is_clear_of_zero(fitted, own))
-    return False
-
-
-def _is_clear_of_zero(fitted: Comparison, keys: list[str]) -> bool:
-    """Whether parameters are not all zero together, at 95 %: a χ² test of what the recording tells of them."""
-    from scipy.special import chdtri
-
-    estimate = fitted.estimate
-    if estimate.covariance is None:
-        return False
-    places = [list(estimate.standard_errors).index(key) for key in keys]
-    values = np.array([estimate.parameters[key] for key in keys])
-    spread = estimate.covariance[np.ix_(places, places)]
-    some = np.diag(spread) > 0.0
-    inverse = np.linalg.pinv(spread[np.ix_(some, some)], hermitian=True)
-    return bool(values[some] @ inverse @ values[some] > chdtri(np.count_nonzero(some), 0.05))
+    return is_void(fitted, name) or (len(own) > 1 and all(may_be_nothing(key) for key in own))
 
 
 def _linear_in(fitted: Comparison, name: str) -> list[str]:

@@ -24,7 +24,6 @@ class Gravity(Effect):
     distinct_from = frozenset({"torque-offset"})
     symmetry = "even"
     angular = True
-    wave = True
     a = Parameter("a", unit="N m", meaning="torque in proportion to cos q")
     b = Parameter("b", unit="N m", meaning="torque in proportion to sin q")
 

@@ -20,8 +20,6 @@ class Wave(Effect):
         number: which of its kind it is, from 1 on.
     """
 
-    wave = True
-
     def __init__(self, number: int = 1) -> None:
         self.number = number
         if number > 1:
