@@ -70,7 +70,7 @@ def test_nothing_hidden_has_no_name(from_benchmarks: Benchmarks) -> None:
     assert diagnose(recording, "coulomb-viscous", made.INERTIA).verdict == "adequate"
 
 
-@pytest.mark.parametrize("seed", (40, 43))
+@pytest.mark.parametrize("seed", [40, 43])
 def test_intervals_reckon_with_how_the_integral_wanders(from_benchmarks: Benchmarks, seed: int) -> None:
     made = from_benchmarks("no_position")
     recording, true = recorded(made, "cogging", "noise of 20 %", seed)
@@ -91,7 +91,7 @@ def test_an_estimator_by_itself_takes_the_same_position(from_benchmarks: Benchma
 
 def test_it_is_said_where_something_goes_with_it(from_benchmarks: Benchmarks) -> None:
     made = from_benchmarks("no_position")
-    recording, _ = recorded(made, "gravity", "noise of 1 %")
+    recording = recorded(made, "gravity", "noise of 1 %")[0].select(slice(0, 8000))
     assert BEGINS in error_words(document(diagnose(recording, "coulomb-viscous", made.INERTIA)))
     assert BEGINS not in error_words(comparison_document(compare(recording, "coulomb-viscous", made.INERTIA)))
     given = recording.with_channels(derived=False, position=with_integrated_position(recording)["position"])
