@@ -214,5 +214,7 @@ def _knots(values: Array) -> Array:
 def _hats(problem: WeakFormProblem, along: bool, channel: str) -> Array:
     points = problem.quadrature.recording
     values = points[channel]
-    side = np.sign(points.velocity) if along else 1.0
-    return problem.integrals(side * tents(values, _knots(values)))
+    rows = tents(values, _knots(values))
+    if along:
+        rows *= np.sign(points.velocity)  # in place: they are many
+    return problem.integrals(rows)

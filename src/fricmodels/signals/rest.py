@@ -91,8 +91,8 @@ _known: dict[tuple[object, ...], tuple[list[weakref.ref[Any]], _Motion]] = {}
 
 def _motion(recording: Recording) -> _Motion:
     """Return what a recording shows of its motion: found once for the same arrays, whatever else is recorded."""
-    arrays: list[Any] = [recording[name] for name in _MOTION_CHANNELS if name in recording] + [recording.run]
-    shown = tuple(name in recording and (name, name in recording.derived) for name in _MOTION_CHANNELS)
+    shown = _shown(recording)
+    arrays: list[Any] = [recording[name] for name, _ in shown] + [recording.run]
     key = (*map(id, arrays), *shown)
     known = _known.get(key)
     if known is None or any(ref() is not array for ref, array in zip(known[0], arrays, strict=True)):
@@ -105,6 +105,12 @@ def _motion(recording: Recording) -> _Motion:
     return known[1]
 
 
+def _shown(recording: Recording) -> tuple[tuple[str, bool], ...]:
+    """Return the channels that tell the motion, and whether each was derived; the integral of a velocity tells none."""
+    there = [name for name in _MOTION_CHANNELS if name in recording]
+    return tuple((n, n in recording.derived) for n in there if n != "position" or recording.measures(n))
+
+
 def _of_whole(recording: Recording) -> _Motion | None:
     """Return what the recording that another one was cut from shows, where it was cut; ``None`` if that is another.
 
@@ -113,11 +119,11 @@ def _of_whole(recording: Recording) -> _Motion | None:
     if recording.origin is None:
         return None
     whole, index = recording.origin.whole, recording.origin.index
-    for name in _MOTION_CHANNELS[1:]:
-        if (name in whole, name in whole.derived) != (name in recording, name in recording.derived):
-            return None
-        if name in recording and not np.array_equal(whole[name][index], recording[name]):
-            return None
+    shown = _shown(recording)
+    if _shown(whole) != shown:
+        return None
+    if any(not np.array_equal(whole[name][index], recording[name]) for name, _ in shown if name != "time"):
+        return None
     found = _motion(whole)
     return replace(found, noise=found.noise.at(index), velocity=found.velocity[index], resting=found.resting[index])
 
