@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 
 from estimators.batch import Batch
 from fricmodels import compare, diagnose
-from fricmodels.diagnosis.comparison import kept_back
 from fricmodels.diagnosis.document import comparison_document, document
 from fricmodels.dimension import Motion
+from fricmodels.logcheck import findings
 from fricmodels.logcheck.summary import summary
 from fricmodels.recording import Recording
 from fricmodels.report.answer import error_words
@@ -44,6 +44,53 @@ def test_it_is_the_integral_from_zero_at_each_run() -> None:
     assert not found.measures("position")
     measured = recording.with_channels(derived=False, position=time)
     assert with_integrated_position(measured) is measured
+
+
+def noisy(noise: float) -> tuple[Array, Array, NDArray[np.int64]]:
+    """Return time, a velocity with noise of a sensor, and the numbers of two runs."""
+    time = np.tile(0.001 * np.arange(5000), 2)
+    velocity = np.cos(3.0 * time) + noise * np.random.default_rng(3).standard_normal(len(time))
+    return time, velocity, np.repeat([0, 1], 5000)
+
+
+@pytest.mark.parametrize("rounded", [None, 1e-6, 5e-6])
+def test_a_position_that_was_computed_is_known_as_such(rounded: float | None) -> None:
+    time, velocity, run = noisy(0.01)
+    recording = Recording("two", Motion.ROTARY, {"time": time, "torque": time, "velocity": velocity}, run)
+    position = with_integrated_position(recording)["position"] + 0.7
+    position = position if rounded is None else rounded * np.round(position / rounded)
+    computed = recording.with_channels(derived=False, position=position)
+    found = ready(computed)
+    assert not found.measures("position")
+    np.testing.assert_array_equal(found["position"], position)
+    assert "no-position" in [one.kind for one in findings(computed)]
+
+
+@pytest.mark.parametrize("sensor", ["own", "difference", "backward", "exact", "lost noise"])
+def test_a_position_with_a_sensor_of_its_own_is_measured(sensor: str) -> None:
+    """Also where the velocity is a difference of it, or neither has noise."""
+    time, velocity, run = noisy(0.0 if sensor == "exact" else 0.01)
+    rng, smooth = np.random.default_rng(4), np.sin(3.0 * time) / 3.0
+    position = smooth + (0.0 if sensor == "exact" else 1e-5) * rng.standard_normal(len(time))
+    if sensor == "difference":
+        velocity = np.gradient(position, 0.001)
+    if sensor == "backward":
+        velocity = np.r_[0.0, np.diff(position)] / 0.001
+    if sensor == "lost noise":
+        position = smooth
+    channels = {"time": time, "torque": time, "velocity": velocity, "position": position}
+    assert ready(Recording("two", Motion.ROTARY, channels, run)).measures("position")
+
+
+def test_a_computed_position_gives_the_answer_of_none(from_benchmarks: Benchmarks) -> None:
+    """Taken for a sensor of its own it seemed to be without noise, and made up a compliance and a torque constant."""
+    made = from_benchmarks("no_position")
+    alone, _ = recorded(made, "", "noise of 20 %")
+    computed = alone.with_channels(derived=False, position=with_integrated_position(alone)["position"])
+    without, beside = (diagnose(one, "coulomb-viscous", made.INERTIA) for one in (alone, computed))
+    assert (without.verdict, beside.verdict) == ("adequate", "adequate")
+    first, second = (one.comparison.estimate.parameters for one in (without, beside))
+    assert second == pytest.approx(first, rel=1e-9)
 
 
 @pytest.mark.parametrize(
@@ -82,10 +129,10 @@ def test_intervals_reckon_with_how_the_integral_wanders(from_benchmarks: Benchma
 def test_an_estimator_by_itself_takes_the_same_position(from_benchmarks: Benchmarks) -> None:
     made = from_benchmarks("no_position")
     recording, _ = recorded(made, "gravity", "noise of 1 %")
-    train, _ = kept_back(ready(recording))
+    whole = ready(recording)
     drive = compare(recording, "coulomb-viscous+gravity", made.INERTIA).drive
-    raw = replace(train, channels={name: train[name] for name in ("time", "torque", "velocity")}, derived=frozenset())
-    found, expected = (Batch({}).fit(drive, each) for each in (replace(raw, origin=None), replace(train, origin=None)))
+    raw = replace(whole, channels={name: whole[name] for name in ("time", "torque", "velocity")}, derived=frozenset())
+    found, expected = (Batch({}).fit(drive, each) for each in (raw, whole))
     assert found.parameters["gravity.b"] == pytest.approx(expected.parameters["gravity.b"], rel=0.02)
 
 
@@ -94,7 +141,9 @@ def test_it_is_said_where_something_goes_with_it(from_benchmarks: Benchmarks) ->
     recording = recorded(made, "gravity", "noise of 1 %")[0].select(slice(0, 8000))
     assert BEGINS in error_words(document(diagnose(recording, "coulomb-viscous", made.INERTIA)))
     assert BEGINS not in error_words(comparison_document(compare(recording, "coulomb-viscous", made.INERTIA)))
-    given = recording.with_channels(derived=False, position=with_integrated_position(recording)["position"])
+    position = with_integrated_position(recording)["position"]
+    noise = 1e-4 * np.random.default_rng(5).standard_normal(len(recording))  # of a sensor of its own
+    given = recording.with_channels(derived=False, position=position + noise)
     assert BEGINS not in error_words(document(diagnose(given, "coulomb-viscous", made.INERTIA)))
     kinds = [finding.kind for finding in summary(recording, made.INERTIA).findings]
     assert "no-position" in kinds

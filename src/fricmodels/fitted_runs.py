@@ -42,6 +42,20 @@ def numbered_as_fitted(recording: Recording, model: Model) -> Recording:
     if known is None or all(effect.fitted_runs is None for effect in model.effects):
         return recording
     free = 1 + max((number for effect in model.effects for number in effect.fitted_runs or ()), default=-1)
+    return _numbered(recording, known, free)
+
+
+def numbered_beside(recording: Recording, other: Recording) -> Recording:
+    """Return a recording in which those runs that another one has too have the same numbers, and no other run has one.
+
+    Args:
+        recording, other: as read.
+    """
+    known = {checksum: number for number, checksum in run_checksums(other).items()}
+    return _numbered(recording, known, 1 + int(other.run_numbers.max()))
+
+
+def _numbered(recording: Recording, known: Mapping[str, int], free: int) -> Recording:
     numbers: dict[int, int] = {}
     for number, checksum in run_checksums(recording).items():
         own = known.get(checksum)

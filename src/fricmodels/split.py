@@ -12,7 +12,7 @@ from pydantic import BaseModel, ConfigDict, Field, NonNegativeInt, PositiveFloat
 from fricmodels.arrays import Array, Index, Mask
 from fricmodels.errors import InputError
 from fricmodels.recording import Recording
-from fricmodels.signals.segments import gap_length
+from fricmodels.signals.segments import gap_lengths, usual_steps
 
 _ENOUGH_RUNS = 4
 """With so many runs whole ones are kept back: a cut within one would leave too short pieces."""
@@ -154,10 +154,10 @@ def _elapsed(recording: Recording, time: Array | None = None) -> tuple[Array, Ar
 def _without_pauses(recording: Recording) -> Array:
     """Return the time of each sample [s] as if every gap were one sampling interval: in a gap there is nothing."""
     step = np.diff(recording.time)
-    pause = (step >= gap_length(recording.time, recording.run)) & (np.diff(recording.run) == 0)
+    pause = (step >= gap_lengths(recording.time, recording.run)) & (np.diff(recording.run) == 0)
     if not pause.any():
         return recording.time
-    paused = np.cumsum(np.where(pause, step - recording.interval, 0.0))
+    paused = np.cumsum(np.where(pause, step - usual_steps(recording.time, recording.run), 0.0))
     return np.asarray(recording.time - np.append(0.0, paused))
 
 

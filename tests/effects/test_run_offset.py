@@ -13,6 +13,7 @@ from fricmodels.diagnosis import compare, diagnose, improve, kept_back, ready
 from fricmodels.diagnosis.comparison import compare_model
 from fricmodels.diagnosis.document import comparison_document, document, write
 from fricmodels.drive import Drive
+from fricmodels.logcheck import findings
 from fricmodels.model import Known, Model
 from fricmodels.recording import Recording
 from fricmodels.report.answer import comparison_words
@@ -59,6 +60,24 @@ def test_beside_a_constant_they_count_from_the_last_run(made: Made) -> None:
         assert not [key for key in found.not_identified if key.startswith("run-offset")]
         assert found.parameters["run-offset.tau_0"] == pytest.approx(OFFSETS[0] - OFFSETS[2], abs=0.02)
         assert found.parameters["run-offset.tau_1"] == pytest.approx(OFFSETS[1] - OFFSETS[2], abs=0.02)
+
+
+@pytest.mark.parametrize("law", ["asymmetric-coulomb-viscous", "coulomb-viscous+torque-offset"])
+def test_they_are_found_beside_a_constant(made: Made, law: str) -> None:
+    """The candidate has an offset for each run, the fitted effect one less."""
+    ladder = improve(days(made, OFFSETS[:3]), law, 2.0)
+    assert (ladder.rungs[-1].model, ladder.last.verdict) == (f"{law}+run-offset", "adequate")
+
+
+def test_a_run_sampled_more_slowly_counts_as_well(made: Made) -> None:
+    """One run in three has every tenth sample only: its steps are no gaps, and its offset is found."""
+    whole = days(made, OFFSETS[:3], samples=24_000)
+    slow = (whole.run == 2) & (np.arange(len(whole)) % 10 != 0)
+    recording = whole.select(~slow)
+    found = compare(recording, "coulomb-viscous+run-offset", 2.0).estimate
+    for run, offset in enumerate(OFFSETS[:3]):
+        assert found.parameters[f"run-offset.tau_{run}"] == pytest.approx(offset, abs=0.02)
+    assert not {"gap", "missing-samples", "jitter"} & {one.kind for one in findings(recording)}
 
 
 def test_a_run_that_was_not_fitted_gives_its_zero_by_its_other_half(made: Made) -> None:

@@ -66,3 +66,23 @@ def test_together_goes_with_files(folder: Path) -> None:
     text = "\n  - {rig: a.yaml, together: true}\n"
     with pytest.raises(InputError, match="'together' goes with 'files'"):
         load_config(config(folder, text))
+
+
+def test_a_test_file_has_no_offset_of_a_run_that_was_fitted(folder: Path, made: Callable[..., Recording]) -> None:
+    """The test file is a third day, with a zero of its own, though it is the first run of its file."""
+    own = made(samples=6000)
+    table = pd.DataFrame({"time_s": own.time, "velocity_rad_s": own.velocity, "torque_Nm": own.torque})
+    for day, offset in enumerate((3.0, -2.0, 0.0)):
+        part = table.iloc[2000 * day : 2000 * (day + 1)]
+        part.assign(torque_Nm=part.torque_Nm + offset).to_csv(folder / f"zeroed{day}.csv", index=False)
+    file = folder / "zeroed.yaml"
+    file.write_text(
+        "datasets:\n  - {name: days, files: [zeroed0.csv, zeroed1.csv], together: true, inertia: 2.0, "
+        "test_files: [zeroed2.csv, zeroed1.csv]}\n"
+        "models: [coulomb-viscous, coulomb-viscous+run-offset]\nestimators: [batch]\nsimulate: false\n"
+    )
+    board = run(load_config(file), folder / "out", executor="serial", directory=folder)
+    plain, with_offsets = sorted(board.rows, key=lambda row: len(row["model"]))
+    assert (plain["status"], with_offsets["status"]) == ("ok", "ok")
+    fit = with_offsets["rms_torque_error_percent"]
+    assert with_offsets["held_out_rms_torque_error_percent"] < 1.5 * fit < plain["rms_torque_error_percent"]

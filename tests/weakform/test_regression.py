@@ -10,14 +10,8 @@ from numpy.typing import NDArray
 from scipy.signal import lfilter
 from scipy.stats import f as fisher
 
-from fricmodels.weakform.regression import (
-    FOLDS,
-    Regression,
-    by_chance,
-    compare,
-    cosine_terms,
-    long_run_sum,
-)
+from fricmodels.weakform.long_run import cosine_terms, long_run_sum
+from fricmodels.weakform.regression import FOLDS, Regression, by_chance, compare
 
 Array = NDArray[np.float64]
 

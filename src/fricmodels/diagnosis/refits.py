@@ -48,12 +48,13 @@ class Refits:
             except FricmodelsError:
                 self._found[key] = None
             else:
+                own = next(e for e in fitted.drive.model.effects if e.name == tested.name)  # as it is beside others
                 useless = (
-                    is_undetermined(fitted, tested.name)
-                    or _is_over_at_once(fitted, tested.effect)
-                    or self._is_within_free_shift(fitted, tested.effect)
+                    is_undetermined(fitted, own.name)
+                    or _is_over_at_once(fitted, own)
+                    or self._is_within_free_shift(fitted, own)
                 )
-                self._found[key] = None if useless or self._is_unphysical(fitted, tested.effect) else fitted
+                self._found[key] = None if useless or self._is_unphysical(fitted, own) else fitted
         return self._found[key]
 
     def beside(self, tested: CandidateTest) -> Refits | None:

@@ -25,6 +25,8 @@ _TURNS, _PADDED = 8, 4
 """Periods within the record from which on a frequency is sought, and how much finer than its resolution."""
 _KNOTS = 48
 """Places over the way at which a stretch may begin or end, as many samples between each two."""
+_AT_ONCE = 4
+"""Hats of which the samples are held at a time: of 48 they would be the most that a diagnosis holds."""
 _TRIED, _AROUND = 12, 8
 """Peaks that are tried, and so many resolutions to either side tell whether a line of the motion stands out."""
 _LONGEST = 64
@@ -34,13 +36,14 @@ _LEAST_LEFT = 1e-6
 """Squared share of a column, of what the model leaves of it, below which it is in the model."""
 
 
-def tents(values: Array, knots: Array) -> Array:
-    """Return a hat about each knot at given values, shape (knots, N); one row of zeros where there is but one knot."""
+def tents(values: Array, knots: Array, some: slice = slice(None)) -> Array:
+    """Return a hat about each knot, or ``some``, at given values, shape (knots, N); zeros where there is but one."""
     knots = np.unique(knots)
     if len(knots) < 2:
         return np.zeros((1, len(values)))
-    rows = np.empty((len(knots), len(values)))
-    for row, heights in zip(rows, np.eye(len(knots)), strict=True):
+    every = np.eye(len(knots))[some]
+    rows = np.empty((len(every), len(values)))
+    for row, heights in zip(rows, every, strict=True):
         row[:] = np.interp(values, knots, heights)
     return rows
 
@@ -213,8 +216,7 @@ def _knots(values: Array) -> Array:
 
 def _hats(problem: WeakFormProblem, along: bool, channel: str) -> Array:
     points = problem.quadrature.recording
-    values = points[channel]
-    rows = tents(values, _knots(values))
-    if along:
-        rows *= np.sign(points.velocity)  # in place: they are many
-    return problem.integrals(rows)
+    values, side = points[channel], np.sign(points.velocity) if along else 1.0
+    knots = _knots(values)
+    portions = [slice(start, start + _AT_ONCE) for start in range(0, len(knots), _AT_ONCE)]
+    return np.concatenate([problem.integrals(side * tents(values, knots, some)) for some in portions])

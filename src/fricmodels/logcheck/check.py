@@ -24,6 +24,7 @@ from fricmodels.logcheck import (
     torque,
 )
 from fricmodels.logcheck.balance import balances, best
+from fricmodels.logcheck.files import by_file
 from fricmodels.logcheck.finding import Finding, Severity
 from fricmodels.logcheck.view import Log
 from fricmodels.parameter import check_inertia
@@ -49,7 +50,8 @@ def findings_of(log: Log, inertia: float | None = None) -> tuple[Finding, ...]:
     """Return what is the matter with the recording of a log, the gravest first; see :func:`findings`."""
     check_inertia(inertia)
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-        return tuple(sorted(_all(log, inertia), key=lambda finding: _ORDER[finding.severity]))
+        found = by_file(log.recording, [*_all(log, inertia)], lambda part: [*_all(Log(part), inertia)])
+        return tuple(sorted(found, key=lambda finding: _ORDER[finding.severity]))
 
 
 def _all(log: Log, inertia: float | None) -> Iterator[Finding]:

@@ -12,7 +12,7 @@ from fricmodels.logcheck.view import Log
 from fricmodels.results.words import figures
 from fricmodels.signals.coasting import coasts
 from fricmodels.signals.counted import step_of_counts
-from fricmodels.signals.integrated import way
+from fricmodels.signals.integrated import is_integral, way
 from fricmodels.signals.lanczos import lanczos_derivative
 from fricmodels.signals.noise_level import best_half_width
 
@@ -78,8 +78,19 @@ def one_frequency(log: Log) -> Iterator[Finding]:
 
 
 def without_position(log: Log) -> Iterator[Finding]:
-    """Say that the integral of the velocity stands for the position, where that was not recorded."""
-    if "velocity" in log.measured and "position" not in log.measured and not step_of_counts(log.recording):
+    """Say that the integral of the velocity stands for the position, where that was not recorded, or is just that."""
+    if "velocity" not in log.measured:
+        return
+    if "position" in log.measured and is_integral(log.recording):
+        yield Finding(
+            "no-position",
+            Severity.NOTE,
+            "position",
+            f"the {log.called('position')} is the integral of the {log.called('velocity')}, with its noise: it is "
+            "taken as computed, not as measured",
+            "log the position of an encoder as well, if there is one",
+        )
+    if "position" not in log.measured and not step_of_counts(log.recording):
         yield Finding(
             "no-position",
             Severity.NOTE,

@@ -48,11 +48,10 @@ def missing(log: Log) -> Missing:
     more than a tenth of the interval that is not told; a stamp that came late makes a long interval and then a short
     one, and nothing is missing.
     """
-    interval = log.recording.interval
     none = Missing(0, 0)
-    if not interval > 0.0 or unevenness(log.recording) > _WANDER:
+    if not log.recording.interval > 0.0 or unevenness(log.recording) > _WANDER:
         return none
-    ratio = log.steps / interval
+    ratio = log.steps / log.usual_steps
     number = np.rint(ratio)
     near = (number > 1.0) & (np.abs(ratio - number) < _WHOLE) & log.joined
     near &= (np.r_[ratio[1:], 1.0] > 1.0 - 2.0 * _WHOLE) & (np.r_[1.0, ratio[:-1]] > 1.0 - 2.0 * _WHOLE)

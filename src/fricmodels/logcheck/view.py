@@ -18,7 +18,7 @@ from fricmodels.recording import Recording, word
 from fricmodels.results.words import figures
 from fricmodels.signals.noise_level import quantum
 from fricmodels.signals.rest import once
-from fricmodels.signals.segments import gap_length
+from fricmodels.signals.segments import gap_lengths, usual_steps
 
 UNITS = {
     "time": "s",
@@ -78,12 +78,14 @@ class Log:
     @cached_property
     def joined(self) -> Mask:
         """Whether a sample and the next one belong together: one run, no gap between; shape (N − 1,)."""
-        return np.asarray((np.diff(self.recording.run) == 0) & (self.steps < self.gap))
+        return np.asarray(
+            (np.diff(self.recording.run) == 0) & (self.steps < gap_lengths(self.recording.time, self.recording.run))
+        )
 
     @cached_property
-    def gap(self) -> float:
-        """Step [s] from which samples belong to different stretches."""
-        return gap_length(self.recording.time, self.recording.run)
+    def usual_steps(self) -> Array:
+        """The median step of the run that each step lies in [s], shape (N − 1,)."""
+        return usual_steps(self.recording.time, self.recording.run)
 
     @cached_property
     def parts(self) -> list[slice]:

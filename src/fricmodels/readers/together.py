@@ -34,7 +34,7 @@ def together(recordings: Sequence[Recording], name: str | None = None) -> Record
     """Return recordings as the runs of one; the time may begin anew in each.
 
     Runs are numbered from 0 on in the order that is given. ``provenance["files"]`` lists the files, ``["runs"]`` what
-    each run is called: its file, and its own name there.
+    each run is called: its file, and its own name there; ``["file_of_run"]`` the file alone.
 
     Raises:
         InputError: when they do not have the same channels, in the same units, of the same kind of motion.
@@ -47,11 +47,13 @@ def together(recordings: Sequence[Recording], name: str | None = None) -> Record
     channels = {key: np.concatenate([one[key] for one in recordings]) for key in first.channels}
     runs: list[Any] = []
     names: dict[int, str] = {}
+    file_of_run: dict[int, str] = {}
     for one in recordings:
         numbers, place = np.unique(one.run, return_inverse=True)
         runs.append(place + len(names))
         own = one.provenance.get("runs", {})
         for number in numbers.tolist():
+            file_of_run[len(names)] = Path(_source(one)).name
             names[len(names)] = one.name if len(numbers) == 1 else f"{one.name}, {own.get(number, number)}"
     known = [one.provenance for one in recordings]
     left = [f"{_source(one)}: {one.provenance['gaps']}" for one in recordings if "gaps" in one.provenance]
@@ -68,6 +70,7 @@ def together(recordings: Sequence[Recording], name: str | None = None) -> Record
             "files": [_source(one) for one in recordings],
             "sha256": hashlib.sha256(checksums.encode()).hexdigest(),
             "runs": names,
+            "file_of_run": file_of_run,
             **({"gaps": "; ".join(left)} if left else {}),
         },
         units=first.units,

@@ -25,6 +25,6 @@ def _of_position(data: ComparisonDocument) -> str:
     if not data.integrated_position:
         return ""
     return (
-        " No position was recorded: what goes with it here goes with the integral of the velocity, from zero at the "
-        "first sample of each run, and is the same in another log only if that begins at the same place."
+        " No position was measured: what goes with it here goes with the integral of the velocity, from where each run "
+        "begins, and is the same in another log only if that begins at the same place."
     )

@@ -16,7 +16,7 @@ from fricmodels.signals.rest import (
     standstill,
     velocity_noise,
 )
-from fricmodels.signals.segments import gap_length, is_even, stretches
+from fricmodels.signals.segments import gap_lengths, is_even, stretches
 
 __all__ = [
     "Noise",
@@ -24,7 +24,7 @@ __all__ = [
     "best_half_width",
     "butterworth",
     "central_difference",
-    "gap_length",
+    "gap_lengths",
     "is_even",
     "lanczos_derivative",
     "lanczos_smooth",

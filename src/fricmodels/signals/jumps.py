@@ -9,7 +9,7 @@ import numpy as np
 from fricmodels.arrays import Array, Index
 from fricmodels.recording import Recording
 from fricmodels.signals.noise_level import quantum
-from fricmodels.signals.segments import gap_length
+from fricmodels.signals.segments import gap_lengths
 
 _FURTHER = 5.0
 """A jump is five times as far as any step that is none. Of 300 good recordings, six of them with gaps, stick-slip or
@@ -52,7 +52,7 @@ def find_jumps(recording: Recording) -> Jumps | None:
         return None
     time, position = recording.time, recording["position"]
     length = np.diff(time)
-    joined = (np.diff(recording.run) == 0) & (length < gap_length(time, recording.run))
+    joined = (np.diff(recording.run) == 0) & (length < gap_lengths(time, recording.run))
     usual = float(np.median(length))
     slower = np.where(joined, np.minimum(1.0, usual / np.where(length > 0.0, length, np.inf)), 0.0)
     step = np.diff(position) * slower

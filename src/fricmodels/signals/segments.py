@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from itertools import pairwise
 
 import numpy as np
@@ -16,19 +17,45 @@ _BRIDGED = 5.0
 """Steps of up to so many median steps are no gap: a local polynomial over true time stamps bridges lost samples."""
 
 
-def gap_length(time: Array, runs: Runs | None = None) -> float:
-    """Return the step [s] from which the samples on both sides belong to different stretches.
+_FEW = 20
+"""Steps of a run below which its usual one is that of all runs."""
 
-    The outer fence of the logarithm of the steps, for steps that vary by nature, and never less than five median steps.
+
+def usual_steps(time: Array, runs: Runs | None = None) -> Array:
+    """Return the median step [s] of the run that each step lies in, shape (N − 1,): each may have a rate of its own."""
+    return _of_each_run(time, runs, lambda step: float(np.median(step)))
+
+
+def gap_lengths(time: Array, runs: Runs | None = None) -> Array:
+    """Return from which step [s] on the samples on both sides are of different stretches, at each, shape (N − 1,).
+
+    The outer fence of the logarithm of the steps of a run, for steps that vary by nature, and never less than five
+    median ones.
     """
-    step = np.diff(time)
-    if runs is not None:
-        step = step[np.diff(runs) == 0]
+    return _of_each_run(time, runs, _gap_length)
+
+
+def _gap_length(step: Array) -> float:
     step = step[step > 0]
     if not len(step):
         return float("inf")
     low, middle, high = np.percentile(step, [25.0, 50.0, 75.0])
     return float(max(high * (high / low) ** _FENCE, _BRIDGED * middle))
+
+
+def _of_each_run(time: Array, runs: Runs | None, number: Callable[[Array], float]) -> Array:
+    """Return a number of the steps of each run at all of them, shape (N − 1,); of all steps where a run has few."""
+    step = np.diff(time)
+    within = np.ones(len(step), dtype=bool) if runs is None else runs[1:] == runs[:-1]
+    borders = [0, *(np.flatnonzero(~within) + 1).tolist(), len(time)]
+    if len(borders) == 2:
+        return np.full(len(step), number(step) if len(step) else np.nan)
+    inside = step[within]
+    found = np.full(len(step), number(inside) if len(inside) else np.nan)
+    for start, stop in pairwise(borders):
+        if stop - start > _FEW:
+            found[start : stop - 1] = number(step[start : stop - 1])
+    return found
 
 
 def stretches(time: Array, runs: Runs | None = None) -> list[slice]:
@@ -40,7 +67,7 @@ def stretches(time: Array, runs: Runs | None = None) -> list[slice]:
     within = step[~new] if new.any() else step
     # Where no step is as long as five others no gap is, and the fence need not be found.
     if len(within) and not 0.0 < _BRIDGED * within.min() > within.max():
-        new |= step >= gap_length(time, runs)
+        new |= step >= gap_lengths(time, runs)
     inner = (np.flatnonzero(new) + 1).tolist() if new.any() else []
     return [slice(start, stop) for start, stop in pairwise([0, *inner, len(time)])]
 

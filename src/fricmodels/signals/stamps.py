@@ -13,7 +13,7 @@ import numpy as np
 from fricmodels.arrays import Array, Index, Mask
 from fricmodels.recording import Recording
 from fricmodels.signals.clusters import certain, clusters, slope
-from fricmodels.signals.segments import stretches
+from fricmodels.signals.segments import stretches, usual_steps
 
 CLUSTERS = 32
 """Parts of the record whose sums are taken to be independent."""
@@ -39,9 +39,9 @@ def with_even_stamps(recording: Recording) -> Recording:
     share = _share_of_false_stamps(recording)
     if share is None:
         return recording
-    time = recording.time.copy()
+    time, usual = recording.time.copy(), usual_steps(recording.time, recording.run)
     for part in stretches(recording.time, recording.run):
-        even = _even(recording.time[part], recording.interval)
+        even = _even(recording.time[part], float(usual[min(part.start, len(usual) - 1)]))
         time[part] = even + share * (recording.time[part] - even)
     if np.any((np.diff(time) <= 0.0) & (np.diff(recording.run) == 0)):
         return recording
@@ -49,10 +49,10 @@ def with_even_stamps(recording: Recording) -> Recording:
 
 
 def unevenness(recording: Recording) -> float:
-    """Return the standard deviation of the intervals over their median, gaps and lost samples aside."""
-    steps, interval = np.diff(recording.time), recording.interval
-    regular = steps[(np.diff(recording.run) == 0) & (steps < 1.5 * interval)]
-    return float(np.std(regular)) / interval if len(regular) else 0.0
+    """Return the standard deviation of the intervals over their run's median, gaps and lost samples aside."""
+    steps = np.diff(recording.time) / usual_steps(recording.time, recording.run)
+    regular = steps[(np.diff(recording.run) == 0) & (steps < 1.5)]
+    return float(np.std(regular)) if len(regular) else 0.0
 
 
 def are_false(share: float, error: float, count: int) -> bool:

@@ -21,6 +21,7 @@ import numpy as np
 
 from fricmodels.dimension import Motion
 from fricmodels.errors import InputError
+from fricmodels.fitted_runs import numbered_beside
 from fricmodels.recording import Recording
 from fricmodels.signals import Preparation, prepare
 from fricmodels.signals.coasting import coasting
@@ -319,7 +320,7 @@ def load(source: Source) -> Loaded:
     preparation = Preparation.model_validate(values["preparation"])
     test: Recording | None
     if tests:
-        train, test = recording, together(tests)
+        train, test = recording, numbered_beside(together(tests), recording)
     elif values["split"] is None:
         train, test = recording, None
     else:

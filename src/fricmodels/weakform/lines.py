@@ -27,8 +27,8 @@ from fricmodels.arrays import Array
 from fricmodels.signals.noise_level import quantum
 from fricmodels.signals.order_spectrum import LEAST_PERIODS, PEAKS, binned, spectrum
 from fricmodels.weakform.carriers import step_response
+from fricmodels.weakform.long_run import cosine_terms, long_run_sum
 from fricmodels.weakform.problem import WeakFormProblem
-from fricmodels.weakform.regression import cosine_terms, long_run_sum
 from fricmodels.weakform.steps import Steps, positions
 
 _ORDER = 8

@@ -13,7 +13,7 @@ from fricmodels.signals import best_half_width, noise_of, prepare, velocity_nois
 from fricmodels.signals.beginnings import with_true_beginnings
 from fricmodels.signals.counted import with_counted_position
 from fricmodels.signals.differences import is_difference
-from fricmodels.signals.integrated import with_integrated_position
+from fricmodels.signals.integrated import with_integral_marked, with_integrated_position
 from fricmodels.signals.lanczos import even_weights
 from fricmodels.signals.rest import once
 from fricmodels.signals.stamp_noise import with_false_stamps
@@ -50,7 +50,7 @@ def ready(recording: Recording) -> Recording:
 
 
 def _ready(recording: Recording) -> Recording:
-    begun = with_counted_position(with_true_beginnings(recording))
+    begun = with_integral_marked(with_counted_position(with_true_beginnings(recording)))
     known_by_position = _both_measured(begun) and is_difference(begun)  # as told by the stamps that it was made with
     prepared = prepare(surest_velocity(with_even_stamps(begun), known_by_position=known_by_position))
     if float(np.ptp(prepared.velocity)) == 0:

@@ -14,18 +14,17 @@ from __future__ import annotations
 import math
 from copy import copy
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fricmodels.arrays import Index
+from fricmodels.weakform.long_run import FEWEST_TERMS, cosine_terms, long_run_sum
 
 Array = NDArray[np.float64]
 
 FOLDS = 8
-FEWEST_TERMS = 8
-"""Cosines that a variance is estimated by at the least."""
 _SEEN = 1e-5
 """A column of which less than this share (squared) is left outside the base directions cannot be told from them."""
 
@@ -339,27 +338,6 @@ def by_chance(events: Array, left: float) -> float:
         product *= 0.5 * max(left, 0.0) / math.sqrt(size / total)
         least = min(least, math.pi ** (m / 2) / math.gamma(m / 2 + 1) * product)
     return least
-
-
-def cosine_terms(independent: float, rows: int) -> int:
-    """Return the number ν of cosines for T independent rows: 0.4 T^(2/3), at least 8."""
-    return int(min(max(round(0.4 * independent ** (2 / 3)), min(FEWEST_TERMS, rows - 1)), rows - 1))
-
-
-def long_run_sum(series: Array, terms: int) -> Array:
-    """Return the covariance of the sum over time of series, shape (q, M) → (q, q), by ν equal-weighted cosines."""
-    projected = series @ _cosines(series.shape[1], terms)
-    return np.asarray(2.0 * projected @ projected.T / terms)
-
-
-@lru_cache(maxsize=1)
-def _cosines(rows: int, terms: int) -> Array:
-    """Return cosines of 1/2, 1, ... periods over all rows, shape (rows, terms).
-
-    So few of them cost less than a transform that yields as many as there are rows.
-    """
-    phases = np.outer(np.arange(rows) + 0.5, np.pi / rows * np.arange(1, terms + 1))
-    return np.asarray(np.cos(phases, out=phases))
 
 
 def compare(loss: Array, other: Array, terms: int) -> tuple[float, float]:

@@ -26,8 +26,8 @@ from numpy.typing import NDArray
 
 from fricmodels.recording import Recording
 from fricmodels.signals.rest import once
+from fricmodels.weakform.long_run import cosine_terms
 from fricmodels.weakform.nonlinear import Plan
-from fricmodels.weakform.regression import cosine_terms
 from fricmodels.weakform.solve import WITHIN, Solved, solve
 
 Array = NDArray[np.float64]

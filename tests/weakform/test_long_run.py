@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.fft import dct
 
-from fricmodels.weakform.inference import first_cosines
+from fricmodels.weakform.long_run import first_cosines
 
 
 @pytest.mark.parametrize(("count", "terms"), [(20, 19), (400, 20), (997, 25), (4983, 46), (9973, 74), (10000, 8)])
