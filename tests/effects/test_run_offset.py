@@ -13,7 +13,7 @@ from fricmodels.diagnosis import compare, diagnose, improve, kept_back, ready
 from fricmodels.diagnosis.comparison import compare_model
 from fricmodels.diagnosis.document import comparison_document, document, write
 from fricmodels.drive import Drive
-from fricmodels.logcheck import findings
+from fricmodels.logcheck import summary
 from fricmodels.model import Known, Model
 from fricmodels.recording import Recording
 from fricmodels.report.answer import comparison_words
@@ -77,7 +77,10 @@ def test_a_run_sampled_more_slowly_counts_as_well(made: Made) -> None:
     found = compare(recording, "coulomb-viscous+run-offset", 2.0).estimate
     for run, offset in enumerate(OFFSETS[:3]):
         assert found.parameters[f"run-offset.tau_{run}"] == pytest.approx(offset, abs=0.02)
-    assert not {"gap", "missing-samples", "jitter"} & {one.kind for one in findings(recording)}
+    told = summary(recording)
+    assert not {"gap", "missing-samples", "jitter"} & {one.kind for one in told.findings}
+    assert told.rates == pytest.approx((50.0, 500.0), rel=1e-6)
+    assert ("rate", "50 to 500 Hz, not the same in each run, evenly sampled") in told.rows()
 
 
 def test_a_run_that_was_not_fitted_gives_its_zero_by_its_other_half(made: Made) -> None:

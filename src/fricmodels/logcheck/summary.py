@@ -26,6 +26,8 @@ from fricmodels.signals.switched import is_switched
 SCHEMA = "fricmodels/info/1"
 _EVEN = 1e-6
 """Jitter, as a share of the interval, up to which it is that of the stamps' own digits."""
+_OTHER_RATE = 1.01
+"""Ratio from which two runs were not sampled at the same rate."""
 
 
 @dataclass(frozen=True)
@@ -48,6 +50,7 @@ class Summary:
         channels: what was measured.
         duration: of all runs together, without gaps [s].
         rate: of sampling, the inverse of the median interval [Hz].
+        rates: the least and the greatest of a run [Hz].
         jitter: standard deviation of the intervals over their median, gaps and lost samples aside.
         gaps, gap_time: number of gaps within runs, and their duration [s].
         missing: samples that an even clock should have given, too few together for a gap.
@@ -67,6 +70,7 @@ class Summary:
     channels: dict[str, Channel]
     duration: float
     rate: float
+    rates: tuple[float, float]
     jitter: float
     gaps: int
     gap_time: float
@@ -83,6 +87,10 @@ class Summary:
         """Return what to print: label and value with unit."""
         length = "rad" if self.motion == "rotary" else "m"
         loop = "closed: the torque answers the noise of the velocity" if self.feedback else "no feedback of noise seen"
+        low, high = self.rates
+        rate = f"{figures(self.rate, 6)} Hz"
+        if high > _OTHER_RATE * low:
+            rate = f"{figures(low, 4)} to {figures(high, 4)} Hz, not the same in each run"
         jitter = f"jitter {figures(100 * self.jitter)} %" if self.jitter > _EVEN else "evenly sampled"
         jitter += " but for what is missing" if self.missing and self.jitter <= _EVEN else ""
         count = f"{self.missing} sample{'s' * (self.missing != 1)}"
@@ -94,7 +102,7 @@ class Summary:
                 "samples",
                 f"{self.samples} in {self.runs} run{'s' if self.runs != 1 else ''}, {figures(self.duration, 4)} s",
             ),
-            ("rate", f"{figures(self.rate, 6)} Hz, {jitter}"),
+            ("rate", f"{rate}, {jitter}"),
             ("gaps", f"{self.gaps}, {figures(self.gap_time, 3)} s" if self.gaps else "none"),
             *([("missing", f"{count} ({figures(share)} %)")] if self.missing else []),
             ("at rest", f"{figures(100 * self.rest, 3)} % of the samples"),
@@ -115,6 +123,7 @@ class Summary:
             "motion": self.motion,
             "channels": {name: vars(channel) for name, channel in self.channels.items()},
             "rate_Hz": self.rate if np.isfinite(self.rate) else None,
+            "rates_Hz": [one if np.isfinite(one) else None for one in self.rates],
             "samples": self.samples,
             "runs": self.runs,
             "duration_s": self.duration,
@@ -159,7 +168,7 @@ def summary(recording: Recording, inertia: float | None = None) -> Summary:
     moved = _as_fitted(recording)
     velocity = log.velocity if moved is recording else moved.velocity
     within = np.diff(recording.run) == 0
-    lost = log.steps[within & ~log.joined]
+    lost, usual = log.steps[within & ~log.joined], log.usual_steps[within]
     noise = {name: _noise(log, name) for name in log.measured}
     moving = ~resting(moved) & (velocity != 0.0)
     position = log.measured.get("position")
@@ -180,6 +189,7 @@ def summary(recording: Recording, inertia: float | None = None) -> Summary:
         },
         duration=float(log.steps[log.joined].sum()),
         rate=1.0 / recording.interval,
+        rates=(1.0 / float(usual.max()), 1.0 / float(usual.min())) if len(usual) else (np.nan, np.nan),
         jitter=_jitter(recording),
         gaps=len(lost),
         gap_time=float(lost.sum()),
