@@ -323,3 +323,17 @@ def test_a_further_channel_that_hardly_takes_values_is_said_and_a_smooth_one_is_
 def test_a_unit_that_has_a_size_is_not_run_together_with_a_number(unit: str, said: str) -> None:
     log = Log(replace(CLEAN, provenance={"columns": {"position": f"position=q:{unit}"}}))
     assert log.size("position", np.pi / 180.0).startswith(said)
+
+
+def test_a_velocity_that_jumps_within_its_range_is_seen_by_the_position() -> None:
+    """Ten samples off by a part of the range; the position goes on as before. Spikes of the position are none."""
+    rng = np.random.default_rng(5)
+    at = 100 + 780 * np.arange(10) + rng.integers(0, 100, 10)
+    velocity, position = CLEAN.velocity.copy(), CLEAN["position"].copy()
+    size = 0.3 * np.ptp(velocity)
+    velocity[at] -= np.sign(velocity[at]) * size
+    found = [one for one in findings(changed(velocity=velocity)) if one.kind == "spike"]
+    assert [one.channel for one in found] == ["velocity"]
+    assert found[0].text.startswith("10 samples of the velocity")
+    position[at] += 0.1 * np.ptp(position)
+    assert not [one for one in findings(changed(position=position)) if one.channel == "velocity"]

@@ -89,8 +89,12 @@ def _all(log: Log, inertia: float | None) -> Iterator[Finding]:
     yield from samples.without_sign(log)
     constant = list(samples.constant(log))
     yield from constant
-    yield from samples.spikes(log)
+    spikes = list(samples.spikes(log))
+    yield from spikes
+    if not related and not any(finding.channel in ("velocity", "position") for finding in spikes):
+        yield from samples.unlike_the_position(log)
     yield from repeats.polled(log)
+    yield from repeats.outages(log)
     renewed = list(repeats.repeated(log))
     yield from renewed
     polled = {finding.channel for finding in renewed}

@@ -90,6 +90,23 @@ def polled(log: Log) -> Iterator[Finding]:
         )
 
 
+def outages(log: Log) -> Iterator[Finding]:
+    """Say for how long all channels stood still together while the drive moved, and were left out."""
+    known = log.recording.provenance.get("outages")
+    if known:
+        several = known["times"] > 1
+        times = f"{known['times']} times" if several else "once"
+        yield Finding(
+            "repeated-samples",
+            Severity.WARN,
+            "time",
+            f"all channels stood exactly still together {times} while the drive moved, for "
+            f"{figures(1e3 * known['longest_s'])} ms{' at most' if several else ''}: values were lost, and the last "
+            f"ones kept; these {known['rows']} rows are left out",
+            "log without such dropouts",
+        )
+
+
 def held(log: Log) -> Iterator[Finding]:
     r"""Say where a channel stands exactly still again and again while the drive moves: values were lost.
 

@@ -16,6 +16,8 @@ from fricmodels.signals.counted import step_of_counts
 from fricmodels.signals.jumps import find_jumps
 from fricmodels.signals.switched import is_switched
 
+_UNLIKE = 3.0
+"""Times the usual misfit of velocity and position from which a sample is none."""
 _FEW_JUMP = 500
 """Of so many samples one may be a spike, and two in a short log."""
 _TOLD = 3
@@ -80,6 +82,45 @@ def spikes(log: Log) -> Iterator[Finding]:
             f"{unit} and back at once, where all others are {figures(kept.min(), 4)} to {figures(kept.max(), 4)}{more}",
             "remove such rows",
         )
+
+
+def unlike_the_position(log: Log) -> Iterator[Finding]:
+    """Say where the velocity jumps away for one sample and back at once, and the position does not move like that.
+
+    There the velocity is off the slope of the position by more than three times as much as in all samples but the five
+    hundredth that are off furthest. The few that are off at all must be so alone, the samples on both sides not.
+    """
+    velocity, position = log.measured.get("velocity"), log.measured.get("position")
+    if velocity is None or position is None or len(velocity) < 2 * _FEW_JUMP:
+        return
+    time = log.recording.time
+    there, back = np.diff(velocity)[:-1], np.diff(velocity)[1:]
+    off = np.where(
+        log.joined[:-1] & log.joined[1:], velocity[1:-1] - (position[2:] - position[:-2]) / (time[2:] - time[:-2]), 0.0
+    )
+    size = np.abs(off)
+    few = len(size) // _FEW_JUMP
+    usual = float(np.max(np.partition(size, -few)[:-few]))
+    far = size > _UNLIKE * usual
+    alone = far & ~np.r_[False, far[:-1]] & ~np.r_[far[1:], False]
+    at = 1 + np.flatnonzero(alone & (there * back < 0.0) & (np.minimum(np.abs(there), np.abs(back)) > 0.5 * size))
+    if usual == 0.0 or not len(at):
+        return
+    several = len(at) > 1
+    jumps = (
+        f"{len(at)} samples of the {log.called('velocity')} jump"
+        if several
+        else (f"one sample of the {log.called('velocity')} jumps")
+    )
+    first = ", the first" if several else ""
+    yield Finding(
+        "spike",
+        Severity.WARN,
+        "velocity",
+        f"{jumps} away and back at once{first} {figures(time[at[0]] - time[0], 6)} s from the beginning, by up to "
+        f"{log.size('velocity', float(size[at - 1].max()))}, and the position does not move like that",
+        "leave such values empty and read with --gaps drop, or leave the velocity out",
+    )
 
 
 def jumps(log: Log) -> Iterator[Finding]:

@@ -27,6 +27,7 @@ from fricmodels.readers.registers import find_register
 from fricmodels.readers.vectors import unequal_lengths
 from fricmodels.recording import OTHER, Recording
 from fricmodels.signals.jumps import mend_jumps
+from fricmodels.signals.outages import without_outages
 from fricmodels.signals.polled import once_each
 from fricmodels.signals.wrapping import unwrap
 
@@ -140,7 +141,7 @@ def read(
         units={channel: further.get(channel, (_AS_IT_IS, ""))[1] for channel in _further(found)},
     )
     check(recording, lambda row: chosen.place(source, int(order[row])))
-    return mend_jumps(unwrap(once_each(recording)))
+    return mend_jumps(unwrap(without_outages(once_each(recording))))
 
 
 def _table(reader: Reader, source: Path, wanted: Sequence[str]) -> pd.DataFrame:

@@ -1,0 +1,73 @@
+"""Times at which a logger lost all of its channels, and wrote the last values again and again.
+
+Taken for samples, these are a drive that stood still under a torque and then jumped. They are left out, and nothing
+connects what is on both sides.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from fricmodels.arrays import Array, Index
+from fricmodels.recording import Recording
+from fricmodels.signals.clusters import LEVEL
+
+_SHORTEST = 3
+"""Repetitions in succession from which on values were lost: one or two may be a device that was slower than its log."""
+_JUMP = 3.0
+"""Times the usual change from sample to sample by which the motion jumps when the values come back."""
+_MOST = 0.5
+"""Share of the rows up to which they were lost: of more, that they repeat is how the log was written."""
+
+
+def without_outages(recording: Recording) -> Recording:
+    """Return a recording without the rows of outages; how many there were is in ``provenance["outages"]``.
+
+    An outage is a stretch of rows that repeat the one before in all channels, so long that by how often single rows do
+    none is to be expected in the recording at :data:`~fricmodels.signals.clusters.LEVEL`, and after which the motion
+    jumps. A drive at rest has no such jump, and loses nothing.
+    """
+    names = [name for name in recording.channels if name != "time" and recording.measures(name)]
+    motion = next((name for name in ("position", "velocity") if name in names), None)
+    if motion is None or "torque" not in names:
+        return recording
+    first, last = _repeated([recording[name] for name in names], recording.run)
+    long = last - first >= _least(first, last, len(recording))
+    first, last = first[long], last[long]
+    ended = last + 1 < len(recording)
+    ended[ended] &= recording.run[last[ended] + 1] == recording.run[last[ended]]
+    first, last = first[ended], last[ended]
+    change = np.abs(np.diff(recording[motion]))
+    if not len(first) or not np.any(change > 0.0):
+        return recording
+    jumps = change[last] > _JUMP * float(np.median(change[change > 0.0]))
+    first, last = first[jumps], last[jumps]
+    lost = np.zeros(len(recording) + 1, dtype=np.int64)
+    np.add.at(lost, first + 1, 1)
+    np.add.at(lost, last + 1, -1)
+    kept = np.cumsum(lost)[:-1] == 0
+    if kept.all() or np.mean(kept) < _MOST:
+        return recording
+    lasted = recording.time[last] - recording.time[first]
+    known = {"times": len(first), "rows": int(np.sum(~kept)), "longest_s": float(lasted.max())}
+    found = recording.select(kept)
+    return replace(found, provenance={**found.provenance, "outages": known})
+
+
+def _repeated(channels: Sequence[Array], run: Index) -> tuple[Index, Index]:
+    """Return the first and the last row of each stretch of rows that are alike in all channels."""
+    same = run[1:] == run[:-1]
+    for values in channels:
+        same &= values[1:] == values[:-1]
+    edges = np.flatnonzero(np.diff(np.r_[0, same.astype(np.int8), 0]))
+    return edges[::2], edges[1::2]
+
+
+def _least(first: Index, last: Index, rows: int) -> int:
+    """Return how many rows in succession repeat by chance in no recording of so many."""
+    single = int(np.count_nonzero(last - first == 1))
+    chance = min(max(single, 1) / rows, 0.99)
+    return max(int(np.ceil(np.log(LEVEL / rows) / np.log(chance))), _SHORTEST)

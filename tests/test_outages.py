@@ -1,0 +1,82 @@
+"""Times at which a logger wrote its last values again and again: no samples, but no rest and no polling either."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from fricmodels import diagnose
+from fricmodels.logcheck import findings
+from fricmodels.readers import read
+from fricmodels.recording import Recording
+from fricmodels.signals.outages import without_outages
+
+Made = Callable[..., Recording]
+HELD = ((500, 540), (2000, 2010), (5000, 5200))
+
+
+def held(recording: Recording, *channels: str, stretches: tuple[tuple[int, int], ...] = HELD) -> Recording:
+    """Return a recording in which channels keep the value at the beginning of each stretch to its end."""
+    found = {}
+    for name in channels:
+        found[name] = recording[name].copy()
+        for first, last in stretches:
+            found[name][first : last + 1] = found[name][first]
+    return recording.with_channels(derived=False, **found)
+
+
+@pytest.fixture
+def clean(made: Made) -> Recording:
+    recording = made(samples=8000, noise=0.2)
+    noise = 0.02 * np.random.default_rng(1).standard_normal(len(recording))
+    return recording.with_channels(derived=False, torque=recording.torque + noise)
+
+
+@pytest.mark.parametrize("channels", [("torque", "velocity", "position"), ("torque", "velocity")])
+def test_rows_of_outages_are_left_out(clean: Recording, channels: tuple[str, ...]) -> None:
+    without = {name: values for name, values in clean.channels.items() if name in ("time", *channels)}
+    recording = held(Recording("log", clean.motion, without, clean.run), *channels)
+    found = without_outages(recording)
+    assert found.provenance["outages"]["times"] == 3
+    assert len(recording) - len(found) == sum(last - first for first, last in HELD)
+    assert not {recording.time[first + 1] for first, _ in HELD} & set(found.time.tolist())
+
+
+def test_a_log_with_outages_has_no_other_answer(clean: Recording, tmp_path: Path) -> None:
+    lost = held(clean, "torque", "velocity", "position")
+    units = {"time": "time_s", "torque": "torque_Nm", "velocity": "velocity_rad_s", "position": "position_rad"}
+    table = pd.DataFrame({units[name]: lost[name] for name in units})
+    table.to_csv(tmp_path / "lost.csv", index=False)
+    recording = read(tmp_path / "lost.csv")
+    assert any("250 rows" in one.text for one in findings(recording) if one.kind == "repeated-samples")
+    found = diagnose(recording, "coulomb-viscous", 2.0)
+    assert found.verdict == "adequate"
+    expected = diagnose(clean, "coulomb-viscous", 2.0).comparison.estimate.parameters
+    assert found.comparison.estimate.parameters == pytest.approx(expected, rel=0.01)
+
+
+def test_a_drive_that_rests_has_lost_nothing(clean: Recording) -> None:
+    """Switched off: all channels stand still, and the motion goes on from where it was."""
+    time = clean.time
+    speed = np.clip(np.sin(2.0 * np.pi * time / 4.0), 0.0, None)  # two seconds of motion, two of rest, in turn
+    position = np.cumsum(speed) * 0.002
+    torque = np.where(speed > 0.0, 0.5 + 0.1 * speed + clean.torque * 0.01, 0.0)
+    channels = {"time": time, "torque": torque, "velocity": speed, "position": position}
+    recording = Recording("rests", clean.motion, channels, clean.run)
+    assert without_outages(recording) is recording
+
+
+def test_one_channel_that_is_held_is_another_matter(clean: Recording) -> None:
+    recording = held(clean, "torque")
+    assert without_outages(recording) is recording
+
+
+def test_coarse_channels_repeat_by_chance(clean: Recording) -> None:
+    coarse = {name: np.round(clean[name] / step) * step for name, step in (("torque", 2.0), ("velocity", 0.5))}
+    channels = {"time": clean.time, **coarse}
+    recording = Recording("coarse", clean.motion, channels, clean.run)
+    assert without_outages(recording) is recording
