@@ -67,12 +67,15 @@ class Known:
         fixed: whether they are held; a fit begins from them otherwise.
         runs: number of each run that they were fitted to, by the checksum of its torque, see
             :func:`fricmodels.fitted_runs.run_checksums`; ``None`` where runs of the same number are the same.
+        promised: test error where they were fitted [% of the RMS motor torque], and the window that it is averaged
+            over [ms]; ``None`` where that is not known.
     """
 
     values: Mapping[str, float] = field(default_factory=dict)
     standard_errors: Mapping[str, float] = field(default_factory=dict)
     fixed: bool = False
     runs: Mapping[str, int] | None = None
+    promised: tuple[float, float] | None = None
 
 
 class NoFriction(Law):

@@ -12,6 +12,8 @@ import pytest
 
 import fricmodels
 from fricmodels.cli import main
+from fricmodels.cli.measurement import known
+from fricmodels.diagnosis.document import comparison_document
 from fricmodels.recording import Recording
 from fricmodels.saved.driven import write_recording
 
@@ -84,6 +86,27 @@ def test_fixed_numbers_stay(room: Path, tmp_path: Path, capsys: pytest.CaptureFi
     moved = found["wrong"]["modelled_Nm"] - found["right"]["modelled_Nm"]
     missing = 4.0 - fricmodels.load(room / "joint.model.json").parameters["K_c"]
     assert float(np.median(np.abs(moved))) == pytest.approx(missing, rel=1e-3)
+
+
+def test_a_file_with_another_window_is_compared_over_that(
+    room: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """What the file promises is over its own window; the error of the recording over that one stands beside it."""
+    content = json.loads((room / "joint.model.json").read_text(encoding="utf-8"))
+    here = content["error"]["window_ms"]
+    held = known(fricmodels.load(room / "joint.model.json"), fixed=True)
+    document = comparison_document(fricmodels.compare(fricmodels.read(room / "joint.csv"), held, 2.0))
+    assert document.promised_percent == content["error"]["test_percent"]
+    windows = [band.window_ms for band in document.rms_torque_error.bands[1:] if band.window_ms]
+    other = next(window for window in windows if window != here)
+    content["error"].update(window_ms=other, test_percent=7.25)
+    file = tmp_path / "other.model.json"
+    file.write_text(json.dumps(content), encoding="utf-8")
+    for model, said in ((room / "joint.model.json", False), (file, True)):
+        _, out, _ = call(capsys, "compare", room / "joint.csv", "--model", model, "--fixed")
+        text = " ".join(out.split())
+        assert (f"Over {other:.3g} ms, as in the file of the model" in text) == said
+        assert ("the file says 7.25 %" in text) == said
 
 
 @pytest.mark.parametrize(("inertia", "said"), [(5.0, True), (2.0, False), (None, False)])

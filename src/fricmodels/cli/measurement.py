@@ -172,7 +172,9 @@ def known(file: FittedModel, fixed: bool = False) -> Model:
     """Return the model of a file that knows its numbers, and the runs that they are of."""
     from fricmodels.model import Known
 
-    return file.model.knowing(Known(file.parameters, file.standard_errors, fixed, file.fitted_runs))
+    error = file.document.error
+    promised = None if error is None or error.test_percent is None else (error.test_percent, error.window_ms)
+    return file.model.knowing(Known(file.parameters, file.standard_errors, fixed, file.fitted_runs, promised))
 
 
 def say_gaps(recording: Recording) -> None:

@@ -20,7 +20,7 @@ from fricmodels.diagnosis.remarks import remarks_on
 from fricmodels.diagnosis.shift import shift_within_sampling
 from fricmodels.dimension import INERTIA, Motion
 from fricmodels.files import write_text
-from fricmodels.model import Model
+from fricmodels.model import Known, Model
 from fricmodels.results import comparison as facts
 from fricmodels.results import diagnosis as typed
 from fricmodels.results.comparison import ComparisonDocument
@@ -101,6 +101,7 @@ def _facts(comparison: Comparison, found: Sequence[Effect] = ()) -> dict[str, An
         "not_identified": dict(estimate.not_identified),
         "remarks": remarks_on(comparison),
         "held": drive.model.known.fixed,
+        **dict(zip(("promised_percent", "promised_band_ms"), _promised(drive.model.known), strict=False)),
         "offsets_of_runs": comparison.offsets_of_runs,
         "integrated_position": over_position and "position" in comparison.train.derived,
         "rms_torque_error": facts.TorqueError(
@@ -116,6 +117,11 @@ def _facts(comparison: Comparison, found: Sequence[Effect] = ()) -> dict[str, An
         "recording": _recording(comparison),
         "versions": plugins.versions(),
     }
+
+
+def _promised(known: Known) -> tuple[float, ...]:
+    """Return the test error that a held model's file says, and its window [ms]."""
+    return known.promised if known.fixed and known.promised is not None else ()
 
 
 def _recording(comparison: Comparison) -> facts.RecordingFacts:

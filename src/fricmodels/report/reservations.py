@@ -2,15 +2,42 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
+
+from fricmodels.report.wording import noise_alone, percent
+from fricmodels.results.words import form
 
 if TYPE_CHECKING:
     from fricmodels.results.comparison import ComparisonDocument
 
 
+_ONE_WINDOW = 0.05
+"""Share by which two windows may differ and be one: they are whole numbers of samples."""
+
+
 def reservations(data: ComparisonDocument) -> str:
     """Return sentences, each with a space before it; empty where there are none."""
     return _of_other_runs(data) + _of_position(data)
+
+
+def as_promised(data: ComparisonDocument) -> str:
+    """Say what the test error is over the window of a held model's file, beside what that says, if it is another.
+
+    Each recording has its own window, by its noise. Errors over different ones do not compare.
+    """
+    promised, over = data.promised_percent, data.promised_band_ms
+    bands = [(band.window_ms, band) for band in data.rms_torque_error.bands if band.window_ms]
+    if promised is None or not over or not bands:
+        return ""
+    window, here = min(bands, key=lambda pair: abs(math.log(pair[0] / over)))
+    if window == data.rms_torque_error.band_ms or abs(window / over - 1.0) > _ONE_WINDOW:
+        return ""
+    noise = noise_alone(here.noise_floor_percent)
+    return (
+        f" Over {form(over, '.3g')} ms, as in the file of the model, the test error is "
+        f"{percent(here.held_out_percent)}, of noise alone {noise}; the file says {percent(promised)}."
+    )
 
 
 def _of_other_runs(data: ComparisonDocument) -> str:

@@ -187,6 +187,10 @@ class ComparisonDocument(ResultDocument):
     """What tables of the parameters say beside a value, by key; empty in files of old versions."""
     held: bool = False
     """Whether the numbers are those that a file has, and none was fitted to this recording."""
+    promised_percent: Number = None
+    """Test error that the model's file says, where its numbers are held [% of the RMS motor torque]."""
+    promised_band_ms: Number = None
+    """Window over which that is averaged [ms]."""
     offsets_of_runs: int = 0
     """Of so many runs the offset is taken from the run itself: the model is not known to have been fitted to them."""
     integrated_position: bool = False
