@@ -16,6 +16,8 @@ from fricmodels.signals.segments import gap_lengths, usual_steps
 
 _ENOUGH_RUNS = 4
 """With so many runs whole ones are kept back: a cut within one would leave too short pieces."""
+_ROUNDING = 1e-6
+"""Share of a sampling interval within which a sample lies on a border: the rounding of a stamp decides nothing."""
 _FAIR = 0.25
 """Least share of its fair part that blocks kept back hold of what a drive does for a block's time or longer."""
 
@@ -163,9 +165,9 @@ def _without_pauses(recording: Recording) -> Array:
 
 def _time(recording: Recording, how: Split) -> Mask:
     elapsed, duration = _elapsed(recording)
+    rounding = _ROUNDING * recording.interval
     if how.test_from is None and how.test_to is None:
-        return np.asarray(elapsed > (1.0 - how.fraction) * duration)
-    rounding = 1e-6 * recording.interval
+        return np.asarray(elapsed > (1.0 - how.fraction) * duration + rounding)
     start = -np.inf if how.test_from is None else how.test_from - rounding
     stop = np.inf if how.test_to is None else how.test_to + rounding
     return np.asarray((elapsed >= start) & (elapsed <= stop))
@@ -183,7 +185,8 @@ def _blocks(recording: Recording, how: Split) -> Mask:
     A slow drive may rest, or go one way, in none of the blocks that come first. What it does then could not be judged.
     """
     elapsed, duration = _elapsed(recording, _without_pauses(recording))
-    block = np.minimum((how.blocks * elapsed / np.where(duration > 0, duration, 1.0)).astype(int), how.blocks - 1)
+    on_border = elapsed + _ROUNDING * recording.interval
+    block = np.minimum((how.blocks * on_border / np.where(duration > 0, duration, 1.0)).astype(int), how.blocks - 1)
     first = _spread_over(how.blocks, how.fraction)
     kinds = [kind for kind in _kinds(recording) if float(np.mean(kind)) >= 1.0 / how.blocks]
     for moved in range(how.blocks):
