@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -58,3 +60,13 @@ def test_what_all_have_is_said_of_the_whole() -> None:
 
 def test_good_files_are_not_accused() -> None:
     assert [one.kind for one in findings(together([day(1), day(2), day(3)]), INERTIA)] == []
+
+
+def test_files_of_one_name_are_told_apart_by_their_folders() -> None:
+    first, second = (replace(day(n, **how), name="day") for n, how in ((1, {}), (2, {"sign": -1.0})))
+    first, second = (
+        replace(one, provenance={**one.provenance, "source": f"{folder}/day.csv"})
+        for one, folder in ((first, "monday"), (second, "tuesday"))
+    )
+    stops = [one for one in findings(together([first, second]), INERTIA) if one.severity is Severity.STOP]
+    assert [one.text.split(",")[0] for one in stops] == ["in tuesday/day.csv"]

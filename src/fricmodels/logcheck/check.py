@@ -25,12 +25,10 @@ from fricmodels.logcheck import (
 )
 from fricmodels.logcheck.balance import balances, best
 from fricmodels.logcheck.files import by_file
-from fricmodels.logcheck.finding import Finding, Severity
+from fricmodels.logcheck.finding import GRAVEST_FIRST, Finding, Severity
 from fricmodels.logcheck.view import Log
 from fricmodels.parameter import check_inertia
 from fricmodels.recording import Recording
-
-_ORDER = {Severity.STOP: 0, Severity.WARN: 1, Severity.NOTE: 2}
 
 
 def findings(recording: Recording, inertia: float | None = None) -> tuple[Finding, ...]:
@@ -51,7 +49,7 @@ def findings_of(log: Log, inertia: float | None = None) -> tuple[Finding, ...]:
     check_inertia(inertia)
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         found = by_file(log.recording, [*_all(log, inertia)], lambda part: [*_all(Log(part), inertia)])
-        return tuple(sorted(found, key=lambda finding: _ORDER[finding.severity]))
+        return tuple(sorted(found, key=lambda finding: GRAVEST_FIRST.index(finding.severity)))
 
 
 def _all(log: Log, inertia: float | None) -> Iterator[Finding]:

@@ -7,12 +7,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from fricmodels.logcheck.finding import Finding, Severity
+from fricmodels.logcheck.finding import GRAVEST_FIRST, Finding, Severity
 from fricmodels.recording import Recording
 
 Findings = Sequence[Finding]
-
-_GRAVITY = (Severity.NOTE, Severity.WARN, Severity.STOP)
 
 
 def by_file(recording: Recording, found: Findings, check: Callable[[Recording], Findings]) -> list[Finding]:
@@ -34,8 +32,8 @@ def by_file(recording: Recording, found: Findings, check: Callable[[Recording], 
     told = set()
     for key in dict.fromkeys(key for of_file in own.values() for key in of_file):
         having = {name: of_file[key] for name, of_file in own.items() if key in of_file}
-        least = _GRAVITY.index(shown.get(key, Severity.STOP))
-        grave = {name: one for name, one in having.items() if _GRAVITY.index(one.severity) >= least}
+        least = GRAVEST_FIRST.index(shown.get(key, Severity.STOP))
+        grave = {name: one for name, one in having.items() if GRAVEST_FIRST.index(one.severity) <= least}
         if grave and (key not in shown or len(grave) < len(parts)):
             told.add(key)
             alone.extend(_in(name, one) for name, one in grave.items())

@@ -15,6 +15,9 @@ class Severity(StrEnum):
     NOTE = "note"
 
 
+GRAVEST_FIRST = (Severity.STOP, Severity.WARN, Severity.NOTE)
+
+
 @dataclass(frozen=True)
 class Finding:
     """One thing that is the matter with a recording.

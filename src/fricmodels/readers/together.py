@@ -48,12 +48,16 @@ def together(recordings: Sequence[Recording], name: str | None = None) -> Record
     runs: list[Any] = []
     names: dict[int, str] = {}
     file_of_run: dict[int, str] = {}
-    for one in recordings:
+    labels = [Path(_source(one)).name for one in recordings]
+    labels = [
+        label if labels.count(label) == 1 else _source(one) for label, one in zip(labels, recordings, strict=True)
+    ]
+    for one, label in zip(recordings, labels, strict=True):
         numbers, place = np.unique(one.run, return_inverse=True)
         runs.append(place + len(names))
         own = one.provenance.get("runs", {})
         for number in numbers.tolist():
-            file_of_run[len(names)] = Path(_source(one)).name
+            file_of_run[len(names)] = label
             names[len(names)] = one.name if len(numbers) == 1 else f"{one.name}, {own.get(number, number)}"
     known = [one.provenance for one in recordings]
     left = [f"{_source(one)}: {one.provenance['gaps']}" for one in recordings if "gaps" in one.provenance]
