@@ -27,6 +27,7 @@ from fricmodels.results.comparison import ComparisonDocument
 from fricmodels.results.diagnosis import DiagnosisDocument
 from fricmodels.signals.rest import once
 from fricmodels.term import Effect
+from fricmodels.weakform.regression import to_order_by
 
 FILE = "diagnosis.json"
 
@@ -176,7 +177,7 @@ def _candidates(diagnosis: Diagnosis) -> tuple[typed.Candidate, ...]:
             held_out_gain=tested.evidence.gain,
             gates=tested.name in passing,
         )
-        for tested in sorted([*found, *others], key=lambda tested: -tested.evidence.gain)
+        for tested in sorted([*found, *others], key=lambda tested: to_order_by(1.0 - tested.evidence.gain))
     )
 
 

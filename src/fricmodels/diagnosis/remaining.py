@@ -18,6 +18,7 @@ from fricmodels.diagnosis.sought_functions import ends_of_stretch
 from fricmodels.diagnosis.where import in_words
 from fricmodels.dimension import Motion
 from fricmodels.signals import resting
+from fricmodels.weakform.regression import to_order_by
 
 _NEAREST = 3
 _SLOW, _MOST, _MUCH = 1e-9, 0.99, 0.2
@@ -102,7 +103,8 @@ def remaining(
     def rank(one: Nearest) -> tuple[int, float]:
         """Of those that are as good as the best the simplest comes first."""
         as_good = one.held_out_percent <= least
-        return (parameters[one.name] if as_good else max(parameters.values()) + 1), one.held_out_percent
+        simple = parameters[one.name] if as_good else max(parameters.values()) + 1
+        return simple, to_order_by(one.held_out_percent)
 
     near = sorted(near, key=rank)[:_NEAREST]
     if when:

@@ -36,6 +36,11 @@ unwarned = np.errstate(invalid="ignore", over="ignore")
 """A column that is not finite is not visible; its products need no warning."""
 
 
+def to_order_by(value: float) -> float:
+    """Return a number to eight digits: what differs by rounding alone keeps its order on any processor."""
+    return float(f"{value:.8g}")
+
+
 @dataclass(frozen=True)
 class Evidence:
     """What speaks for a set of columns.
@@ -63,8 +68,8 @@ class Evidence:
 
     @property
     def left(self) -> float:
-        """Sum of the loss to eight digits: what explains the same but for rounding keeps its order on any processor."""
-        return float(f"{np.sum(self.loss):.8g}")
+        """Sum of the loss, to order by."""
+        return to_order_by(float(np.sum(self.loss)))
 
 
 @dataclass(frozen=True)
