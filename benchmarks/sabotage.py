@@ -20,6 +20,7 @@ import numpy as np
 from fricmodels.files import write_text
 from fricmodels.logcheck import Severity, findings
 from fricmodels.recording import Recording
+from fricmodels.signals.outages import without_outages
 from fricmodels.signals.wrapping import unwrap
 from sabotaged.elastic import elastic
 from sabotaged.good import Good, real, rigs, simulations
@@ -32,7 +33,7 @@ TEMPLATE = Path(__file__).parent / "log_check.md"
 def judged(recording: Recording, inertia: float | None = None) -> dict[str, Severity]:
     """Return the kinds that are found, each with its gravest severity."""
     found: dict[str, Severity] = {}
-    for finding in findings(unwrap(recording), inertia):
+    for finding in findings(unwrap(without_outages(recording)), inertia):
         found.setdefault(finding.kind, finding.severity)
     return found
 

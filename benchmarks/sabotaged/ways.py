@@ -201,6 +201,30 @@ def coarse(name: str) -> Callable[[Recording, np.random.Generator], Recording | 
     return spoil
 
 
+def outages(recording: Recording, rng: np.random.Generator) -> Recording | None:
+    """Let all channels hold their values three times, for ten to sixty samples of motion."""
+    motion = next((name for name in ("position", "velocity") if name in recording), None)
+    if motion is None or len(recording) < 1000:
+        return None
+    change = np.abs(np.diff(recording[motion], prepend=recording[motion][0]))
+    moving = np.flatnonzero(change[:-61] >= np.median(change[change > 0.0]))
+    found = {name: values.copy() for name, values in recording.channels.items() if name != "time"}
+    for first in rng.choice(moving, 3, replace=False):
+        last = first + int(rng.integers(10, 61))
+        for values in found.values():
+            values[first : last + 1] = values[first]
+    return changed(recording, **found)
+
+
+def off_within_range(recording: Recording, rng: np.random.Generator) -> Recording | None:
+    """Let five single samples of the velocity be off by three to six tenths of its range, and stay within it."""
+    velocity = recording["velocity"].copy()
+    at = rng.choice(np.arange(2, len(velocity) - 2), 5, replace=False)
+    middle = 0.5 * (velocity.max() + velocity.min())
+    velocity[at] += np.where(velocity[at] > middle, -1.0, 1.0) * rng.uniform(0.3, 0.5, 5) * np.ptp(velocity)
+    return changed(recording, velocity=velocity)
+
+
 def spiked(name: str) -> Callable[[Recording, np.random.Generator], Recording | None]:
     """Let single samples jump to one and a half to five times the largest value, with either sign."""
 
@@ -293,6 +317,8 @@ WAYS = (
     Way("velocity in steps of a fifth", coarse("velocity"), ("quantisation",)),
     Way("single samples of the torque wrong", spiked("torque"), ("spike",)),
     Way("single samples of the position wrong", spiked("position"), ("spike",)),
+    Way("single samples of the velocity off within its range", with_both(off_within_range), ("spike",)),
+    Way("all channels hold for a while", outages, ("repeated-samples",)),
     Way("low-passed torque", low_passed, ("filtered-torque", "torque-delay")),
     Way("coloured velocity noise", coloured, ("coloured-noise",)),
     Way("a voltage taken for a torque", voltage, ("not-a-torque",)),
