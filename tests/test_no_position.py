@@ -19,7 +19,7 @@ from fricmodels.logcheck.summary import summary
 from fricmodels.recording import Recording
 from fricmodels.report.answer import error_words
 from fricmodels.signals import resting
-from fricmodels.signals.integrated import with_integrated_position
+from fricmodels.signals.integrated import from_zero, with_integrated_position
 from fricmodels.weakform.prepared import ready
 
 Array = NDArray[np.float64]
@@ -71,11 +71,13 @@ def test_a_position_with_a_sensor_of_its_own_is_measured(sensor: str) -> None:
     """Also where the velocity is a difference of it, or neither has noise."""
     time, velocity, run = noisy(0.0 if sensor == "exact" else 0.01)
     rng, smooth = np.random.default_rng(4), np.sin(3.0 * time) / 3.0
-    position = smooth + (0.0 if sensor == "exact" else 1e-5) * rng.standard_normal(len(time))
+    position = smooth + 1e-5 * rng.standard_normal(len(time))
     if sensor == "difference":
         velocity = np.gradient(position, 0.001)
     if sensor == "backward":
         velocity = np.r_[0.0, np.diff(position)] / 0.001
+    if sensor == "exact":  # a simulator's, which is that integral, too
+        position = from_zero(Recording("two", Motion.ROTARY, {"time": time, "torque": time}, run), velocity)
     if sensor == "lost noise":
         position = smooth
     channels = {"time": time, "torque": time, "velocity": velocity, "position": position}

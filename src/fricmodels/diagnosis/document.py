@@ -102,7 +102,7 @@ def _facts(comparison: Comparison, found: Sequence[Effect] = ()) -> dict[str, An
         "not_identified": dict(estimate.not_identified),
         "remarks": remarks_on(comparison),
         "held": drive.model.known.fixed,
-        **dict(zip(("promised_percent", "promised_band_ms"), _promised(drive.model.known), strict=False)),
+        **_promised(drive.model.known),
         "offsets_of_runs": comparison.offsets_of_runs,
         "integrated_position": over_position and "position" in comparison.train.derived,
         "rms_torque_error": facts.TorqueError(
@@ -120,9 +120,12 @@ def _facts(comparison: Comparison, found: Sequence[Effect] = ()) -> dict[str, An
     }
 
 
-def _promised(known: Known) -> tuple[float, ...]:
-    """Return the test error that a held model's file says, and its window [ms]."""
-    return known.promised if known.fixed and known.promised is not None else ()
+def _promised(known: Known) -> dict[str, float]:
+    """Return the test error that a held model's file says, and its window [ms]; nothing where none is known."""
+    if not known.fixed or known.promised is None:
+        return {}
+    percent, window = known.promised
+    return {"promised_percent": percent, "promised_band_ms": window}
 
 
 def _recording(comparison: Comparison) -> facts.RecordingFacts:

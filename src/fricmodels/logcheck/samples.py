@@ -87,18 +87,16 @@ def spikes(log: Log) -> Iterator[Finding]:
 def unlike_the_position(log: Log) -> Iterator[Finding]:
     """Say where the velocity jumps away for one sample and back at once, and the position does not move like that.
 
-    There the velocity is off the slope of the position by more than three times as much as in all samples but the five
-    hundredth that are off furthest. The few that are off at all must be so alone, the samples on both sides not.
+    There the velocity differs from the slope of the position, and on both sides it does not: by more than three times
+    as much as in any sample but the few (one of five hundred) that differ most.
     """
     velocity, position = log.measured.get("velocity"), log.measured.get("position")
     if velocity is None or position is None or len(velocity) < 2 * _FEW_JUMP:
         return
     time = log.recording.time
     there, back = np.diff(velocity)[:-1], np.diff(velocity)[1:]
-    off = np.where(
-        log.joined[:-1] & log.joined[1:], velocity[1:-1] - (position[2:] - position[:-2]) / (time[2:] - time[:-2]), 0.0
-    )
-    size = np.abs(off)
+    slope = (position[2:] - position[:-2]) / (time[2:] - time[:-2])
+    size = np.where(log.joined[:-1] & log.joined[1:], np.abs(velocity[1:-1] - slope), 0.0)
     few = len(size) // _FEW_JUMP
     usual = float(np.max(np.partition(size, -few)[:-few]))
     far = size > _UNLIKE * usual
@@ -106,13 +104,9 @@ def unlike_the_position(log: Log) -> Iterator[Finding]:
     at = 1 + np.flatnonzero(alone & (there * back < 0.0) & (np.minimum(np.abs(there), np.abs(back)) > 0.5 * size))
     if usual == 0.0 or not len(at):
         return
-    several = len(at) > 1
-    jumps = (
-        f"{len(at)} samples of the {log.called('velocity')} jump"
-        if several
-        else (f"one sample of the {log.called('velocity')} jumps")
-    )
-    first = ", the first" if several else ""
+    channel = log.called("velocity")
+    jumps = f"{len(at)} samples of the {channel} jump" if len(at) > 1 else f"one sample of the {channel} jumps"
+    first = ", the first" if len(at) > 1 else ""
     yield Finding(
         "spike",
         Severity.WARN,
