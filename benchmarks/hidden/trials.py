@@ -101,7 +101,7 @@ def single(rng: np.random.Generator, effect: str, index: int) -> Row:
         "examine_seconds": seconds,
         "truth": truth,
         "after": _after(drawn, diagnosis),
-        "removed": {**said(without), "left_out": sorted(out)},
+        "removed": {**said(without), "left_out": sorted(out), "after": _after(drawn, without)},
         "too_small": [_small(c) for c in drawn.too_small],
         "peers": peers.first_named(drawn.rig, drawn.recording),
     }

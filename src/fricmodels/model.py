@@ -69,6 +69,7 @@ class Known:
             :func:`fricmodels.fitted_runs.run_checksums`; ``None`` where runs of the same number are the same.
         promised: test error where they were fitted [% of the RMS motor torque], and the window that it is averaged
             over [ms]; ``None`` where that is not known.
+        ranges: least and greatest value of each channel where they were fitted.
     """
 
     values: Mapping[str, float] = field(default_factory=dict)
@@ -76,6 +77,7 @@ class Known:
     fixed: bool = False
     runs: Mapping[str, int] | None = None
     promised: tuple[float, float] | None = None
+    ranges: Mapping[str, tuple[float, float]] = field(default_factory=dict)
 
 
 class NoFriction(Law):

@@ -174,7 +174,9 @@ def known(file: FittedModel, fixed: bool = False) -> Model:
 
     error = file.document.error
     promised = None if error is None or error.test_percent is None else (error.test_percent, error.window_ms)
-    return file.model.knowing(Known(file.parameters, file.standard_errors, fixed, file.fitted_runs, promised))
+    return file.model.knowing(
+        Known(file.parameters, file.standard_errors, fixed, file.fitted_runs, promised, file.ranges)
+    )
 
 
 def say_gaps(recording: Recording) -> None:

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from fricmodels import plugins
+from fricmodels.diagnosis.beyond_range import beyond_range
 from fricmodels.diagnosis.comparison import Comparison
 from fricmodels.diagnosis.constancy import changes
 from fricmodels.diagnosis.correlation import correlation
@@ -103,6 +104,7 @@ def _facts(comparison: Comparison, found: Sequence[Effect] = ()) -> dict[str, An
         "remarks": remarks_on(comparison),
         "held": drive.model.known.fixed,
         **_promised(drive.model.known),
+        "beyond_range": beyond_range(comparison),
         "offsets_of_runs": comparison.offsets_of_runs,
         "integrated_position": over_position and "position" in comparison.train.derived,
         "rms_torque_error": facts.TorqueError(

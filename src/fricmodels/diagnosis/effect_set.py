@@ -231,6 +231,8 @@ class Gain:
 
     Attributes:
         without, regression: the regression without the effect, and with it.
+        columns: those of its columns that are visible there, shape (k, rows).
+        torque: what it is there, shape (rows,).
         before, fall: sum of squared held-out residuals without it, and by how much it falls.
         p_value: of the Wald test of its columns.
     """
@@ -238,6 +240,7 @@ class Gain:
     without: Regression
     regression: Regression
     columns: Array
+    torque: Array
     before: float
     fall: float
     p_value: float
@@ -251,10 +254,12 @@ def gain_of(result: CandidateTests, beside: Array, member: Member) -> Gain:
     visible = delayed.visible(member.columns)
     before = float(np.sum(without.loss))
     if not np.any(visible):
-        return Gain(without, without, member.columns[:0], before, 0.0, 1.0)
-    evidence = delayed.test(member.columns[visible], without)
+        return Gain(without, without, member.columns[:0], np.zeros(result.problem.rows), before, 0.0, 1.0)
+    columns = member.columns[visible]
+    evidence = delayed.test(columns, without)
     after = regression_of(result.problem, result.parameters, np.vstack([beside, member.columns]), member.effect)
-    return Gain(without, after, member.columns[visible], before, before - float(np.sum(after.loss)), evidence.p_value)
+    fall = before - float(np.sum(after.loss))
+    return Gain(without, after, columns, evidence.coefficients @ columns, before, fall, evidence.p_value)
 
 
 def the_past_counts(result: CandidateTests, member: Member, beside: Array) -> bool:

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from fricmodels.diagnosis.basis_functions import OF_TIME, terms
 from fricmodels.diagnosis.candidate_tests import CandidateTests
 from fricmodels.diagnosis.effect_set import (
+    Gain,
     Member,
     Rest,
     gain_of,
@@ -93,10 +94,10 @@ def support_of(result: CandidateTests, member: Member, others: list[Member], res
 
 def _support_beside(result: CandidateTests, member: Member, others: list[Member], rest: Rest) -> Support:
     beside = stacked(result, others)
-    own = gain_of(result, beside, member).fall
+    own = gain_of(result, beside, member)
 
     def in_its_place(columns: Array) -> bool:
-        return gain_of(result, np.vstack([beside, columns]), member).fall < result.policy.kept * own
+        return gain_of(result, np.vstack([beside, columns]), member).fall < result.policy.kept * own.fall
 
     names = (*rest.channels, *[""] * len(rest.parts))  # effects at their search bounds come last, and have none
     taking = {i: names[i] for i, part in enumerate(rest.parts) if in_its_place(part)}
@@ -107,14 +108,14 @@ def _support_beside(result: CandidateTests, member: Member, others: list[Member]
     if len(lasting) and in_its_place(lasting) and not the_past_counts(result, member, np.vstack(apart)):
         lasting = nothing(result)  # it can be all that the effect is, and says nothing of it
     if taking and not same:
-        both = _beside_all(result, member, beside, rest, lasting)
+        both = _beside_all(result, member, own, beside, rest, lasting)
         if both is not None:
             return both
     place = _Place(beside, np.vstack(apart), _instead(result, rest, taking), lasting)
     found = _in(result, member, place)
     if found.suffices(result.policy) or len(taking) < 2:
         return found
-    return _beside_one_channel(result, member, place, rest, taking) or found
+    return _beside_one_channel(result, member, own, place, rest, taking) or found
 
 
 def _instead(result: CandidateTests, rest: Rest, taking: Mapping[int, str]) -> Instead:
@@ -141,35 +142,39 @@ def _in(result: CandidateTests, member: Member, place: _Place) -> Support:
 
 
 def _beside_one_channel(
-    result: CandidateTests, member: Member, place: _Place, rest: Rest, taking: Mapping[int, str]
+    result: CandidateTests, member: Member, own: Gain, place: _Place, rest: Rest, taking: Mapping[int, str]
 ) -> Support | None:
     """Return what speaks for an effect in the place of one channel, beside the other; ``None`` where nothing does.
 
     Where two channels are in the place of an effect they may describe two causes, of which the effect is one: it is
-    that if, beside the channel of the other one, it does as much as its own channel. Found beside nothing, its
-    nonlinear parameters had to stand for both causes. So they are sought anew.
+    that if, beside the channel of the other one, it does as much as its own channel, and keeps its size. Found beside
+    nothing, its nonlinear parameters had to stand for both causes. So they are sought anew.
     """
     for i, name in taking.items():
         base = np.vstack([place.base, *(rest.parts[j] for j in taking if j != i)])
         here = replace(place, base=base, instead=_instead(result, rest, {i: name}))
         for one in (member, *without_tangents(result, member, base)):
             found = _support_of(result, one, here)
-            if found.suffices(result.policy):
+            if found.suffices(result.policy) and _keeps_its_size(result, own, gain_of(result, base, one), place.named):
                 return replace(found, beside_one_channel=True)
     return None
 
 
-def _beside_all(result: CandidateTests, member: Member, beside: Array, rest: Rest, lasting: Array) -> Support | None:
+def _beside_all(
+    result: CandidateTests, member: Member, own: Gain, beside: Array, rest: Rest, lasting: Array
+) -> Support | None:
     """Return what speaks for an effect beside all that describes the rest, where it is there with that; else ``None``.
 
     A description may take most of what an effect explains and not be its form: two causes are there, and the channel
     of one has something of the other. Then the effect explains most of all that the description leaves, noise
     included, and is not all but within what the description can be. What only imitates a cause adds next to nothing
-    to a description of it. And no other channel does by itself, with no more terms, what both do.
+    to a description of it, and does not keep its size beside that. And no other channel does by itself, with no more
+    terms, what both do.
 
     Args:
         result: the residual.
         member: the effect.
+        own: what it does beside the other effects alone.
         beside: the other effects as columns, shape (k, rows).
         rest: the description.
         lasting: the past of the residual or of the torque, where it counts, shape (k, rows).
@@ -178,6 +183,8 @@ def _beside_all(result: CandidateTests, member: Member, beside: Array, rest: Res
     whole = np.vstack([beside, parts])
     gain = gain_of(result, np.vstack([whole, lasting]), member)
     if gain.fall < policy.own_share * gain.before or _lies_within(result, member, beside, parts):
+        return None
+    if not _keeps_its_size(result, own, gain, beside):
         return None
     nobody = Instead(nothing(result), frozenset(), 1, 0)
     found = _support_of(result, member, _Place(whole, whole, nobody, lasting))
@@ -190,6 +197,19 @@ def _beside_all(result: CandidateTests, member: Member, beside: Array, rest: Res
         if predictor.channels not in AUTOREGRESSIVE.union(rest.channels)
     )
     return None if any(simpler) else found
+
+
+def _keeps_its_size(result: CandidateTests, own: Gain, described: Gain, beside: Array) -> bool:
+    """Whether an effect has about the size beside a description that it has beside the other effects alone.
+
+    What is there has one size, whatever else is described. What imitates a cause has the size of the imitation where
+    nothing describes that cause, and another one beside a description of it. The size is what it is along its own
+    torque, without what the base model and the other effects, shape (k, rows), could be.
+    """
+    alone, least = regression_of(result.problem, result.parameters, beside), result.policy.kept
+    before, after = alone.project_out(np.stack([own.torque, described.torque]))
+    whole, there = float(before @ before), float(after @ before)
+    return there >= least * whole and least * there <= whole
 
 
 def _lies_within(result: CandidateTests, member: Member, beside: Array, parts: Array) -> bool:

@@ -9,14 +9,14 @@ from fricmodels.term import Effect, Parameters, Signals
 
 
 class SensorDelay(Effect):
-    r"""Torque that acts later than recorded, or motion that is recorded late: a shift in time by T.
+    r"""Torque and motion that were not recorded at the same time: with T > 0 the motion is late, with T < 0 the torque.
 
     .. math:: \tau = T\,\dot\tau_m
 
-    The first order of a shift, :math:`\tau_m(t - T) = \tau_m(t) - T\dot\tau_m(t) + \dots`; a torque that is recorded
-    late has T < 0. A torque held over a sample of length h by itself gives T = h/2. Estimators fit the first order.
-    Where T is known, scores, simulations and the diagnosis take the whole shift: with T > 0 the motion was recorded
-    late, after motor torque and load torque, with T < 0 only the motor torque was; see
+    The first order of a shift, :math:`\tau_m(t - T) = \tau_m(t) - T\dot\tau_m(t) + \dots`. A torque held over a sample
+    of length h by itself gives T = h/2. Estimators fit the first order. Where T is known,
+    scores, simulations and the diagnosis take the whole shift: with T > 0 the motion was recorded late, after motor
+    torque and load torque, with T < 0 only the motor torque was; see
     :meth:`fricmodels.recording.Recording.retimed`.
 
     Source: elementary.
@@ -28,7 +28,7 @@ class SensorDelay(Effect):
     needs_motion = "several frequencies"
     separated_from = dict.fromkeys(("inertia-error", "frictional-lag", "joint-compliance"), SEVERAL_FREQUENCIES)
     symmetry = "even"
-    T = Parameter("T", unit="s", delay=True, meaning="delay of the motion record against the torque record")
+    T = Parameter("T", unit="s", delay=True, meaning="delay of the recorded motion; of the recorded torque if negative")
 
     def torque(self, s: Signals, p: Parameters) -> Expression:
         """Return T dτ_m/dt."""

@@ -57,8 +57,9 @@ def delay(log: Log, rows: list[Balance]) -> Iterator[Finding]:
     only. So the torque is shifted back, and what is then left decides (:func:`_undone`): a delay is spoken of where the
     error falls in both halves of the record, and where the speed rises as well as where it falls. It is called one
     where no more than a fifth is left in each of them, and a torque that also goes with the second change of m, as over
-    a spring, explains hardly more. A motion that is recorded late is not told here from friction with memory; that is
-    the effect ``sensor-delay``.
+    a spring, explains hardly more. Otherwise it is spoken of only if it is the same at the widths that know it better
+    (:func:`_differ`): friction that fades after each start is one sample late at one width, and forty at another. A
+    motion that is recorded late is not told here from friction with memory; that is the effect ``sensor-delay``.
     """
     interval = log.recording.interval
     sharp = (row for row in rows if _sharpness(row) > _SHARP)
@@ -70,11 +71,14 @@ def delay(log: Log, rows: list[Balance]) -> Iterator[Finding]:
     agreed = all(estimate.chance_of_more_than(0.0) < _AGREED for estimate in surer)
     if not agreed or best.chance_of_more_than(_LEAST_LATE) >= PROBABLE:
         return
-    undone = min((_undone(log.short, estimate) for estimate in found), key=lambda undone: undone.left)
+    shifted = [_undone(log.short, estimate) for estimate in found]
+    undone = min(shifted, key=lambda undone: undone.left)
     if undone.samples < _LEAST_LATE or undone.most > _LOOKS:
         return
     size = f"{figures(1e3 * undone.samples * interval, 3)} ms ({undone.samples:.1f} samples) behind the motion"
     known = undone.most < _KNOWN and undone.alone > _ALONE
+    if not known and any(_differ(undone, other) for other in shifted):
+        return
     yield Finding(
         "torque-delay",
         Severity.WARN,
@@ -147,15 +151,24 @@ class _Undone:
     """A delay, and what is left of the squared error once the torque is shifted back by it.
 
     Attributes:
+        estimate: the delay to first order, whose error is that of this one.
         samples: the delay.
         left, most: of all, and in the part where most is left, as shares of what was there before.
         alone: share of what it and the second change of m explain together that it explains alone.
     """
 
+    estimate: _Estimate
     samples: float
     left: float
     most: float
     alone: float
+
+
+def _differ(one: _Undone, other: _Undone) -> bool:
+    """Whether a delay is another one at a width that knows it better."""
+    error, surer = one.estimate.error, other.estimate.error
+    between = (one.samples - other.samples) / float(np.hypot(error, surer))
+    return surer < error and significance(between, other.estimate.count) < PROBABLE
 
 
 def _undone(log: Log, estimate: _Estimate) -> _Undone:
@@ -179,7 +192,7 @@ def _undone(log: Log, estimate: _Estimate) -> _Undone:
     changes = np.stack([now.first, now.second], axis=1)
     rest = now.left - changes @ np.linalg.lstsq(changes, now.left, rcond=1e-10)[0]
     left, both = _share(now.left, before.left), 1.0 - _share(rest, before.left)
-    return _Undone(late, left, max(shares), (1.0 - left) / both if both > 0.0 else 0.0)
+    return _Undone(estimate, late, left, max(shares), (1.0 - left) / both if both > 0.0 else 0.0)
 
 
 def _share(after: Array, before: Array) -> float:

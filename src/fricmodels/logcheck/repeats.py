@@ -43,7 +43,8 @@ def repeated(log: Log) -> Iterator[Finding]:
     eight samples on each side, and goes the same way on both. There an exact repetition is one value among many, and
     changes by a step, or a thirtieth of the usual change, either way are more frequent. The two counts are compared by
     the binomial test of one half. A position that was not new catches up in the next step; one that stood still does
-    not, and is left out.
+    not, and is left out. Nor is a velocity looked at where the position goes on by as much as in the sample before: a
+    drive makes its velocity of such counts, and it is the same while they are.
     """
     from scipy.special import bdtrc
 
@@ -53,6 +54,8 @@ def repeated(log: Log) -> Iterator[Finding]:
         if not np.any(values[1:] == values[:-1]):
             continue
         change, usual, grid = _moving(log.short, values)
+        if channel == "velocity" and "position" in log.measured:
+            usual[_goes_on_alike(log.short.recording["position"])] = 0.0
         total = int(np.count_nonzero(usual))
         if channel == "position" and not _catches_up(change, usual):
             continue
@@ -232,6 +235,13 @@ def _moving(log: Log, values: Array) -> tuple[Array, Array, Array]:
         whole &= (half >= least) & (half > 0.25 * (path[last] - path[first]))
     usual[middle] = np.where(whole, (path[last] - path[first]) / (2 * _NEAR), 0.0)
     return change, usual, grid
+
+
+def _goes_on_alike(position: Array) -> Mask:
+    """Whether each change of a position is the one before, to the last step of its grid."""
+    change = np.diff(position)
+    step = np.maximum(quantum(position), _last_digit(position)[1:])
+    return np.asarray(np.r_[False, np.abs(np.diff(change)) < 0.5 * step[1:]])
 
 
 def _catches_up(change: Array, usual: Array) -> bool:

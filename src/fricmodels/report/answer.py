@@ -15,7 +15,7 @@ from fricmodels.dimension import Motion
 from fricmodels.readers.standard_names import STANDARD
 from fricmodels.recording import word
 from fricmodels.report.reliability import CHANGING, ONE_SINE, RECORDS
-from fricmodels.report.reservations import as_promised, reservations
+from fricmodels.report.reservations import as_promised, beyond_range, reservations
 from fricmodels.report.wording import counted, listed, listed_classes, noise_alone, percent, small
 from fricmodels.results.words import LINE, SAMPLING, figures, form, predictor
 from fricmodels.score.bands import averaged
@@ -188,7 +188,7 @@ def comparison_words(data: ComparisonDocument) -> tuple[str, str]:
     if data.held:
         sentence = f"The model {data.model} with the numbers of its file leaves an error of {left}."
         others = f"On the other samples {percent(errors.percent)}."
-        words = f"Nothing was fitted. {error_words(data)} {others}{as_promised(data)}"
+        words = f"Nothing was fitted. {error_words(data)} {others}{as_promised(data)}{beyond_range(data)}"
     sample = errors.bands[0] if errors.bands else None
     if sample is None or sample.window_ms == errors.band_ms:
         return sentence, words

@@ -40,6 +40,18 @@ def as_promised(data: ComparisonDocument) -> str:
     )
 
 
+def beyond_range(data: ComparisonDocument) -> str:
+    """Say which channels go beyond where held numbers were fitted; a space before each sentence."""
+    words = ""
+    for one in data.beyond_range:
+        share, channel = form(100 * (one.share_of_samples or 0.0), ".2g"), one.channel.replace("_", " ")
+        words += (
+            f" {share} % of the samples have a {channel} beyond {form(one.least, '.3g')} to "
+            f"{form(one.greatest, '.3g')} {one.unit}, where the numbers were fitted: there the model is a guess."
+        )
+    return words
+
+
 def _of_other_runs(data: ComparisonDocument) -> str:
     if not data.offsets_of_runs:
         return ""

@@ -137,6 +137,21 @@ class RecordingFacts(Part):
         return self.files or ((self.source,) if self.source else ())
 
 
+class BeyondRange(Part):
+    """A channel of a model that is taken further than where its numbers were fitted."""
+
+    channel: str
+    """Its name."""
+    share_of_samples: Number
+    """That lie beyond [1]."""
+    least: Number
+    """Where the numbers were fitted, in ``unit``."""
+    greatest: Number
+    """The same."""
+    unit: str
+    """Of both."""
+
+
 class Step(Part):
     """One step of the ladder: a model and its errors."""
 
@@ -191,6 +206,8 @@ class ComparisonDocument(ResultDocument):
     """Test error that the model's file says, where its numbers are held [% of the RMS motor torque]."""
     promised_band_ms: Number = None
     """Window over which that is averaged [ms]."""
+    beyond_range: tuple[BeyondRange, ...] = ()
+    """What is taken further than where held numbers were fitted."""
     offsets_of_runs: int = 0
     """Of so many runs the offset is taken from the run itself: the model is not known to have been fitted to them."""
     integrated_position: bool = False

@@ -163,14 +163,18 @@ def balances(drive: Drive, values: Mapping[str, float], prepared: Recording) -> 
         return
     smooth, spread = smoothed_velocity(prepared)
     rest = resting(prepared)
-    # At a reversal the slope of the velocity jumps; there smoothing may change it by more than noise does.
+    # At a reversal the slope of the velocity jumps; there smoothing may change it by more than noise does, and beside
+    # such a sample it may turn the direction: what noise could make of the sample itself is as doubtful.
+    certain = 3 * velocity_noise(prepared).deviation
     apart = prepared.velocity - smooth
-    bent = np.abs(apart, out=apart) > 3 * velocity_noise(prepared).deviation
+    bent = np.abs(apart, out=apart) > certain
     del apart
     velocity = np.where(bent, prepared.velocity, smooth)
-    del bent
+    bent[1:-1] |= bent[:-2] | bent[2:]
+    bent &= np.abs(prepared.velocity) <= certain
     velocity[rest | (np.abs(velocity) <= standstill(velocity))] = 0.0
-    doubtful = np.abs(velocity) <= 3 * spread
+    doubtful = bent | (np.abs(velocity) <= 3 * spread)
+    del bent
     recording, values = drive.timed(prepared, values)
     moving = recording.with_channels(velocity=velocity)
     inertia, parameters = drive.split(values)
