@@ -76,6 +76,25 @@ def test_the_true_model_leaves_nothing_at_a_reversal() -> None:
     assert np.max(np.abs(torque_error(DRIVE, TRUE, prepared))) > COULOMB / 3
 
 
+@pytest.mark.parametrize(("noise", "seed"), [(1.2e-4, 3), (2e-4, 0), (4e-4, 3)])
+def test_the_true_model_leaves_noise_where_a_drive_stops_between_two_samples(noise: float, seed: int) -> None:
+    """Smoothing swings over the bend; the sample after it is noise about zero, and no motion the other way."""
+    rng, step, strokes = np.random.default_rng(seed), 4e-3, 24
+    time = step * np.arange(600 * strokes)
+    stroke = np.arange(600 * strokes) // 600
+    since = time - step * 600 * stroke - rng.uniform(0.2, 0.2 + step, strokes)[stroke]
+    side = np.where(stroke % 2, -1.0, 1.0)
+    slope = side * np.select([since < 0, since < 0.7, since < 1.3, since < 2.0], [0.0, 1.0, 0.0, -1.0], 0.0)
+    velocity = side * np.interp(since, [0.0, 0.7, 1.3, 2.0], [0.0, 0.7, 0.7, 0.0])
+    # A stop is no jump of the torque: what braked the drive holds it.
+    torque = np.where(since < 0.0, COULOMB * side, np.where(since < 2.0, J * slope + COULOMB * side, side))
+    channels = {"time": time, "torque": torque, "velocity": velocity + noise * rng.standard_normal(len(time))}
+    prepared = prepare(Recording("stops", Motion.ROTARY, channels, np.zeros(len(time), dtype=np.int64)))
+    error = torque_error_over(DRIVE, TRUE, prepared, 0.0)
+    stops = (since > 1.9) & (since < 2.2)
+    assert np.max(np.abs(error[stops])) < COULOMB / 2
+
+
 @pytest.mark.parametrize("source", SOURCES)
 @pytest.mark.parametrize("jitter", [0.0, 0.6])
 def test_a_missing_constant_torque_is_found_at_its_size_in_every_band(source: str, jitter: float) -> None:

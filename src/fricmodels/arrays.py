@@ -1,4 +1,4 @@
-"""The kinds of NumPy arrays that annotations name."""
+"""The kinds of NumPy arrays that annotations name, and what is asked of masks."""
 
 from __future__ import annotations
 
@@ -15,3 +15,14 @@ Mask: TypeAlias = NDArray[np.bool_]
 
 Index: TypeAlias = NDArray[np.int64]
 """Places of samples, or run numbers."""
+
+
+def widened(mask: Mask, reach: int) -> Mask:
+    """Mark also the ``reach`` samples before and after each marked one."""
+    near, done = mask.copy(), 0
+    while done < reach and done < len(mask):
+        step, before = min(done + 1, reach - done), near.copy()
+        near[step:] |= before[:-step]
+        near[:-step] |= before[step:]
+        done += step
+    return near

@@ -109,6 +109,23 @@ def test_a_file_with_another_window_is_compared_over_that(
         assert ("the file says 7.25 %" in text) == said
 
 
+def test_what_goes_beyond_the_range_of_a_file_is_said(
+    room: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A model that was fitted to slow motion says nothing that was measured of a fast one."""
+    content = json.loads((room / "joint.model.json").read_text(encoding="utf-8"))
+    velocity = fricmodels.read(room / "joint.csv").velocity
+    slow = float(np.quantile(np.abs(velocity), 0.7)) / 1.1  # and a twentieth of the range on each side is allowed
+    content["range"]["velocity"].update(least=-slow, greatest=slow)
+    file = tmp_path / "slow.model.json"
+    file.write_text(json.dumps(content), encoding="utf-8")
+    for model, fixed, said in ((room / "joint.model.json", True, False), (file, True, True), (file, False, False)):
+        _, out, _ = call(capsys, "compare", room / "joint.csv", "--model", model, *(["--fixed"] if fixed else []))
+        text = " ".join(out.split())
+        assert ("30 % of the samples have a velocity beyond" in text) == said
+        assert ("where the numbers were fitted" in text) == said
+
+
 @pytest.mark.parametrize(("inertia", "said"), [(5.0, True), (2.0, False), (None, False)])
 def test_an_inertia_in_the_place_of_the_files_is_said(
     room: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], inertia: float | None, said: bool

@@ -8,6 +8,7 @@ from tests.logcheck.test_findings import CLEAN, changed, late
 
 from fricmodels.dimension import Motion
 from fricmodels.logcheck import Finding, findings
+from fricmodels.logcheck.finding import Severity
 from fricmodels.recording import Recording
 from fricmodels.rig import Rig
 
@@ -84,6 +85,7 @@ def test_what_may_be_a_spring_is_not_to_be_shifted(fastest: float, seed: int) ->
     """A heavy link that is moved up to its resonance is late nearly as if its torque was."""
     found = said(moved(0.3, fastest, 3.0, "spring", seed))
     assert all("looks as if" in one.text and "improve" in one.remedy for one in found)
+    assert all(one.severity is Severity.NOTE for one in found)
 
 
 @pytest.mark.parametrize("samples", [4, 8, 20])
@@ -91,7 +93,36 @@ def test_a_known_delay_is_told_as_long_as_it_is(samples: int) -> None:
     [found] = said(changed(torque=late(CLEAN.torque, samples)))
     assert float(found.text.partition("(")[2].partition(" samples")[0]) == pytest.approx(samples, abs=0.3)
     assert "looks as if" not in found.text
+    assert found.severity is Severity.WARN
     assert found.remedy.startswith("shift it")
+
+
+def started(seed: int) -> Recording:
+    """Return moves of 1.5 to 3 s with rests between them, and a friction that fades within 0.3 s of each start."""
+    rng, step = np.random.default_rng(seed), 2e-3
+    speed, since = [], []
+    while sum(map(len, speed)) < 20_000:
+        going = step * np.arange(int(rng.uniform(1.5, 3.0) / step))
+        share = going / going[-1]
+        peak = rng.uniform(0.6, 1.5) * rng.choice([-1.0, 1.0])
+        speed += [peak * np.clip(4.0 * np.minimum(share, 1.0 - share), 0.0, 1.0), np.zeros(150)]
+        since += [going, np.full(150, 10.0)]
+    velocity, age = np.concatenate(speed)[:20_000], np.concatenate(since)[:20_000]
+    friction = 8.0 * velocity + np.sign(velocity) * (12.0 + 12.0 * np.exp(-age / 0.3))
+    noise = rng.standard_normal((2, 20_000))
+    channels = {
+        "time": step * np.arange(20_000),
+        "torque": 1.2 * np.gradient(velocity, step) + friction + 0.1 * noise[0],
+        "velocity": velocity + 1e-4 * noise[1],
+        "position": np.cumsum(velocity) * step,
+    }
+    return Recording("log", Motion.ROTARY, channels, np.zeros(20_000, dtype=np.int64))
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_friction_that_fades_after_each_start_is_no_delay(seed: int) -> None:
+    """It falls once the speed has risen, as if the torque was late: by two samples at one width, by 20 at another."""
+    assert not said(started(seed))
 
 
 def counted(bits: int, samples: int = 15_000) -> Recording:

@@ -115,6 +115,17 @@ def test_at_rest_values_may_stay_as_they_are() -> None:
     )
 
 
+@pytest.mark.parametrize("steps", [False, True])
+def test_a_velocity_made_of_counts_stays_while_they_come_evenly(steps: bool) -> None:
+    """A drive low-passes its counts at its own rate, and logs every eighth: at a count a sample it is one number."""
+    rng, count, fine = np.random.default_rng(0), 2 * np.pi / 4096, np.arange(8 * SAMPLES) * INTERVAL / 8
+    speed = np.where(fine % 1.2 < 0.6, 1.0, 2.0) if steps else 1.0 + 0.02 * np.sin(fine)
+    position = count * np.floor(np.cumsum(speed + 0.01 * np.sin(30.0 * fine)) / 8 + rng.uniform())
+    velocity = lfilter([0.375], [1.0, -0.625], np.r_[0.0, np.diff(position)])[::8] * 8 / INTERVAL
+    torque = 0.1 * velocity + 0.02 * rng.standard_normal(SAMPLES)
+    assert not found(position=position[::8], velocity=np.round(velocity, 4), torque=torque)
+
+
 @pytest.mark.parametrize("every", [3, 8])
 def test_how_often_a_value_is_new_is_counted(every: int) -> None:
     (one,) = found(torque=np.repeat(TORQUE[::every], every)[:SAMPLES])

@@ -58,8 +58,9 @@ def delay(log: Log, rows: list[Balance]) -> Iterator[Finding]:
     error falls in both halves of the record, and where the speed rises as well as where it falls. It is called one
     where no more than a fifth is left in each of them, and a torque that also goes with the second change of m, as over
     a spring, explains hardly more. Otherwise it is spoken of only if it is the same at the widths that know it better
-    (:func:`_differ`): friction that fades after each start is one sample late at one width, and forty at another. A
-    motion that is recorded late is not told here from friction with memory; that is the effect ``sensor-delay``.
+    (:func:`_differ`): friction that fades after each start is one sample late at one width, and forty at another. What
+    then only looks like a delay, as much else does, is noted and not warned of. A motion that is recorded late is not
+    told here from friction with memory; that is the effect ``sensor-delay``.
     """
     interval = log.recording.interval
     sharp = (row for row in rows if _sharpness(row) > _SHARP)
@@ -81,7 +82,7 @@ def delay(log: Log, rows: list[Balance]) -> Iterator[Finding]:
         return
     yield Finding(
         "torque-delay",
-        Severity.WARN,
+        Severity.WARN if known else Severity.NOTE,
         "torque",
         f"the {log.called('torque')} is {size}"
         if known

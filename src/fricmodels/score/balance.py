@@ -35,6 +35,7 @@ from typing import Literal, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from fricmodels.arrays import widened
 from fricmodels.drive import Drive
 from fricmodels.recording import Recording
 from fricmodels.score.holding import holding_interval
@@ -154,7 +155,7 @@ def balances(drive: Drive, values: Mapping[str, float], prepared: Recording) -> 
     Raises:
         InputError: when the recording lacks a channel that the model needs.
     """
-    from fricmodels.signals import resting, smoothed_velocity, standstill, velocity_noise
+    from fricmodels.signals import resting, smoothed_velocity, smoothing_half_width, standstill, velocity_noise
 
     of = source(prepared)
     if of == "acceleration":
@@ -163,18 +164,17 @@ def balances(drive: Drive, values: Mapping[str, float], prepared: Recording) -> 
         return
     smooth, spread = smoothed_velocity(prepared)
     rest = resting(prepared)
-    # At a reversal the slope of the velocity jumps; there smoothing may change it by more than noise does, and beside
-    # such a sample it may turn the direction: what noise could make of the sample itself is as doubtful.
+    # Where the slope of the velocity jumps, at a reversal or a stop, smoothing changes it by more than noise does. As
+    # far as its window reaches from there, what noise could make of the sample itself may be no motion.
     certain = 3 * velocity_noise(prepared).deviation
     apart = prepared.velocity - smooth
     bent = np.abs(apart, out=apart) > certain
     del apart
     velocity = np.where(bent, prepared.velocity, smooth)
-    bent[1:-1] |= bent[:-2] | bent[2:]
-    bent &= np.abs(prepared.velocity) <= certain
     velocity[rest | (np.abs(velocity) <= standstill(velocity))] = 0.0
-    doubtful = bent | (np.abs(velocity) <= 3 * spread)
-    del bent
+    beside = widened(bent | rest, smoothing_half_width(prepared)) & (np.abs(prepared.velocity) <= certain)
+    doubtful = beside | (np.abs(velocity) <= 3 * spread)
+    del bent, beside
     recording, values = drive.timed(prepared, values)
     moving = recording.with_channels(velocity=velocity)
     inertia, parameters = drive.split(values)

@@ -9,14 +9,14 @@ from typing import TypeAlias
 
 import numpy as np
 
-from fricmodels.arrays import Array, Index, Mask
+from fricmodels.arrays import Array, Index, Mask, widened
 from fricmodels.recording import Recording
 from fricmodels.signals.lanczos import DEGREE, fit_stretch
 from fricmodels.sums.plan import Plan
 from fricmodels.weakform.kinks import with_kinks
 from fricmodels.weakform.quadrature import Quadrature
 from fricmodels.weakform.test_functions import HOPS, TestFunctions, mean_velocity
-from fricmodels.weakform.unclear import hidden_turns, widened
+from fricmodels.weakform.unclear import hidden_turns
 
 Rows: TypeAlias = tuple[Array, Index]
 """Rows, shape (columns, rows), and the sample at which each begins."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from fricmodels.arrays import Array, Mask
+from fricmodels.arrays import Array, Mask, widened
 from fricmodels.recording import Recording
 from fricmodels.signals import smoothed_velocity, stretches
 from fricmodels.signals.rest import once
@@ -70,14 +70,3 @@ def hidden_turns(recording: Recording, smooth: Array, error: float, limits: tupl
     push = recording.driving_torque
     split.hidden_turns(smooth, recording.run, CERTAIN * error, push, least, most, marked)
     return marked
-
-
-def widened(mask: Mask, reach: int) -> Mask:
-    """Mark also the ``reach`` samples before and after each marked one."""
-    near, done = mask.copy(), 0
-    while done < reach and done < len(mask):
-        step, before = min(done + 1, reach - done), near.copy()
-        near[step:] |= before[:-step]
-        near[:-step] |= before[step:]
-        done += step
-    return near
