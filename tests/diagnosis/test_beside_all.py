@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
 
-from fricmodels.diagnosis import Diagnosis, compare, diagnose, refits
+from fricmodels.diagnosis import Diagnosis, compare, diagnose, refits, support
 from fricmodels.diagnosis.candidate_tests import candidate_tests
 from fricmodels.diagnosis.passive import own_torque
 from fricmodels.diagnosis.policy import POLICY
@@ -27,6 +29,21 @@ def bent(made: Made, size: float, offset: float, seed: int = 0) -> Diagnosis:
     acceleration = np.gradient(recording.velocity, recording.time)
     torque = recording.torque + size * np.abs(acceleration) + offset
     return diagnose(recording.with_channels(derived=False, torque=torque), "coulomb-viscous", INERTIA)
+
+
+@pytest.mark.parametrize(("times", "keeps"), [(1.0, True), (0.12, True), (3.0, True), (0.08, False), (-1.0, False)])
+def test_an_effect_that_is_there_has_some_of_its_size_beside_a_description(
+    monkeypatch: pytest.MonkeyPatch, times: float, keeps: bool
+) -> None:
+    """Its torque beside a description is that many times the one without; what the base could be does not count."""
+    base = np.array([1.0, 1.0, 0.0, 0.0])
+    projected: Any = SimpleNamespace(project_out=lambda torques: torques - np.outer(torques @ base / 2.0, base))
+    monkeypatch.setattr(support, "regression_of", lambda *_: projected)
+    torque, across = np.array([1.0, -1.0, 2.0, 0.0]), np.array([0.0, 0.0, 0.0, 5.0])
+    own: Any = SimpleNamespace(torque=torque + 9.0 * base)
+    described: Any = SimpleNamespace(torque=times * torque + across - 30.0 * base)
+    result: Any = SimpleNamespace(problem=None, parameters={}, policy=POLICY)
+    assert support._keeps_its_size(result, own, described, np.zeros((0, 4))) is keeps
 
 
 @pytest.mark.parametrize("seed", [0, pytest.param(1, marks=pytest.mark.long)])

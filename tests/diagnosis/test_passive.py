@@ -9,11 +9,13 @@ import pytest
 
 from fricmodels.diagnosis import Comparison, compare, improve
 from fricmodels.diagnosis.candidate_tests import CandidateTest, candidate_tests
-from fricmodels.diagnosis.passive import driving_share
+from fricmodels.diagnosis.document import comparison_document
+from fricmodels.diagnosis.passive import drives_from, driving_share
 from fricmodels.diagnosis.policy import POLICY
 from fricmodels.diagnosis.refits import Refits
 from fricmodels.dimension import Motion
 from fricmodels.recording import Recording
+from fricmodels.report.answer import error_words
 
 INERTIA, VISCOUS, COULOMB = 2.0, 0.4, 1.0
 
@@ -48,6 +50,30 @@ def test_the_share_of_the_work_by_which_a_friction_drives(c: float) -> None:
     forward, backward = float(np.sum(way[way > 0])), -float(np.sum(way[way < 0]))
     expected = {3.0: 2 * backward / (4 * forward), -3.0: 2 * forward / (4 * backward)}
     assert driving_share(given) == pytest.approx(expected.get(c, 0.0), rel=0.01)
+
+
+@pytest.mark.parametrize(
+    ("model", "values", "speed"),
+    [
+        ("coulomb-viscous+nonlinear-viscous", {"nonlinear-viscous.a": 0.0, "nonlinear-viscous.b": -0.2}, 5.8541),
+        ("coulomb-viscous+nonlinear-viscous", {"nonlinear-viscous.a": 0.0, "nonlinear-viscous.b": 0.2}, None),
+        ("coulomb-viscous+asymmetry", {"asymmetry.c": 0.0, "asymmetry.d": -1.1}, 10.0),
+        ("coulomb-viscous+asymmetry", {"asymmetry.c": 0.0, "asymmetry.d": 1.1}, 10.0),
+        ("coulomb-viscous+asymmetry", {"asymmetry.c": 0.0, "asymmetry.d": -1.01}, None),
+        ("coulomb-viscous", {}, None),
+    ],
+)
+def test_from_which_speed_a_friction_would_drive(model: str, values: dict[str, float], speed: float | None) -> None:
+    """1 + ω − 0.2 ω² is zero at (1 + √1.8)/0.4, and 1 + ω − 1.1 ω at 10, one way or the other; 1 − 0.01 ω at 100."""
+    comparison = compare(record(0.0), model, INERTIA)
+    values = {**comparison.estimate.parameters, "K_v": 1.0, "K_c": 1.0, **values}
+    given = replace(comparison, estimate=replace(comparison.estimate, parameters=values))
+    expected = None if speed is None else pytest.approx(speed, rel=1e-3)
+    assert drives_from(given) == expected
+    document = comparison_document(given)
+    words = error_words(document)
+    assert document.friction_drives_from == expected
+    assert ("its friction would drive" in words) == (speed is not None)
 
 
 def test_what_is_no_friction_may_drive() -> None:

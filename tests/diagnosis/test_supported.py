@@ -12,7 +12,7 @@ import pytest
 
 import fricmodels.diagnosis.floor as errors_floor
 from fricmodels.diagnosis import candidate_tests as surveys
-from fricmodels.diagnosis import compare, diagnose, examine, improve, rivals, support, supported
+from fricmodels.diagnosis import compare, diagnose, examine, improve, rivals, supported
 from fricmodels.diagnosis.basis_functions import basis_functions
 from fricmodels.diagnosis.candidate_tests import CandidateTests, candidate_tests
 from fricmodels.diagnosis.comparison import SlidingErrors
@@ -385,23 +385,6 @@ def test_an_effect_that_adds_next_to_nothing_to_a_channel_lies_within_it(
     other: Any = SimpleNamespace(test=lambda _: SimpleNamespace(loss=np.full(5, left / 5)))
     instead = rivals.Instead(np.ones((4, 5)), frozenset({"motor torque"}), 30, 4)
     assert rivals.is_better(result, effect, gain, 0.9, other, np.full(5, 0.8), instead) is better
-
-
-@pytest.mark.parametrize(
-    ("times", "keeps"), [(1.0, True), (0.55, True), (1.9, True), (0.45, False), (2.1, False), (-1.0, False)]
-)
-def test_an_effect_that_is_there_has_one_size_whatever_else_is_described(
-    monkeypatch: pytest.MonkeyPatch, times: float, keeps: bool
-) -> None:
-    """Its torque beside a description is that many times the one without; what the base could be does not count."""
-    base = np.array([1.0, 1.0, 0.0, 0.0])
-    projected: Any = SimpleNamespace(project_out=lambda torques: torques - np.outer(torques @ base / 2.0, base))
-    monkeypatch.setattr(support, "regression_of", lambda *_: projected)
-    torque, across = np.array([1.0, -1.0, 2.0, 0.0]), np.array([0.0, 0.0, 0.0, 5.0])
-    own: Any = SimpleNamespace(torque=torque + 9.0 * base)
-    described: Any = SimpleNamespace(torque=times * torque + across - 30.0 * base)
-    result: Any = SimpleNamespace(problem=None, parameters={}, policy=POLICY)
-    assert support._keeps_its_size(result, own, described, np.zeros((0, 4))) is keeps
 
 
 def test_the_channel_of_the_motor_torque_holds_a_torque_that_falls_short_of_the_current(made: Made) -> None:

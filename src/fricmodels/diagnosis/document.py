@@ -17,6 +17,7 @@ from fricmodels.diagnosis.explain import explain, sentence, unknown
 from fricmodels.diagnosis.floor import beyond_sampling_percent, is_seen_above_noise
 from fricmodels.diagnosis.in_its_place import in_its_place
 from fricmodels.diagnosis.ladder import Ladder, added
+from fricmodels.diagnosis.passive import drives_from
 from fricmodels.diagnosis.remarks import remarks_on
 from fricmodels.diagnosis.shift import shift_within_sampling
 from fricmodels.dimension import INERTIA, Motion
@@ -43,15 +44,16 @@ def document(diagnosis: Diagnosis, ladder: Ladder | None = None) -> DiagnosisDoc
     comparison = diagnosis.comparison
     findings = diagnosis.findings if ladder is None else added(ladder)
     final = diagnosis if ladder is None else ladder.last
+    last = comparison if ladder is None else ladder.rungs[-1].comparison
     places = {} if ladder is None else in_its_place(ladder)
     return DiagnosisDocument(
-        **_facts(comparison, [finding.tested.effect for finding in findings]),
+        **_facts(comparison, [finding.tested.effect for finding in findings], last),
         verdict=diagnosis.verdict,
         effects=tuple(_effect(finding, comparison.drive.motion, places) for finding in findings),
         unknown=_unknown(final),
         remaining=_remaining(final),
         candidates=_candidates(diagnosis),
-        correlation=_correlation(final.comparison if ladder is None else ladder.rungs[-1].comparison),
+        correlation=_correlation(final.comparison if ladder is None else last),
         coloured_noise=_coloured_noise(final),
         beyond_sampling_percent=_beyond_sampling(final),
         shift=shift_within_sampling(final),
@@ -85,7 +87,7 @@ def comparison_document(comparison: Comparison) -> ComparisonDocument:
     return ComparisonDocument(**_facts(comparison))
 
 
-def _facts(comparison: Comparison, found: Sequence[Effect] = ()) -> dict[str, Any]:
+def _facts(comparison: Comparison, found: Sequence[Effect] = (), last: Comparison | None = None) -> dict[str, Any]:
     """Return the fields of :class:`ComparisonDocument`; what was found beside the model's own effects counts too."""
     drive, estimate, errors = comparison.drive, comparison.estimate, comparison.errors
     over_position = any("position" in Model.only(term).needs for term in (*drive.model.terms, *found))
@@ -105,6 +107,7 @@ def _facts(comparison: Comparison, found: Sequence[Effect] = ()) -> dict[str, An
         "held": drive.model.known.fixed,
         **_promised(drive.model.known),
         "beyond_range": beyond_range(comparison),
+        "friction_drives_from": drives_from(last or comparison),
         "offsets_of_runs": comparison.offsets_of_runs,
         "integrated_position": over_position and "position" in comparison.train.derived,
         "rms_torque_error": facts.TorqueError(

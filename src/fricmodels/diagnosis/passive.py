@@ -10,9 +10,14 @@ from fricmodels.arrays import Array
 from fricmodels.diagnosis.comparison import Comparison
 from fricmodels.drive import Drive
 from fricmodels.model import Model
+from fricmodels.recording import Recording
 from fricmodels.term import Effect
 from fricmodels.weakform.acting import acting
 from fricmodels.weakform.problem import WeakFormProblem
+
+_SPEEDS, _STEPS = 5.0, 201
+"""Times the fastest motion up to which the friction is looked at, and in how many steps: a drive is seldom identified
+further below its speed."""
 
 
 def driving_share(comparison: Comparison) -> float:
@@ -32,6 +37,34 @@ def driving_share(comparison: Comparison) -> float:
     weight = np.gradient(recording.time)
     driven, taken = float(weight @ np.maximum(-power, 0.0)), float(weight @ np.maximum(power, 0.0))
     return driven / taken if taken > 0.0 else float(np.inf if driven > 0.0 else 0.0)
+
+
+def drives_from(comparison: Comparison) -> float | None:
+    """Return the speed [rad/s or m/s] from which a model's friction would drive; ``None`` where it brakes.
+
+    A curve that fits as far as the recording goes may fall beyond it, and no friction falls through zero. Looked at are
+    the law and the effects that are functions of the speed alone, in both directions, up to :data:`_SPEEDS` times the
+    fastest motion.
+    """
+    drive, values = comparison.drive, comparison.estimate.parameters
+    terms = [effect for effect in drive.model.effects if effect.friction and _of_speed(Model.only(effect))]
+    if not _of_speed(Model(drive.model.law, ())):
+        return None
+    friction = Drive(Model(drive.model.law, terms), drive.inertia, drive.motion)
+    speeds = comparison.train.peak_speed * np.linspace(1.0, _SPEEDS, _STEPS)
+    none = np.zeros(len(speeds))
+    for side in (1.0, -1.0):
+        channels = {"time": np.arange(len(speeds), dtype=float), "torque": none, "velocity": side * speeds}
+        torque = side * friction.friction(Recording("speeds", drive.motion, channels, none.astype(np.int64)), values)
+        if torque[0] > 0.0 and torque.min() < 0.0:
+            after = int(np.argmax(torque < 0.0))
+            share = torque[after - 1] / (torque[after - 1] - torque[after])
+            return float(speeds[after - 1] + share * (speeds[after] - speeds[after - 1]))
+    return None
+
+
+def _of_speed(model: Model) -> bool:
+    return model.needs <= {"velocity"} and not model.states
 
 
 def own_torque(comparison: Comparison, effect: Effect) -> float:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
+from fricmodels.dimension import VELOCITY
 from fricmodels.report.wording import noise_alone, percent
 from fricmodels.results.words import form
 
@@ -18,7 +19,7 @@ _ONE_WINDOW = 0.05
 
 def reservations(data: ComparisonDocument) -> str:
     """Return sentences, each with a space before it; empty where there are none."""
-    return _of_other_runs(data) + _of_position(data)
+    return _of_other_runs(data) + _of_position(data) + _of_speed(data)
 
 
 def as_promised(data: ComparisonDocument) -> str:
@@ -67,3 +68,10 @@ def _of_position(data: ComparisonDocument) -> str:
         " No position was measured: what goes with it here goes with the integral of the velocity, from where each run "
         "begins, and is the same in another log only if that begins at the same place."
     )
+
+
+def _of_speed(data: ComparisonDocument) -> str:
+    if data.friction_drives_from is None:
+        return ""
+    at = f"{form(data.friction_drives_from, '.3g')} {VELOCITY.unit(data.motion)}"
+    return f" From {at} on, beyond the motion that was recorded, its friction would drive: do not use it there."

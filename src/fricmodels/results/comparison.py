@@ -208,6 +208,8 @@ class ComparisonDocument(ResultDocument):
     """Window over which that is averaged [ms]."""
     beyond_range: tuple[BeyondRange, ...] = ()
     """What is taken further than where held numbers were fitted."""
+    friction_drives_from: Number = None
+    """Speed beyond the recorded ones from which the friction of the last model would drive [rad/s or m/s]."""
     offsets_of_runs: int = 0
     """Of so many runs the offset is taken from the run itself: the model is not known to have been fitted to them."""
     integrated_position: bool = False
