@@ -41,7 +41,7 @@ EXPONENTS = {0.5: "a", 2.0: "b"}
 EFFECTS = (
     NONE, "asymmetry", "torque-offset", "stribeck", "nonlinear-viscous", "load-friction", "directional-efficiency",
     "torque-gain", "inertia-error", "gravity", "stiffness", *WAVES, "presliding", "rising-stiction", "backlash",
-    "joint-compliance", "step-change",
+    "joint-compliance", "step-change", "sensor-delay",
 )  # fmt: skip
 Row = dict[str, Any]
 
@@ -54,6 +54,8 @@ def truth(case: Case) -> dict[str, float]:
         own = wave(one) if one.name in WAVES else _of_fields(case, one, one.fields)
         if one.course == "step":
             own = {"c": one.coulomb * p.coulomb_forward, "d": 0.0, "t_0": one.at * d.runs * (d.duration + PAUSE)}
+        if one.name == "sensor-delay":
+            own = {"T": one.delay + case.lag}
         if one.name == "nonlinear-viscous" and not own:  # the model's two powers stand for another one, and so does K_v
             del found["K_v"], found["K_c"]
         found |= {f"{one.name}.{symbol}": value for symbol, value in own.items()}

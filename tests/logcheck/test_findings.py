@@ -114,6 +114,20 @@ def test_a_viscous_part_that_a_coulomb_part_cancels_is_no_voltage():
     assert "not-a-torque" not in kinds(spoilt, INERTIA)
 
 
+@pytest.mark.parametrize(
+    ("columns", "asked"),
+    [
+        ({"current": "current=Iq:A"}, False),
+        ({"current": "current=Iq"}, True),
+        ({"current": "current=Iq:A", "torque": "torque=U:V"}, True),
+        ({}, True),
+    ],
+)
+def test_a_current_whose_column_says_its_unit_is_no_voltage(columns: dict[str, str], asked: bool) -> None:
+    spoilt = replace(changed(torque=CLEAN.torque + 2.0 * CLEAN.velocity), provenance={"columns": columns})
+    assert ("not-a-torque" in kinds(spoilt, INERTIA)) == asked
+
+
 def test_a_good_recording_is_accused_of_nothing():
     assert kinds(CLEAN, INERTIA) == {}
     assert kinds(without("position"), INERTIA) == {}

@@ -56,8 +56,12 @@ def voltage(log: Log, found: Balance) -> Iterator[Finding]:
 
     Said where :math:`K_v\omega` makes three quarters of the torque's variance, both beside the other terms and without
     them, and is certainly positive: beside a Coulomb torque it may be large only because the two cancel. A drive whose
-    friction is nearly all viscous looks the same, so that this is no more than a question.
+    friction is nearly all viscous looks the same, so that this is no more than a question, and none of a current whose
+    column says its unit.
     """
+    columns = log.recording.provenance.get("columns", {})
+    if "torque" not in columns and "current" in columns and log.column("current")[1]:
+        return
     share = min(found.share("K_v") ** 2, found.explained_alone("K_v"))
     if share > _VOLTAGE and certain(found.ratio({"K_v": 1.0}), CLUSTERS):
         yield Finding(

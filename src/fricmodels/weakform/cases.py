@@ -29,8 +29,9 @@ def with_or_without_shift(found: Solved, plan: Plan) -> Solved:
     A torque goes on between samples or is held, as controllers do, its instants are exact, true to a twentieth of a
     sample, or shifted; all are equally probable before anything is known, and standard errors are over all cases, each
     as probable as it is. What is taken for the estimate has to have strong evidence if it is less simple: chance would
-    shift every second recording that says nothing. Where the rows are at a velocity that the fit predicts, that
-    velocity has already told where in its interval the torque acts.
+    shift every second recording that says nothing. Not in a model with a delay, which is a shift: there the most
+    probable case is taken. Where the rows are at a velocity that the fit predicts, that velocity has already told where
+    in its interval the torque acts.
     """
     plan = replace(plan, shifts=())
     shifted = found.with_shift if plan == found.again else found.once_more(plan, timing=True)
@@ -41,6 +42,8 @@ def with_or_without_shift(found: Solved, plan: Plan) -> Solved:
     for case in (_SHIFTED,) if found.feedback is not None else (_NEARLY, *range(_HELD, len(odds)), _SHIFTED):
         simpler = [_EXACT] if case == _NEARLY else [_EXACT, _NEARLY, chosen]
         chosen = case if odds[case] - max(odds[other] for other in simpler) > STRONG else chosen
+    if found.problem.drive.model.delay is not None:
+        chosen = int(np.argmax(odds))
     weights = np.exp(np.array(odds) - max(odds))
     weights /= weights.sum()
 

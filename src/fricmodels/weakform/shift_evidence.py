@@ -26,6 +26,7 @@ from numpy.typing import NDArray
 
 from fricmodels.recording import Recording
 from fricmodels.signals.rest import once
+from fricmodels.weakform.known_delay import TRUE_TO
 from fricmodels.weakform.long_run import cosine_terms
 from fricmodels.weakform.nonlinear import Plan
 from fricmodels.weakform.solve import WITHIN, Solved, solve
@@ -36,9 +37,9 @@ STRONG = 3.0
 """Logarithm of 20 to 1: strong evidence on the scale of Kass and Raftery (1995)."""
 _NO_FRICTION = 1e-9
 """A Coulomb torque of less than this share of the largest torque is none."""
-_TRUE_TO, _HELD_TO = 0.025, 0.005
-"""A twentieth and a hundredth of a sample, in units of two samples: how true instants are if there is no shift, and if
-the torque is held. By another twentieth the inertia torque, ten times the viscous one, would change K_v by a tenth."""
+_TRUE_TO, _HELD_TO = TRUE_TO / 2.0, 0.005
+"""How true instants are if there is no shift, and if the torque is held: to a hundredth of a sample. In units of two
+samples."""
 
 
 def log_odds_of_held(found: Solved, *, reversals: bool = True) -> float:

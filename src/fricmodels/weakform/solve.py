@@ -15,6 +15,7 @@ from fricmodels.weakform.acting import acting
 from fricmodels.weakform.equations import projection
 from fricmodels.weakform.inference import NORMAL_95, at_least, covariance, covariance_once
 from fricmodels.weakform.instants import likely_instants
+from fricmodels.weakform.known_delay import variance_of_instants
 from fricmodels.weakform.least_squares import NormalEquations
 from fricmodels.weakform.likely_values import likely_error, likely_points
 from fricmodels.weakform.nonlinear import Plan
@@ -266,6 +267,7 @@ class Solved:
                 apart = np.where(np.arange(len(result)) == i, 0.0, fit.values - self.values) / NORMAL_95
                 result = at_least(result, fit.spread[np.ix_(self.places, self.places)] + np.diag(apart**2))
             result[i, i] += error**2 if error < math.inf else 0.0
+        result += np.diag(variance_of_instants(self.problem, self.plan.held))
         return self._at_least_likely(result) if self.problem.drive.model.states else result
 
     def _at_least_likely(self, result: Array) -> Array:
