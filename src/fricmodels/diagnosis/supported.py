@@ -18,6 +18,8 @@ still does beside a description of the rest that assumes no physics:
    included: then both are there. Or e, sought anew beside one of two channels in R, does as much as the other channel:
    that described e.
 
+4. Supported effects are judged once more without those that are not: these are no part of the set.
+
 A mimic fails one of these: what it explained is taken by R, or a channel predicts more. A true effect beside an unknown
 cause passes: R takes the unknown part, and little remains but the effect's own.
 """
@@ -194,6 +196,25 @@ def _set_of(
 
 
 def _judged(result: CandidateTests, members: list[Member], rest: Rest) -> Judgement:
+    """Judge each effect of a set. Those that stand must do so without those that do not, too.
+
+    Beside effects that are not there, which describe some of an unknown cause, another one may do as much of what they
+    leave as a channel does. Without them it is that effect, and the channel, that are asked for all of it.
+    """
+    found = _judged_at_once(result, members, rest)
+    standing = {one.first.name for one, _ in found.members if found.stands(one.first, result.policy)}
+    there = [m for m in members if m.found.first.name in standing]
+    if not there or len(there) == len(found.members):
+        return found
+    alone = _judged(result, there, Rest.of(result, there))
+    again = {one.first.name: support for one, support in alone.members}
+    members_again = tuple((one, again.get(one.first.name, support)) for one, support in found.members)
+    imitating = {one.first.name for one in alone.one_cause}
+    one_cause = (*found.one_cause, *(one for one, _ in found.members if one.first.name in imitating))
+    return replace(found, members=members_again, one_cause=one_cause)
+
+
+def _judged_at_once(result: CandidateTests, members: list[Member], rest: Rest) -> Judgement:
     policy = result.policy
     # An effect at its search bound only resembles what is missing: it describes, and is not named.
     members, at_bound = [m for m in members if not m.at_bound], [m for m in members if m.at_bound]
