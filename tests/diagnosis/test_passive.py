@@ -73,7 +73,7 @@ def test_from_which_speed_a_friction_would_drive(model: str, values: dict[str, f
     document = comparison_document(given)
     words = error_words(document)
     assert document.friction_drives_from == expected
-    assert ("its friction would drive" in words) == (speed is not None)
+    assert ("would push, not brake" in words) == (speed is not None)
 
 
 def test_what_is_no_friction_may_drive() -> None:

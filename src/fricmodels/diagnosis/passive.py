@@ -15,7 +15,7 @@ from fricmodels.term import Effect
 from fricmodels.weakform.acting import acting
 from fricmodels.weakform.problem import WeakFormProblem
 
-_SPEEDS, _STEPS = 5.0, 201
+_FASTER, _STEPS = 5.0, 201
 """Times the fastest motion up to which the friction is looked at, and in how many steps: a drive is seldom identified
 further below its speed."""
 
@@ -43,7 +43,7 @@ def drives_from(comparison: Comparison) -> float | None:
     """Return the speed [rad/s or m/s] from which a model's friction would drive; ``None`` where it brakes.
 
     A curve that fits as far as the recording goes may fall beyond it, and no friction falls through zero. Looked at are
-    the law and the effects that are functions of the speed alone, in both directions, up to :data:`_SPEEDS` times the
+    the law and the effects that are functions of the speed alone, in both directions, up to :data:`_FASTER` times the
     fastest motion.
     """
     drive, values = comparison.drive, comparison.estimate.parameters
@@ -51,7 +51,7 @@ def drives_from(comparison: Comparison) -> float | None:
     if not _of_speed(Model(drive.model.law, ())):
         return None
     friction = Drive(Model(drive.model.law, terms), drive.inertia, drive.motion)
-    speeds = comparison.train.peak_speed * np.linspace(1.0, _SPEEDS, _STEPS)
+    speeds = comparison.train.peak_speed * np.linspace(1.0, _FASTER, _STEPS)
     none = np.zeros(len(speeds))
     for side in (1.0, -1.0):
         channels = {"time": np.arange(len(speeds), dtype=float), "torque": none, "velocity": side * speeds}

@@ -74,4 +74,4 @@ def _of_speed(data: ComparisonDocument) -> str:
     if data.friction_drives_from is None:
         return ""
     at = f"{form(data.friction_drives_from, '.3g')} {VELOCITY.unit(data.motion)}"
-    return f" From {at} on, beyond the motion that was recorded, its friction would drive: do not use it there."
+    return f" From {at} on, beyond the recorded motion, the friction of this model would push, not brake: no use there."

@@ -29,21 +29,17 @@ def with_or_without_shift(found: Solved, plan: Plan) -> Solved:
     A torque goes on between samples or is held, as controllers do, its instants are exact, true to a twentieth of a
     sample, or shifted; all are equally probable before anything is known, and standard errors are over all cases, each
     as probable as it is. What is taken for the estimate has to have strong evidence if it is less simple: chance would
-    shift every second recording that says nothing. Not in a model with a delay, which is a shift: there the most
-    probable case is taken. Where the rows are at a velocity that the fit predicts, that velocity has already told where
-    in its interval the torque acts.
+    shift every second recording that says nothing. In a model with a delay torque and motion are shifted anyway: there
+    the most probable case is taken. Where the rows are at a velocity that the fit predicts, that velocity has already
+    told where in its interval the torque acts.
     """
     plan = replace(plan, shifts=())
     shifted = found.with_shift if plan == found.again else found.once_more(plan, timing=True)
     odds = [log_odds_of_exact(shifted), 0.0, log_odds_of_a_shift(shifted)]
     if _may_be_held(shifted):
         odds.append(log_odds_of_held(shifted))
-    chosen = _EXACT
-    for case in (_SHIFTED,) if found.feedback is not None else (_NEARLY, *range(_HELD, len(odds)), _SHIFTED):
-        simpler = [_EXACT] if case == _NEARLY else [_EXACT, _NEARLY, chosen]
-        chosen = case if odds[case] - max(odds[other] for other in simpler) > STRONG else chosen
-    if found.problem.drive.model.delay is not None:
-        chosen = int(np.argmax(odds))
+    delayed = found.problem.drive.model.delay is not None
+    chosen = int(np.argmax(odds)) if delayed else _simplest(odds, at_model_velocity=found.feedback is not None)
     weights = np.exp(np.array(odds) - max(odds))
     weights /= weights.sum()
 
@@ -64,6 +60,15 @@ def with_or_without_shift(found: Solved, plan: Plan) -> Solved:
             other = nearly_exact(shifted, taken) if beside else fit(case)
             others.append((other.changed(feedback=found.feedback), weight))
     return taken.changed(feedback=found.feedback, others=tuple(others))
+
+
+def _simplest(odds: list[float], *, at_model_velocity: bool) -> int:
+    """Return the simplest case against which there is no strong evidence, by the logarithm of how probable each is."""
+    chosen = _EXACT
+    for case in (_SHIFTED,) if at_model_velocity else (_NEARLY, *range(_HELD, len(odds)), _SHIFTED):
+        simpler = [_EXACT] if case == _NEARLY else [_EXACT, _NEARLY, chosen]
+        chosen = case if odds[case] - max(odds[other] for other in simpler) > STRONG else chosen
+    return chosen
 
 
 def as_held(found: Solved) -> Solved | None:

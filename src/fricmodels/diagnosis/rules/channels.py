@@ -27,8 +27,8 @@ class ChannelRules(Rules):
         0.1,
         "share of its size without the description",
         "And if it has so much of its size there. So has one beside one of two channels in its place.",
-        "Found on two drives of our rig with the true effect off the list, whose wrong names have 0.007 and 0.03; "
-        "those that are there have 0.25 to 1.4 on five drives of 200.",
+        "Found on our rig: without it two more of 66 drives with the true effect off the list have a wrong name, with "
+        "0.007 and 0.03 of its size. On 200 rough drives those that are there have 0.25 to 1.4, on five.",
         off=-_INF,
     )
     outpredicted_significance: float = rule(
