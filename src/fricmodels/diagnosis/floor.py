@@ -116,7 +116,10 @@ def is_seen_above_noise(comparison: Comparison, policy: Policy = POLICY) -> bool
 
 
 def is_noticed(comparison: Comparison, percent: float, policy: Policy = POLICY) -> bool:
-    """Whether what could be predicted makes up a noticeable part of the error that users are shown.
+    """Whether what could be predicted makes up a noticeable part of the error that users are shown, or of the torque.
+
+    A part of the torque is noticed beside any error: that of single samples has what sampling makes, ten times as much
+    where a drive turns often, and the motion between the turns is wrong all the same.
 
     The error must be more than the noise was estimated to leave, where it was fitted and where it was not, and in some
     window by as large a part of it: else what a channel predicts is the noise itself, as that of the counts from which
@@ -131,7 +134,7 @@ def is_noticed(comparison: Comparison, percent: float, policy: Policy = POLICY) 
     whole = 0.5 * (line.percent**2 + line.held_out_percent**2)
     is_more = _least_square(line) > line.noise_floor_percent**2
     is_clear = any(_least_square(b) - b.noise_floor_percent**2 > policy.noticed * _least_square(b) for b in bands)
-    return is_more and is_clear and percent**2 >= policy.noticed * whole
+    return is_more and is_clear and percent >= min(policy.noticed**0.5 * whole**0.5, policy.noticed_torque)
 
 
 def _least_square(band: Band) -> float:
