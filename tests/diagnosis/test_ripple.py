@@ -169,6 +169,7 @@ class Fits:
     [
         ((2.0, 3.0), (9.0, 9.0), "simple"),
         ((1.0, 3.0), (9.0, 9.0), "simple"),
+        ((2.04, 3.0), (9.0, 9.0), "simple"),  # two harmonics more always gain a little
         ((2.1, 1.0), (9.0, 9.0), "wave"),  # in windows that are wider than the wave nothing of it is left
         ((2.1, 1.0), (1.99, 9.0), "wave"),  # with as many parameters it has to be lower by a margin
         ((2.1, 1.0), (1.90, 9.0), "other"),

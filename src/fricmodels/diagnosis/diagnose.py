@@ -337,7 +337,8 @@ def _confirmed_ripple(refits: Refits | None, ripple: FastRipple | None) -> FastR
     """Return fast waves over position if the test error falls with their effect, as far as it shows them.
 
     The rows that carry a wave may be explained better by what they get wrong. So an effect with fewer parameters leads,
-    as gravity where the wave is a turn, if the test error is no higher with it, and one with as many if it is lower.
+    as gravity where the wave is a turn, if the test error is hardly higher with it, and one with as many if it is
+    lower.
     """
     if refits is None or ripple is None or ripple.found is None:
         return None

@@ -120,15 +120,15 @@ class Refits:
         return any(after < before for after, before in pairs)
 
     def is_better_within(self, tested: CandidateTest, other: CandidateTest, window_ms: float) -> bool:
-        """Whether with an effect these test errors are lower than with another one, or no higher with a simpler one.
+        """Whether with an effect these test errors are lower than with another one by the margin of an exchange.
 
-        With as many parameters they must be lower by the margin of an exchange.
+        With a simpler effect they may be higher by that margin: two harmonics more always gain a little.
         """
         one, two = self.with_effect(tested), self.with_effect(other)
         if one is None or two is None:
             return one is not None
         simpler = len(tested.effect.parameters) < len(other.effect.parameters)
-        most = 1.0 if simpler else 1.0 - self.policy.exchange_margin
+        most = 1.0 + (self.policy.exchange_margin if simpler else -self.policy.exchange_margin)
         return all(a <= most * b for a, b in zip(_within(one, window_ms), _within(two, window_ms), strict=True))
 
 
