@@ -81,6 +81,29 @@ def test_a_gain_is_that_of_what_noise_leaves(made: Made) -> None:
     assert gains[10.0][0] < POLICY.least_gain < 0.2 < gains[10.0][1]
 
 
+def test_what_is_predicted_is_noticed_as_a_part_of_the_error(made: Made) -> None:
+    comparison = compare(made(noise=1.0), LAW, 2.0)
+    line = replace(comparison.errors.headline, noise_floor_percent=0.0)
+    comparison = replace(comparison, errors=replace(comparison.errors, headline=line, bands=(line,)))
+    whole = float(np.hypot(line.percent, line.held_out_percent)) / np.sqrt(2.0)
+    policy = POLICY
+    only = replace(policy, noticed_torque=np.inf)
+    assert is_noticed(comparison, 1.01 * np.sqrt(policy.noticed) * whole, only)
+    assert not is_noticed(comparison, 0.99 * np.sqrt(policy.noticed) * whole, only)
+    assert is_noticed(comparison, 1e-9, replace(only, noticed=0.0))
+
+
+@pytest.mark.parametrize(("percent", "noticed"), [(0.99, False), (1.01, True)])
+def test_of_an_error_that_sampling_makes_a_part_of_the_torque_is_noticed(
+    made: Made, percent: float, noticed: bool
+) -> None:
+    """A drift of 1.9 % was adequate beside an error of single samples of 6 % about reversals."""
+    comparison = compare(made(noise=1.0), LAW, 2.0)
+    line = replace(comparison.errors.headline, percent=30.0, held_out_percent=30.0, noise_floor_percent=0.0)
+    comparison = replace(comparison, errors=replace(comparison.errors, headline=line, bands=(line,)))
+    assert is_noticed(comparison, percent) == noticed
+
+
 @pytest.mark.parametrize(
     ("share", "clear", "noticed"), [(0.98, True, True), (0.98, False, False), (0.94, False, True), (1.02, True, False)]
 )

@@ -314,29 +314,6 @@ def test_friction_that_lags_is_no_wrong_inertia(made: Made, samples: int) -> Non
     assert named(result, ["inertia-error"]) == []
 
 
-def test_what_is_predicted_is_noticed_as_a_part_of_the_error(made: Made) -> None:
-    comparison = compare(made(noise=1.0), LAW, 2.0)
-    line = replace(comparison.errors.headline, noise_floor_percent=0.0)
-    comparison = replace(comparison, errors=replace(comparison.errors, headline=line, bands=(line,)))
-    whole = float(np.hypot(line.percent, line.held_out_percent)) / np.sqrt(2.0)
-    policy = errors_floor.POLICY
-    only = replace(policy, noticed_torque=np.inf)
-    assert errors_floor.is_noticed(comparison, 1.01 * np.sqrt(policy.noticed) * whole, only)
-    assert not errors_floor.is_noticed(comparison, 0.99 * np.sqrt(policy.noticed) * whole, only)
-    assert errors_floor.is_noticed(comparison, 1e-9, replace(only, noticed=0.0))
-
-
-@pytest.mark.parametrize(("percent", "noticed"), [(0.99, False), (1.01, True)])
-def test_of_an_error_that_sampling_makes_a_part_of_the_torque_is_noticed(
-    made: Made, percent: float, noticed: bool
-) -> None:
-    """A drift of 1.9 % was adequate beside an error of single samples of 6 % about reversals."""
-    comparison = compare(made(noise=1.0), LAW, 2.0)
-    line = replace(comparison.errors.headline, percent=30.0, held_out_percent=30.0, noise_floor_percent=0.0)
-    comparison = replace(comparison, errors=replace(comparison.errors, headline=line, bands=(line,)))
-    assert errors_floor.is_noticed(comparison, percent) == noticed
-
-
 def test_an_error_is_above_noise_by_the_noise_of_its_own_part(made: Made) -> None:
     comparison = compare(made(noise=1.0), LAW, 2.0)
     assert errors_floor.is_above_noise(replace(comparison, sliding=SlidingErrors(1.0, 9.0, 1.0, 1.0)))

@@ -131,6 +131,8 @@ def test_what_predicts_a_part_that_is_too_small_is_not_said_to_be_nothing() -> N
     unknown = {"channels": "acceleration", "p_value": 1e-9, "held_out_gain": 0.3}
     found = answer(data(unknown=unknown, noise_floor_percent=3.9))
     assert found.remains.endswith("what acceleration predicts of it is too small a part to be noticed.")
+    sized = answer(data(unknown={**unknown, "torque_percent": 0.36}, noise_floor_percent=3.9))
+    assert sized.remains.endswith("what acceleration predicts of it (0.360\u00a0%) is too small a part to be noticed.")
     assert answer(data(noise_floor_percent=3.9)).remains.endswith("nothing predicts the rest.")
 
 
@@ -239,6 +241,19 @@ def test_a_torque_in_time_is_to_be_found_and_no_effect_is_tried() -> None:
     assert "predicted from time (at 1.7 Hz), whatever the drive does" in found.remains
     assert found.next.startswith("Find what goes at 1.7 Hz (a pump, a fan, another machine)")
     assert found.command.endswith("--report error.html")
+
+
+@pytest.mark.parametrize(
+    ("part", "said"), [(4.0, ", of which speed predicts 4.00\u00a0%;"), (7.0, ", predicted from speed;")]
+)
+def test_a_channel_that_predicts_a_small_part_of_what_remains_is_not_said_to_predict_all(
+    part: float, said: str
+) -> None:
+    """Sampling makes an error of single samples that no channel tells, about reversals."""
+    unknown = {"channels": "speed", "p_value": 1e-9, "held_out_gain": 0.9, "torque_percent": part}
+    one, left = [step("coulomb-viscous", 9.4)], {**rest(9.3, 6.0), "channel": "speed", "where": "x"}
+    found = answer(data(verdict="unknown-effect", effects=[], ladder=one, unknown=unknown, remaining=left))
+    assert said in found.remains
 
 
 def test_noise_makes_no_more_than_all() -> None:

@@ -20,6 +20,7 @@ from fricmodels.diagnosis.ladder import Ladder, added
 from fricmodels.diagnosis.passive import drives_from
 from fricmodels.diagnosis.remarks import remarks_on
 from fricmodels.diagnosis.shift import shift_within_sampling
+from fricmodels.diagnosis.verdict import torque_share
 from fricmodels.dimension import INERTIA, Motion
 from fricmodels.files import write_text
 from fricmodels.model import Known, Model
@@ -155,10 +156,15 @@ def _recording(comparison: Comparison) -> facts.RecordingFacts:
 
 
 def _unknown(diagnosis: Diagnosis) -> typed.Predictor | None:
-    view = diagnosis.view
+    view, result = diagnosis.view, diagnosis.result
     if view is None:
         return None
-    return typed.Predictor(channels=view.channels, p_value=view.p_value, held_out_gain=view.evidence.gain)
+    return typed.Predictor(
+        channels=view.channels,
+        p_value=view.p_value,
+        held_out_gain=view.evidence.gain,
+        torque_percent=None if result is None else 100.0 * torque_share(result, view.evidence),
+    )
 
 
 def _beyond_sampling(diagnosis: Diagnosis) -> float | None:

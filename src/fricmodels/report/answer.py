@@ -241,9 +241,9 @@ def _remains(data: DiagnosisDocument) -> str:
             beyond = data.beyond_sampling_percent
             why = "nothing predicts the rest."
             if data.unknown is not None:
-                part = "is too small a part to be noticed"
-                channel = predictor(data.unknown.channels)
-                why = f"what {channel} {_predicts(channel)} of it {part}."
+                channel, part = predictor(data.unknown.channels), data.unknown.torque_percent
+                much = "" if part is None else f" ({percent(part)})"
+                why = f"what {channel} {_predicts(channel)} of it{much} is too small a part to be noticed."
             if beyond is not None and last is not None and beyond < last and percent(beyond) != percent(last):
                 why = f"all but {percent(beyond)} may be sampling: {SAMPLING}."
             if data.shift is not None:
@@ -259,10 +259,20 @@ def _remains(data: DiagnosisDocument) -> str:
     size = f"{percent(rest.percent)} of the {data.reference} beyond noise ({form(rest.SI, '.2g')} {data.unit} RMS)"
     if not rest.percent:
         size = f"No more than the noise was estimated to leave ({percent(data.last_noise_floor_percent)})"
-    shown = f", predicted from {predictor(rest.channel)}" if rest.channel else ", predicted from no recorded channel"
+    shown = _predicted(data, rest)
     where = _MINUS.sub("−", rest.where)
     place = f"; largest {where}" if rest.place else f"; {where}" if where else ""
     return f"{size}{shown}{', whatever the drive does' if rest.channel.startswith(LINE) else ''}{place}."
+
+
+def _predicted(data: DiagnosisDocument, rest: Remaining) -> str:
+    """Return what predicts the rest, and how much of it, where that is less than half of its square."""
+    if not rest.channel:
+        return ", predicted from no recorded channel"
+    channel, part = predictor(rest.channel), None if data.unknown is None else data.unknown.torque_percent
+    if part is None or 2.0 * part**2 >= (rest.percent or 0.0) ** 2:
+        return f", predicted from {channel}"
+    return f", of which {channel} {_predicts(channel)} {percent(part)}"
 
 
 def _next(data: DiagnosisDocument, options: Sequence[str]) -> tuple[str, str]:

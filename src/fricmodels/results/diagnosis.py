@@ -69,6 +69,8 @@ class Predictor(Part):
     """Corrected for the number of channels [1]."""
     held_out_gain: Number
     """Share by which it lowers the residual on blocks that were not used for fitting [1]."""
+    torque_percent: Number = None
+    """RMS torque that it predicts [% of the RMS motor torque]; null in documents of older versions."""
 
 
 class Place(Part):
