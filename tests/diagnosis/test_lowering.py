@@ -31,26 +31,32 @@ def fitted(error: float) -> Any:
 
 
 @pytest.mark.parametrize(
-    ("errors", "kept", "left_out"),
+    ("errors", "void", "kept", "left_out"),
     [
-        ([5.0], "a", ""),
-        ([12.0], "", "a"),
-        ([10.0], "", "a"),
-        ([12.0, 8.0], "ab", ""),  # two that help together
-        ([5.0, 7.0], "a", "b"),
-        ([5.0, 7.0, 6.0], "a", "b"),  # lower than the one before, and no better than the first alone
-        ([5.0, 7.0, 4.0], "abc", ""),
-        ([11.0, 12.0, 10.5], "", "a"),
+        ([5.0], "", "a", ""),
+        ([12.0], "", "", "a"),
+        ([10.0], "", "", "a"),
+        ([12.0, 8.0], "", "ab", ""),  # two that help together
+        ([5.0, 7.0], "", "a", "b"),
+        ([5.0, 7.0, 6.0], "", "a", "b"),  # lower than the one before, and no better than the first alone
+        ([5.0, 7.0, 4.0], "", "abc", ""),
+        ([11.0, 12.0, 10.5], "", "", "a"),
+        ([5.0], "a", "", "a"),  # nothing lowers no error
+        ([8.0, 5.0], "b", "a", "b"),
+        ([8.0, 5.0], "a", "ab", ""),  # the next one lowers it beside that; what is nothing is taken out afterwards
     ],
 )
-def test_up_to_the_lowest_error(errors: list[float], kept: str, left_out: str, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_up_to_the_lowest_error(
+    errors: list[float], void: str, kept: str, left_out: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setattr(searching, "from_scratch", lambda comparison: comparison)
+    monkeypatch.setattr(searching, "is_void", lambda comparison, name: name == void)
     first: Any = SimpleNamespace(comparison=fitted(10.0), judgement=None)
     search = searching.Search(set(), set(), POLICY, first)
     step: Any = [(first, Rung(fitted(error), added=name)) for name, error in zip("abc", errors, strict=False)]
     assert "".join(rung.added for _, rung in search._lowering(step)) == kept
     assert "".join(search._superfluous) == left_out
-    assert (left_out != "") == ("does not fall" in search.note)
+    assert ("it is nothing" if left_out == void else "does not fall") in search.note if left_out else not search.note
 
 
 @pytest.mark.parametrize(("imitating", "tried"), [("", "ab"), ("a", "bc"), ("b", "ac"), ("bc", "a")])
@@ -81,6 +87,7 @@ def test_of_effects_that_show_only_jointly_all_are_added_or_none(
     errors: list[float], alone: str, jointly: str, only_jointly: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(searching, "from_scratch", lambda comparison: comparison)
+    monkeypatch.setattr(searching, "is_void", lambda comparison, name: False)
     first: Any = SimpleNamespace(comparison=fitted(10.0), judgement=SimpleNamespace(only_jointly=only_jointly))
     search = searching.Search(set(), set(), POLICY, first)
     step: Any = [(first, Rung(fitted(error), added=name)) for name, error in zip("abc", errors, strict=False)]

@@ -131,3 +131,14 @@ def test_no_contact_bends_over_less_than_the_drive_goes_in_two_samples() -> None
     steady = recording.with_channels(velocity=2.0 + recording.velocity)
     assert within_motion(steady, Presliding.x_s).lower == Presliding.x_s.lower
     assert within_motion(recording, PositionFriction.k) is PositionFriction.k
+
+
+@pytest.mark.parametrize("size", [1.0, 1e-3])
+def test_no_contact_bends_within_the_counts_that_tell_the_motion(size: float) -> None:
+    """Where the drive turned is known to a count on either side; a velocity of its own does not depend on them."""
+    recording, step = swinging(2.0), 0.01 * size
+    recording = recording.with_channels(velocity=size * recording.velocity)
+    counted = recording.with_channels(position=step * np.rint(np.cumsum(recording.velocity) / 200.0 / step))
+    derived = replace(counted, derived_over=4)
+    assert within_motion(derived, Presliding.x_s).lower == pytest.approx(2 * step, rel=1e-6)
+    assert within_motion(counted, Presliding.x_s).lower == within_motion(recording, Presliding.x_s).lower

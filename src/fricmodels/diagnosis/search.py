@@ -92,10 +92,14 @@ class Search:
         """Return the rungs, fitted as `compare` fits them, up to the one with the lowest printed test error.
 
         The effect after it is not considered again; what was found with it may be found once more. Of effects that
-        show only beside each other all are added, or none.
+        show only beside each other all are added, or none. One that comes out as nothing lowers no error, whatever else
+        the fit has changed: with an inertia that no motion tells the noise of the acceleration is another one.
         """
         fitted = [(diagnosis, replace(rung, comparison=from_scratch(rung.comparison))) for diagnosis, rung in step]
-        errors = [c.errors.held_out_percent for c in (self._here, *(rung.comparison for _, rung in fitted))]
+        void = [is_void(rung.comparison, rung.added) for _, rung in fitted]
+        lowered = [rung.comparison.errors.held_out_percent for _, rung in fitted]
+        rungs = (float("inf") if none else error for error, none in zip(lowered, void, strict=True))
+        errors = [self._here.errors.held_out_percent, *rungs]
         kept = errors.index(min(errors))
         judgement = self.diagnosis.judgement
         if kept < len(fitted) and judgement is not None and judgement.only_jointly:
@@ -103,7 +107,8 @@ class Search:
         if kept < len(fitted):
             name = fitted[kept][1].added
             self._superfluous.add(name)
-            self.note = f"'{name}' was found, but the test error does not fall with it"
+            why = "fitted to all of the motion it is nothing" if void[kept] else "the test error does not fall with it"
+            self.note = f"'{name}' was found, but {why}"
         return fitted[:kept]
 
     def _step(self) -> list[tuple[Diagnosis, Rung]]:

@@ -10,10 +10,13 @@ from fricmodels.dimension import ACCELERATION, DISPLACEMENT, TIME, VELOCITY, Dim
 from fricmodels.parameter import Parameter
 from fricmodels.recording import Recording
 from fricmodels.signals.lanczos import lanczos_value
+from fricmodels.signals.noise_level import quantum
 from fricmodels.signals.rest import once, resting, smoothed_velocity
 
 _SHORTEST = 2.0
 """The shortest duration that can be told, in sampling intervals: sampling alone delays by part of one."""
+_COUNTS = 2.0
+"""And the shortest way, in counts of the position that tells the motion."""
 _LOW, _SLOWER, _WIDTH = 0.2, 0.25, 2
 """Share of the RMS speed that is low; share of what is passed at low speed that is passed more slowly than by the usual
 acceleration; samples to either side of one from which its acceleration is told."""
@@ -90,7 +93,8 @@ def within_motion(recording: Recording, parameter: Parameter) -> Parameter:
     A place lies within the travel. A duration is no less than two samples: a shorter one says when samples were taken.
     So is a speed below which friction differs: the drive is slower than it for no less than that, as it turns. (One
     that may be negative is a part of such a speed.) And so is a length over which a contact bends or a gap is crossed:
-    from standstill the drive goes that far in no less than that.
+    from standstill the drive goes that far in no less than that, and in no less than two counts of a position from
+    which the velocity was derived: where it turned is known to one count on either side.
     A part on a spring follows the drive where that is slow: there it swings, undamped, at most three times as far, so
     that its natural frequency is at least √1.5 times that of the slow motion. Nor does it swing from side to side in
     less than two samples: faster, what it does is when samples were taken.
@@ -101,7 +105,7 @@ def within_motion(recording: Recording, parameter: Parameter) -> Parameter:
     elif parameter.dimension == VELOCITY and lower >= 0.0:
         lower = min(max(lower, 0.5 * _SHORTEST * recording.interval * turning(recording)), upper)
     elif parameter.dimension == DISPLACEMENT and not (parameter.place or parameter.periodic):
-        lower = min(max(lower, 0.5 * (_SHORTEST * recording.interval) ** 2 * turning(recording)), upper)
+        lower = min(max(lower, _unseen_way(recording)), upper)
     elif parameter.resonance:
         upper = min(upper, np.pi / (_SHORTEST * recording.interval))
         lower = max(lower, _FOLLOWS * slow_angular_frequency(recording))
@@ -111,6 +115,12 @@ def within_motion(recording: Recording, parameter: Parameter) -> Parameter:
     if lower > upper or (lower, upper) == (parameter.lower, parameter.upper):
         return parameter
     return replace(parameter, lower=lower, upper=upper, initial=min(max(parameter.initial, lower), upper))
+
+
+def _unseen_way(recording: Recording) -> float:
+    """Return the way about a reversal [rad or m] of which nothing can be told."""
+    in_samples = 0.5 * (_SHORTEST * recording.interval) ** 2 * turning(recording)
+    return max(in_samples, _COUNTS * quantum(recording["position"]) if recording.derived_over else 0.0)
 
 
 @once
