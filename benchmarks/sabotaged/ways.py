@@ -273,9 +273,16 @@ def hardly_moving(recording: Recording, rng: np.random.Generator) -> Recording |
     return changed(recording, **channels)
 
 
-def without_sign(recording: Recording, rng: np.random.Generator) -> Recording:
-    """Keep the size of the torque, as a converter shows it."""
-    return changed(recording, torque=np.abs(recording.torque))
+def without_sign(name: str) -> Callable[[Recording, np.random.Generator], Recording]:
+    """Keep the size of a channel, as a converter shows it."""
+    return lambda recording, rng: changed(recording, **{name: np.abs(recording[name])})
+
+
+def often_wrong(recording: Recording, rng: np.random.Generator) -> Recording:
+    """Let single samples of the torque be thirty times as large, one of thirty to sixty at even distances."""
+    values = recording.torque.copy()
+    values[int(rng.integers(1, 30)) :: int(rng.integers(30, 61))] *= 30.0
+    return changed(recording, torque=values)
 
 
 WAYS = (
@@ -295,6 +302,7 @@ WAYS = (
     Way("time in ms", scaled(time=1e3), ("unit",), "inertia"),
     Way("time in µs, without position", without_position(1e6), ("unit",), "inertia"),
     Way("velocity with the other sign", with_both(scaled(velocity=-1.0)), ("velocity-sign",)),
+    Way("velocity without its sign", with_both(without_sign("velocity")), ("velocity-magnitude",)),
     Way("position with the other sign", with_both(scaled(position=-1.0)), ("velocity-sign",)),
     Way("a gear between the sensors (× 7)", with_both(scaled(velocity=7.0)), ("velocity-scale",)),
     Way("velocity two hundredths too large", with_both(scaled(velocity=1.02)), ("velocity-scale",)),
@@ -316,6 +324,7 @@ WAYS = (
     Way("torque in steps of a fifth", coarse("torque"), ("quantisation",)),
     Way("velocity in steps of a fifth", coarse("velocity"), ("quantisation",)),
     Way("single samples of the torque wrong", spiked("torque"), ("spike",)),
+    Way("one sample of the torque in thirty to sixty wrong", often_wrong, ("spike",)),
     Way("single samples of the position wrong", spiked("position"), ("spike",)),
     Way("single samples of the velocity off within its range", with_both(off_within_range), ("spike",)),
     Way("all channels hold for a while", outages, ("repeated-samples",)),
@@ -329,7 +338,7 @@ WAYS = (
 BOTH = (
     Way("both in degrees, nothing else known", with_both(scaled(position=DEGREES, velocity=DEGREES)), ("unit",)),
     Way("velocity alone, deg/s, nothing else known", alone(DEGREES), ("unit",)),
-    Way("torque without its sign", without_sign, ("torque-magnitude",)),
+    Way("torque without its sign", without_sign("torque"), ("torque-magnitude",)),
 )
 """Ways that most recordings cannot show, counted apart: rescaled angles obey the same equation of motion, and the size
 of a torque that is nearly all Coulomb friction is a constant."""

@@ -93,6 +93,8 @@ SPOILT = {
         WARN,
     ),
     "a bad sample": (changed(torque=np.where(np.arange(8000) == 5000, 40.0, CLEAN.torque)), "spike", WARN),
+    "many bad samples": (changed(torque=np.where(np.arange(8000) % 37, 1.0, 30.0) * CLEAN.torque), "spike", WARN),
+    "velocity without its sign": (changed(velocity=np.abs(CLEAN.velocity)), "velocity-magnitude", STOP),
     "a bad position": (changed(position=np.where(np.arange(8000) == 99, -90.0, CLEAN["position"])), "spike", WARN),
     "polled": (changed(velocity=np.repeat(CLEAN.velocity[::3], 3)[:8000]), "repeated-samples", WARN),
     "coarse": (changed(torque=0.2 * np.round(CLEAN.torque / 0.2)), "quantisation", WARN),

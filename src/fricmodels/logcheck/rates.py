@@ -27,6 +27,8 @@ _FOLLOWS = 0.5
 """Correlation below which less than a quarter of the one is explained by the other."""
 _IS = 0.9
 """Correlation above which the one is the change of the other: four fifths of it are explained."""
+_OF_ONE_SIGN = 0.99
+"""Share of the mean size that the mean of a rate without its sign has; noise may turn what is nearly nothing."""
 _CELLS, _APART = (1, 4, 16), 4
 """Samples of a cell, and cells between a slope and its instruments."""
 _MATCHES = 0.01
@@ -98,7 +100,41 @@ def consistency(log: Log, balance: Balance | None) -> Iterator[Finding]:
         assert found is not None
         if abs(found.correlation) < _FOLLOWS and _lost_in_noise(channels[pair[1]]):
             continue
+        if is_size_of_change(short, *(channels[name] for name in pair)):
+            yield _without_its_sign(log, pair)
+            continue
         yield _of_pair(log, pair, found, balance)
+
+
+def is_size_of_change(log: Log, quantity: Array, rate: Array) -> bool:
+    """Whether a rate that never changes its sign is the size of the change of a quantity that goes both ways."""
+    size = np.abs(rate)
+    if abs(float(np.sum(rate))) < _OF_ONE_SIGN * float(np.sum(size)):
+        return False
+    area = log.area(size)
+    for width in _WIDTHS:
+        if len(area) <= width * (_LEAST + 1):
+            break
+        cells = Cells.of(log, width)
+        whole = np.r_[True, cells.whole] & np.r_[cells.whole, True]
+        change = cells.slope(quantity)[whole]
+        one, other = np.abs(change), cells.slope(area)[whole]
+        spread = float(np.std(one)) * float(np.std(other))
+        goes_back = float(np.sum(change)) ** 2 < _FOLLOWS**2 * float(np.sum(one)) ** 2
+        if goes_back and spread > 0.0 and float(np.cov(one, other, bias=True)[0, 1]) > _IS * spread:
+            return abs(float(np.std(other) / np.std(one)) - 1.0) <= _SAME
+    return False
+
+
+def _without_its_sign(log: Log, pair: tuple[str, str]) -> Finding:
+    quantity, rate = pair
+    return Finding(
+        f"{rate}-magnitude",
+        Severity.STOP,
+        rate,
+        f"the {log.called(rate)} never changes its sign: it is the size of the change of the {log.called(quantity)}",
+        f"take it out of the file: the {rate} is then derived from the {quantity}, with its sign",
+    )
 
 
 def _lost_in_noise(values: Array) -> bool:

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from fricmodels.arrays import Array, Index
 from fricmodels.logcheck.finding import Finding, Severity
 from fricmodels.logcheck.view import Log
 from fricmodels.results.words import figures
@@ -20,6 +21,8 @@ _UNLIKE = 3.0
 """Times the usual misfit of velocity and position from which a sample is none."""
 _FEW_JUMP = 500
 """Of so many samples one may be a spike, and two in a short log."""
+_MANY_JUMP, _FARTHER = 20, 3.0
+"""And of so many samples, if they all jump so many times the range of all others."""
 _TOLD = 3
 """Jumps that are told one by one."""
 _COARSE = 0.01
@@ -54,24 +57,25 @@ def spikes(log: Log) -> Iterator[Finding]:
     """Say where a channel jumps away for one sample and back at once, further than all else reaches.
 
     Its distance from both neighbours, to the same side, is more than the range of all samples but the five hundredth
-    that jump furthest. No drive does that; a bus that lost a bit does.
+    that jump furthest; or three times that of all but the twentieth that do. No drive does that; a bus that lost a bit
+    does.
     """
     for channel in ("torque", "current", "velocity", "position", "load_torque"):
         values = log.measured.get(channel)
         if values is None or (channel == "current" and "torque" in log.measured) or is_switched(values):
             continue
-        change = np.where(log.joined, np.diff(values), 0.0)
-        there, back = np.r_[0.0, change], np.r_[change, 0.0]
+        inner = 1 + np.flatnonzero(log.joined[:-1] & log.joined[1:])  # the first of a run may jump unseen
+        there, back = values[inner] - values[inner - 1], values[inner + 1] - values[inner]
+        values = values[inner]
         jump = np.where(there * back < 0.0, np.minimum(np.abs(there), np.abs(back)), 0.0)
         few = max(2, len(values) // _FEW_JUMP)
         if len(values) <= few or 3.0 * jump.max() <= np.ptp(values):  # with spikes to both sides it is more
             continue
-        kept = values[np.argpartition(jump, -few)[:-few]]
-        usual = float(np.ptp(kept))
-        at = np.flatnonzero(jump > usual)
-        if usual == 0.0 or not len(at):
+        found = _jumping(values, jump, few, 1.0), _jumping(values, jump, len(values) // _MANY_JUMP, _FARTHER)
+        kept, at = max(found, key=lambda one: len(one[1]))
+        if not len(at):
             continue
-        unit, time = log.unit(channel), log.recording.time[at[0]] - log.recording.time[0]
+        unit, time = log.unit(channel), log.recording.time[inner[at[0]]] - log.recording.time[0]
         more = f", and so do {len(at) - 1} more" if len(at) > 1 else ""
         yield Finding(
             "spike",
@@ -82,6 +86,13 @@ def spikes(log: Log) -> Iterator[Finding]:
             f"{unit} and back at once, where all others are {figures(kept.min(), 4)} to {figures(kept.max(), 4)}{more}",
             "remove such rows",
         )
+
+
+def _jumping(values: Array, jump: Array, most: int, farther: float) -> tuple[Array, Index]:
+    """Return the samples but those that jump furthest, and which of all jump farther than so many times their range."""
+    kept = values[np.argpartition(jump, -most)[:-most]] if most else values
+    usual = float(np.ptp(kept))
+    return kept, np.flatnonzero(jump > farther * usual) if usual > 0.0 else np.empty(0, dtype=np.int64)
 
 
 def unlike_the_position(log: Log) -> Iterator[Finding]:
