@@ -18,7 +18,7 @@ from fricmodels.diagnosis.effect_set import (
     visible_of,
     without,
 )
-from fricmodels.diagnosis.floor import creditable
+from fricmodels.diagnosis.floor import above_noise, creditable
 from fricmodels.diagnosis.predictability import AUTOREGRESSIVE, ChannelPredictor
 from fricmodels.diagnosis.verdict import predicts
 from fricmodels.weakform.regression import Regression, compare
@@ -89,7 +89,9 @@ def _is_one_cause(
         if len(effects) < predictor.terms and theirs < policy.of_channel * all_own:
             continue  # the channel takes more terms and does less
         if all_own >= policy.of_channel * theirs:
-            few = len(effects) < policy.fewer_terms * predictor.terms
+            few = len(effects) < policy.fewer_terms * predictor.terms or (
+                len(effects) < predictor.terms and _leave_nothing(result, together, [member, *taken], every)
+            )
             adds = predicts_beside(result, together, predictor.columns, predictor.tried)
             if few or (not adds and predicts_beside(result, channel, effects)):
                 continue
@@ -97,6 +99,13 @@ def _is_one_cause(
         if own < policy.of_channel * theirs and p_more * predictor.tried <= policy.outpredicted_significance:
             return True
     return False
+
+
+def _leave_nothing(result: CandidateTests, together: Regression, effects: list[Member], every: list[Member]) -> bool:
+    """Whether a set leaves nothing above noise of what even the least of some effects of it explains."""
+    left = above_noise(result.problem, float(np.sum(together.loss)), result.policy)
+    falls = (gain_of(result, stacked(result, without(every, one)), one).fall for one in effects)
+    return left <= result.policy.least_gain * min(falls)
 
 
 def is_drawn(result: CandidateTests, members: list[Member], member: Member) -> bool:
