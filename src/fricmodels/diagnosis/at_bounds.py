@@ -17,15 +17,16 @@ from fricmodels.weakform.shifted import regression_of
 
 
 def beyond_bounds(comparison: Comparison, policy: Policy) -> WeakFormProblem | None:
-    """Return the rows of a model whose parameters are kept at bounds beyond which the data would have them.
+    """Return the rows of a model whose parameters are kept at the bounds that the data would have passed.
 
-    A parameter is kept if its column, given back to a model without it, has a coefficient beyond the bound, with a
-    p-value below that of a name. ``None`` if there is none.
+    A parameter is kept if its column, given back to a model without it, has a coefficient with a p-value below that of
+    a name: beyond its bound, or within it and another one beyond its own, or the fit would have it. ``None`` if there
+    is none.
     """
     problem, parameters = comparison.problem, comparison.estimate.parameters
     pairs = list(zip(problem.drive.model.parameters, problem.drive.model.linear, strict=True))
     columns, _ = problem.columns(problem.drive, [parameters[p.key] for p, linear in pairs if not linear])
-    kept = set()
+    kept = set[str]()
     for column, parameter in zip(columns, (p for p, linear in pairs if linear), strict=True):
         bounds = parameter.declared.lower, parameter.declared.upper
         if parameters[parameter.key] not in bounds or bounds[0] == bounds[1]:
@@ -33,7 +34,6 @@ def beyond_bounds(comparison: Comparison, policy: Policy) -> WeakFormProblem | N
         without = regression_of(replace(problem, kept=frozenset([parameter.key])), parameters)
         if not without.visible(column[None]).all():
             continue
-        evidence = without.test(column[None])
-        if evidence.coefficients[0] * (-1 if parameters[parameter.key] == bounds[0] else 1) > 0.0:
-            kept |= {parameter.key} if evidence.p_value < policy.significance else set()
+        if without.test(column[None]).p_value < policy.significance:
+            kept.add(parameter.key)
     return replace(problem, kept=frozenset(kept)) if kept else None

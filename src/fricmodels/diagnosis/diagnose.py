@@ -158,15 +158,16 @@ def diagnose(
 def examine(comparison: Comparison, *, leave_out: Iterable[str] = (), policy: Policy = POLICY) -> Diagnosis:
     """Test every effect on what a fitted model leaves over.
 
-    Where something is missing and no effect is named, they are tested once more beside a model that keeps its bounds.
+    Where no effect is named they are tested once more beside a model that keeps its bounds: what would lie beyond them
+    is in all that the model can do, and so in nothing that is left.
     """
     refits = Refits(comparison, policy)
     diagnosis = _examined(refits, replace(comparison.problem), set(leave_out), policy)
-    if diagnosis.verdict != "unknown-effect":
+    within = None if diagnosis.findings else beyond_bounds(comparison, policy)
+    if within is None:
         return diagnosis
-    within = beyond_bounds(comparison, policy)
-    other = None if within is None else _examined(refits, within, set(leave_out), policy)
-    return other if other is not None and other.findings else diagnosis
+    other = _examined(refits, within, set(leave_out), policy)
+    return other if other.findings or diagnosis.verdict == "adequate" else diagnosis
 
 
 def _examined(refits: Refits, problem: WeakFormProblem, out: set[str], policy: Policy) -> Diagnosis:
