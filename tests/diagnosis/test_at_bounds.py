@@ -54,3 +54,26 @@ def test_only_a_parameter_that_would_lie_beyond_its_bound_is_kept() -> None:
     within = beyond_bounds(compare(moved(0.05, 1), "coulomb-viscous"), POLICY)
     assert within is not None
     assert within.kept == {"K_v"}
+
+
+def braked(seed: int, peak: float) -> Recording:
+    """Record the same strokes of a drive with an eddy-current brake, whose torque is largest at a speed [rad/s]."""
+    recording = moved(0.0, seed)
+    ratio = recording.velocity / peak
+    return recording.with_channels(torque=recording.torque + 0.4 * ratio / (1.0 + ratio**2))
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+@pytest.mark.parametrize("peak", [1.2, 2.0])
+def test_what_bounds_keep_from_a_fit_is_not_adequate(peak: float, seed: int) -> None:
+    """Without the bounds a polynomial of the speed is that curve, and nothing was seen of an error of 9 %.
+
+    One coefficient ends at its bound as another one would have to lie beyond its own.
+    """
+    recording = braked(seed, peak)
+    found = diagnose(recording, "coulomb-viscous+nonlinear-viscous", 0.008)
+    assert found.comparison.errors.held_out_percent > found.comparison.errors.headline.noise_floor_percent
+    assert found.verdict != "adequate"
+    within = beyond_bounds(compare(braked(seed, 1.2), "coulomb-viscous+nonlinear-viscous", 0.008), POLICY)
+    assert within is not None
+    assert within.kept == {"K_v", "nonlinear-viscous.a"}

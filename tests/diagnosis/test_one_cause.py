@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from tests.conftest import INERTIA, Made
 
-from fricmodels.diagnosis import compare, effect_set, one_cause
+from fricmodels.diagnosis import compare, diagnose, effect_set, one_cause
 from fricmodels.diagnosis.basis_functions import FINELY
 from fricmodels.diagnosis.candidate_tests import candidate_tests
 from fricmodels.diagnosis.effect_set import Member, member_of, the_past_counts
@@ -17,9 +17,11 @@ from fricmodels.diagnosis.one_cause import _are_slow_waves
 from fricmodels.diagnosis.policy import POLICY
 from fricmodels.diagnosis.predictability import ChannelPredictor
 from fricmodels.diagnosis.verdict import LookAlikes
+from fricmodels.dimension import Motion
 from fricmodels.drive import Drive
 from fricmodels.effects.cogging import Cogging
 from fricmodels.model import Model
+from fricmodels.recording import Recording
 
 WAVES = {
     "position-friction.a": 0.3,
@@ -96,11 +98,16 @@ def test_two_slow_waves_of_a_kind_are_a_shape(made: Made, of_model: float, found
     assert not _are_slow_waves(result, [member])
 
 
-@pytest.mark.parametrize(("part", "names"), [(0.7, []), (1.0, ["cogging", "stiffness"])])
+@pytest.mark.parametrize(
+    ("part", "much", "names"), [(0.7, 0.5, []), (1.0, 0.5, ["cogging", "stiffness"]), (1.0, 0.0, [])]
+)
 def test_a_channel_that_takes_more_terms_and_does_less_is_no_form_of_them(
-    made: Made, monkeypatch: pytest.MonkeyPatch, part: float, names: list[str]
+    made: Made, monkeypatch: pytest.MonkeyPatch, part: float, much: float, names: list[str]
 ) -> None:
-    """A spring and a wave of as much torque: a channel of many terms that holds both stands for them, or does not."""
+    """A spring and a wave of as much torque: a channel of many terms that holds both stands for them, or does not.
+
+    Not where they leave nothing above noise; with half of what either explains beside them it does.
+    """
     values = {"stiffness.k": 1.0, "cogging.a": 1.0, "cogging.k": 2.6}
     comparison = compare(made("coulomb-viscous+stiffness+cogging", values), "coulomb-viscous", INERTIA)
     result = candidate_tests(comparison.problem, comparison.estimate.parameters, only=["cogging", "stiffness"])
@@ -114,5 +121,35 @@ def test_a_channel_that_takes_more_terms_and_does_less_is_no_form_of_them(
     monkeypatch.setattr(one_cause, "passing_beside", lambda *_, **__: [predictor])
     monkeypatch.setattr(one_cause, "_takes_place", lambda *_: True)
     monkeypatch.setattr(one_cause, "predicts_beside", lambda *_, **__: True)
+    least = min(one_cause.gain_of(result, one.columns, other).fall for one, other in (members, members[::-1]))
+    monkeypatch.setattr(one_cause, "above_noise", lambda *_: much * least)
     found = one_cause.that_are_one_cause(result, members, members)
     assert sorted(m.found.first.name for m in found) == names
+
+
+@pytest.mark.parametrize("seed", [1, 3])
+def test_gravity_and_cogging_over_less_than_a_turn_are_two_causes(seed: int) -> None:
+    """A channel of the position can be both, with more terms; they leave nothing above noise of what either explains.
+
+    A joint on a Fourier series of 0.8 rad, as for an identification.
+    """
+    rng = np.random.default_rng(seed)
+    time, rates = 0.002 * np.arange(10_000), 0.2 * np.pi * np.arange(1, 6)
+    sines, cosines = rng.uniform(-1, 1, (2, 5)) / rates
+    phase = rates[:, None] * time
+    position = sines @ np.sin(phase) + cosines @ np.cos(phase)
+    scale = 0.42 / np.max(np.abs(position - np.mean(position)))
+    velocity = scale * ((sines * rates) @ np.cos(phase) - (cosines * rates) @ np.sin(phase))
+    acceleration = -scale * ((sines * rates**2) @ np.sin(phase) + (cosines * rates**2) @ np.cos(phase))
+    position *= scale
+    friction = (3.0 + 0.9 * np.exp(-((velocity / 0.08) ** 2))) * np.sign(velocity) + 1.8 * velocity
+    over_position = 1.476 * np.sin(position + 0.6) + 0.39 * np.sin(23.0 * position)
+    channels = {
+        "time": time,
+        "torque": 0.2 * acceleration + friction + over_position + 0.025 * rng.standard_normal(len(time)),
+        "velocity": velocity + 0.002 * rng.standard_normal(len(time)),
+        "position": position,
+    }
+    recording = Recording("joint", Motion.ROTARY, channels, np.zeros(len(time), dtype=np.int64))
+    found = diagnose(recording, "coulomb-viscous", 0.2)
+    assert {"gravity", "cogging", "stribeck"} <= {name for finding in found.findings for name in finding.names}
