@@ -67,8 +67,8 @@ RECORDS: Mapping[str, Record] = {
     ),
     "adequate": Record(
         "Of 374 simulated drives with one hidden effect eight were not given its name (docs/hidden_effects.md), of "
-        "1562 drives of a rougher simulator 98 were not (docs/rough_drives.md); more than half of these, ten of 17 that "
-        "were looked at, were called adequate. An effect that this recording could not show is not excluded.",
+        "1562 drives of a rougher simulator 98 were not (docs/rough_drives.md); more than half of these, ten of 17 "
+        "that were looked at, were called adequate. An effect that this recording could not show is not excluded.",
         {
             "hidden_effects.md": (_RIGHT_CLASS,),
             "rough_drives.md": (ROUGH, "ten are called adequate, five unknown, and two have another class."),
