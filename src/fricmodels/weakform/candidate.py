@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from fricmodels.dimension import DIMENSIONLESS, DISPLACEMENT, FORCE, INERTIA, VISCOUS
+from fricmodels.dimension import DIMENSIONLESS, DISPLACEMENT, FORCE, INERTIA
 from fricmodels.drive import Drive
 from fricmodels.parameter import Parameter
 from fricmodels.term import Effect
@@ -124,15 +124,13 @@ def lower_bound(problem: WeakFormProblem, parameter: Parameter) -> float:
 def upper_bound(problem: WeakFormProblem, parameter: Parameter) -> float:
     """Return the most that a linear coefficient may be: of a share of the drive, all that this is known to have.
 
-    Of what is viscous that is what the law has, where it has any, in the direction that has less: as in a fit.
+    Of friction that is all that the drive has. How the fit without the effect divides it between viscous and other
+    parts is not known so well while the effect is missing; the fit with it holds the one to the other.
     """
     if not parameter.part_of_drive:
         return parameter.upper
     if parameter.dimension == INERTIA:
         return problem.drive.inertia or parameter.upper
-    law = [p.key for p in problem.drive.parameters if p.dimension == VISCOUS and "." not in p.key]
-    if parameter.dimension == VISCOUS and law and problem.estimated:
-        return min(problem.estimated[key] for key in law)
     return problem.friction_limits[parameter.dimension == FORCE]
 
 
