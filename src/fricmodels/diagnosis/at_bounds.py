@@ -20,8 +20,8 @@ def beyond_bounds(comparison: Comparison, policy: Policy) -> WeakFormProblem | N
     """Return the rows of a model whose parameters are kept at the bounds that the data would have passed.
 
     A parameter is kept if its column, given back to a model without it, has a coefficient with a p-value below that of
-    a name: beyond its bound, or within it and another one beyond its own, or the fit would have it. ``None`` if there
-    is none.
+    a name. Such a coefficient lies beyond the bound; or it lies within, and another parameter would have to pass its
+    own bound: else the fit would have it. ``None`` if there is none.
     """
     problem, parameters = comparison.problem, comparison.estimate.parameters
     pairs = list(zip(problem.drive.model.parameters, problem.drive.model.linear, strict=True))

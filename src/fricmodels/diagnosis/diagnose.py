@@ -158,8 +158,8 @@ def diagnose(
 def examine(comparison: Comparison, *, leave_out: Iterable[str] = (), policy: Policy = POLICY) -> Diagnosis:
     """Test every effect on what a fitted model leaves over.
 
-    Where no effect is named they are tested once more beside a model that keeps its bounds: what would lie beyond them
-    is in all that the model can do, and so in nothing that is left.
+    They are tested on what the model would leave if its parameters had no bounds. What a bound keeps from the fit does
+    not show there. So where no effect is named they are tested once more beside a model that keeps its bounds.
     """
     refits = Refits(comparison, policy)
     diagnosis = _examined(refits, replace(comparison.problem), set(leave_out), policy)

@@ -134,7 +134,7 @@ def is_noticed(comparison: Comparison, percent: float, policy: Policy = POLICY) 
     whole = 0.5 * (line.percent**2 + line.held_out_percent**2)
     is_more = _least_square(line) > line.noise_floor_percent**2
     is_clear = any(_least_square(b) - b.noise_floor_percent**2 > policy.noticed * _least_square(b) for b in bands)
-    return is_more and is_clear and percent >= min(policy.noticed**0.5 * whole**0.5, policy.noticed_torque)
+    return is_more and is_clear and percent >= min((policy.noticed * whole) ** 0.5, policy.noticed_torque)
 
 
 def _least_square(band: Band) -> float:

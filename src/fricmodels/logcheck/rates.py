@@ -65,13 +65,7 @@ class Link:
 def link(log: Log, quantity: Array, rate: Array) -> Link | None:
     """Return how a rate goes with the change of a quantity, or ``None`` where too little changes to tell."""
     closest: Link | None = None
-    area = log.area(rate)
-    for width in _WIDTHS:
-        if len(area) <= width * (_LEAST + 1):
-            break
-        cells = Cells.of(log, width)
-        one = np.r_[True, cells.whole] & np.r_[cells.whole, True]
-        change, mean = cells.slope(quantity)[one], cells.slope(area)[one]
+    for change, mean in _over_cells(log, quantity, rate):
         spread, other = float(np.sqrt(np.mean(change**2))), float(np.sqrt(np.mean(mean**2)))
         if len(change) < _LEAST or spread == 0.0 or other == 0.0:
             continue
@@ -79,6 +73,17 @@ def link(log: Log, quantity: Array, rate: Array) -> Link | None:
         if closest is None or abs(correlation) > abs(closest.correlation):
             closest = Link(math.copysign(other / spread, correlation), correlation)
     return closest
+
+
+def _over_cells(log: Log, quantity: Array, rate: Array) -> Iterator[tuple[Array, Array]]:
+    """Yield the change of a quantity and the mean of a rate over whole cells, for each width that leaves enough."""
+    area = log.area(rate)
+    for width in _WIDTHS:
+        if len(area) <= width * (_LEAST + 1):
+            break
+        cells = Cells.of(log, width)
+        whole = np.r_[True, cells.whole] & np.r_[cells.whole, True]
+        yield cells.slope(quantity)[whole], cells.slope(area)[whole]
 
 
 def consistency(log: Log, balance: Balance | None) -> Iterator[Finding]:
@@ -111,14 +116,8 @@ def is_size_of_change(log: Log, quantity: Array, rate: Array) -> bool:
     size = np.abs(rate)
     if abs(float(np.sum(rate))) < _OF_ONE_SIGN * float(np.sum(size)):
         return False
-    area = log.area(size)
-    for width in _WIDTHS:
-        if len(area) <= width * (_LEAST + 1):
-            break
-        cells = Cells.of(log, width)
-        whole = np.r_[True, cells.whole] & np.r_[cells.whole, True]
-        change = cells.slope(quantity)[whole]
-        one, other = np.abs(change), cells.slope(area)[whole]
+    for change, other in _over_cells(log, quantity, size):
+        one = np.abs(change)
         spread = float(np.std(one)) * float(np.std(other))
         goes_back = float(np.sum(change)) ** 2 < _FOLLOWS**2 * float(np.sum(one)) ** 2
         if goes_back and spread > 0.0 and float(np.cov(one, other, bias=True)[0, 1]) > _IS * spread:

@@ -91,8 +91,11 @@ class ChannelRules(Rules):
     fewer_terms: float = rule(
         0.5,
         "share of the channel's terms",
-        "Effects that explain as much as a channel with fewer terms than this are several causes, not one.",
-        "Judgement (Occam). Without it an asymmetry and gravity are one cause: 12 terms of a position hold both.",
+        "Effects that explain as much as a channel with fewer terms than this are several causes, not one. So are "
+        "effects with fewer terms than the channel, if less than least_gain of what each explains is left above noise.",
+        "Judgement (Occam). Without it an asymmetry and gravity are one cause: 12 terms of a position hold both. "
+        "Without the second part gravity and cogging of a joint are one, on six of six short Fourier series; with it "
+        "one more of 25 drives of our rig with the true effect off the list has a wrong name.",
         off=0.0,
     )
     description_gain: float = rule(
