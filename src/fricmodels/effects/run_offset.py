@@ -12,6 +12,7 @@ from fricmodels.model import Model
 from fricmodels.parameter import Parameter
 from fricmodels.recording import RUN, Recording, channel_of
 from fricmodels.results.experiments import MORE_RUNS
+from fricmodels.signals.switched import one_value_in_each
 from fricmodels.term import Effect, Law, Parameters, Signals, Term
 
 _WITHIN = 1e-9
@@ -39,7 +40,7 @@ class RunOffset(Effect):
     signature = "a constant that is another one in every run"
     needs_motion = "several runs, each with motion in both directions"
     separated_from = {"drift": MORE_RUNS, "step-change": MORE_RUNS, "torque-offset": MORE_RUNS}
-    absent = "the recording is a single run"
+    absent = "the recording is a single run, or the torque is the same throughout each run"
     symmetry = "even"
     channels = (RUN,)
 
@@ -54,9 +55,12 @@ class RunOffset(Effect):
 
     @classmethod
     def candidates(cls, recording: Recording) -> Sequence[RunOffset]:
-        """Return the effect of the runs of a recording, if there are several."""
+        """Return the effect of the runs of a recording, if there are several.
+
+        None of step responses, each a run: the command of a run is a constant of it, and looks like its offset.
+        """
         runs = _runs(recording)
-        return [cls(runs)] if len(runs) > 1 else []
+        return [cls(runs)] if len(runs) > 1 and not one_value_in_each(recording.torque, recording.run) else []
 
     def on(self, recording: Recording, beside: Sequence[Term] = ()) -> RunOffset:
         """Return the effect of the runs that a recording was made in, beside other terms of the model."""

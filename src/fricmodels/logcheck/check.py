@@ -10,6 +10,7 @@ import numpy as np
 from fricmodels.logcheck import (
     angle,
     colour,
+    command,
     dead_band,
     delay,
     given_inertia,
@@ -49,6 +50,7 @@ def findings_of(log: Log, inertia: float | None = None) -> tuple[Finding, ...]:
     check_inertia(inertia)
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         found = by_file(log.recording, [*_all(log, inertia)], lambda part: [*_all(Log(part), inertia)])
+        found.extend(command.one_size(log, inertia))  # of the whole: another file may have commands of another size
         return tuple(sorted(found, key=lambda finding: GRAVEST_FIRST.index(finding.severity)))
 
 

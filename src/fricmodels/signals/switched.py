@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from fricmodels.arrays import Array
+from fricmodels.arrays import Array, Index, Mask
 from fricmodels.signals.noise_colour import Noise
 from fricmodels.signals.noise_level import noise_of, quantum
 from fricmodels.signals.segments import Runs
@@ -16,6 +16,8 @@ _HELD = 10
 _ALONE = 0.5
 """Share of the values of a staircase that have no neighbour on their grid, at least. What is rounded passes from level
 to level, and one that stands still between two levels shows both: nearly all of its levels have one."""
+_NEARLY = 0.99
+"""Share of the samples that have one value where a torque counts as constant: one late row is none of another size."""
 _EXCERPT, _MOST = 4096, 256
 """Samples that are looked at first, and values in them from which a torque is no staircase."""
 
@@ -36,6 +38,19 @@ def is_switched(torque: Array) -> bool:
     step = quantum(values)
     near = np.diff(values) < 1.5 * step
     return step > 0.0 and float(np.mean(np.r_[near, False] | np.r_[False, near])) <= 1.0 - _ALONE
+
+
+def one_value_in_each(torque: Array, group: Array | Index | Mask) -> bool:
+    """Whether a torque has one value in each group of samples, but for one sample in a hundred.
+
+    Args:
+        torque: shape (N,).
+        group: number of the group that each sample lies in, as of its run or direction, shape (N,).
+    """
+    return all(
+        np.unique(torque[group == one], return_counts=True)[1].max() >= _NEARLY * np.count_nonzero(group == one)
+        for one in np.unique(group)
+    )
 
 
 def torque_noise(time: Array, torque: Array, runs: Runs | None = None) -> Noise:

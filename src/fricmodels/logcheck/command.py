@@ -1,0 +1,40 @@
+"""Whether the torque is a command that has one size for each direction of the motion."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from fricmodels.logcheck.finding import Finding, Severity
+from fricmodels.logcheck.view import Log
+from fricmodels.signals.switched import one_value_in_each
+
+_MOVES = 0.1
+"""Share of the RMS velocity from which the direction counts: about standstill its sign is that of its noise."""
+
+
+def one_size(log: Log, inertia: float | None) -> Iterator[Finding]:
+    r"""Judge whether the torque is one value forward and another one backward, and nothing else.
+
+    The equation of motion is then fulfilled without any motion: :math:`J = K_v = 0`, and a Coulomb friction, with an
+    offset where the two sizes differ, is the command itself, to the last digit. So it is in a step response, or where a
+    relay drives the motion that it is switched by. With the inertia given, the motion has to be explained.
+    """
+    recording, velocity = log.recording, log.velocity
+    if inertia is not None or not recording.torque.any():
+        return
+    moves = np.abs(velocity) > _MOVES * float(np.sqrt(np.mean(velocity**2)))
+    forward = velocity[moves] > 0.0
+    torque = recording.torque[moves]
+    if forward.all() or not forward.any() or not one_value_in_each(torque, forward):
+        return
+    sizes = [log.size("torque", float(np.median(torque[way]))) for way in (forward, ~forward)]
+    yield Finding(
+        "one-command",
+        Severity.STOP,
+        "torque",
+        f"the {log.called('torque')} is {sizes[0]} forward, {sizes[1]} backward and nothing else: a Coulomb friction "
+        "of that size explains it without any motion",
+        "give the inertia (--inertia), or record commands of several sizes in each direction",
+    )
