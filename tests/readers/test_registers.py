@@ -41,6 +41,24 @@ def test_a_load_is_read_with_its_sign(register: Register, seed: int, size: float
     assert np.array_equal(found.signed(shown(values, register)), values)
 
 
+@pytest.mark.parametrize("register", REGISTERS, ids=str)
+@pytest.mark.parametrize("friction", [40.0, 120.0, 250.0])
+def test_a_load_that_jumps_where_dry_friction_turns_is_read_with_its_sign(register: Register, friction: float) -> None:
+    course = load(2, 400.0)
+    values = course + np.round(friction * np.sign(course + 0.5))
+    values[::37] = np.resize([1.0, -1.0], len(values[::37]))  # at rest
+    found = find_register(shown(values, register))
+    assert found == register
+    assert np.array_equal(found.signed(shown(values, register)), values)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_what_jumps_all_over_its_range_by_itself_stays(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    assert find_register(np.round(rng.uniform(0.0, 2047.0, 600))) is None
+    assert find_register(np.round(np.repeat(rng.uniform(0.0, 2047.0, 60), 10))) is None
+
+
 @pytest.mark.parametrize(
     "values",
     [

@@ -29,7 +29,10 @@ def one_size(log: Log, inertia: float | None) -> Iterator[Finding]:
     torque = recording.torque[moves]
     if forward.all() or not forward.any() or not one_value_in_each(torque, forward):
         return
-    sizes = [log.size("torque", float(np.median(torque[way]))) for way in (forward, ~forward)]
+    values = [float(np.median(torque[way])) for way in (forward, ~forward)]
+    if values[0] == values[1]:  # it is dead, which is another finding
+        return
+    sizes = [log.size("torque", value) for value in values]
     yield Finding(
         "one-command",
         Severity.STOP,

@@ -23,7 +23,7 @@ def saturation(values: Array) -> float:
     A limit shows as samples piled up on the extreme value itself: more than three times what a smooth signal, whose
     turning point lies there, puts on its outermost step (1 : √2 − 1 against the next step), and three in succession.
     A signal nearly all of whose samples repeat the one before is a command in steps, not limited; nor is one that is
-    switched.
+    switched. Zero is no limit: a drive that is off, or rests, has it.
     """
     if is_switched(values):
         return 0.0
@@ -37,7 +37,7 @@ def saturation(values: Array) -> float:
     for extreme in (most, least):
         at = np.abs(values - extreme) <= tolerance
         count = int(np.count_nonzero(at))
-        if count < 4:
+        if count < 4 or abs(extreme) <= tolerance:
             continue
         inner = values[~at]
         nearest = float(inner.max() if extreme == most else inner.min())

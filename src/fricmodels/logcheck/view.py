@@ -36,7 +36,8 @@ _PIECE = 4096
 """Tests that fit something look at so many pieces of so many samples, spread over the record; a long record has no
 better answer, and the time that it takes stays the same."""
 _ONE_WAY = 1.0 / 32.0
-"""Share of the time that the drive goes the other way: less than one cluster of the torque balance."""
+"""Share of the time that the drive goes the other way: less than one cluster of the torque balance. And of the way: at
+rest noise goes both ways for half of the time each."""
 
 
 @dataclass(frozen=True)
@@ -170,8 +171,10 @@ class Log:
     @cached_property
     def one_way(self) -> bool:
         """Whether the drive hardly ever turns back: there a constant torque and Coulomb friction are the same."""
-        forward = float(np.mean(self.velocity > 0.0))
-        return min(forward, float(np.mean(self.velocity < 0.0))) < _ONE_WAY
+        speeds = np.maximum(self.velocity, 0.0), np.maximum(-self.velocity, 0.0)
+        time = min(float(np.mean(speed > 0.0)) for speed in speeds)
+        ways = [float(np.sum(speed)) for speed in speeds]
+        return time < _ONE_WAY or min(ways) < _ONE_WAY * sum(ways)
 
     def called(self, channel: str) -> str:
         """Return how a channel is called in a sentence: its name, and its column if it has another name."""

@@ -17,7 +17,11 @@ _FEWEST = 8
 _SIDES = 8.0
 """Factor within which the largest values of both signs are alike."""
 _NEAR = 0.1
-"""Share of the largest value within which both signs come to zero, and by which a change of the sign jumps."""
+"""Share of the largest value within which both signs come to zero."""
+_JUMPS = 0.25
+"""Share of the jump of the bits that a change of the sign jumps at most, or any less, where so many of the numbers of
+one sign, the largest, are free: a torque jumps where dry friction turns. A number without a sign that passes the middle
+of its range leaves none free there."""
 
 
 @dataclass(frozen=True)
@@ -54,8 +58,8 @@ def find_register(values: Array) -> Register | None:
     """Return the register whose numbers were written without their sign, or ``None``.
 
     They are whole and not negative, and with the sign both sides come near to zero, are about as large, leave half of
-    the register free if it has 16 bits or more, and the change from one to the other is small: a number that passes
-    half of a register's range by itself would jump there.
+    the register free if it has 16 bits or more, and the change from one to the other is less than that of the
+    bits: a number that passes half of a register's range by itself would jump there.
     """
     numbers = values[np.isfinite(values)]
     if (numbers < 0.0).any() or (numbers != np.floor(numbers)).any():
@@ -77,4 +81,8 @@ def _is_held(values: Array, register: Register) -> bool:
     if max(float(size.min()) for size in sizes) > _NEAR * max(largest):
         return False
     turns = np.flatnonzero(np.diff(negative))
-    return len(turns) > 1 and float(np.median(np.abs(np.diff(meant)[turns]))) < _NEAR * register.least
+    if len(turns) < 2:
+        return False
+    change, of_bits = (float(np.median(np.abs(np.diff(read)[turns]))) for read in (meant, values))
+    free = max(largest) < (1.0 - _JUMPS) * register.least
+    return change < (1.0 if free else _JUMPS) * of_bits

@@ -41,6 +41,7 @@ from fricmodels.weakform.ripple import carriers_of
 from fricmodels.weakform.sharpened import at_sharpened_velocity
 from fricmodels.weakform.solve import WITHIN, Solved, begins_where, solve
 from fricmodels.weakform.starting import starts_of
+from fricmodels.weakform.without_motion import refuse_without_motion
 
 Array = NDArray[np.float64]
 
@@ -112,10 +113,12 @@ def estimate(
         The rows at the smoothed velocity without carriers, on which candidates are tested, and the estimate.
 
     Raises:
-        InputError: when the recording moves too little to fit the model, or lacks a channel that the model needs.
+        InputError: when the recording moves too little to fit the model, has a torque that friction explains without
+            any motion, or lacks a channel that the model needs.
     """
     recording.require(drive.model.required - {"velocity", "acceleration"}, drive.model.name)
     rows, found = _estimated(drive, recording, start or {}, width, model_velocity=model_velocity)
+    refuse_without_motion(drive, rows.recording, found.parameters, found.residual_percent)
     told = told_by_kept_back(drive, recording, found.parameters)
     if told:
         found = replace(found, parameters={**found.parameters, **told}, told_by_kept_back=tuple(told))
