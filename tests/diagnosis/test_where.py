@@ -58,6 +58,15 @@ def test_rest_breakaway_and_reversal_are_apart(stopping: Recording) -> None:
     assert np.max(together) == 1
 
 
+def test_noise_about_rest_is_no_direction() -> None:
+    """A drive slows down and rests; neighbouring counts make its velocity there."""
+    rng = np.random.default_rng(0)
+    velocity = np.maximum(5.0 - 2.5e-3 * np.arange(3000), 0.0) + 0.05 * rng.standard_normal(3000)
+    channels = {"time": np.arange(3000) * 1e-3, "torque": 1.0 + 0.1 * velocity, "velocity": velocity}
+    masks = regimes(ready(Recording("ramp", Motion.ROTARY, channels, np.zeros(3000, dtype=np.int64))))
+    assert not {"forward", "backward"} & set(masks)
+
+
 @pytest.mark.parametrize("regime", ["backward", "high speed", "time: late", "position: low", "reversal"])
 def test_an_error_is_found_where_it_was_put(prepared: Recording, regime: str) -> None:
     mask = regimes(prepared)[regime]

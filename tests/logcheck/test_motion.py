@@ -92,3 +92,12 @@ def test_noise_alone_is_no_sine() -> None:
     rng = np.random.default_rng(0)
     still = {"velocity": rng.standard_normal(SAMPLES), "position": 1e-3 * rng.standard_normal(SAMPLES)}
     assert not said(replace(recording, channels={**recording.channels, **still}))
+
+
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_noise_about_rest_is_no_way_back(side: float) -> None:
+    """Half of the samples at rest seem to go back."""
+    there = moved(lambda time: side * np.clip(time, 4.0, 12.0) ** 1.3, noise=0.05)
+    back = moved(lambda time: side * np.clip(time, 4.0, 9.0) - 0.8 * side * np.clip(time, 10.0, 14.0), noise=0.05)
+    assert [one.kind for one in findings(there) if one.kind == "little-motion"] == ["little-motion"]
+    assert [one.kind for one in findings(back) if one.kind == "little-motion"] == []

@@ -138,6 +138,12 @@ def test_saturation(limit, step):
     assert saturation(-3.0 * clipped) == pytest.approx(truth, rel=0.01)
 
 
+def test_zero_at_rest_is_no_limit():
+    size = np.maximum(np.sin(np.arange(5000) / 71.0), 0.0)
+    assert saturation(size) == 0.0
+    assert saturation(size + 1.0) > 0.4
+
+
 def test_saturation_on_one_side_and_a_command_in_steps():
     assert saturation(np.minimum(np.sin(np.arange(5000) / 71.0), 0.5)) == pytest.approx(1 / 3, abs=0.01)
     assert saturation(np.repeat(np.random.default_rng(0).choice([-1.0, -0.5, 0.5, 1.0], 100), 50)) == 0.0

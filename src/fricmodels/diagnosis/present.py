@@ -165,8 +165,8 @@ def _show_candidates(console: Console, data: DiagnosisDocument) -> None:
         return
     columns = [
         Column("effect", tuple(row.name for row in rows)),
-        Column("lowers test error", tuple(share_text(row.held_out_gain) for row in rows), True),
-        Column("explains", tuple(share_text(row.share_of_residual) for row in rows), True),
+        Column("lowers the residual on other blocks", tuple(share_text(row.held_out_gain) for row in rows), True),
+        Column("explains of it", tuple(share_text(row.share_of_residual) for row in rows), True),
         _chances(rows),
         Column("passes all tests", tuple("yes" if row.gates else "no" for row in rows)),
     ]
@@ -214,7 +214,7 @@ def _show_evidence(console: Console, data: DiagnosisDocument) -> None:
     columns = [
         Column("effect", tuple(row.name for row in rows)),
         Column("explains of the residual", tuple(share_text(row.share_of_residual) for row in rows), True),
-        Column("lowers test error", tuple(share_text(row.held_out_gain) for row in rows), True),
+        Column("lowers it on other blocks", tuple(share_text(row.held_out_gain) for row in rows), True),
         _chances(rows),
     ]
     if any(len(row.names) > 1 for row in rows):

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from fricmodels.recording import OTHER, RUN, Recording
 from fricmodels.signals import resting
+from fricmodels.signals.one_way import goes_one_way
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -102,8 +103,9 @@ def regimes(prepared: Recording) -> dict[str, Mask]:
     masks["high speed"] = moving & (speed >= high)
     masks["accelerating"] = moving & (velocity * acceleration > 0)
     masks["decelerating"] = moving & (velocity * acceleration <= 0)
-    masks["forward"] = moving & (velocity > 0)
-    masks["backward"] = moving & (velocity < 0)
+    if not goes_one_way(velocity):  # else the other way is noise about rest
+        masks["forward"] = moving & (velocity > 0)
+        masks["backward"] = moving & (velocity < 0)
     if "position" in prepared:
         masks.update(_thirds("position", prepared["position"], "low", "middle", "high"))
     if "load_torque" in prepared:

@@ -17,6 +17,7 @@ from fricmodels.readers import units
 from fricmodels.recording import Recording, word
 from fricmodels.results.words import figures
 from fricmodels.signals.noise_level import quantum
+from fricmodels.signals.one_way import goes_one_way
 from fricmodels.signals.rest import once
 from fricmodels.signals.segments import gap_lengths, usual_steps
 
@@ -35,9 +36,6 @@ _PIECES = 16
 _PIECE = 4096
 """Tests that fit something look at so many pieces of so many samples, spread over the record; a long record has no
 better answer, and the time that it takes stays the same."""
-_ONE_WAY = 1.0 / 32.0
-"""Share of the time that the drive goes the other way: less than one cluster of the torque balance. And of the way: at
-rest noise goes both ways for half of the time each."""
 
 
 @dataclass(frozen=True)
@@ -171,10 +169,7 @@ class Log:
     @cached_property
     def one_way(self) -> bool:
         """Whether the drive hardly ever turns back: there a constant torque and Coulomb friction are the same."""
-        speeds = np.maximum(self.velocity, 0.0), np.maximum(-self.velocity, 0.0)
-        time = min(float(np.mean(speed > 0.0)) for speed in speeds)
-        ways = [float(np.sum(speed)) for speed in speeds]
-        return time < _ONE_WAY or min(ways) < _ONE_WAY * sum(ways)
+        return goes_one_way(self.velocity)
 
     def called(self, channel: str) -> str:
         """Return how a channel is called in a sentence: its name, and its column if it has another name."""

@@ -148,14 +148,14 @@ def _of_diagnosis(data: DiagnosisDocument, findings: Sequence[Finding]) -> Table
     found = {
         effect.name: {
             "explains of the residual [%]": in_percent(effect.share_of_residual),
-            "lowers test error [%]": in_percent(effect.held_out_gain),
+            "lowers it on other blocks [%]": in_percent(effect.held_out_gain),
             "p value, corrected": effect.p_value,
             "cannot be told from": ", ".join(effect.names[1:]),
             "equation": effect.equation,
         }
         for effect in data.effects
     }
-    headings = ("explains of the residual [%]", "lowers test error [%]", "p value, corrected")
+    headings = ("explains of the residual [%]", "lowers it on other blocks [%]", "p value, corrected")
     sizes = {
         f"{finding.tested.name}.{p.symbol}": {
             "value": finding.tested.parameters[p.symbol],

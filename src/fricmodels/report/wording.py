@@ -174,8 +174,8 @@ def shows_no_inertia(parameters: Mapping[str, float | None], errors: Mapping[str
     if inertia is None or inertia > NORMAL_95 * (error or 0.0):
         return ""
     return (
-        "No inertia shows: a torque that a controller switches with the direction of motion looks like friction. "
-        "Give the inertia (--inertia) to tell the two apart."
+        "No inertia shows: the speed changes too little or too slowly, or a controller switches the torque with the "
+        "direction of motion, which looks like friction. Give the inertia (--inertia) to tell the two apart."
     )
 
 
