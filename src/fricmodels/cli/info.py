@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -11,6 +12,10 @@ from fricmodels.cli.measurement import Column, Data, Format, GapsOption, Inertia
 
 if TYPE_CHECKING:
     from fricmodels.logcheck import Summary
+    from fricmodels.recording import Recording
+
+_LONG = 200_000
+"""Samples from which on the stretches are not counted: it would take seconds."""
 
 
 def command(
@@ -46,7 +51,7 @@ def command(
             data, columns=column or (), motion=motion, reader=reader, torque_constant=torque_constant, gaps=gaps
         )
         say(f"looking at {len(recording)} samples")
-        found = summary(recording, inertia)
+        found = _with_clear_motion(summary(recording, inertia), recording, inertia)
     say_gaps(recording)
     text = json.dumps(found.to_json(), indent=2, ensure_ascii=False, allow_nan=False)
     if as_json:
@@ -59,6 +64,42 @@ def command(
             print(f"wrote {path}")
 
 
+def _with_clear_motion(found: Summary, recording: Recording, inertia: float | None) -> Summary:
+    """Add to what was found whether there is enough motion for the simplest model, as the other commands count it.
+
+    A long recording has enough if its checks have nothing against it.
+    """
+    from fricmodels.cli.answers import FEWEST
+    from fricmodels.drive import Drive
+    from fricmodels.errors import InputError
+    from fricmodels.logcheck import Finding, Severity
+    from fricmodels.model import Model
+    from fricmodels.split import split
+    from fricmodels.weakform.estimate import clear_stretches
+    from fricmodels.weakform.prepared import ready
+
+    stops = any(one.severity is Severity.STOP for one in found.findings)
+    if stops or not FEWEST <= len(recording) <= _LONG:
+        return found
+    try:
+        fitted = split(ready(recording))[0]
+        clear, asked = clear_stretches(Drive(Model.parse("coulomb-viscous"), inertia, recording.motion), fitted)
+    except InputError as error:
+        little = Finding("too-little-motion", Severity.WARN, "velocity", str(error), "")
+    else:
+        if clear >= asked:
+            return found
+        little = Finding(
+            "too-little-motion",
+            Severity.WARN,
+            "velocity",
+            f"clear motion in {clear} stretches of what is fitted; the simplest model asks for {asked}",
+            "record longer, faster, or with less noise",
+        )
+    warnings = sum(one.severity is Severity.WARN for one in found.findings)
+    return replace(found, findings=(*found.findings[:warnings], little, *found.findings[warnings:]))
+
+
 def _answer(found: Summary) -> str:
     """Return in one sentence whether a recording can be used, and what to do next."""
     from fricmodels.cli.answers import FEWEST
@@ -69,6 +110,8 @@ def _answer(found: Summary) -> str:
         return "not usable as it is: every answer would be nonsense. What stops it stands first, with the way out."
     if found.samples < FEWEST:
         return f"{found.samples} samples are too few to fit a model to; record {FEWEST} at least."
+    if any(one.kind == "too-little-motion" for one in found.findings):
+        return "too little clear motion to fit a model to: see below."
     if counted[Severity.WARN]:
         return "usable, with what is warned of below in mind. Next: fricmodels diagnose, with the same options."
     return "nothing is the matter. Next: fricmodels diagnose, with the same options."

@@ -128,6 +128,12 @@ def estimate(
     return rows, found
 
 
+def clear_stretches(drive: Drive, recording: Recording) -> tuple[int, int]:
+    """Return in how many stretches a prepared recording moves clearly, and how many a fit of a drive asks for."""
+    rows = WeakFormProblem.of(drive, recording, _guess(drive, recording, {}), guessed=True).rows
+    return rows, _ROWS * len(drive.parameters) + 1
+
+
 def rows_again(
     drive: Drive,
     recording: Recording,
