@@ -66,6 +66,7 @@ def test_what_lies_under_the_floor_is_nobodys_to_explain(made: Made) -> None:
     assert creditable(problem, 5 * least, 2 * least) == 2 * least
     assert creditable(problem, 5 * least, 4.5 * least) == creditable(problem, 5 * least, 5 * least) == 4 * least
     assert creditable(problem, 0.5 * least, 0.4 * least) == 0.0
+    assert creditable(problem, 0.5 * least, -1e-12 * least) == creditable(problem, 5 * least, -least) == 0.0
 
 
 def test_a_gain_is_that_of_what_noise_leaves(made: Made) -> None:

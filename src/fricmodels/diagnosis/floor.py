@@ -26,16 +26,17 @@ def floor(problem: WeakFormProblem, policy: Policy = POLICY) -> float:
 
 
 def creditable(problem: WeakFormProblem, before: float, fall: float, policy: Policy = POLICY) -> float:
-    """Return how much of a fall of a sum of squares counts: what lies under the floor is noise.
+    """Return how much of a fall of a sum of squares counts: what lies under the floor is noise, and a rise is nothing.
 
-    Where an effect and a channel both leave no more than noise, neither explains more than the other.
+    Where an effect and a channel both leave no more than noise, neither explains more than the other; nor where there
+    is nothing but noise.
 
     Args:
         problem: the fitted model and its rows.
         before, fall: sum of squared residuals that is to be explained, and by how much it falls [(N m)² or N²].
         policy: decides on the floor.
     """
-    return min(fall, max(before - floor(problem, policy), 0.0))
+    return max(min(fall, before - floor(problem, policy)), 0.0)
 
 
 def above_noise(problem: WeakFormProblem, left: float, policy: Policy = POLICY) -> float:
