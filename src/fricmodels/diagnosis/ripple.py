@@ -5,12 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 
-import numpy as np
-
 from fricmodels import plugins
 from fricmodels.diagnosis.candidate_tests import CandidateTest, not_yet, tested_at
 from fricmodels.diagnosis.policy import Policy
 from fricmodels.diagnosis.verdict import LookAlikes
+from fricmodels.diagnosis.wave_form import any_form, has_another_form
 from fricmodels.weakform.problem import WeakFormProblem
 from fricmodels.weakform.regression import LEAST_P, Regression, compare
 from fricmodels.weakform.ripple import Waves, carriers_alone, fast_waves, of_waves
@@ -63,7 +62,8 @@ def fast_ripple(
     if not tested:
         return FastRipple(waves, None)
     best = tested[0]
-    if _is_outpredicted(rows, regression, best, waves.k, policy):
+    k = best.found.nonlinear[0] if best.found.nonlinear else waves.k
+    if has_another_form(regression, best.evidence.loss, any_form(rows, k), policy):
         return FastRipple(waves, None)
 
     def is_alike(other: CandidateTest) -> bool:
@@ -77,28 +77,6 @@ def fast_ripple(
 
 def _parameters(tested: CandidateTest) -> int:
     return len(tested.effect.parameters)
-
-
-def _is_outpredicted(
-    rows: WeakFormProblem, regression: Regression, first: CandidateTest, k: float, policy: Policy
-) -> bool:
-    """Whether a wave that goes with anything at all predicts clearly more, and the best effect is too little of it.
-
-    Cosine and sine of the wave and of its double: each as it is, with the direction, and with the motor torque. A cause
-    that is not on the list is imitated by the others. A real wave goes a little with all of them.
-    """
-    points = rows.quadrature.recording
-    k = first.found.nonlinear[0] if first.found.nonlinear else k
-    waves = [wave(m * k * points["position"]) for m in (1.0, 2.0) for wave in (np.cos, np.sin)]
-    factors = np.ones(len(points)), np.sign(points.velocity), rows.motor_torque
-    columns = rows.integrals(np.stack([wave * factor for factor in factors for wave in waves]))
-    seen = regression.visible(columns)
-    if not np.any(seen):
-        return False
-    before, any_wave = float(np.sum(regression.loss)), regression.test(columns[seen])
-    theirs, own = (before - float(np.sum(loss)) for loss in (any_wave.loss, first.evidence.loss))
-    _, p_more = compare(first.evidence.loss, any_wave.loss, regression.terms)
-    return own < policy.own_share * theirs and theirs > 0.0 and p_more <= policy.outpredicted_significance
 
 
 def _tested(rows: WeakFormProblem, regression: Regression, waves: Waves, leave_out: set[str]) -> list[CandidateTest]:

@@ -33,6 +33,7 @@ from fricmodels.diagnosis.predictability import AUTOREGRESSIVE
 from fricmodels.diagnosis.rivals import Instead, against_channels, is_better
 from fricmodels.diagnosis.verdict import is_large_over_all_motion, outside
 from fricmodels.diagnosis.walk import p_beside_a_walk, waves_of_walks
+from fricmodels.diagnosis.wave_form import any_form, has_another_form
 from fricmodels.weakform.acting import acting
 from fricmodels.weakform.shifted import regression_of
 
@@ -54,6 +55,7 @@ class Support:
         over_all_motion: whether it is large there, though small in the rows.
         beside_one_channel: whether it stands in the place of one of the channels that describe the rest, beside the
             others: then it was asked already whether one of them is all of it.
+        another_form: whether it is a wave, and what is there is that wave in another form; asked where all else holds.
     """
 
     own_share: float
@@ -64,6 +66,7 @@ class Support:
     p_beside_walk: float = 0.0
     over_all_motion: bool = False
     beside_one_channel: bool = False
+    another_form: bool = False
 
     def is_large(self, policy: Policy) -> bool:
         """Whether the effect explains enough torque, of the rows or of all motion."""
@@ -79,6 +82,7 @@ class Support:
             self.p_value < policy.significance
             and self.p_beside_walk < policy.walk_significance
             and self.of_channel >= policy.of_channel
+            and not self.another_form
         )
 
 
@@ -89,7 +93,21 @@ def support_of(result: CandidateTests, member: Member, others: list[Member], res
         return found
     if not found.is_large(result.policy):
         found = replace(found, over_all_motion=is_large_over_all_motion(result, member.found.first))
-    return replace(found, p_beside_walk=p_beside_walk(result, member, others))
+    found = replace(found, p_beside_walk=p_beside_walk(result, member, others))
+    if not found.suffices(result.policy):
+        return found
+    return replace(found, another_form=_is_a_wave_of_another_form(result, member, others))
+
+
+def _is_a_wave_of_another_form(result: CandidateTests, member: Member, others: list[Member]) -> bool:
+    """Whether a member is a wave whose number was sought, and what is there is that wave in another form."""
+    found, effect = member.found.first.found, member.effect
+    linear = result.problem.alone(effect).model.linear
+    if [p.periodic for p, is_linear in zip(effect.parameters, linear, strict=True) if not is_linear] != [True]:
+        return False
+    gain = gain_of(result, stacked(result, others), member)
+    columns = any_form(result.problem, found.nonlinear[0])
+    return has_another_form(gain.without, gain.regression.loss, columns, result.policy)
 
 
 def _support_beside(result: CandidateTests, member: Member, others: list[Member], rest: Rest) -> Support:
