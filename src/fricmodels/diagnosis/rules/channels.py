@@ -69,9 +69,11 @@ class ChannelRules(Rules):
         0.5,
         "share of the squared residual above the floor",
         "An effect must explain this of what is left without it, beside other effects and a description of the rest; "
-        "if nothing predicts that, of the printed error; a fast wave of any such; a look-alike of what the first does.",
-        "Judgement: the threshold of naming against silence; docs/decisions/unknown.md draws its curve. Of fast waves "
-        "off the list on 44 drives of the rig 3 got a wrong name without it, 1 with it; EMPS has 0.87 and 0.91.",
+        "if nothing predicts that, of the printed error; a wave of any wave of its number; a look-alike of what the "
+        "first does. What a wave leaves must not be, for the most part, that wave in another form.",
+        "Judgement: the threshold of naming against silence; docs/decisions/unknown.md draws its curve. Of waves off "
+        "the list on 24 drives of the rig 7 got a wrong name without the second part, none with it, and no wave lost "
+        "its own; of EMPS's, which has 0.88 of any wave, that is a quarter (docs/decisions/fast-ripple.md).",
         off=-_INF,
     )
     of_channel: float = rule(
