@@ -10,6 +10,7 @@ from scipy.signal import lfilter
 
 from fricmodels.diagnosis import improve
 from fricmodels.dimension import Motion
+from fricmodels.effects.run_offset import RunOffset
 from fricmodels.logcheck import Severity, findings
 from fricmodels.recording import Recording
 from fricmodels.signals.switched import one_value_in_each
@@ -77,3 +78,11 @@ def test_no_offset_of_a_run_stands_for_its_command() -> None:
     ladder = improve(shaken, "coulomb-viscous")
     assert "run-offset" not in [rung.added for rung in ladder.rungs]
     assert ladder.rungs[-1].comparison.estimate.parameters["K_v"] == pytest.approx(VISCOUS, rel=0.05)
+
+
+def test_runs_of_one_torque_all_the_same_may_have_offsets() -> None:
+    """So it is where drives coast, whose torque is 0 in all runs."""
+    steps, coasting = responses(100.0, -150.0), responses(100.0, -150.0)
+    coasting = replace(coasting, channels={**coasting.channels, "torque": np.zeros(len(coasting))})
+    assert not RunOffset.candidates(steps)
+    assert RunOffset.candidates(coasting)

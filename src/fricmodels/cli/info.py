@@ -67,7 +67,7 @@ def command(
 def _with_clear_motion(found: Summary, recording: Recording, inertia: float | None) -> Summary:
     """Add to what was found whether there is enough motion for the simplest model, as the other commands count it.
 
-    A long recording has enough if its checks have nothing against it.
+    Not of a long recording, nor of one that stops anyway.
     """
     from fricmodels.cli.answers import FEWEST
     from fricmodels.drive import Drive

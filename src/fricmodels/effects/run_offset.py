@@ -40,7 +40,7 @@ class RunOffset(Effect):
     signature = "a constant that is another one in every run"
     needs_motion = "several runs, each with motion in both directions"
     separated_from = {"drift": MORE_RUNS, "step-change": MORE_RUNS, "torque-offset": MORE_RUNS}
-    absent = "the recording is a single run, or the torque is the same throughout each run"
+    absent = "the recording is a single run, or each run has one torque, of its own"
     symmetry = "even"
     channels = (RUN,)
 
@@ -57,10 +57,10 @@ class RunOffset(Effect):
     def candidates(cls, recording: Recording) -> Sequence[RunOffset]:
         """Return the effect of the runs of a recording, if there are several.
 
-        None of step responses, each a run: the command of a run is a constant of it, and looks like its offset.
+        None of step responses, each a run with a command of its own, which is a constant of that run as its offset is.
         """
         runs = _runs(recording)
-        return [cls(runs)] if len(runs) > 1 and not one_value_in_each(recording.torque, recording.run) else []
+        return [cls(runs)] if len(runs) > 1 and not _is_constant_of_run(recording) else []
 
     def on(self, recording: Recording, beside: Sequence[Term] = ()) -> RunOffset:
         """Return the effect of the runs that a recording was made in, beside other terms of the model."""
@@ -70,6 +70,12 @@ class RunOffset(Effect):
     def torque(self, s: Signals, p: Parameters) -> Expression:
         """Return the offset of the run that a sample lies in."""
         return sum(getattr(p, f"tau_{run}") * where(s[RUN] == run, 1, 0) for run in self.runs)
+
+
+def _is_constant_of_run(recording: Recording) -> bool:
+    """Whether the torque has one value in each run, and not one in all: of drives that coast it is 0 throughout."""
+    torque, run = recording.torque, recording.run
+    return one_value_in_each(torque, run) and not one_value_in_each(torque, np.zeros_like(run))
 
 
 def _runs(recording: Recording) -> list[int]:

@@ -19,9 +19,9 @@ _SIDES = 8.0
 _NEAR = 0.1
 """Share of the largest value within which both signs come to zero."""
 _JUMPS = 0.25
-"""Share of the jump of the bits that a change of the sign jumps at most, or any less, where so many of the numbers of
-one sign, the largest, are free: a torque jumps where dry friction turns. A number without a sign that passes the middle
-of its range leaves none free there."""
+"""Share of the jump of the bits that a change of the sign jumps at most: a number without a sign that passes the middle
+of its range does not jump there, and would with one. A torque may jump farther where dry friction turns, but less than
+the bits; so much is allowed where this share of the numbers of one sign, the largest, is never reached."""
 
 
 @dataclass(frozen=True)

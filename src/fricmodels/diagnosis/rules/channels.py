@@ -79,7 +79,8 @@ class ChannelRules(Rules):
     of_channel: float = rule(
         0.97,
         "share",
-        "An effect must explain this share of what a channel explains that predicts more in its place.",
+        "An effect must explain this share of what a channel explains that predicts more in its place; a wave, of what "
+        "any wave of its number does, if that is most of what it leaves.",
         "Judgement: on 86 drives all true effects but one lie above it, most mimics of what is on no list below.",
         off=0.0,
     )
