@@ -353,3 +353,11 @@ def test_a_velocity_that_jumps_within_its_range_is_seen_by_the_position() -> Non
     assert found[0].text.startswith("10 samples of the velocity")
     position[at] += 0.1 * np.ptp(position)
     assert not [one for one in findings(changed(position=position)) if one.channel == "velocity"]
+
+
+@pytest.mark.parametrize("samples", [300, 450])
+def test_a_short_log_tells_the_sign_of_its_torque(samples: int) -> None:
+    """With fewer parts than 32, each of which may go together in any way."""
+    short = replace(CLEAN.select(slice(0, 10 * samples, 10)), name="short")
+    assert "torque-sign" not in kinds(short, INERTIA)
+    assert kinds(changed(short, torque=-short.torque), INERTIA)["torque-sign"] is STOP

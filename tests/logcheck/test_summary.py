@@ -131,22 +131,27 @@ def test_saturation(limit, step):
     torque = np.sin(np.arange(20_000) / 71.0) + 0.002 * np.random.default_rng(0).standard_normal(20_000)
     if step:
         torque = step * np.round(torque / step)
-    assert saturation(torque) == 0.0
+    assert not saturation(torque)
     clipped = np.clip(torque, -limit, limit)
     truth = np.mean(np.abs(torque) >= limit - 1e-12)
-    assert saturation(clipped) == pytest.approx(truth, rel=0.01)
-    assert saturation(-3.0 * clipped) == pytest.approx(truth, rel=0.01)
+    assert sum(saturation(clipped).values()) == pytest.approx(truth, rel=0.01)
+    assert sum(saturation(-3.0 * clipped).values()) == pytest.approx(truth, rel=0.01)
 
 
 def test_zero_at_rest_is_no_limit():
     size = np.maximum(np.sin(np.arange(5000) / 71.0), 0.0)
-    assert saturation(size) == 0.0
-    assert saturation(size + 1.0) > 0.4
+    assert not saturation(size)
+    assert sum(saturation(size + 1.0).values()) > 0.4
 
 
 def test_saturation_on_one_side_and_a_command_in_steps():
-    assert saturation(np.minimum(np.sin(np.arange(5000) / 71.0), 0.5)) == pytest.approx(1 / 3, abs=0.01)
-    assert saturation(np.repeat(np.random.default_rng(0).choice([-1.0, -0.5, 0.5, 1.0], 100), 50)) == 0.0
+    assert saturation(np.minimum(np.sin(np.arange(5000) / 71.0), 0.5)) == {0.5: pytest.approx(1 / 3, abs=0.01)}
+    assert not saturation(np.repeat(np.random.default_rng(0).choice([-1.0, -0.5, 0.5, 1.0], 100), 50))
+
+
+def test_what_a_signal_stands_at_once_is_a_commanded_step():
+    """Two tests of a motor on a bench in one log: a step of the voltage, and a slow ramp."""
+    assert not saturation(np.r_[np.zeros(50), np.full(400, -7.0), np.linspace(0.0, 5.0, 350)])
 
 
 def test_the_command_prints_and_writes(tmp_path, capsys):

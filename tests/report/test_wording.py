@@ -101,6 +101,9 @@ def test_parameters_are_those_of_the_chosen_look_alikes(classes: list[list[str]]
 def test_an_inertia_of_nothing_is_explained(key: str) -> None:
     assert "--inertia" in wording.shows_no_inertia({key: 0.0, "K_c": 1.0}, {})
     assert "--inertia" in wording.shows_no_inertia({key: 1.0}, {key: 0.6})
+    assert "wrong sign" not in wording.shows_no_inertia({key: 1.0, "K_c": 0.0}, {key: 0.6})
+    turned = {"J": "--column torque=NAME:-1*N*m", "M": "--column force=NAME:-1*N"}[key]
+    assert turned in wording.shows_no_inertia({key: 0.0, "K_v": 0.0, "K_c": 0.0}, {})
     assert not wording.shows_no_inertia({key: 1.0}, {key: 0.4})
     assert not wording.shows_no_inertia({key: 1.0, "K_c": 0.0}, {"K_c": 1.0}), "it is given"
     assert not wording.shows_no_inertia({"K_c": 0.0}, {})

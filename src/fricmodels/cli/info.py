@@ -70,19 +70,19 @@ def _with_clear_motion(found: Summary, recording: Recording, inertia: float | No
     Not of a long recording, nor of one that stops anyway.
     """
     from fricmodels.cli.answers import FEWEST
+    from fricmodels.diagnosis import kept_back, ready
     from fricmodels.drive import Drive
     from fricmodels.errors import InputError
     from fricmodels.logcheck import Finding, Severity
     from fricmodels.model import Model
-    from fricmodels.split import split
+    from fricmodels.results.words import MORE_MOTION, stretches_of_motion
     from fricmodels.weakform.estimate import clear_stretches
-    from fricmodels.weakform.prepared import ready
 
     stops = any(one.severity is Severity.STOP for one in found.findings)
     if stops or not FEWEST <= len(recording) <= _LONG:
         return found
     try:
-        fitted = split(ready(recording))[0]
+        fitted, _ = kept_back(ready(recording))
         clear, asked = clear_stretches(Drive(Model.parse("coulomb-viscous"), inertia, recording.motion), fitted)
     except InputError as error:
         little = Finding("too-little-motion", Severity.WARN, "velocity", str(error), "")
@@ -93,8 +93,8 @@ def _with_clear_motion(found: Summary, recording: Recording, inertia: float | No
             "too-little-motion",
             Severity.WARN,
             "velocity",
-            f"clear motion in {clear} stretches of what is fitted; the simplest model asks for {asked}",
-            "record longer, faster, or with less noise",
+            f"what is fitted has {stretches_of_motion(clear)}, where the simplest model asks for {asked}",
+            MORE_MOTION,
         )
     warnings = sum(one.severity is Severity.WARN for one in found.findings)
     return replace(found, findings=(*found.findings[:warnings], little, *found.findings[warnings:]))

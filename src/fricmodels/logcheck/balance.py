@@ -7,9 +7,9 @@ it :math:`\int\varphi\,\dot\omega\,dt` is the difference between the mean veloci
 is differentiated twice. What depends on the position (gravity, a spring) and on the load is let free, so that it is
 not taken for inertia or friction. W is the one whose rows are explained best.
 
-Errors of coefficients are those of clusters: rows of the same 32nd of the record may go together in any way (Liang and
-Zeger 1986); with G clusters a coefficient over its error is compared with Student's t of G − 1 (Bester, Conley and
-Hansen 2011).
+Errors of coefficients are those of clusters: rows of the same 32nd of the record, or of a larger part of a short one,
+may go together in any way (Liang and Zeger 1986); with G clusters a coefficient over its error is compared with
+Student's t of G − 1 (Bester, Conley and Hansen 2011).
 """
 
 from __future__ import annotations
@@ -21,10 +21,13 @@ import numpy as np
 
 from fricmodels.arrays import Array, Index, Mask
 from fricmodels.logcheck.view import Log
+from fricmodels.signals.clusters import clusters
 
 CLUSTERS = 32
+"""Parts of a record; of a short one as many fewer as leave four rows in each, but no fewer than :data:`_FEWEST`."""
+_FEWEST = 16
+_ROWS_OF_EACH = 4
 _WIDTHS = (4, 16, 64, 256)
-_LEAST_ROWS = 4 * CLUSTERS
 _APART = 2
 """Cells between those of a row and those beside it: one lies between, for positions share the edges of theirs."""
 
@@ -64,10 +67,15 @@ class Balance:
         solution = inverse @ (scaled.T @ self.target)
         left = self.target - scaled @ solution
         scores = scaled * left[:, None]
-        count = int(self.cluster.max()) + 1
+        count = self.clusters
         sums = np.stack([np.bincount(self.cluster, scores[:, j], count) for j in range(scores.shape[1])], axis=1)
         covariance = inverse @ (sums.T @ sums) @ inverse * count / max(count - 1, 1)
         return solution / scale, covariance / np.outer(scale, scale), left
+
+    @property
+    def clusters(self) -> int:
+        """Number of the clusters."""
+        return int(self.cluster.max()) + 1
 
     @property
     def coefficients(self) -> dict[str, float]:
@@ -110,10 +118,12 @@ class Balance:
 
 
 def balances(log: Log) -> list[Balance]:
-    """Return the balance of an excerpt at each width at which there are rows enough."""
+    """Return the balance of an excerpt at each width at which there are rows enough; of a short log at the least."""
     short = log.short
     signals = _signals(short)
-    return [found for width in _WIDTHS if (found := _at(short, width, signals)) is not None]
+    found = [one for width in _WIDTHS if (one := _at(short, width, signals, CLUSTERS)) is not None]
+    least = None if found else _at(short, _WIDTHS[0], signals, _FEWEST)
+    return found if least is None else [least]
 
 
 def best(rows: list[Balance]) -> Balance | None:
@@ -133,14 +143,15 @@ def _signals(log: Log) -> dict[str, Array]:
     return signals
 
 
-def _at(log: Log, width: int, signals: dict[str, Array]) -> Balance | None:
+def _at(log: Log, width: int, signals: dict[str, Array], fewest: int) -> Balance | None:
+    """Return the balance at a width, ``None`` where there are no four rows for each of so many clusters."""
     recording = log.recording
     cells = Cells.of(log, width)
-    if np.count_nonzero(cells.whole) < _LEAST_ROWS:
+    parts = min(CLUSTERS, int(np.count_nonzero(cells.whole)) // _ROWS_OF_EACH)
+    if parts < fewest:
         return None
     columns = {"J": cells.rise(log.position), **{name: cells.mean(values) for name, values in signals.items()}}
-    cluster = np.minimum(cells.start * CLUSTERS // len(recording), CLUSTERS - 1)
-    _, cluster = np.unique(cluster, return_inverse=True)
+    cluster = clusters(cells.start, len(recording), parts)
     matrix = np.stack(list(columns.values()), axis=1)
     speed = np.abs(signals["K_v"])
     target = cells.mean(recording.torque)

@@ -174,7 +174,7 @@ def exchanged(log: Log, found: Balance) -> Iterator[Finding]:
     other = best(balances(Log(replace(recording, channels=channels))))
     if other is None or other.unexplained > 0.25 * found.unexplained:
         return
-    if certain(other.power, CLUSTERS) and certain(other.ratio({"J": 1.0}), CLUSTERS):
+    if certain(other.power, other.clusters) and certain(other.ratio({"J": 1.0}), other.clusters):
         yield _swap(log, "torque", channel, "the drive obeys its equation of motion")
 
 
@@ -201,7 +201,7 @@ def _of_pair(log: Log, pair: tuple[str, str], found: Link, balance: Balance | No
         )
     says = f"the {names[0]} is {figures(found.scale, 3)} times the change of the {names[1]}"
     if found.scale < 0:
-        turned = balance is not None and certain(-balance.power, CLUSTERS)
+        turned = balance is not None and certain(-balance.power, balance.clusters)
         which = rate if turned else quantity
         return Finding(
             "velocity-sign",

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from fricmodels.logcheck.balance import CLUSTERS, Balance
+from fricmodels.logcheck.balance import Balance
 from fricmodels.logcheck.finding import Finding, Severity
 from fricmodels.logcheck.view import Log
 from fricmodels.signals.clusters import LEVEL, PROBABLE, certain, significance
@@ -20,7 +20,7 @@ def sign(log: Log, found: Balance) -> Iterator[Finding]:
 
     With the torque's sign turned, inertia and friction come out negative. The statistics are the inertia, and the power
     that the friction of the balance takes up, :math:`K_v\overline{\omega^2} + K_c\overline{|\omega|}`, each over its
-    standard error; the one that is farther below zero is compared with Student's t of 31, and counts for two. Two more
+    standard error; the one that is farther below zero is compared with Student's t (of 31, fewer of a short log), and counts for two. Two more
     things must hold: the other one is not positive beyond chance (the inertia is where the velocity lags, which makes
     the viscous coefficient alone negative; friction is where a late torque makes the inertia negative), and the work of
     the torque is negative as a whole (a speed loop that fights cogging has a torque that falls with the speed, but
@@ -29,8 +29,8 @@ def sign(log: Log, found: Balance) -> Iterator[Finding]:
     short = log.short
     pushing = short.recording.driving_torque
     friction, mass = found.power, found.ratio({"J": 1.0})
-    chance = min(1.0, 2.0 * significance(min(friction, mass), CLUSTERS))
-    if min(friction, mass) >= 0.0 or chance >= PROBABLE or certain(max(friction, mass), CLUSTERS):
+    chance = min(1.0, 2.0 * significance(min(friction, mass), found.clusters))
+    if min(friction, mass) >= 0.0 or chance >= PROBABLE or certain(max(friction, mass), found.clusters):
         return
     if float(np.mean(pushing * short.velocity)) >= 0.0:
         return
@@ -63,7 +63,7 @@ def voltage(log: Log, found: Balance) -> Iterator[Finding]:
     if "torque" not in columns and "current" in columns and log.column("current")[1]:
         return
     share = min(found.share("K_v") ** 2, found.explained_alone("K_v"))
-    if share > _VOLTAGE and certain(found.ratio({"K_v": 1.0}), CLUSTERS):
+    if share > _VOLTAGE and certain(found.ratio({"K_v": 1.0}), found.clusters):
         yield Finding(
             "not-a-torque",
             Severity.WARN,

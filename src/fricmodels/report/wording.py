@@ -173,6 +173,12 @@ def shows_no_inertia(parameters: Mapping[str, float | None], errors: Mapping[str
     inertia, error = parameters.get(key), errors.get(key)
     if inertia is None or inertia > NORMAL_95 * (error or 0.0):
         return ""
+    if not any(parameters.values()):
+        name, turned = ("force", "force=NAME:-1*N") if key == "M" else ("torque", "torque=NAME:-1*N*m")
+        return (
+            f"Neither inertia nor friction shows. So it is where the {name} has the wrong sign: turn it, as in "
+            f"--column {turned}, and compare. Or the {name} is not what moves the drive."
+        )
     return (
         "No inertia shows: the speed changes too little or too slowly, or a controller switches the torque with the "
         "direction of motion, which looks like friction. Give the inertia (--inertia) to tell the two apart."

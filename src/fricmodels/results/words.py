@@ -17,6 +17,15 @@ SAMPLING = "when the drive turned or stopped between two samples, and a shift of
 """What a recording hides between its samples."""
 
 
+MORE_MOTION = "record longer, with more strokes, or with less noise"
+"""The way out of a recording that moves too little."""
+
+
+def stretches_of_motion(count: int) -> str:
+    """Say in how many stretches a recording moves clearly."""
+    return f"{count} {'stretch' if count == 1 else 'stretches'} of clear motion"
+
+
 def look_alikes(others: str, separated_by: str) -> str:
     """Say which effects a recording cannot tell from one, and what would tell them apart."""
     return f"This recording cannot tell it from {others}; what would: {separated_by}."

@@ -7,6 +7,7 @@ import numpy as np
 from fricmodels.arrays import Array
 from fricmodels.drive import Drive
 from fricmodels.errors import InputError
+from fricmodels.results.words import stretches_of_motion
 from fricmodels.sums.summed import Sums
 from fricmodels.weakform.estimate import Estimate
 from fricmodels.weakform.identification import not_identified
@@ -39,8 +40,8 @@ def solved(sums: Sums, inertia: float | None = None) -> Estimate:
     drive = Drive(sums.plan.drive.model, inertia, sums.plan.motion)
     if sums.rows <= _ROWS * len(drive.parameters):
         raise InputError(
-            f"these sums have {sums.rows} stretches of clear motion for {len(drive.parameters)} parameters; add files "
-            f"with more motion"
+            f"these sums have {stretches_of_motion(sums.rows)}, where {len(drive.parameters)} parameters ask for "
+            f"{_ROWS * len(drive.parameters) + 1}; add files with more motion"
         )
     squares = float(sums.whole[0, 0]) or float((inertia or 0.0) ** 2 * sums.whole[1, 1])  # of the push, or the inertia
     if not squares:

@@ -24,7 +24,7 @@ from fricmodels.drive import Drive
 from fricmodels.errors import InputError
 from fricmodels.model import Model
 from fricmodels.recording import Recording
-from fricmodels.results.words import is_combined
+from fricmodels.results.words import MORE_MOTION, is_combined, stretches_of_motion
 from fricmodels.score.torque import filtered_torque_error, sliding_half_width
 from fricmodels.signals.rest import once
 from fricmodels.weakform.acting import acting
@@ -339,8 +339,8 @@ def _solved(problem: WeakFormProblem, start: Mapping[str, float], found: Solved 
     drive = problem.drive
     if problem.rows <= _ROWS * len(drive.parameters):
         raise InputError(
-            f"recording '{problem.recording.name}' moves too little: {problem.rows} stretches of clear motion for "
-            f"{len(drive.parameters)} parameters; record longer, faster, or with less noise"
+            f"recording '{problem.recording.name}' moves too little: {stretches_of_motion(problem.rows)}, where "
+            f"{len(drive.parameters)} parameters ask for {_ROWS * len(drive.parameters) + 1}; {MORE_MOTION}"
         )
     nonlinear = {p.key for p in drive.parameters if not p.linear}
 
