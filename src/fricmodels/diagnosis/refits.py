@@ -11,6 +11,7 @@ from fricmodels.progress import stage
 from fricmodels.results.words import NORMAL_95
 from fricmodels.term import Effect
 from fricmodels.weakform.candidate import within_recording
+from fricmodels.weakform.identification import FAR_WORSE
 from fricmodels.weakform.search import is_at_end
 from fricmodels.weakform.shifted import FREE_SHIFT
 
@@ -38,7 +39,8 @@ class Refits:
         ``None`` where that fails, or where the effect comes out as nothing, as a slow change that is over at once, or
         as a delay that the free shift of the rows is as well, unless the error falls far: a smaller error is then not
         its doing. Nor is a friction that drives what it says it is, and of one of whose torques none is determined the
-        form is not known; nor of one so large that only another cancels it.
+        form is not known; nor of one so large that only another cancels it. And a model that has more in it does not
+        leave far more of what it was fitted to: what acts in samples that no row has is not known there.
         """
         key = _key(tested)
         if key not in self._found:
@@ -53,6 +55,7 @@ class Refits:
                     is_undetermined(fitted, own.name)
                     or _is_over_at_once(fitted, own)
                     or self._is_within_free_shift(fitted, own)
+                    or self._fits_far_worse(fitted)
                 )
                 self._found[key] = None if useless or self._is_unphysical(fitted, own) else fitted
         return self._found[key]
@@ -77,6 +80,10 @@ class Refits:
         """Whether an effect that is a part of the friction makes of it one that drives, or is too large to be there."""
         drives = effect.friction and driving_share(fitted) > self.policy.driving_friction
         return drives or own_torque(fitted, effect) > self.policy.own_torque
+
+    def _fits_far_worse(self, fitted: Comparison) -> bool:
+        """Whether more than twice the square of the printed error is left of what was fitted."""
+        return fitted.errors.percent**2 > FAR_WORSE * self.comparison.errors.percent**2
 
     def _is_within_free_shift(self, fitted: Comparison, effect: Effect) -> bool:
         """Whether a fit made of a delay one that every row may have by itself, and the test error does not fall far.

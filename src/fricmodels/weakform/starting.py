@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 
 from fricmodels.drive import Drive
+from fricmodels.errors import InputError
 from fricmodels.term import Effect
 from fricmodels.weakform.problem import WeakFormProblem
 from fricmodels.weakform.ripple import carriers_alone, fast_waves, of_waves
@@ -42,7 +43,12 @@ def starts_of(
         smaller = Drive(drive.model.minus(effect.name), drive.inertia, drive.motion)
         found: list[Mapping[str, float]] = []
         for width in (None, _SMOOTH) if effect.states else (None,):
-            problem, rest = fit(smaller, width)
+            try:
+                problem, rest = fit(smaller, width)
+            except InputError:
+                if width is None:
+                    raise
+                continue  # its strokes have no room for test functions that wide
             ways = (_in_rows, _in_samples) if any(p.periodic for p in effect.parameters) else (_in_rows,)
             places = [way(drive, problem, rest, effect) for way in ways]
             found += [{**rest, **values, **start} for values in places if values]
