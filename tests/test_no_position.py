@@ -17,7 +17,7 @@ from fricmodels.dimension import Motion
 from fricmodels.logcheck import findings
 from fricmodels.logcheck.summary import summary
 from fricmodels.recording import Recording
-from fricmodels.report.answer import error_words
+from fricmodels.report.error_words import error_words
 from fricmodels.signals import resting
 from fricmodels.signals.integrated import from_zero, with_integrated_position
 from fricmodels.weakform.prepared import ready

@@ -15,7 +15,7 @@ from fricmodels.diagnosis.policy import POLICY
 from fricmodels.diagnosis.refits import Refits
 from fricmodels.dimension import Motion
 from fricmodels.recording import Recording
-from fricmodels.report.answer import error_words
+from fricmodels.report.error_words import error_words
 
 INERTIA, VISCOUS, COULOMB = 2.0, 0.4, 1.0
 

@@ -16,7 +16,7 @@ from fricmodels.drive import Drive
 from fricmodels.logcheck import summary
 from fricmodels.model import Known, Model
 from fricmodels.recording import Recording
-from fricmodels.report.answer import comparison_words
+from fricmodels.report.error_words import comparison_words
 from fricmodels.report.figures.samples import Samples
 from fricmodels.report.folder import page
 from fricmodels.saved import FittedModel, keep

@@ -76,6 +76,15 @@ def test_names_on_one_sine_come_with_how_often_such_names_were_wrong() -> None:
     assert ONE_SINE.said not in answer(data(recording=on_one, verdict="adequate", effects=[])).sure
 
 
+@pytest.mark.parametrize(("fit", "test", "said"), [(17.8, 1.4, True), (2.5, 1.4, False), (0.1, 0.01, False)])
+def test_an_error_that_is_far_larger_where_it_was_fitted_is_said(fit: float, test: float, said: bool) -> None:
+    """A step and a slow ramp: the starts were fitted, the ramp was kept back. Below 0.3 % nobody needs to know."""
+    last = {**step("coulomb-viscous+gravity", test, "gravity"), "rms_percent": fit}
+    text = answer(data(ladder=[step("coulomb-viscous", 60.0), last])).error
+    assert ("Where it was fitted 17.8 % is left" in text.replace("\u00a0", " ")) is said
+    assert ("Where it was fitted" in text) is said
+
+
 def test_errors_of_a_drive_that_coasts_are_of_the_torque_of_its_inertia() -> None:
     note = {"kind": "coasting", "severity": "note", "text": "the torque is 0 throughout"}
     coasting = {**recording("time=t:ms"), "findings": [note]}

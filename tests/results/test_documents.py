@@ -13,7 +13,8 @@ from pydantic import BaseModel, ValidationError
 from fricmodels.cli import main
 from fricmodels.errors import InputError
 from fricmodels.report import of_run
-from fricmodels.report.answer import answer, window
+from fricmodels.report.answer import answer
+from fricmodels.report.error_words import window
 from fricmodels.report.page import Words
 from fricmodels.results.comparison import Band, ComparisonDocument, Step
 from fricmodels.results.diagnosis import DiagnosisDocument

@@ -20,11 +20,11 @@ def sign(log: Log, found: Balance) -> Iterator[Finding]:
 
     With the torque's sign turned, inertia and friction come out negative. The statistics are the inertia, and the power
     that the friction of the balance takes up, :math:`K_v\overline{\omega^2} + K_c\overline{|\omega|}`, each over its
-    standard error; the one that is farther below zero is compared with Student's t (of 31, fewer of a short log), and counts for two. Two more
-    things must hold: the other one is not positive beyond chance (the inertia is where the velocity lags, which makes
-    the viscous coefficient alone negative; friction is where a late torque makes the inertia negative), and the work of
-    the torque is negative as a whole (a speed loop that fights cogging has a torque that falls with the speed, but
-    still drives).
+    standard error; the one that is farther below zero is compared with Student's t (of 31, of a short log of fewer),
+    and counts for two. Two more things must hold: the other one is not positive beyond chance (the inertia is where the
+    velocity lags, which makes the viscous coefficient alone negative; friction is where a late torque makes the inertia
+    negative), and the work of the torque is negative as a whole (a speed loop that fights cogging has a torque that
+    falls with the speed, but still drives).
     """
     short = log.short
     pushing = short.recording.driving_torque

@@ -13,12 +13,10 @@ from fricmodels.diagnosis.policy import POLICY
 from fricmodels.diagnosis.predictability import AUTOREGRESSIVE
 from fricmodels.dimension import Motion
 from fricmodels.readers.standard_names import STANDARD
-from fricmodels.recording import word
+from fricmodels.report.error_words import error_words, noise_left, of_noise, within_noise
 from fricmodels.report.reliability import CHANGING, ONE_SINE, RECORDS
-from fricmodels.report.reservations import as_promised, beyond_range, reservations
-from fricmodels.report.wording import counted, listed, listed_classes, noise_alone, percent, small
+from fricmodels.report.wording import counted, listed, listed_classes, percent, small
 from fricmodels.results.words import LINE, SAMPLING, figures, form, predictor
-from fricmodels.score.bands import averaged
 
 if TYPE_CHECKING:
     from fricmodels.results.comparison import ComparisonDocument
@@ -32,8 +30,6 @@ twelve logs whose cause is on no list, those that resemble it explain 0.7 to 0.9
 0.2 to 0.4."""
 _OF_LAWS = frozenset({"speed", "motor torque", "load torque"})
 """Channels that the listed laws are functions of."""
-_TOO_LARGE = 1.25
-"""Times the error that is left above which an estimate of the noise is said to be too large."""
 _MINUS = re.compile(r"(?<![\w.])-(?=\d)")
 FAR_ABOVE = 2.0
 """Times the noise above which the error that remains is said with the answer: first, if something still predicts it."""
@@ -95,20 +91,20 @@ def _sentence(data: DiagnosisDocument) -> str:
             if data.unknown is None
             else "what could be predicted is too small a part of the error to be noticed"
         )
-        more = f" Yet {left}, more than noise ({_noise(data)})." if _noticed_above_noise(data) else ""
+        more = f" Yet {left}, more than noise ({noise_left(data)})." if _noticed_above_noise(data) else ""
         return f"The model {model} is adequate: {why}.{more}"
     if data.verdict == "unknown-effect":
         return f"Something is missing from the model {model} that no known effect explains."
     names = listed_classes(effect.names for effect in data.effects)
     if _much_remains(data):
-        most = f"{left} unexplained, far above noise ({_noise(data)})"
+        most = f"{left} unexplained, far above noise ({noise_left(data)})"
         return f"{most}. Part of what {model} lacks was found: {names}."
     text = f"The model {model} lacks {counted(len(data.effects), 'effect')}: {names}."
     if len(data.ladder) > 1 and data.remaining is not None and data.remaining.percent:
         rest = f"{percent(data.remaining.percent)} of the {data.reference}, beyond noise, remains unexplained"
         text += f" With {'it' if len(data.effects) == 1 else 'them'} {rest}."
     elif len(data.ladder) > 1 and not data.partial and _noticed_above_noise(data):
-        text += f" With {'it' if len(data.effects) == 1 else 'them'} {left}, more than noise ({_noise(data)})."
+        text += f" With {'it' if len(data.effects) == 1 else 'them'} {left}, more than noise ({noise_left(data)})."
     return text
 
 
@@ -126,76 +122,6 @@ def _much_remains(data: DiagnosisDocument) -> bool:
 def _far_above_noise(data: DiagnosisDocument) -> bool:
     end, noise = data.ladder[-1].held_out_rms_percent, data.last_noise_floor_percent
     return end is not None and noise is not None and end > FAR_ABOVE * noise
-
-
-def window(data: ComparisonDocument) -> str:
-    """Say over which window the errors are averaged; nothing where that is not known, as in files of old versions."""
-    errors = data.rms_torque_error
-    sample = errors.bands[0].window_ms if errors.bands else None
-    return "" if errors.band_ms is None or sample is None else averaged(errors.band_ms, sample)
-
-
-def error_words(data: ComparisonDocument) -> str:
-    """Say by how much the test error falls, or what it is, beside what noise alone would leave."""
-    steps = data.steps
-    before, after = steps[0].held_out_rms_percent, steps[-1].held_out_rms_percent
-    noise = f"noise alone would leave {of_noise(data)}"
-    if _within_noise(data):
-        noise = _estimated_too_large(data)
-    over = f", {window(data)}" if window(data) else ""
-    where = f"of the RMS {data.reference} on data that took no part in fitting{over}"
-    if len(steps) > 1:
-        return f"Test error {percent(before)} → {percent(after)} {where}; {noise}.{reservations(data)}"
-    if data.held:
-        where = f"of the RMS {data.reference} on the three tenths that a fit would keep back{over}"
-    return f"Test error {percent(before)} {where}; {noise}.{reservations(data)}"
-
-
-def of_noise(data: ComparisonDocument) -> str:
-    """Say how much noise alone would leave."""
-    text = _noise(data)
-    return text if text.startswith("less") else f"about {text}"
-
-
-def _noise(data: ComparisonDocument) -> str:
-    return noise_alone(data.last_noise_floor_percent).replace("<\u00a0", "less than ")
-
-
-def _within_noise(data: ComparisonDocument) -> bool:
-    """Whether the error that is left is clearly smaller than what noise was estimated to leave."""
-    end, noise = data.steps[-1].held_out_rms_percent, data.last_noise_floor_percent
-    return end is not None and noise is not None and _TOO_LARGE * end < noise
-
-
-def _estimated_too_large(data: ComparisonDocument) -> str:
-    """Say of which channel the noise is smaller than it was estimated, and what to do about that."""
-    channel = data.steps[-1].noise_channel
-    named = word(channel, Motion(data.motion)) if channel else ""
-    whose = f"the noise of the {named}" if named else "the noise"
-    remedy = f"; a {named} that is logged finer, or with less noise, tells it better" if named else ""
-    return (
-        f"{whose} was estimated at {percent(data.last_noise_floor_percent)}, an estimate that is too high: go by the "
-        f"test error{remedy}"
-    )
-
-
-def comparison_words(data: ComparisonDocument) -> tuple[str, str]:
-    """Say how far off a model is: the answer, and the errors that it rests on."""
-    errors = data.rms_torque_error
-    left = f"{percent(errors.held_out_percent)} of the {data.reference}"
-    sentence = f"The model {data.model} leaves a test error of {left}."
-    words = f"{error_words(data)} Fit error {percent(errors.percent)}."
-    if data.held:
-        sentence = f"The model {data.model} with the numbers of its file leaves an error of {left}."
-        others = f"On the other samples {percent(errors.percent)}."
-        words = f"Nothing was fitted. {error_words(data)} {others}{as_promised(data)}{beyond_range(data)}"
-    sample = errors.bands[0] if errors.bands else None
-    if sample is None or sample.window_ms == errors.band_ms:
-        return sentence, words
-    return sentence, (
-        f"{words} Per sample ({form(sample.window_ms, '.3g')} ms) the test error is "
-        f"{percent(sample.held_out_percent)}, of noise alone {noise_alone(sample.noise_floor_percent)}."
-    )
 
 
 def sure(data: DiagnosisDocument) -> str:
@@ -250,7 +176,7 @@ def _remains(data: DiagnosisDocument) -> str:
                 left = percent(data.shift.held_out_percent)
                 why = f"{_shifted(data.shift)}, as sampling may do; with that in the model {left} remains."
             noise = f"of which noise makes {of_noise(data)}"
-            if _within_noise(data):
+            if within_noise(data):
                 noise = f"no more than the {percent(floor)} that noise was estimated to leave"
             elif last is not None and floor is not None and last <= floor:
                 noise = f"as much as noise makes ({of_noise(data)})"

@@ -10,9 +10,10 @@ from fricmodels.diagnosis.errors_table import sampled
 from fricmodels.diagnosis.ladder import added
 from fricmodels.diagnosis.present import change, say, show_overlay, show_parameters
 from fricmodels.errors import InputError
-from fricmodels.report.answer import Answer, answer, comparison_words
+from fricmodels.report.answer import Answer, answer
 from fricmodels.report.captions import where_words
 from fricmodels.report.channels import channel_of_rest, shown_over
+from fricmodels.report.error_words import comparison_words
 from fricmodels.report.figures.against import error_over
 from fricmodels.report.wording import change as change_of
 from fricmodels.report.wording import counted, listed_classes, on_parameters, percent, small

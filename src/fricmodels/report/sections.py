@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Literal
 from fricmodels import plugins
 from fricmodels.diagnosis.policy import POLICY
 from fricmodels.dimension import Motion
-from fricmodels.report.answer import window
+from fricmodels.report.error_words import window
 from fricmodels.report.page import (
     Block,
     Equations,

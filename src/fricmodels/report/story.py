@@ -12,8 +12,9 @@ from fricmodels.dimension import Motion
 from fricmodels.processes import give_back
 from fricmodels.progress import each
 from fricmodels.report import sections
-from fricmodels.report.answer import answer, comparison_words, of_noise, window
+from fricmodels.report.answer import answer
 from fricmodels.report.captions import where_words
+from fricmodels.report.error_words import comparison_words, of_noise, window
 from fricmodels.report.linear import in_forces
 from fricmodels.report.motion import motion_section, simulated
 from fricmodels.report.page import Page, Picture, Section, Tile, Verdict
