@@ -6,6 +6,7 @@ import ast
 import re
 import subprocess
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -65,9 +66,21 @@ def dotted(file: Path) -> str:
 FILES = {dotted(file): file for file in modules()}
 
 
-def imports(file: Path) -> Iterator[str]:
-    """Yield the dotted names that a file imports, wherever in it: when it runs, for type checkers, or as a string."""
-    for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
+@cache
+def read(file: Path) -> tuple[list[str], list[tuple[str, int]]]:
+    """Return what `imports` does of a file, and the plain names that it calls, with their lines."""
+    nodes = list(ast.walk(ast.parse(file.read_text(encoding="utf-8"))))
+    calls = [(n.func.id, n.lineno) for n in nodes if isinstance(n, ast.Call) and isinstance(n.func, ast.Name)]
+    return list(imported(file, nodes)), calls
+
+
+def imports(file: Path) -> list[str]:
+    """Return the dotted names that a file imports, wherever in it: when it runs, for type checkers, or as a string."""
+    return read(file)[0]
+
+
+def imported(file: Path, nodes: list[ast.AST]) -> Iterator[str]:
+    for node in nodes:
         if isinstance(node, ast.Import):
             yield from (alias.name for alias in node.names)
         elif isinstance(node, ast.ImportFrom):
@@ -181,6 +194,5 @@ def test_no_pickle_no_eval() -> None:
     forbidden = {"eval", "exec"}
     for file in modules():
         assert not {name.split(".")[0] for name in imports(file)} & {"pickle", "dill", "cloudpickle", "marshal"}, file
-        for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
-            called = node.func.id if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) else ""
-            assert called not in forbidden, f"{file}:{node.lineno}"  # type: ignore[attr-defined]
+        for called, line in read(file)[1]:
+            assert called not in forbidden, f"{file}:{line}"

@@ -52,7 +52,7 @@ def swinging(first: list[tuple[float, float]], seconds: float = 8.0, rate: float
         def rates(t: float, z: Array) -> list[float]:
             return [z[1], float(motion(np.array([t]))[1][0]) - OMEGA**2 * z[0] - 2 * ZETA * OMEGA * z[1]]
 
-        z = solve_ivp(rates, (0.0, time[-1]), begin, t_eval=time, rtol=1e-9, atol=1e-12).y
+        z = solve_ivp(rates, (0.0, time[-1]), begin, t_eval=time, method="DOP853", rtol=1e-9, atol=1e-12).y
         spring = OMEGA**2 * z[0] + 2 * ZETA * OMEGA * z[1]
         friction = K_V * velocity + K_C * np.sign(velocity)
         torques.append(J * acceleration + friction + J_L * (spring - acceleration))
