@@ -80,6 +80,7 @@ def test_a_drive_of_another_size_has_the_same_errors() -> None:
     assert large.errors.held_out_percent == pytest.approx(small.errors.held_out_percent, rel=1e-6)
 
 
+@pytest.mark.long
 def test_drag_is_named() -> None:
     model = Model.parse("coulomb-viscous+nonlinear-viscous")
     true = {"K_v": K_V, "K_c": K_C, "nonlinear-viscous.a": 0.0, "nonlinear-viscous.b": 2e-6, "J": J}

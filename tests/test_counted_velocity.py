@@ -74,6 +74,7 @@ def test_a_position_that_was_recorded_stays(from_benchmarks: Benchmarks) -> None
     assert with_counted_position(both) is both
 
 
+@pytest.mark.long
 def test_a_fit_is_that_of_the_positions(from_benchmarks: Benchmarks) -> None:
     """Of velocities in eleven steps F_s was 0 and an error of 25 % was left, with nothing hidden "unknown"."""
     counts = recorded(from_benchmarks("derivative_width"), stribeck=STRIBECK)

@@ -13,7 +13,13 @@ from fricmodels.signals import noise_of
 
 @pytest.mark.parametrize(
     ("rate", "bits", "fastest", "noise"),
-    [(200, 12, 8.0, 0.0), (1000, 12, 1.0, 0.0), (4000, 14, 8.0, 0.0), (4000, 16, 8.0, 0.0), (4000, 12, 8.0, 0.5)],
+    [
+        (200, 12, 8.0, 0.0),
+        (1000, 12, 1.0, 0.0),
+        pytest.param(4000, 14, 8.0, 0.0, marks=pytest.mark.long),
+        pytest.param(4000, 16, 8.0, 0.0, marks=pytest.mark.long),
+        (4000, 12, 8.0, 0.5),
+    ],
 )
 def test_it_is_near_the_best(
     from_benchmarks: Callable[[str], ModuleType], rate: int, bits: int, fastest: float, noise: float

@@ -84,6 +84,7 @@ def test_a_position_with_a_sensor_of_its_own_is_measured(sensor: str) -> None:
     assert ready(Recording("two", Motion.ROTARY, channels, run)).measures("position")
 
 
+@pytest.mark.long
 def test_a_computed_position_gives_the_answer_of_none(from_benchmarks: Benchmarks) -> None:
     """Taken for a sensor of its own it seemed to be without noise, and made up a compliance and a torque constant."""
     made = from_benchmarks("no_position")
@@ -99,7 +100,7 @@ def test_a_computed_position_gives_the_answer_of_none(from_benchmarks: Benchmark
     ("hidden", "sensor"),
     [
         ("gravity", "rounded to 1 rpm"),
-        ("cogging", "noise of 20 %"),
+        pytest.param("cogging", "noise of 20 %", marks=pytest.mark.long),
         pytest.param("gravity", "noise of 20 %", marks=pytest.mark.long),
         pytest.param("gravity", "mean of 20 samples", marks=pytest.mark.long),
         pytest.param("cogging", "rounded to 1 rpm", marks=pytest.mark.long),
@@ -119,6 +120,7 @@ def test_nothing_hidden_has_no_name(from_benchmarks: Benchmarks) -> None:
     assert diagnose(recording, "coulomb-viscous", made.INERTIA).verdict == "adequate"
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("seed", [40, 43])
 def test_intervals_reckon_with_how_the_integral_wanders(from_benchmarks: Benchmarks, seed: int) -> None:
     made = from_benchmarks("no_position")
@@ -138,6 +140,7 @@ def test_an_estimator_by_itself_takes_the_same_position(from_benchmarks: Benchma
     assert found.parameters["gravity.b"] == pytest.approx(expected.parameters["gravity.b"], rel=0.02)
 
 
+@pytest.mark.long
 def test_it_is_said_where_something_goes_with_it(from_benchmarks: Benchmarks) -> None:
     made = from_benchmarks("no_position")
     recording = recorded(made, "gravity", "noise of 1 %")[0].select(slice(0, 8000))

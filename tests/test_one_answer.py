@@ -48,8 +48,14 @@ def written(recording: Recording, folder: Path) -> Path:
     return write_recording(recording, folder / "recording.csv")[0]
 
 
-@pytest.mark.parametrize("hold", [True, False])
-@pytest.mark.parametrize("inertia_is_given", [True, False])
+@pytest.mark.parametrize(
+    ("inertia_is_given", "hold"),
+    [
+        (True, True),
+        (False, False),
+        *(pytest.param(*other, marks=pytest.mark.long) for other in ((True, False), (False, True))),
+    ],
+)
 @pytest.mark.parametrize(
     ("effect", "model"),
     [

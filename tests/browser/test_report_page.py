@@ -13,9 +13,9 @@ import numpy as np
 import pytest
 
 CHECKED = [(1280, "dark"), (400, "light")]
-PAGES: list[Any] = [("story_page", 1280, "dark"), ("tournament_page", 400, "light")]
+PAGES: list[Any] = [("tournament_page", 400, "light")]
 OTHERS = [("story_page", 400, "light"), ("story_page", 1920, "light"), ("tournament_page", 1280, "dark")]
-OTHERS += [("story_page", 1280, "light"), ("story_page", 400, "dark")]
+OTHERS += [("story_page", 1280, "light"), ("story_page", 400, "dark"), ("story_page", 1280, "dark")]
 """A page, a width and a scheme of which each was looked at in another view."""
 PAGES += [pytest.param(*view, marks=pytest.mark.long) for view in OTHERS]
 
@@ -122,6 +122,7 @@ def test_without_scripts_the_words_and_tables_are_there(look: Callable[..., Any]
     assert seen.page.locator("table").count() > 8
 
 
+@pytest.mark.long
 def test_hostile_names_stay_names(look: Callable[..., Any], hostile_pages: list[Path]) -> None:
     names = ("<script>window.hurt = 1</script>", "<script>window.hurt = 1<script>")
     for path, name in zip(hostile_pages, names, strict=True):
@@ -135,6 +136,7 @@ def test_hostile_names_stay_names(look: Callable[..., Any], hostile_pages: list[
         assert re.search(r"\$\{1\}.*\{\{7\*7\}\}", seen.page.title())
 
 
+@pytest.mark.long
 def test_the_picture_can_be_saved(look: Callable[..., Any], tournament_page: Path, tmp_path: Path) -> None:
     seen = look(tournament_page)
     seen.page.locator("[data-save]").first.wait_for()
@@ -153,6 +155,7 @@ INK = """place => {
 A4_WIDTH = round((210 - 2 * 14) / 25.4 * 96)
 
 
+@pytest.mark.long
 def test_every_figure_prints_uncut(look: Callable[..., Any], story_page: Path) -> None:
     """What `beforeprint` leaves is what the printer gets: a PDF that is made at once is no exception."""
     seen = look(story_page, A4_WIDTH)
@@ -207,6 +210,7 @@ def test_a_pdf_has_every_figure_on_full_pages(
     assert min(used[:-1]) > LEAST_FILLED, f"half-empty pages: {used}"
 
 
+@pytest.mark.long
 def test_a_long_formula_does_not_shrink_the_printed_page(
     look: Callable[..., Any], story_page: Path, tmp_path: Path, without_browser: Callable[[str], NoReturn]
 ) -> None:
@@ -235,7 +239,8 @@ def test_a_long_formula_does_not_shrink_the_printed_page(
     assert sizes[1] == pytest.approx(sizes[0], rel=1e-3)
 
 
-@pytest.mark.parametrize("page", ["story_page", pytest.param("tournament_page", marks=pytest.mark.long)])
+@pytest.mark.long
+@pytest.mark.parametrize("page", ["story_page", "tournament_page"])
 def test_the_page_is_short_and_small(page: str, look: Callable[..., Any], request: pytest.FixtureRequest) -> None:
     path = request.getfixturevalue(page)
     seen = look(path)
@@ -256,6 +261,7 @@ def test_a_command_breaks_between_its_words_and_can_be_copied(look: Callable[...
     assert max(wide) <= code.evaluate("code => code.parentElement.getBoundingClientRect().right")
 
 
+@pytest.mark.long
 def test_zoomed_in_two_curves_lie_where_the_data_are(look: Callable[..., Any], story_page: Path) -> None:
     """In a window of a fiftieth of the record, the gap that is drawn between the curves is the residual below them."""
     seen = look(story_page)
@@ -281,6 +287,7 @@ def test_zoomed_in_two_curves_lie_where_the_data_are(look: Callable[..., Any], s
     assert 0 <= worst <= 1.0, "pixels, less than a line's width"
 
 
+@pytest.mark.long
 def test_figures_answer_to_the_keyboard_and_can_be_reset(look: Callable[..., Any], story_page: Path) -> None:
     seen = look(story_page)
     place = seen.page.locator(".plot").first

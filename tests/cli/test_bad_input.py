@@ -189,6 +189,7 @@ def test_out_that_is_a_file(tmp_path: Path, capsys: pytest.CaptureFixture[str]) 
     assert out.read_text() == "mine"
 
 
+@pytest.mark.long
 def test_wrong_units_stop_the_work_unless_trusted(tmp_path, capsys):
     path = tmp_path / "log.csv"
     rows = [[*row, f"{-np.cos(2 * np.pi * float(row[0])) * 180 / np.pi / (2 * np.pi):.6f}"] for row in motion()]

@@ -189,6 +189,7 @@ def test_a_command_is_one_line_and_one_module() -> None:
     assert set(COMMANDS) <= modules
 
 
+@pytest.mark.long
 def test_several_files_are_one_recording_and_further_channels_are_mapped(
     tmp_path: Path, made: Callable[..., Recording], capsys: pytest.CaptureFixture[str]
 ) -> None:

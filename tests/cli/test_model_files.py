@@ -136,6 +136,7 @@ def test_an_inertia_in_the_place_of_the_files_is_said(
     assert ("warning: --inertia 5 is taken in the place of the 2 of" in err) == said
 
 
+@pytest.mark.long
 def test_diagnose_holds_a_file_and_improve_leaves_its_own(
     room: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

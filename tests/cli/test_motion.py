@@ -70,6 +70,7 @@ def test_a_fit_to_the_motion_is_kept(data: Path, tmp_path: Path, capsys: pytest.
         assert 0 < kept.standard_errors[key] < 0.2 * value
 
 
+@pytest.mark.long
 def test_numbers_that_are_held_are_not_fitted_to_the_motion(
     data: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

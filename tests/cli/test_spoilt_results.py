@@ -120,6 +120,7 @@ def test_files_that_are_something_else(text: str, file: str, spoilt: Any, capsys
     assert not (folder / "x.html").exists()
 
 
+@pytest.mark.long
 @settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(data=st.data())
 def test_whatever_stands_in_a_leaderboard_it_is_shown_or_refused(data: st.DataObject, made: Path, spoilt: Any) -> None:

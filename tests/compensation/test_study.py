@@ -29,6 +29,7 @@ CLEAN = {
 }
 
 
+@pytest.mark.long
 def test_where_nothing_is_hidden_nothing_more_is_to_be_had() -> None:
     found = study(Rig.model_validate(CLEAN), Settings(motion="trapezoid"), motions=2)
     assert [way.name for way in found.ways] == [NONE, COULOMB, IMPROVED, TRUE]

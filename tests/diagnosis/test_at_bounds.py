@@ -33,7 +33,7 @@ def moved(fall: float, seed: int, *, viscous: float = 0.0) -> Recording:
     return Recording("falling", Motion.ROTARY, channels, np.zeros(len(time), dtype=np.int64))
 
 
-@pytest.mark.parametrize("seed", [1, 2])
+@pytest.mark.parametrize("seed", [pytest.param(1, marks=pytest.mark.long), 2])
 def test_friction_that_falls_all_along_is_named(seed: int) -> None:
     """A negative K_v is all of it, in the rows that effects are tested on, and the fit may not have one."""
     found = diagnose(moved(0.05, seed), "coulomb-viscous")
@@ -42,7 +42,7 @@ def test_friction_that_falls_all_along_is_named(seed: int) -> None:
     assert names & {"stribeck", "nonlinear-viscous"}, (found.verdict, found.findings)
 
 
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("seed", [1, *(pytest.param(seed, marks=pytest.mark.long) for seed in (0, 2, 3))])
 def test_without_such_a_fall_nothing_is_kept(seed: int) -> None:
     """K_v is 0 at its bound by chance, or is not."""
     assert beyond_bounds(compare(moved(0.0, seed), "coulomb-viscous"), POLICY) is None
@@ -63,6 +63,7 @@ def braked(seed: int, peak: float) -> Recording:
     return recording.with_channels(torque=recording.torque + 0.4 * ratio / (1.0 + ratio**2))
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("seed", [1, 2])
 @pytest.mark.parametrize("peak", [1.2, 2.0])
 def test_what_bounds_keep_from_a_fit_is_not_adequate(peak: float, seed: int) -> None:

@@ -9,7 +9,8 @@ from fricmodels.diagnosis import improve
 from fricmodels.diagnosis.ladder import added
 
 
-@pytest.mark.parametrize("given", [1.2, pytest.param(3.2, marks=pytest.mark.long)])
+@pytest.mark.long
+@pytest.mark.parametrize("given", [1.2, 3.2])
 def test_two_causes_are_named_and_no_third(made: Made, given: float) -> None:
     """As a wrong torque constant it was less exact than as a wrong inertia, and the rest was called a compliance."""
     recording = made("coulomb-viscous+torque-offset", {"torque-offset.tau_0": 1.2}, noise=0.5, samples=4000)

@@ -56,7 +56,8 @@ def test_an_offset_beside_a_torque_of_the_size_of_the_acceleration_is_there(made
     assert diagnosis.view.channels == "acceleration"
 
 
-@pytest.mark.parametrize("seed", [0, pytest.param(1, marks=pytest.mark.long)])
+@pytest.mark.long
+@pytest.mark.parametrize("seed", [0, 1])
 def test_without_an_offset_none_is_named(made: Made, seed: int) -> None:
     diagnosis = bent(made, 0.2, 0.0, seed)
     assert (diagnosis.verdict, diagnosis.findings) == ("unknown-effect", ())
@@ -93,6 +94,7 @@ def test_a_torque_that_falls_short_the_more_the_larger_is_no_wrong_constant() ->
     assert diagnosis.view.channels == "motor torque"
 
 
+@pytest.mark.long
 def test_a_wrong_constant_is_one() -> None:
     (found,) = diagnose(loaded(0.0, 0.08), "coulomb-viscous", INERTIA).findings
     assert found.names[0] == "torque-gain"
@@ -164,15 +166,8 @@ def test_a_delay_that_the_free_shift_of_the_rows_is_as_well_has_to_lower_the_err
     assert Refits(bare, replace(POLICY, refit_share=0.99 * falls_to)).with_effect(tested) is None
 
 
-@pytest.mark.parametrize(
-    ("samples", "named"),
-    [
-        pytest.param(0.0, False, marks=pytest.mark.long),
-        (0.5, False),
-        pytest.param(0.85, True, marks=pytest.mark.long),
-        pytest.param(-0.9, True, marks=pytest.mark.long),
-    ],
-)
+@pytest.mark.long
+@pytest.mark.parametrize(("samples", "named"), [(0.0, False), (0.5, False), (0.85, True), (-0.9, True)])
 def test_a_delay_of_more_than_the_hold_of_a_torque_has_its_name(samples: float, named: bool) -> None:
     """Half a sample is how recordings are made, where a torque was held; what is clearly more is a delay."""
     diagnosis = diagnose(late(samples), "coulomb-viscous", INERTIA)

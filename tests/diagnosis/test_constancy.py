@@ -43,6 +43,7 @@ def joint(more: float = 0.0, seed: int = 0, size: float = 1.0) -> Recording:
     return Recording("joint", Motion.ROTARY, channels, np.zeros(SAMPLES, dtype=np.int64))
 
 
+@pytest.mark.long
 def test_an_effect_that_is_there_is_the_same_throughout() -> None:
     said = [changes(compare(joint(seed=seed), "coulomb-viscous+gravity", J)) for seed in range(8)]
     assert not any(said)
@@ -70,6 +71,7 @@ def test_units_change_nothing() -> None:
     assert large[0].half == small[0].half
 
 
+@pytest.mark.long
 def test_an_answer_with_such_an_effect_says_so() -> None:
     ladder = improve(joint(more=1.0), "coulomb-viscous", J)
     assert ladder.rungs[-1].model.startswith("coulomb-viscous+gravity")

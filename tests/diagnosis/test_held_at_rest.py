@@ -42,6 +42,7 @@ def test_a_friction_that_acts_in_the_first_samples_of_a_motion_has_its_name() ->
     assert found.names == ("stribeck",)
 
 
+@pytest.mark.long
 def test_of_one_that_acts_in_none_it_is_said_what_is_held_and_what_comes_nearest() -> None:
     diagnosis = diagnose(dwelling(STICK, 0.002), "coulomb-viscous", INERTIA)
     rest = diagnosis.remaining

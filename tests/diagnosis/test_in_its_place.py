@@ -36,6 +36,7 @@ def test_the_values_of_both_look_alikes_are_said(made: Made) -> None:
     assert "may differ" not in said
 
 
+@pytest.mark.long
 def test_an_effect_that_stands_alone_has_none(made: Made) -> None:
     ladder = improve(
         made("coulomb-viscous+cogging", {"cogging.a": 2.0, "cogging.k": 7.3}), "coulomb-viscous", TRUE["J"]

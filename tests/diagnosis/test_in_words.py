@@ -53,15 +53,16 @@ def breathing(velocity: np.ndarray) -> np.ndarray:
     return 0.2 * np.sin(2 * np.pi * TIME / 37.0) * np.sign(velocity)
 
 
-def found(beyond: Torque, start: float = 0.0, motion: tuple[np.ndarray, ...] = FAST) -> Diagnosis:
-    diagnosis = diagnose(recording(beyond, start, motion), "coulomb-viscous", INERTIA)
+def found(beyond: Torque, start: float = 0.0, motion: tuple[np.ndarray, ...] = FAST, every: int = 1) -> Diagnosis:
+    seen = recording(beyond, start, motion).select(slice(None, None, every))
+    diagnosis = diagnose(seen, "coulomb-viscous", INERTIA)
     assert diagnosis.verdict == "unknown-effect"
     return diagnosis
 
 
-@pytest.mark.parametrize("start", [0.0, 100.0])
+@pytest.mark.parametrize("start", [pytest.param(0.0, marks=pytest.mark.long), 100.0])
 def test_a_friction_between_two_instants_is_said_with_these(start: float) -> None:
-    rest = found(brake, start).remaining
+    rest = found(brake, start, every=2).remaining
     assert rest is not None
     assert rest.channel.startswith("time")
     assert "along the motion" in rest.channel
@@ -73,6 +74,7 @@ def test_a_friction_between_two_instants_is_said_with_these(start: float) -> Non
     assert float(words[-3]) == pytest.approx(0.3, abs=0.05)
 
 
+@pytest.mark.long
 def test_a_torque_in_time_that_does_not_turn_with_the_motion_is_not_said_to() -> None:
     """A slow motion turns slow waves into finer ones, which follow the torque better for that alone."""
     diagnosis = found(gusts, motion=SLOW)
@@ -84,6 +86,7 @@ def test_a_torque_in_time_that_does_not_turn_with_the_motion_is_not_said_to() ->
     assert "from about" not in rest.where
 
 
+@pytest.mark.long
 def test_a_friction_that_goes_with_time_is_said_to_turn_with_the_motion() -> None:
     diagnosis = found(breathing)
     assert diagnosis.view is not None

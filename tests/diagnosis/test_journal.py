@@ -25,6 +25,7 @@ def arm(path: Path) -> str:
     return str(path)
 
 
+@pytest.mark.long
 def test_an_interrupted_improvement_goes_on_to_the_same_end(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -35,6 +35,7 @@ def axis(play: float, seed: int = 0) -> Recording:
     return Recording("axis", Motion.LINEAR, channels, np.zeros(len(time), dtype=np.int64))
 
 
+@pytest.mark.long
 def test_a_scale_with_play_is_not_adequate() -> None:
     diagnosis = diagnose(axis(5e-4), "coulomb-viscous", MASS)
     assert diagnosis.verdict == "unknown-effect"
@@ -43,6 +44,6 @@ def test_a_scale_with_play_is_not_adequate() -> None:
     assert without.verdict == "adequate", "the rows do not see it"
 
 
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("seed", [0, *(pytest.param(seed, marks=pytest.mark.long) for seed in (1, 2, 3))])
 def test_the_same_axis_without_play_is_adequate(seed: int) -> None:
     assert diagnose(axis(0.0, seed), "coulomb-viscous", MASS).verdict == "adequate"

@@ -38,6 +38,7 @@ def swung(frequencies: tuple[float, ...], pump: float = PUMP, size: float = SIZE
     return Recording("pump", Motion.ROTARY, channels, np.zeros(len(time), dtype=np.int64))
 
 
+@pytest.mark.long
 def test_its_frequency_is_told_and_no_effect_is_named() -> None:
     found = diagnose(swung((0.31, 0.77, 1.19)), "coulomb-viscous", 0.5)
     assert found.verdict == "unknown-effect"
@@ -46,6 +47,7 @@ def test_its_frequency_is_told_and_no_effect_is_named() -> None:
     assert found.view.channels == f"{LINE} 1.7 Hz"
 
 
+@pytest.mark.long
 def test_without_it_the_model_is_adequate() -> None:
     assert diagnose(swung((0.31, 0.77, 1.19), size=0.0), "coulomb-viscous", 0.5).verdict == "adequate"
 

@@ -30,6 +30,7 @@ def ladder(short: Recording) -> Ladder:
     return improve(short, "coulomb-viscous", INERTIA)
 
 
+@pytest.mark.long
 def test_effects_that_show_only_beside_each_other_are_found(short: Recording, ladder: Ladder) -> None:
     """Each alone is tested against a residual that holds the other two."""
     comparison = compare(short, "coulomb-viscous", INERTIA)
@@ -43,6 +44,7 @@ def test_effects_that_show_only_beside_each_other_are_found(short: Recording, la
     assert {finding.tested.name for finding in diagnosis.findings} == names
 
 
+@pytest.mark.long
 def test_a_ladder_has_them_all(ladder: Ladder) -> None:
     assert {rung.added for rung in ladder.rungs[1:]} == {"gravity", "position-friction", "torque-offset"}
     before, after = (ladder.rungs[i].comparison.errors.held_out_percent for i in (0, -1))

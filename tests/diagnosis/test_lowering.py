@@ -118,6 +118,7 @@ def test_look_alikes_are_those_beside_the_others_though_one_of_them_comes_first(
     assert search.steps[0].findings[0].names == (name, "inertia-error")
 
 
+@pytest.mark.long
 def test_what_the_ladder_gives_up_is_not_missing(made: Made, monkeypatch: pytest.MonkeyPatch) -> None:
     recording = made("coulomb-viscous+gravity", {"gravity.a": 1.0, "gravity.b": 0.5}, samples=4000)
     monkeypatch.setattr(searching.Search, "_lowering", lambda self, step: self._superfluous.add("gravity") or [])
@@ -129,9 +130,8 @@ def test_what_the_ladder_gives_up_is_not_missing(made: Made, monkeypatch: pytest
     assert "'gravity' explains part of it, but the test error does not fall with it" in answer.explanation
 
 
-@pytest.mark.parametrize(
-    ("droop", "expected"), [(0.0, "inertia-error"), pytest.param(0.005, "", marks=pytest.mark.long)]
-)
+@pytest.mark.long
+@pytest.mark.parametrize(("droop", "expected"), [(0.0, "inertia-error"), (0.005, "")])
 def test_what_has_another_form_is_not_taken_for_its_test_error(
     made: Made, monkeypatch: pytest.MonkeyPatch, droop: float, expected: str
 ) -> None:

@@ -32,13 +32,14 @@ def door(swing: float, offset: float, gravity: float) -> Recording:
     return Recording("door", Motion.ROTARY, channels, np.zeros(len(time), dtype=np.int64))
 
 
-@pytest.mark.parametrize(("offset", "gravity"), [(0.0, 3.0), (2.0, 0.0)])
+@pytest.mark.parametrize(("offset", "gravity"), [(0.0, 3.0), pytest.param(2.0, 0.0, marks=pytest.mark.long)])
 def test_over_a_narrow_range_both_are_said(offset: float, gravity: float) -> None:
     found = diagnose(door(0.12, offset, gravity), "coulomb-viscous", 9.0)
     assert {"torque-offset", "gravity"} <= set(found.findings[0].names)
     assert "range" in found.findings[0].separated_by
 
 
+@pytest.mark.long
 def test_over_a_wide_range_gravity_is_no_offset() -> None:
     found = diagnose(door(2.5, 0.0, 3.0), "coulomb-viscous", 9.0)
     assert found.findings[0].names[0] == "gravity"

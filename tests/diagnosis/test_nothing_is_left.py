@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+import pytest
+
 from fricmodels.diagnosis import compare
 from fricmodels.diagnosis.by_fit import all_of_the_error
 from fricmodels.diagnosis.diagnose import examine
@@ -22,6 +24,7 @@ def test_what_leaves_nothing_is_found_whatever_supports_it(made: Made) -> None:
     assert "inertia-error" in there.names
 
 
+@pytest.mark.long
 def test_what_leaves_a_part_is_not_named_for_it(made: Made) -> None:
     """Most of the error is that inertia, and a wave remains: it is for the rows to judge."""
     recording = made("coulomb-viscous+cogging", {"cogging.a": 6.0, "cogging.k": 7.3}, noise=0.2)

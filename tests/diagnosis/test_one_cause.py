@@ -127,6 +127,7 @@ def test_a_channel_that_takes_more_terms_and_does_less_is_no_form_of_them(
     assert sorted(m.found.first.name for m in found) == names
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("seed", [1, 3])
 def test_gravity_and_cogging_over_less_than_a_turn_are_two_causes(seed: int) -> None:
     """A channel of the position can be both, with more terms; they leave nothing above noise of what either explains.

@@ -71,7 +71,12 @@ def test_without_the_rules_of_support_a_wrong_name_is_given(made: Made) -> None:
     assert wrong.findings[0].names == ("torque-offset",)
 
 
-@pytest.mark.parametrize("rule", [name for name in RULES if name not in NUMBERS])
+SWITCHED = [name for name in RULES if name not in NUMBERS]
+
+
+@pytest.mark.parametrize(
+    "rule", [pytest.param(name, marks=pytest.mark.long if i % 4 else ()) for i, name in enumerate(SWITCHED)]
+)
 def test_a_diagnosis_ends_whichever_rule_is_off(rested: Callable[[], diagnosis.Comparison], rule: str) -> None:
     """On a strong effect alone no single rule decides: the name stands without any of them."""
     found = examine(rested(), policy=POLICY.without(rule))

@@ -121,7 +121,7 @@ def test_a_linear_axis_is_shown_in_its_units(made: Made) -> None:
 
 
 def test_a_model_may_be_given_by_name_or_as_it_is(made: Made) -> None:
-    recording = made(samples=4000)
+    recording = made(samples=1500)
     by_name, as_it_is = (
         diagnose(recording, "coulomb-viscous", 2.0),
         diagnose(recording, Model.parse("coulomb-viscous"), 2.0),
@@ -130,7 +130,8 @@ def test_a_model_may_be_given_by_name_or_as_it_is(made: Made) -> None:
     assert by_name.comparison.errors == compare(recording, "coulomb-viscous", 2.0).errors
 
 
-@pytest.mark.parametrize("encoding", [pytest.param("utf-8", marks=pytest.mark.long), "ascii"])
+@pytest.mark.long
+@pytest.mark.parametrize("encoding", ["utf-8", "ascii"])
 def test_a_pipe_gets_plain_text_of_its_width(encoding: str, tmp_path: Path) -> None:
     rig = hidden().model_copy(update={"samples": 1500})
     data, _ = write(rig.simulate(), tmp_path / "joint.csv")

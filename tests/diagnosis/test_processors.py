@@ -14,12 +14,7 @@ from fricmodels.signals import resting
 
 CHANGE = 1e-9
 SAMPLES = 4_000
-HIDDEN = (
-    pytest.param("", marks=pytest.mark.long),
-    "presliding",
-    pytest.param("rising-stiction", marks=pytest.mark.long),
-    pytest.param("step-change", marks=pytest.mark.long),
-)
+HIDDEN = ("", "presliding", "rising-stiction", "step-change")
 
 
 def changed(recording: Recording, change: float) -> Recording:
@@ -43,6 +38,7 @@ def numbers(diagnosis: Diagnosis) -> dict[str, float]:
     return found
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("effect", HIDDEN)
 def test_a_diagnosis_is_the_same_where_the_last_digits_are_others(effect: str) -> None:
     rig = random_rig(np.random.default_rng(4), [effect] if effect else [])

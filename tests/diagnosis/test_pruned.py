@@ -68,6 +68,7 @@ def test_an_effect_that_does_the_same_becomes_a_look_alike(made: Made) -> None:
     assert set(kept[0].found.names) == {"asymmetry", "torque-offset"}
 
 
+@pytest.mark.long
 def test_an_effect_that_came_to_nothing_leaves_the_ladder(made: Made) -> None:
     """Friction that bends down over speed is lowest near zero: the Stribeck effect is at its bound."""
     values = {"gravity.a": 0.3, "gravity.b": 0.1, "nonlinear-viscous.b": -0.02}
@@ -121,6 +122,7 @@ def test_what_is_there_by_itself_is_no_look_alike_of_another() -> None:
     assert [one.names for one in found] == [["gravity", "stiffness"], ["presliding"]], "small in the rows alone"
 
 
+@pytest.mark.long
 def test_what_was_removed_and_found_again_is_listed_once(made: Made) -> None:
     """Where it was found again."""
     recording = made("coulomb-viscous+gravity+asymmetry", {"gravity.a": 0.5, "asymmetry.c": 0.2})

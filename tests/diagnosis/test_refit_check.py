@@ -78,6 +78,7 @@ def test_the_rows_alone_do_not_see_the_contact_bend(bent: Comparison) -> None:
     assert seen is None or "presliding" not in seen.names
 
 
+@pytest.mark.long
 def test_it_is_named_on_all_motion_with_the_friction_that_it_has(bent: Comparison) -> None:
     diagnosis = examine(bent)
     (finding,) = diagnosis.findings
@@ -86,12 +87,14 @@ def test_it_is_named_on_all_motion_with_the_friction_that_it_has(bent: Compariso
     assert finding.tested.parameters["F_2"] == pytest.approx(COULOMB, rel=0.2)
 
 
+@pytest.mark.long
 def test_nothing_is_named_on_the_same_motion_of_a_stiff_contact(stiff: Comparison) -> None:
     assert examine(stiff).verdict == "adequate"
     result = candidate_tests(replace(stiff.problem), stiff.estimate.parameters)
     assert refit_check(Refits(stiff, POLICY), result, (), None) is None
 
 
+@pytest.mark.long
 def test_an_effect_whose_size_the_fit_takes_to_a_bound_is_not_named(
     bent: Comparison, monkeypatch: pytest.MonkeyPatch
 ) -> None:

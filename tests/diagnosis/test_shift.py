@@ -39,7 +39,7 @@ def recorded(late: float, *, seed: int = 1) -> Recording:
     return Recording("late", Motion.ROTARY, channels, np.zeros(len(time), dtype=np.int64))
 
 
-@pytest.mark.parametrize("late", [0.5, -0.5])
+@pytest.mark.parametrize("late", [0.5, pytest.param(-0.5, marks=pytest.mark.long)])
 def test_a_shift_of_half_a_sample_is_said_and_no_effect_is_named(late: float) -> None:
     found = diagnose(recorded(late * STEP), "coulomb-viscous", INERTIA)
     data = document(found)

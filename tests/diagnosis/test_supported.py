@@ -47,9 +47,6 @@ def named(result: CandidateTests, candidates: list[str]) -> list[str]:
     return [found.first.name for found in judge(result, others, first).supported(result.policy)]
 
 
-LONG, LINEAR = pytest.mark.long, ("gravity", "inertia-error", "asymmetry")
-
-
 @pytest.mark.parametrize("effect", HIDDEN)
 def test_the_channel_of_the_effect_is_the_best_predictor(made: Made, effect: str) -> None:
     values, channel = HIDDEN[effect]
@@ -62,7 +59,8 @@ def test_the_channel_of_the_effect_is_the_best_predictor(made: Made, effect: str
     assert by_name[channel].evidence.gain == pytest.approx(max(v.evidence.gain for v in by_name.values()), abs=0.1)
 
 
-@pytest.mark.parametrize("effect", [pytest.param(e, marks=LONG) for e in LINEAR] + ["step-change"])
+@pytest.mark.long
+@pytest.mark.parametrize("effect", HIDDEN)
 def test_named_when_it_is_a_candidate_and_unknown_when_it_is_not(made: Made, effect: str) -> None:
     values, _ = HIDDEN[effect]
     recording = made(f"coulomb-viscous+{effect}", {f"{effect}.{key}": value for key, value in values.items()})
@@ -73,12 +71,14 @@ def test_named_when_it_is_a_candidate_and_unknown_when_it_is_not(made: Made, eff
     assert rest.view is not None
 
 
-@pytest.mark.parametrize("seed", [0, *(pytest.param(seed, marks=pytest.mark.long) for seed in (1, 2))])
+@pytest.mark.long
+@pytest.mark.parametrize("seed", range(3))
 def test_nothing_predicts_a_clean_drive(made: Made, seed: int) -> None:
     diagnosis = diagnose(made(seed=seed, noise=1.0), LAW, 2.0)
     assert (diagnosis.verdict, diagnosis.view) == ("adequate", None)
 
 
+@pytest.mark.long
 def test_cogging_of_several_orders_is_cogging(made: Made) -> None:
     """Poles and slots have each their own order; the strongest is found first, and each has its own number."""
     name = "coulomb-viscous+cogging"
@@ -91,7 +91,8 @@ def test_cogging_of_several_orders_is_cogging(made: Made) -> None:
     assert numbers == pytest.approx([7.3, 12.5, 4.4], rel=0.01)
 
 
-@pytest.mark.parametrize("beside", [*(pytest.param(size, marks=pytest.mark.long) for size in (0.0, 0.5)), 1.0])
+@pytest.mark.long
+@pytest.mark.parametrize("beside", [0.0, 0.5, 1.0])
 def test_an_effect_is_there_whatever_else_is_missing(made: Made, beside: float) -> None:
     """A load that comes and goes with time is no candidate and leaves more than the cogging, which is named."""
     recording = made("coulomb-viscous+cogging", {"cogging.a": 0.8, "cogging.b": 0.3, "cogging.k": 7.3})
@@ -102,6 +103,7 @@ def test_an_effect_is_there_whatever_else_is_missing(made: Made, beside: float) 
     assert named(result, ["cogging"]) == ["cogging"]
 
 
+@pytest.mark.long
 def test_an_effect_beside_a_bump_at_one_position(made: Made) -> None:
     """The bump is on no list: the effect is named all the same, and what remains is said with its place."""
     recording = made("coulomb-viscous+asymmetry", {"asymmetry.c": 0.3, "asymmetry.d": 0.8}, samples=4000)
@@ -119,7 +121,8 @@ def test_an_effect_beside_a_bump_at_one_position(made: Made) -> None:
     assert rest.place.torque > 0.1
 
 
-@pytest.mark.parametrize(("ends", "noise"), [pytest.param((0.35, 0.6), 0.05, marks=LONG), ((0.3, 0.7), 1.0)])
+@pytest.mark.long
+@pytest.mark.parametrize(("ends", "noise"), [((0.35, 0.6), 0.05), ((0.3, 0.7), 1.0)])
 def test_a_zone_of_friction_is_no_wave(made: Made, ends: tuple[float, float], noise: float) -> None:
     """One or several waves and a description of what they leave draw the zone, with more terms than one stretch.
 
@@ -138,7 +141,8 @@ def test_a_zone_of_friction_is_no_wave(made: Made, ends: tuple[float, float], no
     assert diagnosis.place.torque == pytest.approx(2.0, rel=0.1)
 
 
-@pytest.mark.parametrize("seed", [9, *(pytest.param(seed, marks=pytest.mark.long) for seed in (10, 12))])
+@pytest.mark.long
+@pytest.mark.parametrize("seed", [9, 10, 12])
 def test_a_walk_of_friction_is_no_drift(made: Made, seed: int) -> None:
     """A line, a step or a fall draws a part of any slow course; another course of time tells it from these."""
     recording = made(noise=0.1)
@@ -180,7 +184,7 @@ def test_a_look_alike_of_the_time_is_one_only_if_a_walk_would_not_do(made: Made,
     assert supported._without_walks(result, found, []).names == ["asymmetry", "drift"][: 1 + kept]
 
 
-@pytest.mark.parametrize("effect", ["drift", "step-change"])
+@pytest.mark.parametrize("effect", ["drift", pytest.param("step-change", marks=pytest.mark.long)])
 def test_what_happens_once_as_its_equation_says_has_its_name(made: Made, effect: str) -> None:
     values = {"drift.a": 0.6, "drift.b": 0.05, "drift.T": 8.0, "step-change.c": 0.5, "step-change.t_0": 7.0}
     own = {key: value for key, value in values.items() if key.startswith(effect)}
@@ -188,7 +192,8 @@ def test_what_happens_once_as_its_equation_says_has_its_name(made: Made, effect:
     assert [finding.names[0] for finding in diagnosis.findings] == [effect]
 
 
-@pytest.mark.parametrize("inertia", [2.0, pytest.param(None, marks=pytest.mark.long)])
+@pytest.mark.long
+@pytest.mark.parametrize("inertia", [2.0, None])
 def test_a_torque_of_the_size_of_the_acceleration_is_seen_in_the_acceleration(
     made: Made, inertia: float | None
 ) -> None:
@@ -204,7 +209,8 @@ def test_a_torque_of_the_size_of_the_acceleration_is_seen_in_the_acceleration(
     assert diagnosis.view.channels == "acceleration"
 
 
-@pytest.mark.parametrize("inertia", [2.0, pytest.param(None, marks=pytest.mark.long)])
+@pytest.mark.long
+@pytest.mark.parametrize("inertia", [2.0, None])
 def test_two_effects_that_one_channel_does_with_fewer_terms_are_not_named(inertia: float | None) -> None:
     """Under one sine an asymmetry and a wave over position add up to what goes with the size of the acceleration."""
     time, rng = np.arange(6000) / 500.0, np.random.default_rng(1)

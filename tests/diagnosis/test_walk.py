@@ -40,6 +40,7 @@ def test_a_line_is_there_where_nothing_walks() -> None:
     assert p_beside_a_walk(left(0.5 * PLACE, 0), WAVES, LINE[None]) < 1e-6
 
 
+@pytest.mark.long
 def test_of_noise_alone_the_size_holds() -> None:
     found = np.array([p_beside_a_walk(left(0.0 * PLACE, seed), WAVES, LINE[None]) for seed in range(400)])
     assert np.mean(found < 0.05) < 0.08  # 0.05 and three standard errors
@@ -55,6 +56,7 @@ def test_a_walk_is_no_line() -> None:
     assert np.mean(plain < 0.01) > 5 * np.mean(found < 0.01)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("side", [SIDE, np.ones(ROWS)])
 def test_a_walk_is_no_jump_where_it_goes_farthest(side: Array) -> None:
     """Of friction, and of the zero of the torque: a jump has a part of each."""

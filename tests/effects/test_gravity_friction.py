@@ -35,6 +35,7 @@ def joint(loss: float, seed: int = 3) -> Recording:
     return Rig.model_validate(rig).simulate()
 
 
+@pytest.mark.long
 def test_it_is_named_with_its_share_and_the_zero_of_gravity() -> None:
     ladder = improve(joint(LOSS), "coulomb-viscous", INERTIA)
     last = ladder.rungs[-1].comparison
@@ -51,6 +52,7 @@ def test_without_a_loss_gravity_is_all() -> None:
     assert [e.name for e in ladder.rungs[-1].comparison.drive.model.effects] == ["gravity"]
 
 
+@pytest.mark.long
 def test_it_is_considered_beside_gravity_only() -> None:
     recording = joint(LOSS)
     first = diagnose(recording, "coulomb-viscous", INERTIA).result

@@ -96,7 +96,8 @@ def test_the_inertia_lies_within_its_interval(made: Made) -> None:
     assert inside >= 25
 
 
-@pytest.mark.parametrize("factor", [180 / np.pi, pytest.param(1e-6, marks=pytest.mark.long)])
+@pytest.mark.long
+@pytest.mark.parametrize("factor", [180 / np.pi, 1e-6])
 def test_another_unit_is_another_coefficient_and_the_same_answer(made: Made, factor: float) -> None:
     own = coupled(made, 0, samples=4000, unrelated=0)
     name = "other.j2_acceleration"

@@ -90,10 +90,12 @@ def test_an_elbow_is_told_from_friction_and_its_friction_is_right() -> None:
     assert estimate.parameters["K_c"] == pytest.approx(0.08, rel=0.02)
 
 
+@pytest.mark.long
 def test_a_joint_before_that_does_nothing_is_not_named() -> None:
     assert diagnose(recorded(0.01, coupling=False), "coulomb-viscous").findings == ()
 
 
+@pytest.mark.long
 def test_the_integral_of_this_joints_velocity_is_angle_enough() -> None:
     own = recorded(0.01)
     without = Recording(

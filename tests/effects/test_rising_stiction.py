@@ -49,7 +49,7 @@ def recorded(age: float, *, strokes: int = 14, seed: int = 3) -> Recording:
     return Recording("valve", Motion.ROTARY, channels, np.zeros(len(time), dtype=np.int64))
 
 
-@pytest.mark.parametrize("age", [1.0, 0.4, 0.0])
+@pytest.mark.parametrize("age", [*(pytest.param(age, marks=pytest.mark.long) for age in (1.0, 0.4)), 0.0])
 def test_whatever_its_age_at_first_the_contact_is_told(age: float) -> None:
     recording = recorded(age)
     found = diagnose(recording, "coulomb-viscous", INERTIA)

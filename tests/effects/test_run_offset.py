@@ -62,6 +62,7 @@ def test_beside_a_constant_they_count_from_the_last_run(made: Made) -> None:
         assert found.parameters["run-offset.tau_1"] == pytest.approx(OFFSETS[1] - OFFSETS[2], abs=0.02)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("law", ["asymmetric-coulomb-viscous", "coulomb-viscous+torque-offset"])
 def test_they_are_found_beside_a_constant(made: Made, law: str) -> None:
     """The candidate has an offset for each run, the fitted effect one less."""

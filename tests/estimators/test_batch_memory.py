@@ -24,8 +24,18 @@ EFFECTS = {
 }
 
 
-@pytest.mark.parametrize("noise", [0.0, 0.1])
-@pytest.mark.parametrize("effect", EFFECTS)
+LONGER = [("backlash", 0.0), ("backlash", 0.1), ("frictional-lag", 0.1), ("joint-compliance", 0.1)]
+"""An effect and a noise."""
+
+
+@pytest.mark.parametrize(
+    ("effect", "noise"),
+    [
+        pytest.param(effect, noise, marks=pytest.mark.long if (effect, noise) in LONGER else ())
+        for noise in (0.0, 0.1)
+        for effect in EFFECTS
+    ],
+)
 def test_effect_with_memory(effect: str, noise: float) -> None:
     time = 2e-3 * np.arange(10_000)
     torque = 20 * np.sin(2.1 * time) + 12 * np.sin(0.9 * time + 1) + 6 * np.sin(7.3 * time)
@@ -47,7 +57,7 @@ def test_effect_with_memory(effect: str, noise: float) -> None:
         assert fit.provenance["relative_error"] < 0.2 * plain.provenance["relative_error"]
 
 
-@pytest.mark.parametrize("r", [0.0, 1.0])
+@pytest.mark.parametrize("r", [pytest.param(0.0, marks=pytest.mark.long), 1.0])
 def test_a_lag_of_exactly_so_long_is_found(r: float) -> None:
     """A pure delay, or a lag of the first order: simulated by itself, where the model's rates only approximate it."""
     step, substeps, delay, inertia = 2e-3, 4, 0.15, INERTIA
@@ -77,6 +87,7 @@ def test_a_lag_of_exactly_so_long_is_found(r: float) -> None:
     assert fit.provenance["relative_error"] < 0.1 * plain.provenance["relative_error"]
 
 
+@pytest.mark.long
 def test_a_gap_is_found_in_a_fast_recording() -> None:
     """Through bumps of a few milliseconds the error has many minima, far from the truth."""
     time = 1e-3 * np.arange(20_000)

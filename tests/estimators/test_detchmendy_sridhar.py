@@ -172,7 +172,9 @@ def test_units_and_start_time_do_not_matter(force, displacement, time, start) ->
     assert two["K_v"] == pytest.approx(one["K_v"] * force * time / displacement, rel=1e-5)
 
 
-@pytest.mark.parametrize("cycles", [2, 20], ids=["not converged", "converged"])
+@pytest.mark.parametrize(
+    "cycles", [pytest.param(2, id="not converged"), pytest.param(20, id="converged", marks=pytest.mark.long)]
+)
 def test_intervals_hold_the_truth(paper: SimpleNamespace, cycles: int) -> None:
     """However far the filter still is from its limit; nor are they three times as wide as they need be."""
     errors, claimed = [], []

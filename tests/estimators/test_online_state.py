@@ -102,7 +102,9 @@ def test_motion_after_a_long_rest_goes_on_as_before(paper: SimpleNamespace, cls:
         assert online.parameters[key] == pytest.approx(before[key], rel=0.25), key
 
 
-@pytest.mark.parametrize("cls", ESTIMATORS)
+@pytest.mark.parametrize(
+    "cls", [*(pytest.param(cls, marks=pytest.mark.long) for cls in ESTIMATORS[:2]), RecursiveLeastSquares]
+)
 def test_the_covariance_stays_one(paper: SimpleNamespace, cls: Any) -> None:
     online, bare = cls().start(paper.drive(), paper.recording(0.02, cycles=4)), []
     for i, sample in enumerate(samples(paper, 10_000)):

@@ -53,6 +53,7 @@ def test_forgetting_follows_a_change(paper: SimpleNamespace) -> None:
     assert 0.0105 < mixed < 0.0125
 
 
+@pytest.mark.long
 def test_standard_errors_cover_the_scatter(paper: SimpleNamespace) -> None:
     fits = [RecursiveLeastSquares().fit(paper.drive(), paper.recording(0.05, seed)) for seed in range(20)]
     for key in paper.true:

@@ -58,7 +58,7 @@ COMMANDS: dict[str, list[str]] = {
     "improve": ["improve", *ARM, "--out", "out"],
     "new": ["new", "effect", "rattling", "--out", "out"],
 }
-QUICK = ("simulate, CSV", "export", "run")
+QUICK = ("simulate, CSV", "export")
 """Those that do little beside writing; the others are tried by ``make test-long``."""
 
 

@@ -319,6 +319,7 @@ def test_parquet(length: int, tmp_path: Path) -> None:
     of_files("parquet", length, tmp_path / "log.parquet", damaged(parquet()), finite)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("length", LENGTHS)
 def test_matlab(length: int, tmp_path: Path) -> None:
     of_files("matlab", length, tmp_path / "log.mat", damaged(matlab()), finite)
@@ -329,6 +330,7 @@ def test_hdf5(length: int, tmp_path: Path) -> None:
     of_files("hdf5", length, tmp_path / "log.h5", damaged(hdf5(False)) | damaged(hdf5(True)), finite)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("length", LENGTHS)
 def test_matlab_of_version_7_3(length: int, tmp_path: Path) -> None:
     of_files("matlab 7.3", length, tmp_path / "log.mat", damaged(hdf5(False)) | damaged(hdf5(True)), finite)

@@ -31,14 +31,14 @@ def names(diagnosis: Diagnosis) -> tuple[str, ...]:
 @pytest.mark.parametrize(
     ("effect", "excitation"),
     [
-        ("cogging", "tracking"),
+        pytest.param("cogging", "tracking", marks=pytest.mark.long),
         pytest.param("position-friction", "tracking", marks=pytest.mark.long),
         ("gravity", "tracking"),
-        ("stiffness", "ramp"),
-        ("stribeck", "ramp"),
-        ("nonlinear-viscous", "multisine"),
-        ("load-friction", "tracking"),
-        ("inertia-error", "multisine"),
+        pytest.param("stiffness", "ramp", marks=pytest.mark.long),
+        pytest.param("stribeck", "ramp", marks=pytest.mark.long),
+        pytest.param("nonlinear-viscous", "multisine", marks=pytest.mark.long),
+        pytest.param("load-friction", "tracking", marks=pytest.mark.long),
+        pytest.param("inertia-error", "multisine", marks=pytest.mark.long),
         pytest.param("sensor-delay", "multisine", marks=pytest.mark.long),
         pytest.param("sensor-delay", "tracking", marks=pytest.mark.long),
         pytest.param("thermal", "sine", marks=pytest.mark.long),
@@ -53,6 +53,7 @@ def test_the_hidden_effect_is_named(hidden: Draw, effect: str, excitation: str) 
     assert diagnosis.findings[0].tested.evidence.gain > 0.1
 
 
+@pytest.mark.long
 def test_the_instant_of_a_jump_is_found_next_to_a_rest(hidden: Draw) -> None:
     """All instants of a rest explain the same: a search that begins on that plateau has to look beyond it."""
     rig, recording = hidden("step-change", seed=1, size=0.2, noise_percent=1.0, excitation="multisine", samples=12_000)
@@ -95,6 +96,7 @@ def test_what_stood_for_two_effects_gives_way_once_one_of_them_is_known(hidden: 
     assert errors[-1] < 1.025 * min(errors)
 
 
+@pytest.mark.long
 def test_a_delay_and_another_effect_are_told_apart(hidden: Draw) -> None:
     rig, recording = hidden("sensor-delay", "gravity", seed=7, size=0.2, excitation="tracking", samples=SAMPLES)
     ladder = improve(recording, Model.parse(rig.friction.law), rig.inertia)
@@ -162,9 +164,8 @@ HIDING = {
 }
 
 
-@pytest.mark.parametrize(
-    "case", [pytest.param("neither helps alone", marks=pytest.mark.long), "a simpler one does as well"]
-)
+@pytest.mark.long
+@pytest.mark.parametrize("case", HIDING)
 def test_two_effects_that_hide_each_other_are_found(case: str) -> None:
     """The first one found stands for both; it gives way, or helps only together with the second."""
     rig = Rig.model_validate({"motion": "linear", "sensors": {"velocity_noise_percent": 0.91}, **HIDING[case]})

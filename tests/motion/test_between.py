@@ -58,6 +58,7 @@ def _drawn(seed: int, hold: bool) -> tuple[Drive, Recording]:
     return Drive(Model.parse(rig.true_model), rig.inertia, recording.motion), recording
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("hold", [True, False])
 def test_on_drawn_drives_it_is_right(hold: bool) -> None:
     """With parameters that were fitted to the torque; what is not clear stays as it was taken before."""

@@ -46,6 +46,7 @@ def opened(chromium: Any, page: Path, script: Path | None) -> tuple[Any, list[st
     return tab, said, asked
 
 
+@pytest.mark.long
 def test_figures_draw_themselves_and_the_script_is_loaded_once(chromium: Any, shown: Path) -> None:
     script = Path(plotly.__file__).parent / "package_data" / "plotly.min.js"
     tab, said, asked = opened(chromium, shown, script)

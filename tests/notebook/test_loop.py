@@ -70,6 +70,7 @@ def test_a_tournament_is_run_from_its_file_from_anywhere(folder: Path, tmp_path:
     assert again == board
 
 
+@pytest.mark.long
 def test_a_script_without_the_guard_is_told_of_it(folder: Path) -> None:
     done = python('from fricmodels import run\nrun("joint.yaml", "unguarded")', folder)
     assert "put run(…) under if __name__ == '__main__'" in done.stderr

@@ -102,6 +102,7 @@ def loaded_again() -> plugins.Plugins:
     return plugins.load()
 
 
+@pytest.mark.long
 def test_list_and_a_tournament_go_on_beside_all_of_them(install: Install, tmp_path: Path) -> None:
     """From the shell: each is named with its reason, at once the second time; the names that it may have are rows."""
     for name, (source, _) in DEADLY.items():
@@ -256,6 +257,7 @@ def test_kept_bytecode_is_no_other_plugin(install: Install, monkeypatch: pytest.
     assert tried == ["exits"]
 
 
+@pytest.mark.long
 def test_what_a_plugin_started_ends_with_it(install: Install, tmp_path: Path) -> None:
     """A child of a child that hangs does not stay behind."""
     sign = tmp_path / "sign"

@@ -119,6 +119,7 @@ def configured(tmp_path: Path, estimators: str, seeds: int = 1, timeout: float =
     return file
 
 
+@pytest.mark.long
 def test_each_becomes_a_row_with_its_reason(install: Install, tmp_path: Path) -> None:
     install("misbehaving", ESTIMATORS)
     file = configured(tmp_path, "dies, hangs, raises, refuses, nonsense, known, warns", timeout=6)

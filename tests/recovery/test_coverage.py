@@ -16,7 +16,7 @@ def matrix(from_benchmarks: Callable[[str], ModuleType]) -> ModuleType:
     return from_benchmarks("coverage_matrix")
 
 
-@pytest.mark.parametrize("number", [0, 3, pytest.param(4, marks=pytest.mark.long)])
+@pytest.mark.parametrize("number", [3, *(pytest.param(number, marks=pytest.mark.long) for number in (0, 4))])
 def test_intervals_hold_or_say_why_not(matrix: ModuleType, number: int) -> None:
     cell = matrix.quick_cells()[number]
     rows = matrix.collected([cell], ESTIMATORS, REPLICATIONS, 1, None)

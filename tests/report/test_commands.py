@@ -41,7 +41,9 @@ def done(arguments: str) -> int:
     return int(stopped.value.code or 0)
 
 
-@pytest.mark.parametrize("command", ["compare", pytest.param("diagnose", marks=pytest.mark.long), "improve"])
+@pytest.mark.parametrize(
+    "command", ["compare", *(pytest.param(command, marks=pytest.mark.long) for command in ("diagnose", "improve"))]
+)
 def test_beside_the_answer(command: str, here: Path, capsys: pytest.CaptureFixture[str]) -> None:
     page = here / "new" / "page.html"
     assert done(f"{command} joint.csv --model coulomb-viscous --inertia 1.8 --report new/page.html") == 0
@@ -52,7 +54,7 @@ def test_beside_the_answer(command: str, here: Path, capsys: pytest.CaptureFixtu
 
 
 def test_after_a_tournament_and_again_from_its_folder(here: Path) -> None:
-    assert done("run joint.yaml --out run --report run/first.html") == 0
+    assert done("run joint.yaml --out run --executor serial --report run/first.html") == 0
     assert done("report run") == 0
     assert (here / "run" / "report.html").read_bytes() == (here / "run" / "first.html").read_bytes()
     text = (here / "run" / "report.html").read_text(encoding="utf-8")

@@ -188,6 +188,7 @@ def test_an_adequate_model_is_called_so(folder: Path, ladder: Ladder) -> None:
     assert last.verdict.tone == "good"
 
 
+@pytest.mark.long
 def test_an_error_that_nothing_predicts_has_its_words(ladder: Ladder) -> None:
     from dataclasses import replace
 

@@ -13,10 +13,12 @@ from fricmodels.diagnosis import diagnose
 @pytest.mark.parametrize(
     ("kind", "name", "index", "seed", "names"),
     [
-        ("beside", "droop", 9, 3701, ("presliding",)),  # beside that of the torque more than its own channel
-        ("single", "presliding", 3, 3701, ("presliding",)),  # slow: the torque's past says all of it, whatever its form
+        # Beside that of the torque more than its own channel.
+        pytest.param("beside", "droop", 9, 3701, ("presliding",), marks=pytest.mark.long),
+        # Slow: the torque's past says all of it, whatever its form.
+        pytest.param("single", "presliding", 3, 3701, ("presliding",), marks=pytest.mark.long),
         # It showed only beside a wrong torque constant, and that is nothing once the wave is in the model.
-        ("single", "torque-ripple", 4, 4801, ("torque-ripple",)),
+        pytest.param("single", "torque-ripple", 4, 4801, ("torque-ripple",), marks=pytest.mark.long),
         # Fitted, a spring leaves less of the recording, and is nothing in the rows of all motion beside the loss.
         ("single", "directional-efficiency", 2, 5201, ("directional-efficiency", "stiffness", "torque-gain")),
     ],

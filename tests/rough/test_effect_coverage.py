@@ -50,6 +50,7 @@ def test_a_small_shift_that_shows_is_no_part_of_the_friction(coverage: Any, name
     assert viscous["value"] == pytest.approx(viscous["true"], rel=0.1)
 
 
+@pytest.mark.long
 def test_intervals_hold(coverage: Any) -> None:
     names = ("nothing", "torque-offset", "gravity", "load-friction", "stiffness")
     rows = [coverage.trial((name, index, 5)) for name in names for index in range(4)]

@@ -145,7 +145,7 @@ def test_an_effect_has_the_size_that_was_drawn(rough: Any, name: str) -> None:
     assert 0.5 * low < size < 1.5 * high
 
 
-@pytest.mark.parametrize("seed", [0, 2, 3])
+@pytest.mark.parametrize("seed", [0, 2, pytest.param(3, marks=pytest.mark.long)])
 def test_a_clean_drive_comes_back(rough: Any, seed: int) -> None:
     from fricmodels.diagnosis import compare
 
@@ -184,6 +184,7 @@ def test_a_drive_that_rests_in_noise_keeps_its_friction(rough: Any, index: int) 
     assert fitted.errors.headline.held_out_percent < 2.0 * fitted.errors.headline.noise_floor_percent + 1.0
 
 
+@pytest.mark.long
 def test_two_causes_that_one_pair_of_channels_predicts_are_both_named(rough: Any) -> None:
     """Friction of the load and an asymmetry: load torque and direction together hold both, and nothing beyond them."""
     from fricmodels.diagnosis import diagnose

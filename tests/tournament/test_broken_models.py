@@ -174,6 +174,7 @@ def test_rows_say_what_happened_and_the_others_go_on(site: Path, tmp_path: Path)
     assert all(message for status, message in found.values() if status != "ok")
 
 
+@pytest.mark.long
 def test_list_goes_on_and_names_what_cannot_be_used(site: Path) -> None:
     paths = os.pathsep.join([str(site), *filter(None, [os.environ.get("PYTHONPATH")])])
     done = subprocess.run(
@@ -195,7 +196,7 @@ def test_list_goes_on_and_names_what_cannot_be_used(site: Path) -> None:
 @pytest.mark.parametrize(
     ("name", "timeout", "result", "message"),
     [
-        ("endless", 3, "timeout", "is there an endless loop?"),
+        pytest.param("endless", 3, "timeout", "is there an endless loop?", marks=pytest.mark.long),
         ("kills", 60, "crashed", "the interpreter died with exit code 7"),
         ("wrong-shape", 60, "failed", "wrong shape 2×1"),
         ("not-finite", 60, "failed", "not finite at rest"),

@@ -79,6 +79,7 @@ def test_recordings_reach_workers_and_one_that_is_killed_half_way_changes_nothin
     assert {row["status"] for row in there.rows} == {"ok"}
 
 
+@pytest.mark.long
 def test_recordings_are_sent_again_where_the_only_worker_that_had_them_died(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -58,6 +58,7 @@ def played() -> Comparison:
     return compare(rig(PLAY).simulate(), "coulomb-viscous", 2.0)
 
 
+@pytest.mark.long
 def test_the_play_of_the_simulated_drive_is_named(played: Comparison) -> None:
     found = examine(played)
     assert found.findings
@@ -75,6 +76,7 @@ def test_play_under_a_load_is_named() -> None:
     assert found.findings[0].names[0] == "backlash"
 
 
+@pytest.mark.long
 def test_a_tight_joint_has_no_play() -> None:
     found = examine(compare(rig().simulate(), "coulomb-viscous", 2.0))
     assert "backlash" not in [name for finding in found.findings for name in finding.names]

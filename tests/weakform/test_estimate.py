@@ -32,6 +32,7 @@ def test_a_given_inertia_is_kept_and_named_by_the_kind_of_drive(made: Made) -> N
     assert linear.parameters["M"] == pytest.approx(2.0, rel=1e-2)
 
 
+@pytest.mark.long
 def test_standard_errors_cover_the_truth_about_as_often_as_said(made: Made) -> None:
     """Two standard errors should hold the truth in 95 % of recordings."""
     inside = dict.fromkeys(TRUTH, 0)

@@ -16,7 +16,13 @@ FROM_THE_END = 0.1
 """Standard errors by which another step of Gauss–Newton may move an estimate; by steps alone it was 0.4 to 36."""
 
 
-@pytest.mark.parametrize(("effect", "seed"), [("frictional-lag", 2), ("frictional-lag", 3), ("presliding", 2)])
+@pytest.mark.parametrize(
+    ("effect", "seed"),
+    [
+        ("frictional-lag", 2),
+        *(pytest.param(*o, marks=pytest.mark.long) for o in (("frictional-lag", 3), ("presliding", 2))),
+    ],
+)
 def test_another_step_moves_nothing(effect: str, seed: int) -> None:
     rig = random_rig(np.random.default_rng(seed), [effect]).noiseless()
     recording = rig.simulate()

@@ -93,6 +93,7 @@ def test_long_recordings_are_spread_over_blocks() -> None:
     assert len(spread(recording.select(slice(0, 1000)))) == 1000
 
 
+@pytest.mark.long
 def test_the_blocks_of_a_long_recording_remember_what_was_before() -> None:
     """A bristle that was bent in a nudge stays bent while the drive stands; each block began with a straight one."""
     rate, drive = 20_000.0, Drive(Model.parse("coulomb-viscous+presliding"), 2.0)

@@ -46,7 +46,12 @@ def test_intervals_hold(from_benchmarks: Callable[[str], ModuleType]) -> None:
     assert np.mean(np.abs(off) < 1.96) > 0.75
 
 
-@pytest.mark.parametrize(("share", "seed"), [(0.05, 6), (0.1, 2), (0.1, 3), (0.1, 7), (0.2, 4), (0.2, 10)])
+MORE = [(0.1, 2), (0.1, 3), (0.1, 7), (0.2, 4), (0.2, 10)]
+
+
+@pytest.mark.parametrize(
+    ("share", "seed"), [(0.05, 6), *(pytest.param(*case, marks=pytest.mark.long) for case in MORE)]
+)
 def test_they_are_no_effect(from_benchmarks: Callable[[str], ModuleType], share: float, seed: int) -> None:
     """At each speed the torque is rounded the same way: that was named asymmetry, Stribeck or nonlinear friction."""
     recording = recorded(from_benchmarks("derivative_width"), seed, share)

@@ -220,6 +220,7 @@ def test_simulated_motion_is_that_of_the_published_elements() -> None:
     assert np.max(np.abs(found.velocity - np.array(expected))) < 1e-3 * np.max(np.abs(expected))
 
 
+@pytest.mark.long
 def test_hidden_presliding(tmp_path: Path) -> None:
     """On a drive with hidden presliding the error falls to a tenth or less, and the drawn values are near."""
     folder = Path(__file__).parents[1]

@@ -138,6 +138,7 @@ def test_where_the_stribeck_speed_would_be_negative_that_part_has_vanished() -> 
     assert near[0] == pytest.approx(near[1], abs=1e-8)
 
 
+@pytest.mark.long
 def test_recovered_within_the_stated_errors() -> None:
     """Eleven parameters from five measurements: 95 % intervals that hold, and errors below 3 %."""
     fits = [identify(measurement(seed=seed)) for seed in range(5)]

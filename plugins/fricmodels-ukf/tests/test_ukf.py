@@ -114,6 +114,7 @@ def test_table_1_of_the_paper_beside_the_extended_filter() -> None:
         assert np.mean(unscented) < np.mean(extended) + 0.5
 
 
+@pytest.mark.long
 def test_standard_errors_cover_the_errors() -> None:
     """Of four coefficients in four recordings."""
     drive = Drive(Model.parse("asymmetric-coulomb-viscous"), INERTIA)
