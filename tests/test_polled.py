@@ -68,6 +68,7 @@ def test_a_file_of_such_rows_says_so_and_gives_the_true_friction(made: Made, tmp
     assert fit.parameters["K_c"] == pytest.approx(LAW["K_c"], rel=0.02)
 
 
+@pytest.mark.long
 def test_rows_that_were_not_read_from_a_file_have_an_answer_too(made: Made) -> None:
     """There most intervals have no motion, and no wave that is too fast for the rows can be told."""
     rows = written(made(samples=4000), 4)

@@ -215,6 +215,7 @@ def test_wrong_units_stop_the_work_unless_trusted(tmp_path, capsys):
     assert capsys.readouterr().err.count("as between deg and rad/s") == 1
 
 
+@pytest.mark.long
 def test_info_calls_no_log_usable_that_is_too_short_to_fit(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path = tmp_path / "ten.csv"
     path.write_text(table(motion(400)[::40]))

@@ -98,7 +98,8 @@ def test_a_load_is_not_named_as_a_friction(seed: int) -> None:
     assert ladder.last.verdict == "adequate"
 
 
-@pytest.mark.parametrize("seed", [0, *(pytest.param(seed, marks=pytest.mark.long) for seed in (1, 2))])
+@pytest.mark.long
+@pytest.mark.parametrize("seed", range(3))
 def test_a_difference_within_the_friction_may_be_either(seed: int) -> None:
     ladder = improve(record(0.6, seed=seed), "coulomb-viscous", INERTIA)
     (finding,) = ladder.first.findings

@@ -57,6 +57,7 @@ def test_a_torque_off_the_list_is_not_called_a_friction(benchmark: ModuleType, s
     assert not found.findings
 
 
+@pytest.mark.long
 def test_k_is_named_and_not_2k(benchmark: ModuleType) -> None:
     outcome = benchmark.judged(benchmark.trial("cogging, k and 2k (1 : 2)", 6.0, 12))
     assert outcome.right

@@ -78,6 +78,7 @@ def test_the_hidden_effect_is_named_first(
     assert effect not in found.visibility
 
 
+@pytest.mark.long
 def test_a_constant_that_is_no_stiffness_is_an_offset_or_an_asymmetry(diagnosed: Callable[..., Diagnosis]) -> None:
     """While sliding the two are the same torque; a spring contains a constant too, but adds nothing of its own."""
     found = diagnosed("torque-offset", (("tau_0", 0.5),))

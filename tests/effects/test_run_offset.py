@@ -137,6 +137,7 @@ def test_a_held_model_knows_its_own_runs_by_their_torque(made: Made) -> None:
     assert compare(own, held(unknown), 2.0).offsets_of_runs == 2
 
 
+@pytest.mark.long
 def test_what_other_runs_show_is_not_hidden_by_their_offsets(made: Made, tmp_path: Path) -> None:
     model = keep(compare(days(made, OFFSETS[:2]), "coulomb-viscous+run-offset", 2.0))
     found = diagnose(days(made, OFFSETS[2:4]), held(model), 2.0)

@@ -95,6 +95,7 @@ def test_standard_errors_cover_the_truth() -> None:
     assert 0.90 <= np.mean(inside) <= 0.98
 
 
+@pytest.mark.long
 def test_errors_stay_near_the_cramer_rao_bound() -> None:
     """White noise of 5 % of RMS velocity: no unbiased estimator has a median mean error below 1.19 %."""
     means = [errors(Batch().fit(drive(), paper(noise=5.0, seed=seed)), TRUE).mean() for seed in range(20)]

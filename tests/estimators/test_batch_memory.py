@@ -57,7 +57,8 @@ def test_effect_with_memory(effect: str, noise: float) -> None:
         assert fit.provenance["relative_error"] < 0.2 * plain.provenance["relative_error"]
 
 
-@pytest.mark.parametrize("r", [pytest.param(0.0, marks=pytest.mark.long), 1.0])
+@pytest.mark.long
+@pytest.mark.parametrize("r", [0.0, 1.0])
 def test_a_lag_of_exactly_so_long_is_found(r: float) -> None:
     """A pure delay, or a lag of the first order: simulated by itself, where the model's rates only approximate it."""
     step, substeps, delay, inertia = 2e-3, 4, 0.15, INERTIA

@@ -37,8 +37,19 @@ void run(long count, const double *in, double *out) {
 
 
 @pytest.mark.skipif(COMPILER is None, reason="there is no C compiler")
-@pytest.mark.parametrize("estimator", ["ekf", "detchmendy-sridhar", "rls"])
-@pytest.mark.parametrize("inertia", [2.0, None], ids=["inertia given", "inertia estimated"])
+@pytest.mark.parametrize(
+    ("inertia", "estimator"),
+    [
+        pytest.param(
+            inertia,
+            estimator,
+            id=f"inertia {'given' if inertia else 'estimated'}-{estimator}",
+            marks=() if inertia or estimator == "rls" else pytest.mark.long,
+        )
+        for inertia in (2.0, None)
+        for estimator in ("ekf", "detchmendy-sridhar", "rls")
+    ],
+)
 def test_the_filter_in_c_is_the_filter_in_python(
     made: Callable[..., Recording], tmp_path: Path, estimator: str, inertia: float | None
 ) -> None:

@@ -58,8 +58,8 @@ COMMANDS: dict[str, list[str]] = {
     "improve": ["improve", *ARM, "--out", "out"],
     "new": ["new", "effect", "rattling", "--out", "out"],
 }
-QUICK = ("simulate, CSV", "export")
-"""Those that do little beside writing; the others are tried by ``make test-long``."""
+QUICK = ("export",)
+"""What does little beside writing; the others are tried by ``make test-long``."""
 
 
 def arm(path: Path) -> None:

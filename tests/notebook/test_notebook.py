@@ -55,7 +55,7 @@ class Elements(HTMLParser):
 
 @pytest.fixture(scope="session")
 def recording() -> Recording:
-    return hidden().model_copy(update={"samples": 7_500}).simulate().select(slice(None), name=EVIL)
+    return hidden().model_copy(update={"samples": 4_000}).simulate().select(slice(None), name=EVIL)
 
 
 @pytest.fixture(scope="session")

@@ -159,7 +159,14 @@ def test_a_plugin_that_breaks_later_is_found_out(install: Install, monkeypatch: 
     assert "exit code 1" in registered.failures[0].reason
 
 
-@pytest.mark.parametrize("broken", ["import os\nos._exit(1)\n", "import there_is_no_such_module\n", GOOD + "1 / 0\n"])
+@pytest.mark.parametrize(
+    "broken",
+    [
+        "import os\nos._exit(1)\n",
+        "import there_is_no_such_module\n",
+        pytest.param(GOOD + "1 / 0\n", marks=pytest.mark.long),
+    ],
+)
 def test_what_it_offered_before_is_still_a_row_among_all(broken: str, install: Install, tmp_path: Path) -> None:
     site = install("fine", GOOD)
     loaded_again()

@@ -36,6 +36,7 @@ def test_a_held_torque_is_not_simulated_half_a_sample_early(matrix: ModuleType) 
             assert abs(row["values"][key] - cell.truth[key]) < 3.0 * error
 
 
+@pytest.mark.long
 def test_steps_of_an_encoder_are_in_the_interval(matrix: ModuleType) -> None:
     """Under a sine their error is the same in every cycle, and no residual shows it: 9 and 10 of 35 were covered."""
     cell = matrix.Cell(noise="encoder-4096", motion="sine")

@@ -35,6 +35,7 @@ def recorded(width: ModuleType, seed: int, share: float) -> Recording:
     return Recording("steps", Motion.ROTARY, channels, np.zeros(len(time), dtype=np.int64))
 
 
+@pytest.mark.long
 def test_intervals_hold(from_benchmarks: Callable[[str], ModuleType]) -> None:
     """Without it the values were 2.2 standard errors off in the mean square: twelve speeds are rounded alike."""
     width, drive = from_benchmarks("derivative_width"), Drive(Model.parse("coulomb-viscous"), INERTIA)

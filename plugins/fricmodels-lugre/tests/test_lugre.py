@@ -265,6 +265,7 @@ def test_passive_only_with_enough_viscous_friction() -> None:
         assert done > stored
 
 
+@pytest.mark.long
 def test_hidden_presliding(tmp_path: Path) -> None:
     """On a drive with hidden presliding the error falls to a seventh or less, and the drawn values come back."""
     folder = Path(__file__).parents[1]
