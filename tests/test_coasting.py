@@ -45,6 +45,7 @@ def spindle(seed: int = 0, size: float = 1.0, starts: tuple[float, ...] = (300.0
     return Recording("spindle", Motion.ROTARY, channels, runs.astype(np.int64))
 
 
+@pytest.mark.long
 def test_friction_of_a_spindle_that_coasts_is_found() -> None:
     comparison = compare(spindle(), "coulomb-viscous", J)
     found = comparison.estimate

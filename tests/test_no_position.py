@@ -114,6 +114,7 @@ def test_what_goes_with_the_position_is_named(from_benchmarks: Benchmarks, hidde
     assert (hidden,) in names
 
 
+@pytest.mark.long
 def test_nothing_hidden_has_no_name(from_benchmarks: Benchmarks) -> None:
     made = from_benchmarks("no_position")
     recording, _ = recorded(made, "", "rounded to 1 rpm")

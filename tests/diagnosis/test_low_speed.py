@@ -31,7 +31,8 @@ def sine(fall: float, seed: int) -> Recording:
     return Recording("sine", Motion.ROTARY, channels, np.zeros(count, dtype=np.int64))
 
 
-@pytest.mark.parametrize("seed", [1, *(pytest.param(seed, marks=pytest.mark.long) for seed in (2, 3, 4))])
+@pytest.mark.long
+@pytest.mark.parametrize("seed", [1, 2, 3, 4])
 def test_friction_that_falls_at_low_speed_is_named_though_the_rows_do_not_see_it(seed: int) -> None:
     ladder = improve(sine(1.3, seed), "coulomb-viscous", INERTIA)
     assert [rung.added for rung in ladder.rungs] == ["", "stribeck"]

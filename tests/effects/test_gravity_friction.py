@@ -47,6 +47,7 @@ def test_it_is_named_with_its_share_and_the_zero_of_gravity() -> None:
     assert ladder.last.verdict == "adequate"
 
 
+@pytest.mark.long
 def test_without_a_loss_gravity_is_all() -> None:
     ladder = improve(joint(0.0), "coulomb-viscous", INERTIA)
     assert [e.name for e in ladder.rungs[-1].comparison.drive.model.effects] == ["gravity"]

@@ -25,7 +25,10 @@ def distance(found: dict[str, Any]) -> float:
     return abs(float(found["value"]) - float(found["true"])) / float(found["error"])
 
 
-@pytest.mark.parametrize(("name", "index"), [("cogging", 16), ("position-friction", 13), ("position-friction", 15)])
+@pytest.mark.parametrize(
+    ("name", "index"),
+    [("cogging", 16), ("position-friction", 13), pytest.param("position-friction", 15, marks=pytest.mark.long)],
+)
 def test_a_wave_too_fast_for_the_rows_is_where_a_fit_begins(coverage: Any, name: str, index: int) -> None:
     """The rows show another wave: the fit ended at k = 0.59, 3.96 and 1.00, with up to four times the test error."""
     row = coverage.trial((name, index, 1))
@@ -34,7 +37,7 @@ def test_a_wave_too_fast_for_the_rows_is_where_a_fit_begins(coverage: Any, name:
     assert distance(wave) < 3.0
 
 
-@pytest.mark.parametrize("index", [10, 12])
+@pytest.mark.parametrize("index", [10, pytest.param(12, marks=pytest.mark.long)])
 def test_a_ripple_goes_with_the_recorded_torque(coverage: Any, index: int) -> None:
     """What a fit explains of the torque lacks what a controller does against it: K_v was 8 and 12 errors too small."""
     row = coverage.trial(("torque-ripple", index, 1))

@@ -198,8 +198,8 @@ def test_list_goes_on_and_names_what_cannot_be_used(site: Path) -> None:
     [
         pytest.param("endless", 3, "timeout", "is there an endless loop?", marks=pytest.mark.long),
         ("kills", 60, "crashed", "the interpreter died with exit code 7"),
-        ("wrong-shape", 60, "failed", "wrong shape 2×1"),
-        ("not-finite", 60, "failed", "not finite at rest"),
+        pytest.param("wrong-shape", 60, "failed", "wrong shape 2×1", marks=pytest.mark.long),
+        pytest.param("not-finite", 60, "failed", "not finite at rest", marks=pytest.mark.long),
     ],
 )
 def test_the_exam_survives_them(site: Path, name: str, timeout: float, result: str, message: str) -> None:
