@@ -121,7 +121,7 @@ def test_a_linear_axis_is_shown_in_its_units(made: Made) -> None:
 
 
 def test_a_model_may_be_given_by_name_or_as_it_is(made: Made) -> None:
-    recording = made(samples=1500)
+    recording = made(samples=4000)
     by_name, as_it_is = (
         diagnose(recording, "coulomb-viscous", 2.0),
         diagnose(recording, Model.parse("coulomb-viscous"), 2.0),
