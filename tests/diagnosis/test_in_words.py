@@ -98,7 +98,13 @@ def test_a_friction_that_goes_with_time_is_said_to_turn_with_the_motion() -> Non
 
 
 def test_where_the_clock_starts_anew_no_instant_is_said() -> None:
-    whole = recording(brake)
+    """The brake acts from 10 to 18 s of each of two runs: an instant would be one of two."""
+
+    def brake_in_both(velocity: np.ndarray) -> np.ndarray:
+        since = TIME % (TIME[-1] / 2.0)
+        return np.where((since > 10.0) & (since < 18.0), 0.3, 0.0) * np.sign(velocity)
+
+    whole = recording(brake_in_both)
     half = np.arange(SAMPLES) // (SAMPLES // 2)
     twice = replace(whole, channels={**whole.channels, "time": TIME - half * TIME[SAMPLES // 2]}, run=half)
     rest = diagnose(twice, "coulomb-viscous", INERTIA).remaining

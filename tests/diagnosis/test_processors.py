@@ -38,7 +38,6 @@ def numbers(diagnosis: Diagnosis) -> dict[str, float]:
     return found
 
 
-@pytest.mark.long
 @pytest.mark.parametrize("effect", HIDDEN)
 def test_a_diagnosis_is_the_same_where_the_last_digits_are_others(effect: str) -> None:
     rig = random_rig(np.random.default_rng(4), [effect] if effect else [])

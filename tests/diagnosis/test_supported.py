@@ -263,7 +263,6 @@ def test_an_effect_that_only_resembles_gives_way_or_is_refused(made: Made) -> No
     assert named(alone, ["rising-stiction"]) == []
 
 
-@pytest.mark.long
 def test_an_error_that_nothing_predicts_is_not_adequate(made: Made, monkeypatch: pytest.MonkeyPatch) -> None:
     comparison = compare(made(noise=1.0, samples=4000), LAW, 2.0)
     assert examine(comparison).verdict == "adequate"

@@ -35,7 +35,6 @@ def joint(loss: float, seed: int = 3) -> Recording:
     return Rig.model_validate(rig).simulate()
 
 
-@pytest.mark.long
 def test_it_is_named_with_its_share_and_the_zero_of_gravity() -> None:
     ladder = improve(joint(LOSS), "coulomb-viscous", INERTIA)
     last = ladder.rungs[-1].comparison
