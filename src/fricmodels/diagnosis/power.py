@@ -18,6 +18,7 @@ from fricmodels.weakform.regression import LEAST_P
 from fricmodels.weakform.search import fastest_in_rows
 from fricmodels.weakform.steps import Steps
 
+_TOO_LITTLE = "only more than all of the motor torque would stand out; to see it, record longer, with less noise, and "
 _HIDDEN = "it acts where the direction of motion is not certain; to see it, record "
 
 
@@ -80,8 +81,9 @@ def _smallest(result: CandidateTests, tested: CandidateTest) -> Visibility:
         needed = max(gain_needed, float(np.sqrt(np.mean((theta @ free) ** 2))))
     beyond = _beyond_rows(problem, tested)
     share = beyond * max(needed / reference, policy.least_torque) if reference > 0 else float("nan")
-    if beyond > 1.0 and share > 1.0:  # more than all of the torque
-        return Visibility(float("nan"), float("nan"), _HIDDEN + tested.effect.needs_motion)
+    if share > 1.0:  # more than all of the torque
+        why = _HIDDEN if beyond > 1.0 else _TOO_LITTLE
+        return Visibility(float("nan"), float("nan"), why + tested.effect.needs_motion)
     torque = share * problem.recording.rms_torque
     return Visibility(100 * share, torque, "")
 
@@ -120,7 +122,7 @@ def _over_band(
     which less than one period was passed, or of which the samples are half a wave apart.
     """
     periodic = [p for p in tested.effect.parameters if p.periodic]
-    if not periodic:
+    if not periodic or found.missing:
         return found
     position = result.problem.recording["position"]
     slowest = max(periodic[0].lower, 2 * np.pi * LEAST_PERIODS / float(np.ptp(position)))
