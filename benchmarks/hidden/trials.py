@@ -101,7 +101,12 @@ def single(rng: np.random.Generator, effect: str, index: int) -> Row:
         "examine_seconds": seconds,
         "truth": truth,
         "after": _after(drawn, diagnosis),
-        "removed": {**said(without), "left_out": sorted(out), "after": _after(drawn, without)},
+        "removed": {
+            **said(without),
+            "left_out": sorted(out),
+            "after": _after(drawn, without),
+            "ladder": _ladder(drawn, out) if diagnosis_names(without) else {},
+        },
         "too_small": [_small(c) for c in drawn.too_small],
         "peers": peers.first_named(drawn.rig, drawn.recording),
     }
@@ -159,6 +164,19 @@ def _after(drawn: Case, diagnosis: Diagnosis) -> Row:
         return {"ratio": None, "message": "the model with the effect could not be fitted"}
     true = held_out(drawn.true)
     return {"named": held_out(named), "true": true, "base": drawn.error, "ratio": held_out(named) / true}
+
+
+def _ladder(drawn: Case, out: set[str]) -> Row:
+    """Return what a ladder adds without some effects, and the held-out error of all of it over that of the true one.
+
+    Several listed effects may be what one is that is not listed: a loss that depends on the sense of power is a
+    friction of the load, a gain and an inertia together. Then no data tell that it is another one.
+    """
+    drive = drawn.comparison.drive
+    last = improve(drawn.recording, drive.model, drive.inertia, leave_out=out).rungs[-1].comparison
+    error, true = held_out(last), None if drawn.true is None else held_out(drawn.true)
+    names = [one.name for one in last.drive.model.effects if one not in drive.model.effects]
+    return {"names": names, "ratio": error / true if true else None}
 
 
 def null(rng: np.random.Generator, effect: str, index: int) -> Row:
