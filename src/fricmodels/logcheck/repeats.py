@@ -83,14 +83,19 @@ def polled(log: Log) -> Iterator[Finding]:
     known = log.recording.provenance.get("polled")
     if known:
         rows, samples = known["rows"], known["samples"]
-        yield Finding(
-            "repeated-samples",
-            Severity.WARN,
-            "torque",
-            f"{figures(100 * (1 - samples / rows))} % of the rows repeat the one before in all channels: the log was "
-            f"written more often than there were new values, of {rows} rows {samples} are taken",
-            "log each new value once: when it was new is known to a row only",
+        share = figures(100 * (1 - samples / rows))
+        taken = f"of {rows} rows {samples} are taken"
+        of_all = (
+            "the rows repeat the one before in all channels: the log was written more often than there were new values"
         )
+        text, channel, remedy = f"{share} % of {of_all}, {taken}", "torque", "log each new value once"
+        if known.get("of") == "motion":
+            channels = [name for name in ("position", "velocity") if name in log.measured]
+            said = f"{' and '.join(channels)} {'repeat' if len(channels) > 1 else 'repeats'} in {share} % of the rows"
+            text = f"{said}, at even distances: {taken}, with the mean of the torque about each"
+            channel, remedy = channels[0], "log the motion as often as the torque"
+        late = "when it was new is known to a row only"
+        yield Finding("repeated-samples", Severity.WARN, channel, text, f"{remedy}: {late}")
 
 
 def outages(log: Log) -> Iterator[Finding]:
