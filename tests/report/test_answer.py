@@ -85,6 +85,16 @@ def test_an_error_that_is_far_larger_where_it_was_fitted_is_said(fit: float, tes
     assert ("Where it was fitted" in text) is said
 
 
+@pytest.mark.parametrize(("value", "asked"), [(8e-6, True), (4.0, False)])
+def test_while_no_inertia_shows_the_next_thing_is_to_give_it(value: float, asked: bool) -> None:
+    """A slow ramp of a voltage, back and forth: a friction that drifts is the ramp itself, and 0.1 % remains."""
+    known = {"parameters": {"J": value, "K_c": 7.0}, "standard_errors": {"J": 8e-6, "K_c": 0.03}}
+    last = {**step("coulomb-viscous+gravity", 0.1, "gravity"), **known}
+    box = answer(data(ladder=[step("coulomb-viscous", 24.0), last], noise_floor_percent=0.1))
+    assert ("gravity may be the course of the command itself" in box.next) is asked
+    assert " fit " in box.command
+
+
 def test_errors_of_a_drive_that_coasts_are_of_the_torque_of_its_inertia() -> None:
     note = {"kind": "coasting", "severity": "note", "text": "the torque is 0 throughout"}
     coasting = {**recording("time=t:ms"), "findings": [note]}

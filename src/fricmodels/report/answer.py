@@ -15,7 +15,7 @@ from fricmodels.dimension import Motion
 from fricmodels.readers.standard_names import STANDARD
 from fricmodels.report.error_words import error_words, noise_left, of_noise, within_noise
 from fricmodels.report.reliability import CHANGING, ONE_SINE, RECORDS
-from fricmodels.report.wording import counted, listed, listed_classes, percent, small
+from fricmodels.report.wording import counted, listed, listed_classes, percent, shows_no_inertia, small
 from fricmodels.results.words import LINE, SAMPLING, figures, form, predictor
 
 if TYPE_CHECKING:
@@ -238,6 +238,11 @@ def _next(data: DiagnosisDocument, options: Sequence[str]) -> tuple[str, str]:
         text = "Record it faster or with less noise to see what the rest is. To use the model as it is:"
     elif alike:
         text = f"{_apart(alike[0])} To use the model as it is:"
+    elif data.effects and shows_no_inertia(data.steps[-1].parameters, data.steps[-1].standard_errors):
+        text = (
+            f"Give the inertia (--inertia), or record faster motion: while no inertia shows, {data.effects[0].name} "
+            "may be the course of the command itself. To use the model as it is:"
+        )
     kept = f"{Path(data.dataset).name}.model.json"
     return text, command_line(data, "fit", model, [*_common(options), "--out", kept])
 
