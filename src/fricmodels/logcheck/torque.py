@@ -70,5 +70,6 @@ def voltage(log: Log, found: Balance) -> Iterator[Finding]:
             "torque",
             f"{100 * share:.0f} % of the variance of the {log.called('torque')} goes with "
             f"the velocity alone, as a voltage does by its back-EMF",
-            "if it is one, give the current or the torque instead",
+            "if it is one, give the current or the torque instead, or read all parameters in volts: K_v then has the "
+            "back-EMF in it",
         )
