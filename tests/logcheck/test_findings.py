@@ -361,3 +361,14 @@ def test_a_short_log_tells_the_sign_of_its_torque(samples: int) -> None:
     short = replace(CLEAN.select(slice(0, 10 * samples, 10)), name="short")
     assert "torque-sign" not in kinds(short, INERTIA)
     assert kinds(changed(short, torque=-short.torque), INERTIA)["torque-sign"] is STOP
+
+
+@pytest.mark.parametrize("samples", [400, 600])
+def test_a_coulomb_friction_that_drives_speaks_against_an_exchange(samples: int) -> None:
+    """One sine without noise: the velocity goes with the torque less its jumps, as exactly as the other way round."""
+    time = 0.01 * np.arange(samples)
+    velocity = np.sin(2 * np.pi * time)
+    torque = 0.1 * velocity + 0.2 * np.sign(velocity) + 0.02 * np.cos(2 * np.pi * time)
+    channels = {"time": time, "torque": np.round(torque, 6), "velocity": np.round(velocity, 6)}
+    sine = Recording("sine", Motion.ROTARY, channels, np.zeros(samples, dtype=np.int64))
+    assert "swapped-columns" not in kinds(sine, 0.02)

@@ -163,7 +163,8 @@ def exchanged(log: Log, found: Balance) -> Iterator[Finding]:
     """Judge whether torque and motion are swapped where only one channel tells the motion.
 
     The balance is set up once more with the two channels exchanged. They are swapped if that leaves less than a quarter
-    of the share of the variance, with a friction and an inertia that are certainly positive.
+    of the share of the variance, with a friction and an inertia that are certainly positive. A Coulomb friction that
+    drives is none: a torque with one in it, taken for a velocity, gives it back with its sign turned.
     """
     motion = [name for name in ("velocity", "position") if name in log.measured]
     if len(motion) != 1:
@@ -174,7 +175,8 @@ def exchanged(log: Log, found: Balance) -> Iterator[Finding]:
     other = best(balances(Log(replace(recording, channels=channels))))
     if other is None or other.unexplained > 0.25 * found.unexplained:
         return
-    if certain(other.power, other.clusters) and certain(other.ratio({"J": 1.0}), other.clusters):
+    drives = certain(-other.ratio({"K_c": 1.0}), other.clusters)
+    if not drives and all(certain(one, other.clusters) for one in (other.power, other.ratio({"J": 1.0}))):
         yield _swap(log, "torque", channel, "the drive obeys its equation of motion")
 
 
