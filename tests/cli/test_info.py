@@ -44,3 +44,16 @@ def test_it_knows_which_log_the_others_refuse(
     code, fitted = called(capsys, "compare", path, "--model", "coulomb-viscous")
     assert (code == 0) is enough
     assert ("moves too little" in fitted) is not enough
+
+
+def test_it_counts_the_motion_that_the_others_fit(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    """A ball on a beam, to a millimetre: which rows are clear is told by the motion before what is fitted, too."""
+    time, size, frequency = 0.034 * np.arange(200), np.array([[0.01], [0.003]]), np.array([[2.5], [6.0]])
+    waves = size * np.sin(frequency * time + np.array([[0.0], [1.0]]))
+    force = -8.0 * np.sum(frequency**2 * waves, axis=0)
+    force += 0.5 * np.std(force) * np.random.default_rng(3).standard_normal(200)
+    path = tmp_path / "beam.csv"
+    table = np.c_[time, force, np.round(waves.sum(axis=0), 3)]
+    np.savetxt(path, table, delimiter=",", header="time_s,force_N,position_m", comments="", fmt="%.9g")
+    refused = called(capsys, "compare", str(path), "--model", "coulomb-viscous")[0] != 0
+    assert ("too little clear motion" in called(capsys, "info", str(path))[1]) is refused

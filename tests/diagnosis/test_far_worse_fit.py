@@ -53,3 +53,8 @@ def test_what_acts_in_samples_that_no_row_has_is_not_known_there(bench: Recordin
     for tested in result.tested:
         there = refits.with_effect(tested)
         assert there is None or there.errors.percent < 2.0 * here.errors.percent, tested.name
+
+
+def test_a_model_with_memory_begins_where_no_stroke_has_room_for_wide_test_functions(bench: Recording) -> None:
+    """Its second start is sought through such; ``improve`` names it, and it can be fitted by itself too."""
+    assert compare(bench, "coulomb-viscous+frictional-lag").estimate.parameters["frictional-lag.T"] > 0.0
