@@ -11,6 +11,7 @@ from typing import Any
 import pytest
 
 from fricmodels.report.answer import answer, command_line
+from fricmodels.report.error_words import comparison_words
 from fricmodels.report.reliability import CHANGING, ONE_SINE, RECORDS
 from fricmodels.report.sections import ladder_words
 from fricmodels.results.comparison import Band
@@ -83,6 +84,15 @@ def test_an_error_that_is_far_larger_where_it_was_fitted_is_said(fit: float, tes
     text = answer(data(ladder=[step("coulomb-viscous", 60.0), last])).error
     assert ("Where it was fitted 17.8 % is left" in text.replace("\u00a0", " ")) is said
     assert ("Where it was fitted" in text) is said
+
+
+@pytest.mark.parametrize("fit", [17.8, 2.5])
+def test_the_fit_error_of_a_model_is_said_once(fit: float) -> None:
+    """Either with what it means that it is far larger than the test error, or by itself."""
+    errors = {"SI": 1.0, "percent": fit, "held_out_percent": 1.4, "band_ms": 5.0, "bands": [band(2.0)]}
+    last = {**step("coulomb-viscous", 1.4), "rms_percent": fit}
+    text = comparison_words(data(rms_torque_error=errors, ladder=[last]))[1].replace("\u00a0", " ")
+    assert text.count(f"{fit:.3g}") == 1
 
 
 @pytest.mark.parametrize(("value", "asked"), [(8e-6, True), (4.0, False)])

@@ -11,7 +11,6 @@ from fricmodels.progress import stage
 from fricmodels.results.words import NORMAL_95
 from fricmodels.term import Effect
 from fricmodels.weakform.candidate import within_recording
-from fricmodels.weakform.identification import FAR_WORSE
 from fricmodels.weakform.search import is_at_end
 from fricmodels.weakform.shifted import FREE_SHIFT
 
@@ -82,8 +81,8 @@ class Refits:
         return drives or own_torque(fitted, effect) > self.policy.own_torque
 
     def _fits_far_worse(self, fitted: Comparison) -> bool:
-        """Whether more than twice the square of the printed error is left of what was fitted."""
-        return fitted.errors.percent**2 > FAR_WORSE * self.comparison.errors.percent**2
+        """Whether far more is left of what was fitted than without the effect, by the printed error."""
+        return fitted.errors.percent**2 > self.policy.fits_worse * self.comparison.errors.percent**2
 
     def _is_within_free_shift(self, fitted: Comparison, effect: Effect) -> bool:
         """Whether a fit made of a delay one that every row may have by itself, and the test error does not fall far.

@@ -90,7 +90,7 @@ def comparison_words(data: ComparisonDocument) -> tuple[str, str]:
     errors = data.rms_torque_error
     left = f"{percent(errors.held_out_percent)} of the {data.reference}"
     sentence = f"The model {data.model} leaves a test error of {left}."
-    words = f"{error_words(data)} Fit error {percent(errors.percent)}."
+    words = error_words(data) + ("" if _quieter(data) else f" Fit error {percent(errors.percent)}.")
     if data.held:
         sentence = f"The model {data.model} with the numbers of its file leaves an error of {left}."
         others = f"On the other samples {percent(errors.percent)}."
