@@ -18,7 +18,7 @@ from fricmodels.diagnosis.candidate_tests import CandidateTests, candidate_tests
 from fricmodels.diagnosis.comparison import SlidingErrors
 from fricmodels.diagnosis.effect_set import as_predictor, member_of
 from fricmodels.diagnosis.policy import POLICY
-from fricmodels.diagnosis.predictability import channel_predictors
+from fricmodels.diagnosis.predictability import passing_predictors
 from fricmodels.diagnosis.supported import judge
 from fricmodels.diagnosis.verdict import LookAlikes, select_effect
 from fricmodels.dimension import Motion
@@ -53,7 +53,7 @@ def test_the_channel_of_the_effect_is_the_best_predictor(made: Made, effect: str
     recording = made(f"coulomb-viscous+{effect}", {f"{effect}.{key}": value for key, value in values.items()})
     problem, found = estimate(Drive(LAW, 2.0), recording)
     result = candidate_tests(problem, found.parameters, only=[effect])
-    by_name = {view.channels: view for view in channel_predictors(result)}
+    by_name = {view.channels: view for view in passing_predictors(result)}
     assert by_name[channel].evidence.gain == pytest.approx(result.tested[0].evidence.gain, abs=0.01)
     assert result.tested[0].evidence.gain > 0.65
     assert by_name[channel].evidence.gain == pytest.approx(max(v.evidence.gain for v in by_name.values()), abs=0.1)
@@ -315,7 +315,7 @@ def test_friction_that_lags_is_no_wrong_inertia(made: Made, samples: int) -> Non
     result = candidate_tests(replace(comparison.problem), comparison.estimate.parameters, only=["inertia-error"])
     (wrong,) = result.tested
     assert wrong.evidence.gain > 0.1
-    (lag,) = [v for v in channel_predictors(result) if v.channels == "acceleration and speed"]
+    (lag,) = [v for v in passing_predictors(result) if v.channels == "acceleration and speed"]
     assert lag.evidence.explained > wrong.evidence.explained + 0.1
     assert named(result, ["inertia-error"]) == []
 

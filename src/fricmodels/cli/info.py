@@ -76,7 +76,7 @@ def _with_clear_motion(found: Summary, recording: Recording, inertia: float | No
     from fricmodels.logcheck import Finding, Severity
     from fricmodels.model import Model
     from fricmodels.results.words import MORE_MOTION, stretches_of_motion
-    from fricmodels.weakform.estimate import clear_stretches
+    from fricmodels.weakform.fit import clear_stretches
 
     stops = any(one.severity is Severity.STOP for one in found.findings)
     if stops or not FEWEST <= len(recording) <= _LONG:

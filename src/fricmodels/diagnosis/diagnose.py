@@ -19,14 +19,14 @@ from fricmodels.diagnosis.by_fit import (
 from fricmodels.diagnosis.candidate_tests import CandidateTest, CandidateTests, candidate_tests
 from fricmodels.diagnosis.coloured_residual import ColouredNoise, coloured_residual
 from fricmodels.diagnosis.comparison import Comparison, compare
-from fricmodels.diagnosis.effect_set import as_predictor, passing_predictors
+from fricmodels.diagnosis.effect_set import as_predictor
 from fricmodels.diagnosis.floor import is_far_above_noise, is_noticed
 from fricmodels.diagnosis.in_words import as_told, from_when_to_when
 from fricmodels.diagnosis.look_alikes import separated_by
 from fricmodels.diagnosis.places import Place, largest_place, torque_of
 from fricmodels.diagnosis.policy import POLICY, Policy
 from fricmodels.diagnosis.power import Visibility, visibility
-from fricmodels.diagnosis.predictability import AUTOREGRESSIVE, ChannelPredictor
+from fricmodels.diagnosis.predictability import AUTOREGRESSIVE, ChannelPredictor, passing_predictors
 from fricmodels.diagnosis.refit_check import refit_check
 from fricmodels.diagnosis.refits import Refits
 from fricmodels.diagnosis.remaining import Remaining, place_of_stretch, remaining

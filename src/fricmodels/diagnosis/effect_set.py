@@ -13,8 +13,8 @@ from fricmodels.diagnosis.candidate_tests import CandidateTest, CandidateTests, 
 from fricmodels.diagnosis.floor import floor, leaves_nothing
 from fricmodels.diagnosis.journal import searched
 from fricmodels.diagnosis.places import largest_place
-from fricmodels.diagnosis.predictability import AUTOREGRESSIVE, ChannelPredictor, channel_predictors, each_predictor
-from fricmodels.diagnosis.verdict import LookAlikes, predicts, select_effect
+from fricmodels.diagnosis.predictability import AUTOREGRESSIVE, ChannelPredictor, passing_predictors
+from fricmodels.diagnosis.verdict import LookAlikes, select_effect
 from fricmodels.term import Effect
 from fricmodels.weakform.acting import acting
 from fricmodels.weakform.regression import Regression, compare
@@ -47,11 +47,6 @@ class Member:
     def at_bound(self) -> bool:
         """Whether it explains most at the end of what this recording can tell."""
         return self.found.first.found.at_search_bound
-
-
-def passing_predictors(result: CandidateTests) -> list[ChannelPredictor]:
-    """Return the channel predictors of the residual that pass all gates, best first."""
-    return [p for p in channel_predictors(result) if predicts(result, p.evidence, p.p_value)]
 
 
 def found_in_turn(
@@ -288,10 +283,7 @@ def passing_beside(
         planned: those that were chosen before any was tried, so that they are not corrected for how many there are.
     """
     here = replace(result, regression=regression, tested=(), untested={})
-    every = (
-        replace(p, p_value=p.evidence.p_value, tried=1) if p.channels in planned else p for p in each_predictor(here)
-    )
-    found = [p for p in every if predicts(here, p.evidence, p.p_value, as_rival=as_rivals)]
+    found = passing_predictors(here, as_rivals=as_rivals, planned=planned)
     place = largest_place(here)
     if place is not None:
         tried = max((p.tried for p in found), default=1)

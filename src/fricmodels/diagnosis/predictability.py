@@ -6,7 +6,7 @@ it predicts the residual on held-out blocks, something is missing; where no know
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection
 from dataclasses import dataclass
 from functools import partial
 
@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from fricmodels.diagnosis.basis_functions import TORQUE_PAST, TORQUE_RATE, basis_functions, chances, terms
 from fricmodels.diagnosis.candidate_tests import CandidateTests, beside_inertia, is_noise
+from fricmodels.diagnosis.verdict import predicts
 from fricmodels.progress import each
 from fricmodels.weakform.problem import WeakFormProblem
 from fricmodels.weakform.regression import LEAST_P, Evidence
@@ -53,38 +54,40 @@ class ChannelPredictor:
         return terms(self.channels, self.columns)
 
 
-def channel_predictors(result: CandidateTests) -> list[ChannelPredictor]:
-    """Return every channel predictor of the residual, the best first."""
-    return sorted(each_predictor(result), key=lambda predictor: predictor.evidence.left)
+def passing_predictors(
+    result: CandidateTests, *, as_rivals: bool = False, planned: Collection[str] = ()
+) -> list[ChannelPredictor]:
+    """Return every channel predictor of the residual that passes all gates, the best first.
 
-
-def each_predictor(result: CandidateTests, first: Sequence[str] = ()) -> Iterator[ChannelPredictor]:
-    """Yield every channel predictor of the residual, those of the ``first`` channels first."""
+    Args:
+        result: the residual.
+        as_rivals: whether they stand against an effect, see :func:`~.verdict.predicts`.
+        planned: those that were chosen before any was tried, so that they are not corrected for how many there are.
+    """
     problem, regression = result.problem, result.regression
     every = dict(basis_functions(problem, regression, result.policy))
     lasting = frozenset(every) - {TORQUE_PAST}
     every[OWN_PAST] = partial(own_past, problem, regression.residual)
     most = max(1, regression.terms // 2)
-    ordered = [*dict.fromkeys([*(name for name in first if name in every), *every])]
-    for channels in each(f"looking for what predicts the error of {problem.drive.model.name}", ordered):
+    shift = result.policy.within_sampling * problem.recording.interval
+    found = []
+    for channels in each(f"looking for what predicts the error of {problem.drive.model.name}", list(every)):
         whole = every[channels]()
         columns = beside_inertia(problem, regression, whole)
         chosen = np.flatnonzero(regression.visible(columns))[:most]
-        if len(chosen):
-            evidence = regression.test(columns[chosen])
-            if channels in lasting and _is_only_noise(result, channels, whole[chosen], chosen, evidence):
-                continue
-            shift = result.policy.within_sampling * problem.recording.interval
-            if channels == TORQUE_RATE and np.all(np.abs(evidence.coefficients) <= shift):  # these are times
-                continue
-            tried = len(every) * chances(channels, problem)
-            yield ChannelPredictor(
-                channels,
-                evidence,
-                float(np.clip(evidence.p_value * tried, LEAST_P, 1.0)),
-                columns[chosen],
-                tried,
-            )
+        if not len(chosen):
+            continue
+        evidence = regression.test(columns[chosen])
+        if channels == TORQUE_RATE and np.all(np.abs(evidence.coefficients) <= shift):  # these are times
+            continue
+        tried = 1 if channels in planned else len(every) * chances(channels, problem)
+        p_value = float(np.clip(evidence.p_value * tried, LEAST_P, 1.0))
+        if not predicts(result, evidence, p_value, as_rival=as_rivals):
+            continue
+        if channels in lasting and _is_only_noise(result, channels, whole[chosen], chosen, evidence):
+            continue
+        found.append(ChannelPredictor(channels, evidence, p_value, columns[chosen], tried))
+    return sorted(found, key=lambda predictor: predictor.evidence.left)
 
 
 def _is_only_noise(
@@ -95,8 +98,6 @@ def _is_only_noise(
     Its columns are given whole: the acceleration that :func:`beside_inertia` takes out of them has noise of its own.
     """
     problem, regression, policy = result.problem, result.regression, result.policy
-    if evidence.gain <= 0.0:
-        return False  # it passes no gate
     perturbed = basis_functions(problem.perturbed, regression, policy, channels).get(channels)
     if perturbed is None:
         return False
