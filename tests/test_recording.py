@@ -54,6 +54,8 @@ def test_a_load_that_was_not_given_is_zero_but_no_ground_for_a_term_that_uses_it
 
 def test_the_torque_rate_is_a_central_difference_that_does_not_cross_runs() -> None:
     np.testing.assert_allclose(recorded().signal("motor_torque_rate"), [10.0, 20.0, 30.0, 20.0, 20.0])
+    stands = recorded(time=np.array([0.0, 0.1, 0.27, 0.0, 0.1]), torque=np.full(5, 0.7))
+    np.testing.assert_array_equal(stands.signal("motor_torque_rate"), np.zeros(5))
     measured = recorded(torque_rate=np.full(5, 3.0))
     np.testing.assert_array_equal(measured.signal("motor_torque_rate"), np.full(5, 3.0))
 

@@ -212,12 +212,12 @@ class Recording(Displayed):
 
     def _rate(self, values: Array) -> Array:
         if len(self) > 1 and len(self.run_numbers) == 1:
-            return np.asarray(np.gradient(values, self.time))
+            return _gradient(values, self.time)
         rate = np.zeros(len(self))
         for number in self.run_numbers:
             inside = np.flatnonzero(self.run == number)
             if len(inside) > 1:
-                rate[inside] = np.gradient(values[inside], self.time[inside])
+                rate[inside] = _gradient(values[inside], self.time[inside])
         return rate
 
     def retimed(self, delay: float) -> Recording:
@@ -385,3 +385,9 @@ def check_recording(given: object) -> None:
     raise InputError(
         f"a recording is wanted, got {type(given).__name__}; {way_out or 'fricmodels.read(FILE) gives one'}"
     )
+
+
+def _gradient(values: Array, time: Array) -> Array:
+    """Return the rate of values; 0 where they stand, which on uneven stamps would be rounding."""
+    stands = np.diff(values) == 0.0
+    return np.where(np.append(stands, True) & np.append(True, stands), 0.0, np.gradient(values, time))

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from fricmodels.diagnosis import ready
-from fricmodels.diagnosis.where import regimes, where
+from fricmodels.diagnosis.where import in_words, regimes, where
 from fricmodels.dimension import Motion
 from fricmodels.recording import Recording
 
@@ -56,6 +56,20 @@ def test_rest_breakaway_and_reversal_are_apart(stopping: Recording) -> None:
     assert np.any(masks["reversal"])
     together = sum(masks[name].astype(int) for name in ("rest", "breakaway", "reversal"))
     assert np.max(together) == 1
+
+
+def test_starts_are_no_reversals_where_no_run_turns_back() -> None:
+    """Two commands from rest, one each way, as in two files: what follows is the error right after starts."""
+    rng = np.random.default_rng(0)
+    time = np.arange(600) * 1e-2
+    course = np.where(time < 0.5, 0.0, 5.0 * (1.0 - np.exp(-4.0 * np.maximum(time - 0.5, 0.0))))
+    velocity = np.concatenate([course, -course]) + 0.01 * rng.standard_normal(1200)
+    torque = np.repeat([2.0, -2.0], 600) * np.tile(time >= 0.5, 2)
+    channels = {"time": np.concatenate([time, time + 10.0]), "torque": torque, "velocity": velocity}
+    masks = regimes(ready(Recording("steps", Motion.ROTARY, channels, np.repeat([0, 1], 600))))
+    assert "reversal" not in masks
+    assert np.any(masks["start"] | masks["breakaway"])
+    assert in_words("start") == "right after starts"
 
 
 def test_noise_about_rest_is_no_direction() -> None:

@@ -8,9 +8,10 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from fricmodels.diagnosis import improve
+from fricmodels.diagnosis import compare, improve
 from fricmodels.dimension import Motion
 from fricmodels.effects.run_offset import RunOffset
+from fricmodels.errors import InputError
 from fricmodels.logcheck import Severity, findings
 from fricmodels.recording import Recording
 from fricmodels.signals.switched import one_value_in_each
@@ -49,10 +50,29 @@ def test_several_sizes_tell_the_drive() -> None:
     assert said(responses(100.0, -100.0, 200.0, -200.0)) is None
 
 
-def test_one_way_is_another_finding() -> None:
+def test_a_torque_that_never_changes_is_another_finding() -> None:
     recording = responses(150.0, 150.0)
     assert said(recording) is None
     assert "little-motion" in {one.kind for one in findings(recording)}
+
+
+def begun_from_rest(recording: Recording, rows: int) -> Recording:
+    """Return a recording of one run before which nothing pushed and nothing moved."""
+    before = np.zeros(rows)
+    time = np.r_[recording.time[0] + PERIOD * (np.arange(rows) - rows), recording.time]
+    channels = {name: np.r_[before, values] for name, values in recording.channels.items()}
+    return replace(recording, channels={**channels, "time": time}, run=np.zeros(len(time), dtype=np.int64))
+
+
+@pytest.mark.parametrize("command", [150.0, -150.0])
+def test_one_step_in_one_direction_stops_as_every_fit_of_it_does(command: float) -> None:
+    recording = begun_from_rest(responses(command), 60)
+    (stop,) = [one for one in findings(recording) if one.kind == "one-command"]
+    assert stop.severity is Severity.STOP
+    assert f"is {command:g} N wherever the axis moves and nothing else" in stop.text
+    assert said(recording, MASS) is None
+    with pytest.raises(InputError, match="give the inertia"):
+        compare(recording, "coulomb-viscous")
 
 
 def test_a_measured_torque_is_none() -> None:

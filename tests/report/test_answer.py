@@ -170,6 +170,18 @@ def test_a_model_that_leaves_more_than_noise_is_not_simply_to_be_used() -> None:
     assert answer(data(noise_floor_percent=0.8)).next.startswith("Record it faster or with less noise")
 
 
+@pytest.mark.parametrize(("inside", "said"), [(0.05, True), (0.2, False)])
+def test_of_a_rest_that_nothing_predicts_the_place_is_said_where_much_of_it_lies(inside: float, said: bool) -> None:
+    """A command that reaches the motor late shows in the starts; a better record would not change that."""
+    rows = [("low speed", 0.88, 0.32), ("start", 0.41, inside), ("rest", 0.01, 0.001)]
+    shares = [{"regime": n, "share_of_squared_error": s, "samples": 9, "share_of_samples": k} for n, s, k in rows]
+    last = step("coulomb-viscous", 7.8)
+    found = answer(data(verdict="adequate", effects=[], ladder=[last], where=shares, noise_floor_percent=2.3))
+    words = "Look first right after starts: 41 % of the squared error lie there, in 5 % of the samples."
+    assert (words in found.next.replace("\u00a0", " ")) is said
+    assert ("Record it faster" in found.next) is not said
+
+
 def test_what_nothing_predicts_but_is_far_above_noise_is_said_with_the_answer() -> None:
     steps = [step("coulomb-viscous", 7.94), step("coulomb-viscous+gravity", 2.62, "gravity")]
     found = answer(data(ladder=steps, noise_floor_percent=0.205))

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+import numpy as np
 import pytest
 
+from fricmodels.diagnosis import compare
 from fricmodels.dimension import Motion
 from fricmodels.drive import Drive
 from fricmodels.errors import InputError
@@ -114,6 +116,25 @@ def test_a_delay_is_the_whole_shift_in_time(made: Made, samples: int) -> None:
     assert found.parameters["sensor-delay.T"] == pytest.approx(samples * late.interval, rel=0.01)
     assert problem.delay == pytest.approx(samples * late.interval, rel=0.01)
     assert found.standard_errors["sensor-delay.T"] < 0.1 * late.interval
+
+
+def test_a_delay_is_not_known_where_the_torque_never_changes() -> None:
+    """Four commands from rest, on stamps that wander: the rate of a torque that stands is nothing, and no rounding."""
+    rng = np.random.default_rng(3)
+    parts = []
+    for command in (60.0, 80.0, -40.0, -100.0):
+        time = np.cumsum(0.0063 + 0.0004 * rng.uniform(-1, 1, 150))
+        final = (command - 6.2 * np.sign(command)) / 8.76
+        velocity = final * (1.0 - np.exp(-time * 8.76 / 0.943))
+        parts.append((time, np.full(150, command), velocity + 0.05 * rng.standard_normal(150)))
+    time, torque, velocity = (np.concatenate(one) for one in zip(*parts, strict=True))
+    run = np.repeat(np.arange(4), 150)
+    recording = Recording("steps", Motion.ROTARY, {"time": time, "torque": torque, "velocity": velocity}, run)
+    found = compare(recording, "coulomb-viscous+sensor-delay").estimate
+    assert found.parameters["sensor-delay.T"] == 0.0
+    assert "sensor-delay.T" in found.not_identified
+    for key, value in {"J": 0.943, "K_v": 8.76, "K_c": 6.2}.items():
+        assert found.parameters[key] == pytest.approx(value, rel=0.1)
 
 
 def test_an_inertia_that_is_estimated_is_known_as_well_as_its_error_says(made: Made) -> None:

@@ -34,13 +34,14 @@ class Regime:
 
 
 _GROUPS = {
-    "rest": "motion", "breakaway": "motion", "reversal": "motion",
+    "rest": "motion", "breakaway": "motion", "reversal": "motion", "start": "motion",
     "low speed": "speed", "mid speed": "speed", "high speed": "speed",
     "accelerating": "acceleration", "decelerating": "acceleration",
     "forward": "direction", "backward": "direction",
 }  # fmt: skip
 _WORDS = {
     "rest": "at rest", "breakaway": "right after breakaway", "reversal": "right after reversals",
+    "start": "right after starts",
     "low speed": "at low speed", "mid speed": "at medium speed", "high speed": "at high speed",
     "accelerating": "while accelerating", "decelerating": "while decelerating",
     "forward": "in forward motion", "backward": "in backward motion",
@@ -94,9 +95,9 @@ def regimes(prepared: Recording) -> dict[str, Mask]:
     speed = np.abs(velocity)
     moving = ~rest
     masks: dict[str, Mask] = {"rest": rest}
-    near = _near_reversals(prepared, rest)
+    near = _near_starts(prepared, rest)
     masks["breakaway"] = near & _after_rest(prepared, rest)
-    masks["reversal"] = near & ~masks["breakaway"]
+    masks["reversal" if _turns_back(prepared) else "start"] = near & ~masks["breakaway"]
     low, high = np.quantile(speed[moving], [1 / 3, 2 / 3]) if np.any(moving) else (0.0, 0.0)
     masks["low speed"] = moving & (speed < low)
     masks["mid speed"] = moving & (speed >= low) & (speed < high)
@@ -135,8 +136,11 @@ def _runs(prepared: Recording) -> dict[str, Mask]:
     return {f"run: {names.get(n, n)}": run == n for n in numbers} if 1 < len(numbers) <= _MOST_RUNS else {}
 
 
-def _near_reversals(prepared: Recording, rest: Mask) -> Mask:
-    """Mark a twentieth of the median time between reversals, at least three samples, after each start of motion."""
+def _near_starts(prepared: Recording, rest: Mask) -> Mask:
+    """Mark a twentieth of the median time between starts of motion, at least three samples, after each.
+
+    A reversal is a start.
+    """
     side = np.where(rest, 0.0, np.sign(prepared.velocity))
     begins = np.concatenate([[False], (side[1:] != side[:-1]) & (side[1:] != 0)])
     index = np.flatnonzero(begins)
@@ -146,6 +150,11 @@ def _near_reversals(prepared: Recording, rest: Mask) -> Mask:
     length = max(3, round(between / 20))
     last = np.maximum.accumulate(np.where(begins, np.arange(len(side)), -length - 1))
     return np.asarray((np.arange(len(side)) - last < length) & ~rest)
+
+
+def _turns_back(prepared: Recording) -> bool:
+    """Whether the drive goes both ways in some run."""
+    return any(not goes_one_way(prepared.velocity[prepared.run == run]) for run in prepared.run_numbers)
 
 
 def _after_rest(prepared: Recording, rest: Mask) -> Mask:

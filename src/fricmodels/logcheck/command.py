@@ -1,4 +1,4 @@
-"""Whether the torque is a command that has one size for each direction of the motion."""
+"""Whether the torque is a command that has one size in each direction of the motion, or in the only one."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _MOVES = 0.1
 
 
 def one_size(log: Log, inertia: float | None) -> Iterator[Finding]:
-    r"""Judge whether the torque is one value forward and another one backward, and nothing else.
+    r"""Judge whether the torque is one value forward and one backward, or one in the only direction, and nothing else.
 
     The equation of motion is then fulfilled without any motion: :math:`J = K_v = 0`, and a Coulomb friction, with an
     offset where the two sizes differ, is the command itself, to the last digit. So it is in a step response, or where a
@@ -27,17 +27,21 @@ def one_size(log: Log, inertia: float | None) -> Iterator[Finding]:
     moves = np.abs(velocity) > _MOVES * float(np.sqrt(np.mean(velocity**2)))
     forward = velocity[moves] > 0.0
     torque = recording.torque[moves]
-    if forward.all() or not forward.any() or not one_value_in_each(torque, forward):
-        return
-    values = [float(np.median(torque[way])) for way in (forward, ~forward)]
-    if values[0] == values[1]:  # it is dead, which is another finding
-        return
-    sizes = [log.size("torque", value) for value in values]
+    if np.ptp(recording.torque) == 0.0 or not len(torque) or not one_value_in_each(torque, forward):
+        return  # what never changes is another finding
+    ways = {"forward": forward, "backward": ~forward}
+    values = {way: float(np.median(torque[inside])) for way, inside in ways.items() if inside.any()}
+    if len(set(values.values())) == 1:
+        sizes = (
+            f"{log.size('torque', next(iter(values.values())))} wherever the {'joint' if log.rotary else 'axis'} moves"
+        )
+    else:
+        sizes = ", ".join(f"{log.size('torque', value)} {way}" for way, value in values.items())
     yield Finding(
         "one-command",
         Severity.STOP,
         "torque",
-        f"the {log.called('torque')} is {sizes[0]} forward, {sizes[1]} backward and nothing else: a Coulomb friction "
-        "of that size explains it without any motion",
+        f"the {log.called('torque')} is {sizes} and nothing else: a Coulomb friction of that size explains it without "
+        "any motion",
         "give the inertia (--inertia), or record commands of several sizes in each direction",
     )

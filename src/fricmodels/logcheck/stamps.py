@@ -10,16 +10,12 @@ import numpy as np
 from fricmodels.logcheck.finding import Finding, Severity
 from fricmodels.logcheck.view import Log
 from fricmodels.results.words import figures
+from fricmodels.signals.lost_samples import lost_samples
 from fricmodels.signals.stamps import EVEN, are_false, share_explained, unevenness
-
-_WANDER = 0.1
-"""Unevenness of stamps up to which a long interval is one in which samples are missing."""
-_WHOLE = 0.2
-"""Share of the interval within which a long one is a whole multiple of it."""
 
 
 def gaps(log: Log) -> Iterator[Finding]:
-    """Say where samples are missing: steps beyond the outer fence of all steps, five median steps at the least."""
+    """Say where samples are missing: see :func:`~fricmodels.signals.segments.gap_lengths`."""
     within = np.diff(log.recording.run) == 0
     long = log.steps[within & ~log.joined]
     if len(long):
@@ -42,23 +38,9 @@ class Missing:
 
 
 def missing(log: Log) -> Missing:
-    """Return how many samples are missing within the stretches of a recording that is evenly sampled otherwise.
-
-    Intervals are counted that are whole multiples of the usual one within a fifth of it. Where the stamps wander by
-    more than a tenth of the interval that is not told; a stamp that came late makes a long interval and then a short
-    one, and nothing is missing.
-    """
-    none = Missing(0, 0)
-    if not log.recording.interval > 0.0 or unevenness(log.recording) > _WANDER:
-        return none
-    ratio = log.steps / log.usual_steps
-    number = np.rint(ratio)
-    near = (number > 1.0) & (np.abs(ratio - number) < _WHOLE) & log.joined
-    near &= (np.r_[ratio[1:], 1.0] > 1.0 - 2.0 * _WHOLE) & (np.r_[1.0, ratio[:-1]] > 1.0 - 2.0 * _WHOLE)
-    if not near.any():
-        return none
-    lost = number[near] - 1.0
-    return Missing(int(lost.sum()), int(lost.max()))
+    """Return how many samples are missing within the stretches of a recording that is evenly sampled otherwise."""
+    count = lost_samples(log.recording)
+    return Missing(int(count.sum()), int(count.max(initial=0.0)))
 
 
 def lost(log: Log) -> Iterator[Finding]:

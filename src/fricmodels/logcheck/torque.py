@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-import numpy as np
-
 from fricmodels.logcheck.balance import Balance
 from fricmodels.logcheck.finding import Finding, Severity
 from fricmodels.logcheck.view import Log
@@ -32,7 +30,7 @@ def sign(log: Log, found: Balance) -> Iterator[Finding]:
     chance = min(1.0, 2.0 * significance(min(friction, mass), found.clusters))
     if min(friction, mass) >= 0.0 or chance >= PROBABLE or certain(max(friction, mass), found.clusters):
         return
-    if float(np.mean(pushing * short.velocity)) >= 0.0:
+    if max(short.work(pushing)) >= 0.0:
         return
     constant = log.recording.provenance.get("torque_constant")
     remedy = (

@@ -161,6 +161,15 @@ class Log:
         """
         return self.area(self.velocity) if "velocity" in self.measured else self.recording["position"]
 
+    def work(self, torque: Array) -> tuple[float, float]:
+        """Return the work of a torque [J] along the motion, held from each sample on or up to it, which is not known.
+
+        By the positions themselves where these were measured: a velocity that is derived from coarse ones is smoothed,
+        and of a motion of few steps it keeps next to nothing.
+        """
+        change = np.where(self.joined, np.diff(self.position), 0.0)
+        return float(torque[:-1] @ change), float(torque[1:] @ change)
+
     def area(self, values: Array) -> Array:
         """Return the integral of a signal over time, from zero; over gaps it stands still."""
         steps = np.where(self.joined, 0.5 * (values[1:] + values[:-1]) * self.steps, 0.0)

@@ -18,18 +18,29 @@ class Kept:
     Attributes:
         rows: their numbers, in order.
         run: the run of each.
-        dropped: how many were left out.
+        dropped: how many were left out for what stands in them. alone: how many since nothing is left beside them.
         added: how many runs there are more than before.
     """
 
     rows: Index
     run: Index
     dropped: int
+    alone: int
     added: int
 
     def __str__(self) -> str:
-        rows = f"{self.dropped} row{'s' * (self.dropped != 1)} without a number or with a repeated stamp left out"
-        return f"{rows}, {self.added} run{'s' * (self.added != 1)} added" if self.added else rows
+        words = []
+        if self.dropped or not self.alone:
+            words.append(f"{_rows(self.dropped)} without a number or with a repeated stamp left out")
+        if self.alone:
+            words.append(f"{_rows(self.alone)} that stood alone left out")
+        if self.added:
+            words.append(f"{self.added} run{'s' * (self.added != 1)} added")
+        return ", ".join(words)
+
+
+def _rows(count: int) -> str:
+    return f"{count} row{'s' * (count != 1)}"
 
 
 def kept(channels: Mapping[str, Array], run: Index, how: Gaps) -> Kept:
@@ -48,17 +59,19 @@ def kept(channels: Mapping[str, Array], run: Index, how: Gaps) -> Kept:
     rows = rows[np.concatenate([[True], ~repeated])] if len(rows) else rows
     own = run[rows]
     if how is Gaps.DROP or not len(rows):
-        return Kept(rows, own, len(run) - len(rows), 0)
+        return Kept(rows, own, len(run) - len(rows), 0, 0)
     hole = np.diff(np.cumsum(~usable)[rows]) > 0
     begins = hole | (np.diff(own) != 0) | (np.diff(time[rows]) < 0)
     number = np.concatenate([[0], np.cumsum(begins)])
     long = np.bincount(number)[number] > 1
+    dropped, alone = len(run) - len(rows), int(np.sum(~long))
     rows, before = rows[long], len(np.unique(run))
     final = np.unique(number[long], return_inverse=True)[1].astype(np.int64)
     unchanged = not begins[np.diff(own) == 0].any() and long.all()
     return Kept(
         rows,
         own if unchanged else final,
-        len(run) - len(rows),
+        dropped,
+        alone,
         0 if unchanged else max(int(final.max(initial=-1)) + 1 - before, 0),
     )

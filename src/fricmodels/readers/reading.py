@@ -117,7 +117,7 @@ def read(
         channels = {channel: values[found_rows.rows] for channel, values in channels.items()}
         run, order = found_rows.run, order[found_rows.rows]
         run_names = run_names if not found_rows.added else {}
-        left = {"gaps": str(found_rows)} if found_rows.dropped or found_rows.added else {}
+        left = {"gaps": str(found_rows)} if found_rows.dropped or found_rows.alone or found_rows.added else {}
         if not len(order):
             raise InputError(f"{source}: no row has a number in every channel")
     recording = Recording(

@@ -11,11 +11,12 @@ from typing import TYPE_CHECKING, Literal
 
 from fricmodels.diagnosis.policy import POLICY
 from fricmodels.diagnosis.predictability import AUTOREGRESSIVE
+from fricmodels.diagnosis.where import in_words
 from fricmodels.dimension import Motion
 from fricmodels.readers.standard_names import STANDARD
 from fricmodels.report.error_words import error_words, noise_left, of_noise, within_noise
 from fricmodels.report.reliability import CHANGING, ONE_SINE, RECORDS
-from fricmodels.report.wording import counted, listed, listed_classes, percent, shows_no_inertia, small
+from fricmodels.report.wording import counted, listed, listed_classes, percent, share, shows_no_inertia, small
 from fricmodels.results.words import LINE, SAMPLING, figures, form, predictor
 
 if TYPE_CHECKING:
@@ -30,6 +31,8 @@ twelve logs whose cause is on no list, those that resemble it explain 0.7 to 0.9
 0.2 to 0.4."""
 _OF_LAWS = frozenset({"speed", "motor torque", "load torque"})
 """Channels that the listed laws are functions of."""
+_MUCH, _DENSE = 1 / 3, 4.0
+"""Share of the squared error, and times the share of the samples, from which a regime of motion is where to look."""
 _MINUS = re.compile(r"(?<![\w.])-(?=\d)")
 FAR_ABOVE = 2.0
 """Times the noise above which the error that remains is said with the answer: first, if something still predicts it."""
@@ -235,7 +238,7 @@ def _next(data: DiagnosisDocument, options: Sequence[str]) -> tuple[str, str]:
         return _without_shift(data, data.shift), command_line(data, "compare", data.shift.model, _common(options))
     text = "Use the model. This keeps its parameters, standard errors and provenance in a file, to call or to export:"
     if _noticed_above_noise(data):
-        text = "Record it faster or with less noise to see what the rest is. To use the model as it is:"
+        text = f"{_first_look(data)} To use the model as it is:"
     elif alike:
         text = f"{_apart(alike[0])} To use the model as it is:"
     elif data.effects and shows_no_inertia(data.steps[-1].parameters, data.steps[-1].standard_errors):
@@ -245,6 +248,20 @@ def _next(data: DiagnosisDocument, options: Sequence[str]) -> tuple[str, str]:
         )
     kept = f"{Path(data.dataset).name}.model.json"
     return text, command_line(data, "fit", model, [*_common(options), "--out", kept])
+
+
+def _first_look(data: DiagnosisDocument) -> str:
+    """Return what tells more of a rest that nothing predicts: where much of it lies, or else a better record."""
+    regimes = data.where if len(data.ladder) == 1 else ()
+    shares = [(row.share_of_squared_error or 0.0, row.share_of_samples or 1.0, row.regime) for row in regimes]
+    much = [row for row in shares if row[0] >= max(_MUCH, _DENSE * row[1])]
+    if not much:
+        return "Record it faster or with less noise to see what the rest is."
+    lies, inside, regime = max(much, key=lambda row: row[0] / row[1])
+    return (
+        f"Look first {in_words(regime)}: {share(lies)} of the squared error lie there, in {share(inside)} of the "
+        "samples."
+    )
 
 
 def _worth_a_try(data: DiagnosisDocument, rest: Remaining) -> Nearest | None:

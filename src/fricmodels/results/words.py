@@ -21,6 +21,14 @@ MORE_MOTION = "record longer, with more strokes, or with less noise"
 """The way out of a recording that moves too little."""
 
 
+def without_gaps(pieces: int, stretch: int) -> str:
+    """Return the way out of a recording that gaps cut into pieces of some samples, where a stretch takes more."""
+    return (
+        f"gaps cut most of it into pieces of {pieces} samples or less, and a stretch takes {stretch}: record without "
+        "gaps, if need be more slowly"
+    )
+
+
 def stretches_of_motion(count: int) -> str:
     """Say in how many stretches a recording moves clearly."""
     return f"{count} {'stretch' if count == 1 else 'stretches'} of clear motion"

@@ -13,10 +13,9 @@ Runs = Index
 
 _FENCE = 3.0
 """Tukey's outer fence, in interquartile ranges."""
-_BRIDGED = 5.0
-"""Steps of up to so many median steps are no gap: a local polynomial over true time stamps bridges lost samples."""
-
-
+_BRIDGED = 5.5
+"""Steps below so many median steps are no gap: a local polynomial over true time stamps bridges four lost samples.
+Not a whole number, so that no rounding of stamps decides."""
 _FEW = 20
 """Steps of a run below which its usual one is that of all runs."""
 

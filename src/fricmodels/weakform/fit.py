@@ -13,7 +13,7 @@ from fricmodels.drive import Drive
 from fricmodels.errors import InputError
 from fricmodels.model import Model
 from fricmodels.recording import Recording
-from fricmodels.results.words import MORE_MOTION, stretches_of_motion
+from fricmodels.results.words import MORE_MOTION, stretches_of_motion, without_gaps
 from fricmodels.score.torque import filtered_torque_error, sliding_half_width
 from fricmodels.signals.rest import once
 from fricmodels.weakform.acting import acting
@@ -28,6 +28,7 @@ from fricmodels.weakform.reversals import clear_of_reversals
 from fricmodels.weakform.ripple import carriers_of
 from fricmodels.weakform.sharpened import at_sharpened_velocity
 from fricmodels.weakform.solve import WITHIN, Solved, begins_where, solve
+from fricmodels.weakform.stretches import segments
 
 _FAR_LESS = 0.1
 """Share of what a fit to all motion gains over the whole recording that it may lose in the rows of certain motion: it
@@ -46,10 +47,22 @@ _STAGES = 3
 """Fits in which the motor torque of a column is the one that the last fit explains, and the record at its delay."""
 
 
-def clear_stretches(drive: Drive, recording: Recording) -> tuple[int, int]:
-    """Return in how many stretches a prepared recording moves clearly, and how many a fit of a drive asks for."""
-    rows = WeakFormProblem.of(drive, recording, _guess(drive, recording, {}), guessed=True).rows
-    return rows, _ROWS * len(drive.parameters) + 1
+def clear_stretches(drive: Drive, recording: Recording) -> tuple[int, int, str]:
+    """Return in how many stretches a prepared recording moves clearly, how many a fit asks for, and how to get more."""
+    problem = WeakFormProblem.of(drive, recording, _guess(drive, recording, {}), guessed=True)
+    return problem.rows, _ROWS * len(drive.parameters) + 1, _way_out(problem)
+
+
+def _way_out(problem: WeakFormProblem) -> str:
+    """Return what would give more rows: a record without gaps, where most of this one lies in pieces too short for any.
+
+    Else more motion.
+    """
+    lengths = np.array([piece.stop - piece.start for piece in segments(problem.recording)])
+    short = lengths[lengths < problem.bumps.width]
+    if 2 * short.sum() <= lengths.sum():
+        return MORE_MOTION
+    return without_gaps(int(short.max()), problem.bumps.width)
 
 
 @dataclass(frozen=True)
@@ -215,7 +228,7 @@ def _solved(problem: WeakFormProblem, start: Mapping[str, float], found: Solved 
     if problem.rows <= _ROWS * len(drive.parameters):
         raise InputError(
             f"recording '{problem.recording.name}' moves too little: {stretches_of_motion(problem.rows)}, where "
-            f"{len(drive.parameters)} parameters ask for {_ROWS * len(drive.parameters) + 1}; {MORE_MOTION}"
+            f"{len(drive.parameters)} parameters ask for {_ROWS * len(drive.parameters) + 1}; {_way_out(problem)}"
         )
     nonlinear = {p.key for p in drive.parameters if not p.linear}
 

@@ -17,6 +17,7 @@ from fricmodels.drive import Drive
 from fricmodels.errors import InputError
 from fricmodels.recording import Recording
 from fricmodels.signals import Noise, velocity_noise
+from fricmodels.signals.lost_samples import as_held
 
 Array = NDArray[np.float64]
 
@@ -67,8 +68,9 @@ def model_velocity(
     """
     from fricmodels.simulation import simulated_velocity
 
+    pushed = as_held(recording) if held else recording
     try:
-        simulated = simulated_velocity(drive, values, recording, between_samples="held" if held else "linear")
+        simulated = simulated_velocity(drive, values, pushed, between_samples="held" if held else "linear")
     except InputError:
         return None
     if not np.all(np.isfinite(simulated)):

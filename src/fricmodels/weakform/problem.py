@@ -19,6 +19,7 @@ from fricmodels.dimension import Motion
 from fricmodels.drive import Drive
 from fricmodels.model import Model
 from fricmodels.recording import Recording
+from fricmodels.signals.lost_samples import as_held
 from fricmodels.term import Effect
 from fricmodels.weakform.carriers import CarrierFunctions
 from fricmodels.weakform.explained import explained_torque, torque_by_acceleration
@@ -232,7 +233,7 @@ class WeakFormProblem:
         """∫φ (τ_m − τ_L) dt, shape (rows,)."""
         points = self.quadrature.recording
         if self.held:
-            impulses = self.recording.torque * self.quadrature.moving_time
+            impulses = as_held(self.recording).torque * self.quadrature.moving_time
             return np.asarray(self.bumps.of_cells(impulses[None])[0] - self.integrals(points.load_torque[None])[0])
         return self.bumps.driving(self.quadrature, points.driving_torque)
 

@@ -9,11 +9,11 @@ import numpy as np
 from fricmodels.arrays import Array, Mask
 from fricmodels.recording import Recording
 from fricmodels.signals.rest import once
-from fricmodels.signals.segments import usual_steps
+from fricmodels.signals.segments import gap_lengths
 
 
 def segments(recording: Recording) -> list[slice]:
-    """Return the stretches without a gap: within a run, no step longer than three median ones of it."""
+    """Return the stretches without a gap, which are those over which signals are smoothed."""
     return stretches_of(recording)[0]
 
 
@@ -21,7 +21,7 @@ def segments(recording: Recording) -> list[slice]:
 def stretches_of(recording: Recording) -> tuple[list[slice], Array, Mask]:
     """Return the stretches, the duration of each cell, 0 between them, and which cells lie within one."""
     step = np.diff(recording.time)
-    broken = (np.diff(recording.run) != 0) | (step > 3.0 * usual_steps(recording.time, recording.run))
+    broken = (np.diff(recording.run) != 0) | (step >= gap_lengths(recording.time, recording.run))
     edges = [0, *(np.flatnonzero(broken) + 1), len(recording)]
     found = [slice(start, stop) for start, stop in itertools.pairwise(edges)]
     joined = np.zeros(len(step), dtype=bool)
