@@ -36,6 +36,20 @@ def test_a_column_with_the_number_of_a_joint_is_proposed() -> None:
     assert likely(("velocity", "position"), ["tau_3", "q3_rad"]) == ("position", "q3_rad")
 
 
+@pytest.mark.parametrize(
+    ("name", "channel"),
+    [
+        ("leftSpeed", "velocity"),
+        ("ODrive 3 Velocity", "velocity"),
+        ("joint angle", "position"),
+        ("motorTorqueNm", "torque"),
+    ],
+)
+def test_a_word_within_a_name_proposes_it(name: str, channel: str) -> None:
+    assert likely((channel,), ["counter", "quality", name]) == (channel, name)
+    assert likely((channel,), [f"desired {name}"]) is None
+
+
 def written(folder: Path, names: Sequence[str]) -> Path:
     """Write a motion of half a minute; columns by their names."""
     time = 0.01 * np.arange(3000.0)

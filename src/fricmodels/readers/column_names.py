@@ -19,6 +19,8 @@ _ASKED_FOR = re.compile(
     r"(?<![a-z])(ref|reference|des|desired|cmd|command|commanded|goal|target|set|setpoint|sp|err|error)(?![a-z])"
 )
 """Words in the name of a column that holds what a controller was asked for, or missed, and not what was measured."""
+_WORD = re.compile(r"[A-Z]?[a-z]+|[A-Z]+(?![a-z])")
+"""A word of a name, also of one that is written as ``leftSpeed``."""
 _NUMBER = re.compile(r"\d+")
 
 
@@ -41,6 +43,10 @@ def likely(channels: Sequence[str], free: Sequence[str]) -> tuple[str, str] | No
         near = get_close_matches(habit, lowered, n=1, cutoff=0.75)
         if near:
             return channel, lowered[near[0]]
+    for habit, channel in habits:
+        for low, name in lowered.items():
+            if len(habit) > 2 and habit in map(str.lower, _WORD.findall(name)) and not _ASKED_FOR.search(low):
+                return channel, name
     return None
 
 
