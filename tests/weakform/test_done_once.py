@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from typing import Any
 
 import casadi
 import numpy as np
@@ -11,6 +12,7 @@ import pytest
 
 from fricmodels.drive import Drive
 from fricmodels.kernels import ArrayFunction
+from fricmodels.memory import Memory
 from fricmodels.model import Model
 from fricmodels.recording import Recording
 from fricmodels.signals import velocity_noise
@@ -113,6 +115,26 @@ def test_what_wanders_without_noise_is_told_from_noise(made: Made) -> None:
     assert margins["noise"][0] < 0.1
     assert margins["wandering"] == (1.0, pytest.approx(4 / 3, rel=0.05))
     assert margins["smooth"] == (1.0, pytest.approx(4.0, rel=0.05))
+
+
+def test_the_terms_of_a_model_that_remember_are_prepared_once(made: Made, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Each is integrated alone, one after the other, for every trial of their parameters."""
+    model = Model.parse("coulomb-viscous+presliding+frictional-lag+rising-stiction")
+    values = {p.key: p.declared.initial for p in Drive(model).parameters}
+    problem = WeakFormProblem.of(Drive(model), made(samples=2000), {**values, "J": 2.0, "K_v": 0.5, "K_c": 6.0})
+    prepared: list[str] = []
+    build = Memory.__init__
+
+    def counted(self: Memory, model: Model, *rest: Any) -> None:
+        prepared.append(model.name)
+        build(self, model, *rest)
+
+    monkeypatch.setattr(Memory, "__init__", counted)
+    alone = [Model(model.law, [effect]) for effect in model.effects]
+    for factor in (1.0, 1.1, 1.2):
+        for one in alone:
+            problem.states_of(one, [factor * p.declared.initial for p in one.parameters])
+    assert len(prepared) == len(set(prepared)) == len(alone)
 
 
 def test_of_a_function_the_first_rows_may_be_asked_for() -> None:

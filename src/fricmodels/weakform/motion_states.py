@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from functools import lru_cache
+from functools import cached_property, lru_cache
 
 import numpy as np
 
@@ -16,7 +16,7 @@ from fricmodels.model import Model
 from fricmodels.recording import Recording
 
 _MEMORIES = 2
-"""Models of which it is kept how their internal states are integrated along a motion."""
+"""Models, beside the terms with memory of the drive's own, of which it is kept how their states are integrated."""
 
 
 class MotionStates:
@@ -46,7 +46,8 @@ class MotionStates:
         places, origin = np.concatenate([np.arange(len(recording)), cell, cell + 1]), recording.origin
         self._index = np.arange(len(recording)) if origin is None else origin.index
         self._places = self._index[places]
-        self._memory: Callable[[Model], Memory] = lru_cache(_MEMORIES)(self._made)
+        own = sum(bool(term.states) for term in drive.model.terms)
+        self._memory: Callable[[Model], Memory] = lru_cache(_MEMORIES + own)(self._made)
 
     def __call__(self, model: Model, parameters: Sequence[float] | Array) -> list[Array]:
         """Return each internal state at the quadrature's samples.
@@ -58,9 +59,10 @@ class MotionStates:
         return [state[self._places] for state in self._memory(model)(parameters)]
 
     def _made(self, model: Model) -> Memory:
-        balance = self._balance() if model.beginning_unknown else None
+        balance = self._balance if model.beginning_unknown else None
         return Drive(model, None, self._drive.motion).memory(self._whole, self._width, balance)
 
+    @cached_property
     def _balance(self) -> Balance | None:
         """Return what the terms without memory leave of the torque, at the samples that are fitted."""
         moving = np.zeros(len(self._whole), dtype=np.bool_)
