@@ -72,6 +72,17 @@ def test_what_cannot_be_checked_has_no_interval_and_a_reason() -> None:
     assert all("moves too little" in reason for reason in short.no_interval.values())
 
 
+def test_what_nothing_determines_has_no_interval_of_zero() -> None:
+    class Silent(Off):
+        def solve(self, drive: Drive, recording: Recording, seed: int = 0) -> Solution:
+            values = dict.fromkeys(drive.keys, 1.0)
+            return Solution(values, np.diag([0.25, 0.0]), not_identified={"K_c": "it changes nothing"})
+
+    fit = Silent().fit(DRIVE, recording(0))
+    assert fit.standard_errors == {"K_v": 0.5}
+    assert fit.no_interval == {"K_c": "it changes nothing"}
+
+
 def test_names_time_and_provenance_are_the_base_class_s() -> None:
     made = recording(0)
     fit = Off().fit(DRIVE, made)

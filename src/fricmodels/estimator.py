@@ -103,9 +103,11 @@ class Estimator(ABC):
             covariance = np.full((len(keys), len(keys)), np.nan)
         elif covariance is None:
             covariance, no_interval = about(drive, kept, parameters, keys)
-        without = np.array([key in found.no_interval for key in keys], dtype=bool)
+        silent = [key for key, own in zip(keys, np.diag(covariance), strict=True) if own == 0.0]
+        unknown = {key: found.not_identified[key] for key in silent if key in found.not_identified}
+        no_interval = {**no_interval, **unknown, **found.no_interval}
+        without = np.array([key in no_interval for key in keys], dtype=bool)
         covariance = np.where(without | without[:, None], np.nan, covariance)
-        no_interval = {**no_interval, **found.no_interval}
         constant = {p.key for p in drive.model.parameters if p.declared.constant}
         free = [i for i, key in enumerate(keys) if key not in constant]
         keys, covariance = tuple(keys[i] for i in free), covariance[np.ix_(free, free)]

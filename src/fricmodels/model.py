@@ -119,8 +119,20 @@ class Model:
 
     @classmethod
     def of(cls, model: Model | str) -> Model:
-        """Return a model as it is, or the one that a name says; see :meth:`parse`."""
-        return cls.parse(model) if isinstance(model, str) else model
+        """Return a model as it is, or the one that a name says; see :meth:`parse`.
+
+        Raises:
+            InputError: for an unknown law or effect, or what is no model, such as a fitted one.
+        """
+        if isinstance(model, str):
+            return cls.parse(model)
+        if not isinstance(model, Model):
+            own = isinstance(getattr(model, "model", None), Model)
+            raise InputError(
+                f"a model is wanted, got {type(model).__name__}; give {'its .model, or ' if own else ''}a name such as "
+                "'coulomb-viscous+gravity'"
+            )
+        return model
 
     @classmethod
     def only(cls, term: Law | Effect) -> Model:

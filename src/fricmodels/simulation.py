@@ -93,10 +93,13 @@ def simulate(
         the values. Where the integration stops being finite the velocity is not a number from there on.
 
     Raises:
-        InputError: for a model that needs a signal that was not given, a missing parameter, or times that do not
-            increase.
+        InputError: for a model that needs a signal that was not given, a missing parameter, times that do not
+            increase, or none, or another way between samples.
     """
+    _check_between(between_samples)
     times = np.asarray(time, dtype=float)
+    if not times.size:
+        raise InputError("there is nothing to simulate: the torque has no sample")
     channels = {"time": times, "torque": np.broadcast_to(np.asarray(torque, dtype=float), times.shape).copy()}
     for key, given in {"load_torque": load_torque, "temperature": temperature, **(further or {})}.items():
         if given is not None:
@@ -213,6 +216,12 @@ def _each_run(recording: Recording) -> list[tuple[Mask, Recording]]:
     if len(recording.run_numbers) > 1:
         return _runs(recording)
     return [(np.ones(len(recording), dtype=bool), recording)]
+
+
+def _check_between(between_samples: str) -> None:
+    """Refuse a way between samples that there is not."""
+    if between_samples not in ("linear", "held"):
+        raise InputError(f"between_samples is linear or held, not '{between_samples}'")
 
 
 def _rows(drive: Drive, driven: Recording, between_samples: Between, substeps: int) -> Array:

@@ -12,6 +12,7 @@ import warnings
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 from fricmodels.cli import boundary, main
@@ -101,6 +102,25 @@ def test_the_rig_of_the_readme_makes_no_warning(tmp_path: Path) -> None:
     done = shell(*strict, "compare", data, *model, "--report", page)
     assert done.returncode == 0, done.stderr
     assert "Warning" not in done.stderr
+
+
+@pytest.mark.skipif(os.name != "posix", reason="there are no such pipes here")
+@pytest.mark.parametrize("unbuffered", ["", "1"])
+def test_work_is_not_lost_when_its_reader_leaves(tmp_path: Path, unbuffered: str) -> None:
+    time = 2e-3 * np.arange(2000)
+    velocity = 3.0 * np.sin(2.0 * time) + np.sin(5.1 * time)
+    torque = 0.02 * np.gradient(velocity, time) + 0.05 * velocity + 0.3 * np.sign(velocity)
+    table, data, out = np.column_stack([time, torque, velocity]), tmp_path / "log.csv", tmp_path / "out"
+    np.savetxt(data, table, delimiter=",", header="time_s,torque_Nm,velocity_rad_s", comments="")
+    options = ["--model", "coulomb-viscous", "--out", str(out)]
+    command = [sys.executable, "-m", "fricmodels", "improve", str(data), *options]
+    environment = {**os.environ, "PYTHONUNBUFFERED": unbuffered}
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, env=environment) as process:
+        assert process.stdout is not None
+        process.stdout.close()
+        assert process.wait(120) == 0
+    assert (out / "diagnosis.json").exists()
+    assert (out / "model.json").exists()
 
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="there is no full device here")

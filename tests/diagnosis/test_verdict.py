@@ -12,13 +12,14 @@ from typing import ClassVar
 import numpy as np
 import pytest
 
-from fricmodels.diagnosis import Diagnosis, diagnose, look_alikes
+from fricmodels.diagnosis import Diagnosis, diagnose, improve, look_alikes
 from fricmodels.diagnosis.candidate_tests import candidate_tests
 from fricmodels.diagnosis.look_alikes import experiment, separated_by
 from fricmodels.diagnosis.policy import POLICY
 from fricmodels.diagnosis.verdict import passing_all_gates, predicts, select_effect
 from fricmodels.drive import Drive
 from fricmodels.effects.gravity import Gravity
+from fricmodels.errors import InputError
 from fricmodels.model import Model
 from fricmodels.plugins import load
 from fricmodels.recording import Recording
@@ -254,3 +255,15 @@ def test_what_is_certain_beneath_loud_noise_is_an_effect(made: Made) -> None:
     assert 0.0 < offset.evidence.gain < POLICY.least_gain
     assert predicts(result, offset.evidence, offset.adjusted, as_rival=True)
     assert not predicts(result, offset.evidence, offset.adjusted)
+
+
+@pytest.mark.parametrize("function", [diagnose, improve])
+@pytest.mark.parametrize(
+    ("named", "said"),
+    [(["coging"], "did you mean 'cogging'"), ("cogging", "leave_out takes several names, got 'cogging'")],
+)
+def test_an_effect_to_be_left_out_must_be_one(
+    made: Made, function: Callable[..., object], named: object, said: str
+) -> None:
+    with pytest.raises(InputError, match=said):
+        function(made(samples=500), "coulomb-viscous", 2.0, leave_out=named)

@@ -17,7 +17,11 @@ from fricmodels import plugins
 from fricmodels.errors import InputError
 from fricmodels.estimator import SequentialEstimator
 from fricmodels.export.targets import export_model
+from fricmodels.export.targets.c_filter import started
+from fricmodels.filtering.online import ProblemOnline
+from fricmodels.filtering.problem import FilterProblem
 from fricmodels.recording import Recording
+from fricmodels.weakform.prepared import ready
 
 COMPILER = shutil.which("cc") or shutil.which("gcc") or shutil.which("clang")
 STRICT = ["-std=c99", "-O2", "-Wall", "-Wextra", "-pedantic", "-Werror"]
@@ -34,6 +38,22 @@ void run(long count, const double *in, double *out) {
     }
 }
 """
+
+
+def test_the_filter_is_tuned_to_the_velocity_that_it_is_given(made: Callable[..., Recording]) -> None:
+    """Beside an exact position the velocity of a fit is surer than the measured one; a sample has the measured one."""
+    recording = made(noise=5.0, samples=3000)
+    model = fricmodels.keep(fricmodels.compare(recording, "coulomb-viscous", 2.0))
+    made_for = started(model, "ekf", recording)
+    ekf = plugins.load().estimators["ekf"]()
+    assert isinstance(ekf, SequentialEstimator)
+    online = ekf.start(model.drive, recording)
+    assert isinstance(made_for, FilterProblem)
+    assert isinstance(online, ProblemOnline)
+    np.testing.assert_array_equal(made_for.measurement, online.problem.measurement)
+    surer = ekf.start(model.drive, ready(recording))
+    assert isinstance(surer, ProblemOnline)
+    assert np.all(made_for.measurement > 4.0 * surer.problem.measurement)
 
 
 @pytest.mark.skipif(COMPILER is None, reason="there is no C compiler")
@@ -85,7 +105,7 @@ def test_the_filter_in_c_is_the_filter_in_python(
 
     made_estimator = plugins.load().estimators[estimator]()
     assert isinstance(made_estimator, SequentialEstimator)
-    online = made_estimator.start(model.drive, fricmodels.diagnosis.ready(recording))
+    online = made_estimator.start(model.drive, recording)
     names = {"motor_torque": "torque"}
     near = 1e-6 if estimator == "rls" else 1e-8  # a vague start amplifies rounding; test_c_windowed.py has each update
     for k, row in enumerate(given):

@@ -107,38 +107,6 @@ SPOILT = {
 }  # fmt: skip
 
 
-def relay(steps: int, interval: float = 0.006) -> Recording:
-    """Return a motor that a relay holds about an angle, logged in whole degrees: it goes back and forth by a few.
-
-    The row holds the command that was in force when the angle was read; the new one acts 0.4 ms later.
-    """
-    inertia, viscous, coulomb, step = 0.943, 8.76, 6.2, 1e-4
-    velocity, angle, command, inside = 0.0, np.radians(133.2), 50.0, round(interval / step)
-    rows = []
-    for _ in range(steps):
-        read = np.floor(np.degrees(angle))
-        rows.append((command, np.radians(read)))
-        acting, command = command, 50.0 * np.sign(135.0 - read)
-        for i in range(inside):
-            pushes = acting if i < 4 else command
-            if abs(velocity) < 1e-7 and abs(pushes) <= coulomb:
-                continue
-            side = np.sign(velocity) if abs(velocity) >= 1e-7 else np.sign(pushes)
-            later = velocity + step * (pushes - viscous * velocity - coulomb * side) / inertia
-            velocity = 0.0 if abs(velocity) >= 1e-7 and velocity * later < 0 else later
-            angle += step * velocity
-    torque, position = np.array(rows).T
-    channels = {"time": interval * np.arange(steps), "torque": torque, "position": position}
-    return Recording("relay", Motion.ROTARY, channels, np.zeros(steps, dtype=np.int64))
-
-
-def test_the_sign_of_a_torque_is_judged_by_the_positions_and_not_by_what_smoothing_leaves_of_them():
-    recording = relay(3000)
-    change = np.diff(recording["position"])
-    assert min(recording.torque[:-1] @ change, recording.torque[1:] @ change) > 0.0
-    assert "torque-sign" not in kinds(recording)
-
-
 def test_a_viscous_part_that_a_coulomb_part_cancels_is_no_voltage():
     """A fit may give both large values of opposite signs: the velocity alone explains little of the torque."""
     spoilt = changed(torque=CLEAN.torque + 0.6 * CLEAN.velocity - 1.9 * np.sign(CLEAN.velocity))

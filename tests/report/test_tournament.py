@@ -84,6 +84,10 @@ def test_beside_the_winner_stands_how_often_it_is_first_and_its_worst_place() ->
     sentence = verdict(Leaderboard.ranked(rows)).sentence
     assert sentence.startswith("steady comes first")
     assert sentence.endswith("It is first on 0 of 3 of them; its worst place is 3 of 3, on wrist.")
+    stopped = [row for row in rows if (row["model"], row["dataset"]) != ("steady", "wrist")]
+    sentence = verdict(Leaderboard.ranked(stopped)).sentence
+    assert sentence.startswith("steady comes first")
+    assert sentence.endswith("its worst place is 2 of 3, on stage; on 1 it has no result.")
     alone = verdict(Leaderboard.ranked(row for row in rows if row["dataset"] == "stage")).sentence
     assert "of them" not in alone
 

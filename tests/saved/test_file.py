@@ -49,6 +49,17 @@ def test_the_file_holds_what_was_found(result: Any, tmp_path: Path) -> None:
     assert str(tmp_path) not in text
 
 
+def test_a_law_that_has_another_equation_by_now_is_refused(result: Any, tmp_path: Path) -> None:
+    """Its numbers mean nothing in another equation, whatever the parameters are called."""
+    path = fricmodels.keep(result).save(tmp_path / "joint.model.json")
+    content = json.loads(path.read_text(encoding="utf-8"))
+    content["terms"][0]["equation"] = content["terms"][0]["equation"].replace("K_v·ω", "2·K_v·ω")
+    path.write_text(json.dumps(content), encoding="utf-8")
+    with pytest.raises(InputError, match=r"the law 'coulomb-viscous' is another one now: .*; fit it again") as refused:
+        fricmodels.load(path)
+    assert "2·K_v·ω" in str(refused.value)
+
+
 def test_the_same_result_writes_the_same_file(result: Any, made: Callable[..., Recording]) -> None:
     again = fricmodels.compare(made("coulomb-viscous+gravity", {"gravity.a": 2.0}), "coulomb-viscous+gravity", 2.0)
     assert fricmodels.keep(again).document.to_json() == fricmodels.keep(result).document.to_json()

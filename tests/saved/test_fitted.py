@@ -44,6 +44,18 @@ def test_torque_is_the_equation_on_numbers_arrays_tables_and_recordings(arm: Any
         np.testing.assert_allclose(series, expected.ravel(), rtol=1e-14)
 
 
+def test_a_word_that_is_none_is_refused_and_not_taken_for_another(arm: Any) -> None:
+    for word in ("hold", "Held", "zoh"):
+        with pytest.raises(InputError, match=f"between_samples is linear or held, not '{word}'"):
+            arm.simulate(np.ones(9), interval=1e-3, between_samples=word)
+    with pytest.raises(InputError, match="nothing to simulate"):
+        arm.simulate([], interval=1e-3)
+    with pytest.raises(InputError, match=r"no signal 'velocit'; did you mean 'velocity'\?"):
+        arm.outside(velocit=[400.0])
+    with pytest.raises(InputError, match=r"a model is wanted, got FittedModel; give its \.model"):
+        fricmodels.Model.of(arm)
+
+
 def test_what_goes_with_the_clock_of_one_recording_says_so(arm: Any, kept: Callable[..., Any]) -> None:
     assert arm.of_the_clock == ""
     assert kept("coulomb-viscous+step-change").of_the_clock.startswith("step-change goes with the time since")

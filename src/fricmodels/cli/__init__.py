@@ -95,6 +95,9 @@ def main(arguments: list[str] | None = None) -> None:
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="replace")  # a pipe that cannot encode ω gets a question mark, not a crash
+    from fricmodels.cli.boundary import forgiving
+
+    sys.stdout = forgiving(sys.stdout)
     sys.exit(_run(given))
 
 

@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 import errno
+import io
 import re
 import sqlite3
 import sys
 import warnings
-from typing import TextIO
+from typing import TYPE_CHECKING, TextIO
 
 from fricmodels.errors import FricmodelsError
+
+if TYPE_CHECKING:
+    from typing_extensions import Buffer
 
 _MOST = 1000
 _LONGEST_WORD = 320
@@ -35,6 +39,50 @@ def _cut(text: str, most: int) -> str:
 def say(message: str) -> None:
     """Print an error on standard error."""
     print(f"error: {one_line(message)}", file=sys.stderr)
+
+
+class UntilReaderLeaves(io.RawIOBase):
+    """Standard output that takes what is written, and drops it once its reader has gone, as ``head`` does.
+
+    The work goes on then: what it writes into files is not lost for a line that nobody reads.
+    """
+
+    def __init__(self, raw: io.RawIOBase) -> None:
+        self._raw, self._gone = raw, False
+
+    def writable(self) -> bool:
+        """Whether it takes anything: always."""
+        return True
+
+    def write(self, data: Buffer, /) -> int | None:
+        """Write some bytes; return how many were taken."""
+        if not self._gone:
+            try:
+                return self._raw.write(data)
+            except OSError as error:
+                self._gone = True  # a full disk is told once
+                if not isinstance(error, BrokenPipeError):
+                    raise
+        return memoryview(data).nbytes
+
+    def fileno(self) -> int:
+        """Return the descriptor."""
+        return self._raw.fileno()
+
+    def isatty(self) -> bool:
+        """Whether it is a terminal."""
+        return self._raw.isatty()
+
+
+def forgiving(stream: TextIO) -> TextIO:
+    """Return a stream that outlives its reader; one that is no file of the system as it is."""
+    buffer = getattr(stream, "buffer", None)  # that of a process without buffers is the file itself
+    raw = buffer.raw if isinstance(buffer, io.BufferedWriter) else buffer
+    if not isinstance(raw, io.FileIO):
+        return stream
+    stream.flush()
+    kept = io.BufferedWriter(UntilReaderLeaves(raw))
+    return io.TextIOWrapper(kept, stream.encoding, stream.errors, line_buffering=stream.isatty(), write_through=True)
 
 
 def explain(error: BaseException) -> int:

@@ -119,11 +119,11 @@ def _by_sums(
 
 
 def _say(kept: FittedModel, out: Path) -> None:
-    """Print a model, the answer first, and write it."""
+    """Write a model, and print it, the answer first: who reads may stop reading."""
     from fricmodels.cli.printing import print_line, warn
     from fricmodels.saved.words import error_in_words, model_lines
 
-    document = kept.document
+    document, path = kept.document, kept.save(out)
     files = ", ".join(document.provenance.files[:3]) or document.provenance.recording
     print_line(f"{files}: {document.model}, {error_in_words(document)}.")
     for line in model_lines(document):
@@ -134,6 +134,6 @@ def _say(kept: FittedModel, out: Path) -> None:
     warn([f"the fit did not end well: {message}"] if (message := kept.document.provenance.message) else [])
     warn(f"'{key}' is not determined by this recording: {reason}" for key, reason in kept.not_identified.items())
     warn([kept.of_the_clock] if kept.of_the_clock else [])
-    print(f"wrote {kept.save(out)}")
+    print(f"wrote {path}")
     print_line("Next: write it for a controller or a simulator:")
     print(f"  fricmodels export {shlex.quote(str(out))} --to c")

@@ -35,7 +35,9 @@ from fricmodels.diagnosis.supported import Judgement, judge
 from fricmodels.diagnosis.verdict import LookAlikes, passing_all_gates, select_effect, torque_share
 from fricmodels.dimension import TIME
 from fricmodels.display import Displayed
+from fricmodels.errors import InputError
 from fricmodels.model import Model
+from fricmodels.plugins import load
 from fricmodels.processes import give_back
 from fricmodels.progress import Cancelled, Token, Watcher, stage, watched
 from fricmodels.recording import Recording, check_recording
@@ -138,11 +140,12 @@ def diagnose(
         token: stops the work.
 
     Raises:
-        InputError: when the recording lacks what the model needs, or does not move enough.
+        InputError: when the recording lacks what the model needs, or does not move enough, or an effect to be left out
+            is not known.
         Cancelled: when it was stopped; with the fitted model, if it was that far.
     """
     check_recording(recording)
-    comparison = None
+    leave_out, comparison = known_effects(leave_out), None
     with watched(progress, token):
         try:
             stage(f"fitting {Model.of(model).name}")
@@ -153,6 +156,20 @@ def diagnose(
         finally:
             INTEGRALS.clear()  # what remains to be done is to show what was found, with arrays of its own
             give_back(len(recording))
+
+
+def known_effects(named: Iterable[str]) -> tuple[str, ...]:
+    """Return the names of effects.
+
+    Raises:
+        InputError: for one that is not known, or a text in the place of several.
+    """
+    if isinstance(named, str):
+        raise InputError(f"leave_out takes several names, got '{named}'; write ['{named}']")
+    names = tuple(named)
+    for name in names:
+        load().effects.entry(name)
+    return names
 
 
 def examine(comparison: Comparison, *, leave_out: Iterable[str] = (), policy: Policy = POLICY) -> Diagnosis:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from fricmodels.diagnosis.comparison import compare
-from fricmodels.diagnosis.diagnose import examine
+from fricmodels.diagnosis.diagnose import examine, known_effects
 from fricmodels.diagnosis.ladder import Ladder
 from fricmodels.diagnosis.policy import POLICY, Policy
 from fricmodels.diagnosis.search import Search
@@ -41,9 +41,10 @@ def improve(
         how: what is kept back; blocks or runs spread over the record if not given.
 
     Raises:
+        InputError: as :func:`fricmodels.diagnosis.diagnose`.
         Cancelled: when it was stopped; with the ladder so far, or the fitted model before there is one.
     """
-    model, comparison, search = Model.of(model), None, None
+    leave_out, model, comparison, search = known_effects(leave_out), Model.of(model), None, None
     with watched(progress, token):
         try:
             stage(f"fitting {model.name}")

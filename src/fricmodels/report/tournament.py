@@ -143,17 +143,23 @@ def _places(board: Leaderboard, first: Entrant) -> str:
         groups.setdefault((row["dataset"], json.dumps(row["tags"], sort_keys=True)), []).append(row)
     if len(groups) < 2:
         return ""
-    places = []
+    places, missing = [], 0
     for (dataset, _), rows in groups.items():
         errors = {(row["model"], row["estimator"]): row["median"] for row in rows}
         own = errors.get((first.model, first.estimator))
-        better = sum(error is not None and (own is None or error < own) for error in errors.values())
+        if own is None:
+            missing += 1
+            continue
+        better = sum(error is not None and error < own for error in errors.values())
         places.append((better + 1, len(errors), dataset))
+    lacks = f"; on {missing} it has no result" if missing else ""
+    if not places:
+        return ""
     worst, of, where = max(places, key=lambda place: place[0])
     firsts = sum(place == 1 for place, _, _ in places)
     if firsts == len(places):
-        return f" It is first on all {firsts} of them."
-    return f" It is first on {firsts} of {len(places)} of them; its worst place is {worst} of {of}, on {where}."
+        return f" It is first on {'all ' if len(places) > 1 else ''}{firsts} of them{lacks}."
+    return f" It is first on {firsts} of {len(groups)} of them; its worst place is {worst} of {of}, on {where}{lacks}."
 
 
 def tiles(board: Leaderboard) -> list[Tile]:

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 from fricmodels.arrays import Array
 from fricmodels.dimension import Motion
 from fricmodels.drive import Drive
-from fricmodels.errors import InputError
+from fricmodels.errors import InputError, suggestion
 from fricmodels.files import write_text
 from fricmodels.fitted_runs import numbered_as_fitted
 from fricmodels.memory import Memory, MemoryStep
@@ -129,10 +129,16 @@ class FittedModel:
         return {name: (seen.least, seen.greatest) for name, seen in self.document.range.items()}
 
     def outside(self, **signals: ArrayLike) -> dict[str, float]:
-        """Return, for each signal that leaves the range of the recording, the share of its samples outside."""
+        """Return, for each signal that leaves the range of the recording, the share of its samples outside.
+
+        Raises:
+            InputError: for a signal that neither the recording nor the model has.
+        """
         names = {"motor_torque": "torque"}
-        found = {}
+        found, known = {}, {*self.ranges, *names, *self.model.signals}
         for name, values in signals.items():
+            if name not in known:
+                raise InputError(f"there is no signal '{name}'{suggestion(name, known)}")
             low, high = self.ranges.get(names.get(name, name), (-np.inf, np.inf))
             array = np.asarray(values, dtype=float)
             share = float(np.mean((array < low) | (array > high)))

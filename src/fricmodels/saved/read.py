@@ -72,6 +72,12 @@ def model_of(document: ModelDocument, place: str = "this model") -> Model:
             f"{place}: '{document.model}' has the parameters {', '.join(known)}; the file and they differ in "
             f"'{missing[0]}'; fit it again with this version: {AGAIN}"
         )
+    for now, then in zip(model.terms, document.terms, strict=False):
+        if then.equation and now.formula != then.equation:
+            raise InputError(
+                f"{place}: the {then.kind} '{then.name}' is another one now: {now.formula}; the file has "
+                f"{then.equation}; fit it again with this version: {AGAIN}"
+            )
     return model
 
 

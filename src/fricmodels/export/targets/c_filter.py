@@ -28,7 +28,9 @@ def started(model: FittedModel, estimator: str, recording: Recording) -> FilterP
     from fricmodels.weakform.prepared import ready
 
     made = plugins.load().estimators[estimator]()
-    online = made.start(model.drive, ready(recording)) if isinstance(made, SequentialEstimator) else None
+    # Its samples are as they are measured, and so is the noise that it is tuned to: a surer velocity is not theirs.
+    seen = recording if recording.measures("velocity") else ready(recording)
+    online = made.start(model.drive, seen) if isinstance(made, SequentialEstimator) else None
     if isinstance(online, Windowed):
         return online.windowed
     if not isinstance(online, ProblemOnline):
