@@ -16,10 +16,11 @@ from estimators.ekf import ExtendedKalman
 from fricmodels import plugins
 from fricmodels.drive import Drive
 from fricmodels.errors import InputError
+from fricmodels.expressions import Expression, sign
 from fricmodels.model import Model
 from fricmodels.parameter import Parameter
 from fricmodels.recording import Recording
-from fricmodels.term import Law
+from fricmodels.term import Law, Parameters, Signals
 
 
 @pytest.fixture(scope="module")
@@ -47,6 +48,32 @@ def test_the_file_holds_what_was_found(result: Any, tmp_path: Path) -> None:
     text = (tmp_path / "joint.model.json").read_text(encoding="utf-8")
     assert json.loads(text)["schema"] == "fricmodels/model/1"
     assert str(tmp_path) not in text
+
+
+class OverItsSpeed(Law):
+    """Friction that grows with the speed, over a speed that only gives its unit."""
+
+    name = "over-its-speed"
+    formula = "τ = K_c·sgn ω + D·ω/ω_r"
+    K_c = Parameter("K_c", unit="N m", lower=0.0, meaning="dry friction")
+    D = Parameter("D", unit="N m", lower=0.0, meaning="friction at the speed ω_r beyond it")
+    omega_r = Parameter("omega_r", unit="rad/s", initial=1.0, lower=1.0, upper=1.0, meaning="speed")
+
+    def torque(self, s: Signals, p: Parameters) -> Expression:
+        """Return it."""
+        return p.K_c * sign(s.velocity) + p.D * s.velocity / p.omega_r
+
+
+def test_a_constant_is_neither_estimated_nor_at_its_bound_nor_unknown(made: Callable[..., Recording]) -> None:
+    found = fricmodels.compare(made(), Model(OverItsSpeed()), 2.0)
+    assert set(found.estimate.standard_errors) == {"K_c", "D"} == set(fricmodels.keep(found).standard_errors)
+    assert found.estimate.covariance is not None
+    assert found.estimate.covariance.shape == (2, 2)
+    assert not found.estimate.not_identified
+    for text in (str(found), str(fricmodels.keep(found))):
+        (line,) = [line for line in text.splitlines() if "omega_r" in line and "1" in line]
+        assert "bound" not in line
+        assert "determined" not in line
 
 
 def test_a_law_that_has_another_equation_by_now_is_refused(result: Any, tmp_path: Path) -> None:

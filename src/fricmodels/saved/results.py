@@ -213,7 +213,9 @@ def keep_row(row: Mapping[str, Any], recording: Recording, inertia: float | None
 
 def _at_bound(value: float, own: Parameter, p: DriveParameter | None, values: Mapping[str, float]) -> str:
     def close(bound: float) -> bool:
-        return math.isfinite(bound) and abs(value - bound) <= _AT_BOUND * max(abs(bound), abs(value))
+        return (
+            not own.constant and math.isfinite(bound) and abs(value - bound) <= _AT_BOUND * max(abs(bound), abs(value))
+        )
 
     if p is not None and p.at_least is not None and close(values[p.at_least]):
         return f"at least {p.at_least}"

@@ -16,6 +16,8 @@ from collections.abc import Hashable, Mapping
 from dataclasses import dataclass, field, replace
 from weakref import ref
 
+import numpy as np
+
 from fricmodels.arrays import Array
 from fricmodels.drive import Drive
 from fricmodels.recording import Recording
@@ -34,7 +36,7 @@ class Estimate:
     """Parameters of a model by key, the inertia among them, with standard errors.
 
     Attributes:
-        parameters, standard_errors: by key; what was given has no standard error.
+        parameters, standard_errors: by key; what was given, and a constant, has no standard error.
         covariance: of what was estimated, in the order of :attr:`standard_errors`; ``None`` where only those are known.
         not_identified: key → reason, of what the recording does not determine.
         shift: time [s] by which motion was recorded after the torque, as far as the fit saw it; not of a delay.
@@ -159,11 +161,13 @@ def _estimated(
     starts = starts_of(drive, start, fit)
     fits = [begun_at(drive, recording, begin, width, model_velocity=model_velocity) for begin in starts]
     rows, final = settled(fits[0] if len(fits) == 1 else min(fits, key=lambda begun: begun.left))
+    free = [i for i, p in enumerate(drive.parameters) if not p.declared.constant]
+    keys = [drive.keys[i] for i in free]
     return rows, Estimate(
         final.parameters,
-        final.standard_errors,
-        final.covariance,
-        final.not_identified,
+        {key: final.standard_errors[key] for key in keys},
+        final.covariance[np.ix_(free, free)],
+        {key: reason for key, reason in final.not_identified.items() if key in keys},
         final.shift,
         final.residual_percent,
         final.message,
