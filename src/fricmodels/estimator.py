@@ -108,6 +108,7 @@ class Estimator(ABC):
         no_interval = {**no_interval, **unknown, **found.no_interval}
         without = np.array([key in no_interval for key in keys], dtype=bool)
         covariance = np.where(without | without[:, None], np.nan, covariance)
+        doubtful = _may_be_zero(drive, parameters, covariance) if keys == drive.keys else {}
         constant = {p.key for p in drive.model.parameters if p.declared.constant}
         free = [i for i, key in enumerate(keys) if key not in constant]
         keys, covariance = tuple(keys[i] for i in free), covariance[np.ix_(free, free)]
@@ -123,7 +124,7 @@ class Estimator(ABC):
             estimated=keys,
             status=found.status,
             message=found.message,
-            not_identified={**outside, **found.not_identified},
+            not_identified={**doubtful, **outside, **found.not_identified},
             no_interval=no_interval,
             history=found.history,
             seconds=time.perf_counter() - began,
@@ -181,6 +182,20 @@ class OnlineFilter(ABC):
     @abstractmethod
     def covariance(self) -> Array:
         """The filter's own covariance of the estimated parameters; overconfident when the law is wrong."""
+
+
+def _may_be_zero(drive: Drive, parameters: Mapping[str, float], covariance: Array) -> dict[str, str]:
+    """Return key → reason of each parameter whose 95 % interval contains zero, whichever estimator it comes from."""
+    from fricmodels.weakform.identification import not_identified
+
+    values, known = (
+        np.array([parameters[key] for key in drive.keys]),
+        np.where(np.isfinite(covariance), covariance, 0.0),
+    )
+    anywhere = np.full(len(values), -np.inf), np.full(len(values), np.inf)
+    has_one = np.diag(known) > 0.0
+    found = not_identified(drive, values, known, np.zeros((len(values), 0)), anywhere)
+    return {key: found[key] for key, one in zip(drive.keys, has_one, strict=True) if one and key in found}
 
 
 @cache

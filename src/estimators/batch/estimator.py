@@ -80,6 +80,7 @@ class Batch(Estimator):
                 found.covariance,
                 status=Status.FAILED if found.message else Status.OK,
                 message=found.message,
+                estimated=tuple(found.standard_errors),
                 not_identified=found.not_identified,
                 notes=notes,
             )
