@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 import xml.etree.ElementTree as ET
 from collections.abc import Callable
 from typing import Any
@@ -253,3 +254,17 @@ def test_a_linear_axis_has_its_own_units(kept: Callable[..., Any]) -> None:
 def test_what_cannot_be_written_says_why(kept: Callable[..., Any], given: dict[str, Any], message: str) -> None:
     with pytest.raises(InputError, match=message):
         export_model(kept("coulomb-viscous"), **{"name": "elbow", **given})
+
+
+@pytest.mark.parametrize("target", ["mjcf", "urdf"])
+def test_a_gap_that_no_recording_drives_changes_no_friction(kept: Callable[..., Any], target: str) -> None:
+    """Over a range of validity velocity and acceleration go each at its own pace: no drive crosses a gap so."""
+    values = {"K_v": 1e-3, "K_c": 0.03}
+    gap = {"backlash.J_l": 2e-4, "backlash.w": 0.03, "backlash.a": 50.0}
+    with_gap, plain = kept("coulomb-viscous+backlash", {**values, **gap}), kept("coulomb-viscous", values)
+    written = [export_model(model, target) for model in (with_gap, plain)]
+    friction = [re.search(r'(?:frictionloss|friction)="([-\d.e]+)"', one.text) for one in written]
+    first, second = (float(found[1]) for found in friction if found is not None)
+    assert first == pytest.approx(second, rel=1e-3)
+    (note,) = [note for note in written[0].notes if note.startswith("left out: backlash")]
+    assert "give the recording" in note

@@ -108,5 +108,5 @@ def test_a_clock_that_is_coarser_than_the_samples(tmp_path: Path) -> None:
     assert read(path, columns=["time=row:14.89ms"]).interval == pytest.approx(0.01489)
     repeated = np.r_[False, np.diff(time) == 0.0]
     write(np.where(repeated, np.r_[0.0, velocity[:-1]], velocity))  # written twice
-    with pytest.raises(InputError, match="drop repeated samples"):
+    with pytest.raises(InputError, match="drop repeated samples with --gaps drop"):
         read(path)

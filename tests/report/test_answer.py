@@ -170,6 +170,17 @@ def test_a_model_that_leaves_more_than_noise_is_not_simply_to_be_used() -> None:
     assert answer(data(noise_floor_percent=0.8)).next.startswith("Record it faster or with less noise")
 
 
+@pytest.mark.parametrize(("friction", "error", "said"), [(0.0, 111.0, True), (0.0, 40.0, False), (0.4, 111.0, False)])
+def test_a_torque_that_is_not_what_moves_the_drive_is_to_be_checked(friction: float, error: float, said: bool) -> None:
+    """The torque of another joint, with the inertia given: no effect that is on no list is to be written for it."""
+    parameters = {"J": 1.8, "K_v": 0.0, "K_c": friction}
+    last = {**step("coulomb-viscous", error), "parameters": parameters}
+    left = {**rest(error, error), "channel": "time"}
+    found = answer(data(verdict="unknown-effect", effects=[], ladder=[last], remaining=left, parameters=parameters))
+    assert found.next.startswith("Check the column of the torque: no friction shows in it") is said
+    assert (found.command == "") is said
+
+
 @pytest.mark.parametrize(("inside", "said"), [(0.05, True), (0.2, False)])
 def test_of_a_rest_that_nothing_predicts_the_place_is_said_where_much_of_it_lies(inside: float, said: bool) -> None:
     """A command that reaches the motor late shows in the starts; a better record would not change that."""

@@ -40,8 +40,8 @@ def check(recording: Recording, place: Callable[[int], str] = lambda row: f"samp
     _check_motion(recording, source)
 
 
-_TICKS = 3
-"""Pairs of equal stamps that are no slip."""
+_TICKS, _TICKING = 3, 0.01
+"""Pairs of equal stamps, and their share of all, that are no slips of a logger."""
 GREATEST = 1e153
 """Greater numbers, and steps of time below its inverse, have no square: nothing can be computed from them."""
 
@@ -75,10 +75,10 @@ def _check_time(recording: Recording, source: str, place: Callable[[int], str]) 
                 f"{source}: {place(row)}: {cause} with other values, as are {len(back) - 1} more: the clock is coarser "
                 f"than the samples; count the rows at their mean interval with --column time={ROW}:{interval:.4g}ms"
             )
-        way = "drop repeated samples" if here == before else "sort the samples"
+        run = "begin a run there with --gaps split, or name its column with --column run=COLUMN"
+        repeated = f"drop repeated samples with --gaps drop, or if a new run begins there {run}"
         raise InputError(
-            f"{source}: {place(row)}: {cause}; {way}, or if a new run begins there name its column "
-            f"with --column run=COLUMN, or begin one there with --gaps split"
+            f"{source}: {place(row)}: {cause}; {repeated if here == before else f'{run}, or put the rows in order'}"
         )
     counts = np.bincount(np.unique(recording.run, return_inverse=True)[1])
     if (counts < 2).any():
@@ -91,15 +91,16 @@ def ticking(recording: Recording) -> float | None:
     """Return the mean interval [ms] of samples that have the stamps of a clock coarser than they are, or ``None``.
 
     Such a clock never goes back, and stamps samples alike that are not: a sample that was written twice has the same
-    values. One pair of stamps may be a slip.
+    values. A few pairs of stamps may be slips.
     """
     within = np.diff(recording.run) == 0
     step = np.diff(recording.time)[within]
-    if (step < 0.0).any() or np.count_nonzero(step == 0.0) < _TICKS:
+    alike = np.count_nonzero(step == 0.0)
+    if (step < 0.0).any() or alike < max(_TICKS, _TICKING * len(step)):
         return None
     others = [values for channel, values in recording.channels.items() if channel != "time"]
     same = np.logical_and.reduce([np.diff(values)[within] == 0.0 for values in others])
-    if np.count_nonzero(same[step == 0.0]) > 0.5 * np.count_nonzero(step == 0.0):
+    if np.count_nonzero(same[step == 0.0]) > 0.5 * alike:
         return None
     return 1e3 * float(step.mean())
 

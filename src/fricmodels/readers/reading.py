@@ -36,6 +36,8 @@ if TYPE_CHECKING:
 
 
 _WHOLE = 2.0**53
+_THOUSANDS = re.compile(r"\s*[+-]?\d{1,3}(?:([.,'\s])\d{3})(?:\1\d{3})*(?:[.,]\d+)?\s*$")
+"""A number with marks between its thousands, such as 1.000,5."""
 """Below this every whole number is a float of its own."""
 _AS_IT_IS = units.Conversion(1.0, 0.0)
 _LONGEST_UNIT = 60
@@ -299,9 +301,10 @@ def numbers(source: Path, reader: Reader, table: pd.DataFrame, column: Column) -
                 f"'Time [dd/mm/yyyy]', or count the rows at their interval, as with --column time={ROW}:2ms"
             )
         others = f", and {len(wrong) - 1} more" if len(wrong) > 1 else ""
+        way = "write it without marks between thousands" if _THOUSANDS.match(value) else "remove or repair those rows"
         raise InputError(
             f"{source}: {reader.place(source, int(wrong[0]))}, column '{column.column}': "
-            f"'{value[:40]}' is not a number{others}; remove or repair those rows"
+            f"'{value[:40]}' is not a number{others}; {way}"
         )
     return numbers.to_numpy(dtype=float, na_value=np.nan)
 

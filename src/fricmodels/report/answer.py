@@ -33,6 +33,8 @@ _OF_LAWS = frozenset({"speed", "motor torque", "load torque"})
 """Channels that the listed laws are functions of."""
 _MUCH, _DENSE = 1 / 3, 4.0
 """Share of the squared error, and times the share of the samples, from which a regime of motion is where to look."""
+_NO_MODEL = 90.0
+"""Test error [%] from which a model without friction has nothing of the torque: all of it is 100."""
 _MINUS = re.compile(r"(?<![\w.])-(?=\d)")
 FAR_ABOVE = 2.0
 """Times the noise above which the error that remains is said with the answer: first, if something still predicts it."""
@@ -211,6 +213,12 @@ def _next(data: DiagnosisDocument, options: Sequence[str]) -> tuple[str, str]:
     model = data.ladder[-1].model
     if data.partial:
         return "Let the same command run to its end:", command_line(data, "improve", data.model, options)
+    if _drives_nothing(data):
+        what = "force" if data.motion == "linear" else "torque"
+        return (
+            f"Check the column of the {what}: no friction shows in it, and the error is that of no model. It may be of "
+            "another joint, of another time, or of the other sign."
+        ), ""
     if alike and data.verdict == "undecided" and rest is None:
         return _apart(alike[0]), ""
     if data.effects and not improved:
@@ -262,6 +270,14 @@ def _first_look(data: DiagnosisDocument) -> str:
         f"Look first {in_words(regime)}: {share(lies)} of the squared error lie there, in {share(inside)} of the "
         "samples."
     )
+
+
+def _drives_nothing(data: DiagnosisDocument) -> bool:
+    """Whether the torque has no part in it that any friction explains, beside an inertia that was given."""
+    last = data.steps[-1]
+    friction = [value for key, value in last.parameters.items() if key not in ("J", "M")]
+    left = last.held_out_rms_percent
+    return not data.inertia.estimated and bool(friction) and not any(friction) and left is not None and left > _NO_MODEL
 
 
 def _worth_a_try(data: DiagnosisDocument, rest: Remaining) -> Nearest | None:

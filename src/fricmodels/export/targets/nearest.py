@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 from typing import Literal
 
@@ -71,7 +71,8 @@ class LeftOut:
     """A term of a model that a target does not get.
 
     Attributes:
-        name: of the term. torque: RMS over the motion of what it adds to the torque [N m or N].
+        name: of the term. torque: RMS over the motion of what it adds to the torque [N m or N]; not a number where only
+            a recording tells it.
         reason: why, or what to do instead.
     """
 
@@ -110,7 +111,11 @@ class Nearest:
     def notes(self, unit: str) -> list[str]:
         """Return in sentences what was left out, what that costs, and what is not determined."""
         lines = [
-            f"left out: {one.name} (RMS {one.torque:.3g} {unit} {self.over}); {one.reason}" for one in self.left_out
+            f"left out: {one.name} (RMS {one.torque:.3g} {unit} {self.over}); {one.reason}"
+            if np.isfinite(one.torque)
+            else f"left out: {one.name}; {one.reason}; what it does hangs on how the drive accelerates: give the "
+            "recording to know what that costs"
+            for one in self.left_out
         ]
         if self.how == "refitted":
             lines.append(f"'{self.drive.model.name}' was refitted to the recording, nothing was cut off")
@@ -119,11 +124,14 @@ class Nearest:
                 f"'{self.drive.model.name}' was projected over the range of validity, not refitted: give the "
                 f"recording, and it will be"
             )
+        what = "cost" if all(np.isfinite(one.torque) for one in self.left_out) else "cost of the rest"
         share = 100 * self.cost / self.torque if self.torque > 0 else 0.0
         if share < 100 * _ROUNDING:
-            lines += ["cost: none, what is written has the same torque"] * (self.how != "exact")
+            lines += [f"{what}: none, what is written has the same torque"] * (self.how != "exact")
         else:
-            lines.append(f"cost: RMS {self.cost:.3g} {unit} {self.over}, {share:.3g} % of the model's friction torque")
+            lines.append(
+                f"{what}: RMS {self.cost:.3g} {unit} {self.over}, {share:.3g} % of the model's friction torque"
+            )
         if self.test_percent is not None:
             full, here = self.test_percent
             lines.append(f"test error {here:.4g} % of the RMS motor torque; the whole model has {full:.4g} %")
@@ -169,8 +177,8 @@ def nearest(model: FittedModel, dialect: Dialect, recording: Recording | None = 
             _projected(model, fitted, motion) if recording is None else _refitted(model, fitted, recording)
         )
         drive = Drive(Model(fitted.model.law, effects["written"]), values[fitted.inertia_key], model.motion)
-    aside = [*effects["links"], *effects["recording"]]
-    left = _left_out(model, effects, motion, law if not exact else None, dialect)
+    aside = [*effects["links"], *effects["recording"], *(_of_its_course(model) if recording is None else ())]
+    left = _left_out(model, effects, motion, law if not exact else None, dialect, aside)
     whole = Drive(Model(law, [e for e in model.model.effects if e not in aside]), model.inertia, model.motion)
     full = _friction(whole, model.parameters, motion)
     cost = 0.0 if exact else rms(full - _friction(drive, values, motion))
@@ -224,7 +232,9 @@ def _projected(
     declared = [p for p, ok in zip(drive.model.parameters, linear, strict=True) if ok]
     lower = np.array([p.declared.lower for p in declared])
     upper = np.array([p.declared.upper for p in declared])
-    right = _friction(Drive(model.model, model.inertia, model.motion), model.parameters, motion) - offset
+    apart = _of_its_course(model)
+    shown = Model(model.model.law, [effect for effect in model.model.effects if effect not in apart])
+    right = _friction(Drive(shown, model.inertia, model.motion), model.parameters, motion) - offset
     moving = np.abs(motion.velocity) > 1e-3 * motion.peak_speed
     found = bounded_least_squares(design[:, moving], right[moving], lower, upper, [])
     parts = np.sqrt(np.mean((found[:, None] * design) ** 2, axis=1))
@@ -232,7 +242,8 @@ def _projected(
     values = {**held, **dict(zip((p.key for p in declared), found.tolist(), strict=True))}
     values[drive.inertia_key] = model.inertia
     kept = {k: why for k, why in model.not_identified.items() if k in values}
-    idle = {one.name for one in model.model.effects if _adds(model, one, motion) < _ROUNDING * rms(right)}
+    idle = {one.name for one in shown.effects if _adds(model, one, motion) < _ROUNDING * rms(right)}
+    idle |= {one.name for one in apart}
     behind = ", ".join(
         f"the model's {k}"
         for k in undetermined(model)
@@ -242,6 +253,16 @@ def _projected(
     return values, {**kept, **(dict.fromkeys(law, f"it was projected from {behind}") if behind else {})}, None
 
 
+def _of_its_course(model: FittedModel) -> list[Effect]:
+    """Return the effects whose memory takes in the acceleration: no motion but one that was driven shows what they do.
+
+    Over a range of validity each channel goes at its own pace, so that the acceleration is not the rate of the
+    velocity. A gap that is crossed so is crossed as no drive can.
+    """
+    alone = ((effect, Model(NoFriction(), [effect])) for effect in model.model.effects if effect.states)
+    return [effect for effect, one in alone if "acceleration" in one.needs]
+
+
 def undetermined(model: FittedModel) -> list[str]:
     """Return the keys of a model's friction that the recording did not determine; not of links, nor of a recording."""
     aside = {*OF_RECORDING, *OF_LINKS, "J", "M"}
@@ -249,8 +270,14 @@ def undetermined(model: FittedModel) -> list[str]:
 
 
 def _left_out(
-    model: FittedModel, effects: Mapping[str, list[Effect]], motion: Recording, law: Law | None, dialect: Dialect
+    model: FittedModel,
+    effects: Mapping[str, list[Effect]],
+    motion: Recording,
+    law: Law | None,
+    dialect: Dialect,
+    apart: Collection[Effect],
 ) -> tuple[LeftOut, ...]:
+    """Return what is left out; of lost effects that are set ``apart`` without what that costs."""
     found = []
     if law is not None and law.name not in dialect.same:
         shape = model.document.terms[0].equation
@@ -260,7 +287,8 @@ def _left_out(
     for kind in ("lost", "links", "recording"):
         for effect in effects[kind]:
             reason = reasons.get(effect.name.partition("(")[0], "the target has nothing of its kind")
-            found.append(LeftOut(effect.name, _adds(model, effect, motion), reason))
+            unknown = kind == "lost" and effect in apart
+            found.append(LeftOut(effect.name, np.nan if unknown else _adds(model, effect, motion), reason))
     return tuple(found)
 
 
