@@ -120,8 +120,10 @@ def test_rows_are_counted_on_through_blocks_and_files_of_other_formats(tmp_path:
     np.testing.assert_array_equal(alone, time)
 
 
-def test_a_column_in_a_unit_that_does_not_measure_the_channel_is_not_proposed(tmp_path: Path) -> None:
-    """A speed in Hz: the option that takes it would be refused."""
+def test_a_column_in_a_unit_that_does_not_measure_the_channel_is_proposed_with_one(tmp_path: Path) -> None:
+    """A speed in Hz: as it stands, the option that takes it would be refused."""
     recording = read(written(tmp_path, ["time_s", "torque_Nm", "Speed [Hz]", "position_rad"]))
-    assert not recording.measures("velocity")
-    assert "unused-column" not in {finding.kind for finding in findings(recording)}
+    (found,) = [finding for finding in findings(recording) if finding.kind == "unused-column"]
+    assert found.remedy == "--column 'velocity=Speed [Hz]:UNIT' takes it"
+    again = read(tmp_path / "log.csv", columns=["velocity=Speed [Hz]:turn/s"])
+    assert again.measures("velocity")

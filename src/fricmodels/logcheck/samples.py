@@ -8,8 +8,10 @@ from collections.abc import Iterator
 import numpy as np
 
 from fricmodels.arrays import Array, Index
+from fricmodels.errors import InputError
 from fricmodels.logcheck.finding import Finding, Severity
 from fricmodels.logcheck.view import Log
+from fricmodels.readers.header_units import stated_unit
 from fricmodels.results.words import figures
 from fricmodels.signals.beginnings import false_beginnings
 from fricmodels.signals.coasting import coasts
@@ -158,7 +160,7 @@ def jumps(log: Log) -> Iterator[Finding]:
 def overlooked(log: Log) -> Iterator[Finding]:
     """Say which columns nothing uses, though they look like a channel that the recording lacks."""
     for channel, column in log.recording.provenance.get("overlooked", {}).items():
-        option = shlex.quote(f"{channel}={column}")
+        option = shlex.quote(f"{channel}={column}{'' if _states_its_unit(column, channel) else ':UNIT'}")
         yield Finding(
             "unused-column",
             Severity.WARN,
@@ -166,6 +168,15 @@ def overlooked(log: Log) -> Iterator[Finding]:
             f"the column '{column}' is not used, and looks like the {channel}",
             f"--column {option} takes it",
         )
+
+
+def _states_its_unit(column: str, channel: str) -> bool:
+    """Whether the name of a column states no unit, or one that measures the channel."""
+    try:
+        stated_unit(column, channel)
+    except InputError:
+        return False
+    return True
 
 
 def unequal(log: Log) -> Iterator[Finding]:

@@ -272,18 +272,7 @@ def overlooked_columns(found: Mapping[str, Column], present: Sequence[str]) -> d
     used = [found[channel].column for channel in _OF_THE_DRIVE if channel in found]
     looked_for = (channel for channel in _WELCOME if channel not in found)
     likely_ones = ((channel, overlooked(channel, _free(found, present, (channel,)), used)) for channel in looked_for)
-    return {channel: name for channel, name in likely_ones if name is not None and _may_measure(name, channel)}
-
-
-def _may_measure(column: str, channel: str) -> bool:
-    """Whether a column states no unit, or one of the channel; counts and shares are asked for their size."""
-    try:
-        stated_unit(column, channel)
-    except NoUnit:
-        return True
-    except InputError:
-        return False
-    return True
+    return {channel: name for channel, name in likely_ones if name is not None}
 
 
 def unread_brackets(found: Mapping[str, Column]) -> dict[str, str]:
