@@ -110,3 +110,25 @@ def test_a_clock_that_is_coarser_than_the_samples(tmp_path: Path) -> None:
     write(np.where(repeated, np.r_[0.0, velocity[:-1]], velocity))  # written twice
     with pytest.raises(InputError, match="drop repeated samples with --gaps drop"):
         read(path)
+
+
+def test_a_few_stamps_that_are_alike_are_slips_and_no_coarse_clock(tmp_path: Path) -> None:
+    """Three of a thousand: rows that were counted at their mean interval would all have a wrong stamp."""
+    time = 1e-3 * np.arange(1000.0)
+    time[[300, 500, 700]] = time[[299, 499, 699]]
+    velocity = np.cos(0.05 * np.arange(1000.0))
+    table = np.column_stack([time, velocity, np.sign(velocity) + 0.1 * velocity])
+    path = tmp_path / "slips.csv"
+    np.savetxt(path, table, delimiter=",", header="time_s,velocity_rad_s,torque_Nm", comments="", fmt="%.9g")
+    with pytest.raises(InputError, match=r"is repeated; drop repeated samples with --gaps drop"):
+        read(path)
+    assert len(read(path, gaps="drop")) == 997
+
+
+@pytest.mark.parametrize("number", ["1.000,5", "12,345,678.9", "1'234.5", "-3 000"])
+def test_marks_between_thousands_are_named(tmp_path: Path, number: str) -> None:
+    path = tmp_path / "log.csv"
+    rows = "".join(f"{0.1 * k};0.5;{number}\n" for k in range(9))
+    path.write_text("time_s;velocity_rad_s;torque_Nm\n" + rows, encoding="utf-8")
+    with pytest.raises(InputError, match="write it without marks between thousands"):
+        read(path)

@@ -72,3 +72,15 @@ def test_what_stays_is_not_moved_and_bounds_hold() -> None:
     assert min(point[0] for point in found) == 0.5
     assert max(point[0] for point in found) == 1.25
     assert likely_points(cost, (1.0, 5.0), [(0.5, 1.25), (0.0, 9.0)], [-1.0, -1.0], 100.0, 10) == []
+
+
+@pytest.mark.parametrize("certain", [1e-3, 0.5, 2.0])
+def test_what_leaves_twice_the_squares_is_never_likely(certain: float) -> None:
+    """A valley beside the estimate that leaves seventeen times as much, as a contact without its gap does."""
+
+    def cost(point: tuple[float, ...]) -> float:
+        return 1.0 + min(sum((p - 1.0) ** 2 for p in point) / 0.01, 16.0)
+
+    points = likely_points(cost, (1.0, 1.0, 1.0), [(1e-6, 1e6)] * 3, [0.0] * 3, certain, 1000)
+    assert max(map(cost, points)) < 2.0
+    assert likely_error(lambda p: cost((p, 1.0, 1.0)), 1.0, 0.01, (1e-6, 1e6), certain) < 0.1

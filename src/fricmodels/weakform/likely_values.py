@@ -32,6 +32,9 @@ _POPULATION, _GENERATIONS, _SAMPLES = 20, 12, 20_000
 """Members of a population, and how often it is renewed where a recording has no more than so many samples."""
 _APART, _SPREAD = 1.2, 0.4
 """How far it may go, in logarithms, and its first standard deviation, as a share of that."""
+_FEWEST = 4.0
+"""Independent equations that a fit rests on at the least. With fewer it would be likely to leave twice the squares, as
+a gap of no width does that stands for one in plain sight."""
 _LEAST = 1e-6
 """First step, as a share of the value, where there is no standard error."""
 
@@ -47,7 +50,7 @@ def likely_error(
         bounds: of the parameter.
         certain: ν / f.
     """
-    most = cost(value) * (1.0 + NORMAL_95**2 / certain)
+    most = _most(cost(value), certain)
 
     def is_likely(step: float) -> bool:
         return bounds[0] <= value + step <= bounds[1] and cost(value + step) <= most
@@ -82,7 +85,7 @@ def likely_points(
     from scipy.optimize import differential_evolution
 
     free = [i for i, far in enumerate(reach) if far >= 0.0]
-    found, most = [point], cost(point) * (1.0 + NORMAL_95**2 / certain)
+    found, most = [point], _most(cost(point), certain)
 
     def left(moved: Array) -> float:
         tried = list(point)
@@ -101,6 +104,11 @@ def likely_points(
         sides = list(zip((-far).tolist(), far.tolist(), strict=True))
         differential_evolution(left, sides, init=begin, maxiter=generations, rng=0, polish=False, tol=0.0, atol=-1.0)
     return list({end(found, key=lambda one: one[i]) for i in free for end in (min, max)})
+
+
+def _most(least: float, certain: float) -> float:
+    """Return the squared error up to which a value is likely, of the least squared error."""
+    return least * (1.0 + NORMAL_95**2 / max(certain, _FEWEST))
 
 
 def _furthest(is_likely: Callable[[float], bool], first: float, end: float) -> float:

@@ -32,8 +32,6 @@ _FEW, _SIGNED = 2, 0.25
 """Of more nonlinear parameters than these likely ones are sought together, those of either sign so far away."""
 _ENDLESS = 1e100
 """What the steps of a sensor may move a parameter by that nothing determines; its square is still a number."""
-_LEAST = 4.0
-"""Fewest equations that a fit is taken to rest on, so that what leaves twice its squares is never likely."""
 _ROUGH = 1.2
 """Times its standard error to which a parameter is likely, from which on an error is not smooth."""
 _NEARLY_ALL, _MUCH_MORE = 0.9, 2.0
@@ -234,8 +232,7 @@ class Solved:
         free, normal = self._free
         own, plain = np.diag(self.spread)[free], np.diag(normal.inverse) * solution.cost / independent
         exceed = np.divide(own, plain, out=np.ones(len(free)), where=plain > 0.0)
-        known = max(independent - len(solution.jacobian), 1.0)
-        return max(known / max(1.0, float(np.max(exceed, initial=1.0))), _LEAST)
+        return max(independent - len(solution.jacobian), 1.0) / max(1.0, float(np.max(exceed, initial=1.0)))
 
     @property
     def undetermined(self) -> Array:
