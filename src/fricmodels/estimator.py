@@ -188,14 +188,12 @@ def _may_be_zero(drive: Drive, parameters: Mapping[str, float], covariance: Arra
     """Return key → reason of each parameter whose 95 % interval contains zero, whichever estimator it comes from."""
     from fricmodels.weakform.identification import not_identified
 
-    values, known = (
-        np.array([parameters[key] for key in drive.keys]),
-        np.where(np.isfinite(covariance), covariance, 0.0),
-    )
+    values = np.array([parameters[key] for key in drive.keys])
+    known = np.where(np.isfinite(covariance), covariance, 0.0)
     anywhere = np.full(len(values), -np.inf), np.full(len(values), np.inf)
-    has_one = np.diag(known) > 0.0
     found = not_identified(drive, values, known, np.zeros((len(values), 0)), anywhere)
-    return {key: found[key] for key, one in zip(drive.keys, has_one, strict=True) if one and key in found}
+    with_interval = [key for key, own in zip(drive.keys, np.diag(known), strict=True) if own > 0.0]
+    return {key: found[key] for key in with_interval if key in found}
 
 
 @cache

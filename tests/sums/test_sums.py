@@ -111,6 +111,21 @@ def test_the_rows_are_those_of_a_fit_of_the_whole_recording(first: Path, plan: s
     np.testing.assert_allclose(rows[:, here] / size, own[:, there] / size, atol=1e-8)
 
 
+@pytest.mark.parametrize(("lost", "is_gap"), [(3, False), (4, False), (8, True)])
+def test_a_stretch_ends_where_a_fit_sees_a_gap(
+    written: Callable[[str, pd.DataFrame], Path], plan: sums.Plan, lost: int, is_gap: bool
+) -> None:
+    """Of every sixty samples some are lost: a few are bridged by the rows of sums as by those of a fit."""
+    table = arm(20_000, 7)
+    kept = table[np.arange(len(table)) % 60 >= lost]
+    found = sums.of_file(written(f"lost{lost}.parquet", kept), plan)
+    whole = sums.of_file(written("seven.parquet", table), plan)
+    assert (found.rows < 0.8 * whole.rows) is is_gap
+    values = sums.solved(found).parameters
+    for key, value in TRUTH.items():
+        assert values[key] == pytest.approx(value, rel=0.02)
+
+
 def test_the_solution_is_the_least_squares_of_all_rows(first: Path, plan: sums.Plan) -> None:
     channels = {name: sums.pilot(first)[name] for name in ("time", "torque", "velocity")}
     rows, _ = block_rows(plan, channels, 0, len(channels["time"]))

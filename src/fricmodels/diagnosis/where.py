@@ -154,7 +154,8 @@ def _near_starts(prepared: Recording, rest: Mask) -> Mask:
 
 def _turns_back(prepared: Recording) -> bool:
     """Whether the drive goes both ways in some run."""
-    return any(not goes_one_way(prepared.velocity[prepared.run == run]) for run in prepared.run_numbers)
+    runs = np.split(prepared.velocity, np.flatnonzero(np.diff(prepared.run)) + 1)
+    return any(not goes_one_way(velocity) for velocity in runs)
 
 
 def _after_rest(prepared: Recording, rest: Mask) -> Mask:

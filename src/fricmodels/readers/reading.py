@@ -36,9 +36,9 @@ if TYPE_CHECKING:
 
 
 _WHOLE = 2.0**53
+"""Below this every whole number is a float of its own."""
 _THOUSANDS = re.compile(r"\s*[+-]?\d{1,3}(?:([.,'\s])\d{3})(?:\1\d{3})*(?:[.,]\d+)?\s*$")
 """A number with marks between its thousands, such as 1.000,5."""
-"""Below this every whole number is a float of its own."""
 _AS_IT_IS = units.Conversion(1.0, 0.0)
 _LONGEST_UNIT = 60
 _CLOCK = re.compile(r"\s*\d+\s*[:./-]\s*\d+\s*[:./-]\s*\d")

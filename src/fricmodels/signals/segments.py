@@ -13,7 +13,7 @@ Runs = Index
 
 _FENCE = 3.0
 """Tukey's outer fence, in interquartile ranges."""
-_BRIDGED = 5.5
+BRIDGED = 5.5
 """Steps below so many median steps are no gap: a local polynomial over true time stamps bridges four lost samples.
 Not a whole number, so that no rounding of stamps decides."""
 _FEW = 20
@@ -39,7 +39,7 @@ def _gap_length(step: Array) -> float:
     if not len(step):
         return float("inf")
     low, middle, high = np.percentile(step, [25.0, 50.0, 75.0])
-    return float(max(high * (high / low) ** _FENCE, _BRIDGED * middle))
+    return float(max(high * (high / low) ** _FENCE, BRIDGED * middle))
 
 
 def _of_each_run(time: Array, runs: Runs | None, number: Callable[[Array], float]) -> Array:
@@ -65,7 +65,7 @@ def stretches(time: Array, runs: Runs | None = None) -> list[slice]:
     new = np.zeros(len(step), dtype=bool) if runs is None else runs[1:] != runs[:-1]
     within = step[~new] if new.any() else step
     # Where no step is as long as five others no gap is, and the fence need not be found.
-    if len(within) and not 0.0 < _BRIDGED * within.min() > within.max():
+    if len(within) and not 0.0 < BRIDGED * within.min() > within.max():
         new |= step >= gap_lengths(time, runs)
     inner = (np.flatnonzero(new) + 1).tolist() if new.any() else []
     return [slice(start, stop) for start, stop in pairwise([0, *inner, len(time)])]

@@ -35,7 +35,7 @@ class Plan(BaseModel):
 
     Attributes:
         model: name of a model that is linear in its parameters. motion: rotary or linear.
-        interval: sampling interval [s]; a step of more than three begins a new stretch.
+        interval: sampling interval [s]; a new stretch begins where a fit sees a gap.
         width: samples that a test function spans. half_width: of the filter that smooths the velocity.
         derived_over: half width of the differentiator where the velocity comes from the position; 0 where it does not.
         error: standard error of the smoothed velocity. slow: speed at which the direction of motion is not certain.

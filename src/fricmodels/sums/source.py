@@ -20,14 +20,13 @@ from fricmodels.readers.gaps import kept
 from fricmodels.recording import Recording
 from fricmodels.signals.counted import sum_of_counts
 from fricmodels.signals.jumps import mend_jumps
+from fricmodels.signals.segments import BRIDGED
 from fricmodels.signals.wrapping import unwrap
 from fricmodels.sums.plan import Plan
 from fricmodels.sums.rows import Rows, Stretch
 from fricmodels.sums.summed import PARTS, Sums
 from fricmodels.weakform.smoothed import blocks_of
 
-_GAP = 3.0
-"""A step of so many sampling intervals ends a stretch, as in the rows of one recording."""
 _RATE = 0.1
 """Share by which the sampling interval of a file may differ from the plan's."""
 
@@ -164,11 +163,11 @@ class _Cut:
             row = int(np.argmax(back))
             what = "is repeated" if step[row] == 0.0 else "goes back"
             raise InputError(
-                f"{self.source}: row {block.first + row + 1}: the time {time[row]:.9g} s {what}; sort the samples, or "
-                f"if a new run begins there name its column with --column run=COLUMN, or begin one with --gaps split"
+                f"{self.source}: row {block.first + row + 1}: the time {time[row]:.9g} s {what}; begin a run there "
+                f"with --gaps split, or name its column with --column run=COLUMN, or put the rows in order"
             )
         self._check_runs([before[1], *run[other].tolist()])
-        return np.flatnonzero(other | back | (step > _GAP * self.plan.interval))
+        return np.flatnonzero(other | back | (step >= BRIDGED * self.plan.interval))
 
     def _check_runs(self, numbers: list[int]) -> None:
         """Make sure that no run begins again after another one."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Literal
 
@@ -158,6 +158,7 @@ def nearest(model: FittedModel, dialect: Dialect, recording: Recording | None = 
     law, same = model.model.law, dialect.same.get(model.model.law.name)
     exact = not effects["lost"] and (same is not None or law.name in dialect.own)
     motion, over = _motion(model, recording)
+    apart = _of_its_course(effects["lost"]) if recording is None else []
     if exact:
         chosen = law if law.name in dialect.own else dialect.make()
         drive = Drive(Model(chosen, effects["written"]), model.inertia, model.motion)
@@ -174,11 +175,11 @@ def nearest(model: FittedModel, dialect: Dialect, recording: Recording | None = 
         beside = [*effects["written"], *effects["links"], *effects["recording"]]
         fitted = Drive(Model(chosen, beside), model.drive.inertia, model.motion)
         values, unknown, errors = (
-            _projected(model, fitted, motion) if recording is None else _refitted(model, fitted, recording)
+            _projected(model, fitted, motion, apart) if recording is None else _refitted(model, fitted, recording)
         )
         drive = Drive(Model(fitted.model.law, effects["written"]), values[fitted.inertia_key], model.motion)
-    aside = [*effects["links"], *effects["recording"], *(_of_its_course(model) if recording is None else ())]
-    left = _left_out(model, effects, motion, law if not exact else None, dialect, aside)
+    aside = [*effects["links"], *effects["recording"], *apart]
+    left = _left_out(model, effects, motion, law if not exact else None, dialect, apart)
     whole = Drive(Model(law, [e for e in model.model.effects if e not in aside]), model.inertia, model.motion)
     full = _friction(whole, model.parameters, motion)
     cost = 0.0 if exact else rms(full - _friction(drive, values, motion))
@@ -221,9 +222,12 @@ def _refitted(
 
 
 def _projected(
-    model: FittedModel, drive: Drive, motion: Recording
+    model: FittedModel, drive: Drive, motion: Recording, apart: Collection[Effect]
 ) -> tuple[dict[str, float], dict[str, str], tuple[float, float] | None]:
-    """Return the parameters nearest to a model's torque over a motion, by least squares within their bounds."""
+    """Return the parameters nearest to a model's torque over a motion, by least squares within their bounds.
+
+    Without the effects that are set ``apart``, see :func:`_of_its_course`.
+    """
     from fricmodels.filtering.preparation import bounded_least_squares
 
     linear = drive.model.linear
@@ -232,7 +236,6 @@ def _projected(
     declared = [p for p, ok in zip(drive.model.parameters, linear, strict=True) if ok]
     lower = np.array([p.declared.lower for p in declared])
     upper = np.array([p.declared.upper for p in declared])
-    apart = _of_its_course(model)
     shown = Model(model.model.law, [effect for effect in model.model.effects if effect not in apart])
     right = _friction(Drive(shown, model.inertia, model.motion), model.parameters, motion) - offset
     moving = np.abs(motion.velocity) > 1e-3 * motion.peak_speed
@@ -253,13 +256,13 @@ def _projected(
     return values, {**kept, **(dict.fromkeys(law, f"it was projected from {behind}") if behind else {})}, None
 
 
-def _of_its_course(model: FittedModel) -> list[Effect]:
+def _of_its_course(effects: Iterable[Effect]) -> list[Effect]:
     """Return the effects whose memory takes in the acceleration: no motion but one that was driven shows what they do.
 
     Over a range of validity each channel goes at its own pace, so that the acceleration is not the rate of the
     velocity. A gap that is crossed so is crossed as no drive can.
     """
-    alone = ((effect, Model(NoFriction(), [effect])) for effect in model.model.effects if effect.states)
+    alone = ((effect, Model(NoFriction(), [effect])) for effect in effects if effect.states)
     return [effect for effect, one in alone if "acceleration" in one.needs]
 
 
@@ -277,7 +280,7 @@ def _left_out(
     dialect: Dialect,
     apart: Collection[Effect],
 ) -> tuple[LeftOut, ...]:
-    """Return what is left out; of lost effects that are set ``apart`` without what that costs."""
+    """Return what is left out; of effects that are set ``apart`` without what that costs."""
     found = []
     if law is not None and law.name not in dialect.same:
         shape = model.document.terms[0].equation
@@ -287,8 +290,7 @@ def _left_out(
     for kind in ("lost", "links", "recording"):
         for effect in effects[kind]:
             reason = reasons.get(effect.name.partition("(")[0], "the target has nothing of its kind")
-            unknown = kind == "lost" and effect in apart
-            found.append(LeftOut(effect.name, np.nan if unknown else _adds(model, effect, motion), reason))
+            found.append(LeftOut(effect.name, np.nan if effect in apart else _adds(model, effect, motion), reason))
     return tuple(found)
 
 
