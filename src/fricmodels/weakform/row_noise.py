@@ -22,7 +22,8 @@ Array = NDArray[np.float64]
 _NARROWEST, WIDEST = 16, 128
 """Samples that a bump spans, at the least and at the most."""
 FEWEST, FEWEST_WHERE_ALL_COUNT = 40, 20
-"""Widths that the shortest run has at least, so that some are clear of what is uncertain; and where none need be."""
+"""Widths that all runs have at least for each that is lost at the end of one, so that some are clear of what is
+uncertain; and where none need be."""
 _DERIVED = 6
 """A bump spans at least so many half widths of the derivation of the velocity, at which friction is evaluated."""
 _FEWEST_FOR_INERTIA, _OF_MOMENTUM = 8, 0.01
@@ -149,23 +150,23 @@ def bump_width(
     r"""Return the least width at which velocity noise adds less than the stated share of the RMS torque to a row.
 
     An inertia that is estimated is too small by the share λ of noise in the squared momentum, whatever it is. Then a
-    bump is widened, beyond what leaves the shortest run many, until that is less than a hundredth.
+    bump is widened, beyond what leaves many, until that is less than a hundredth.
 
     Args:
         recording: with velocity and torque.
         inertia: of the drive.
-        fewest: widths that the shortest run has at least.
+        fewest: times what is lost at the ends of runs that all samples are at least, see :func:`_widest`.
         share: of the RMS torque.
         estimated: whether the inertia is estimated from the same rows.
         narrow: whether it may be half as wide as usual, if it is strokes that are short and not the record.
     """
-    torque, shortest = _torque_and_shortest(recording)
+    torque, runs = _torque_and_runs(recording)
     wanted = share * torque * recording.interval
     least = -(-_DERIVED * recording.derived_over // HOPS) * HOPS
-    half = narrow and shortest >= fewest * _NARROWEST
+    half = narrow and _widest(runs, fewest) >= _NARROWEST
     usual, narrowest = (max(width, least) for width in (_NARROWEST, _NARROWEST // 2 if half else _NARROWEST))
-    widest = max(usual, min(WIDEST, shortest // fewest // HOPS * HOPS))
-    most = max(widest, min(WIDEST, shortest // _FEWEST_FOR_INERTIA // HOPS * HOPS)) if estimated else widest
+    widest = max(usual, _widest(runs, fewest))
+    most = max(widest, _widest(runs, _FEWEST_FOR_INERTIA)) if estimated else widest
     for width in range(narrowest, most, HOPS):
         count, squares, momentum = _momentum(recording, width)
         quiet = width >= widest or not count or inertia * math.sqrt(squares / count) <= wanted
@@ -175,10 +176,25 @@ def bump_width(
 
 
 @once
-def _torque_and_shortest(recording: Recording) -> tuple[float, int]:
-    """Return the RMS torque, and the samples of the shortest run."""
-    shortest = min(int(np.count_nonzero(recording.run == number)) for number in recording.run_numbers)
-    return recording.rms_torque, shortest
+def _torque_and_runs(recording: Recording) -> tuple[float, Array]:
+    """Return the RMS torque, and the number of samples of each run."""
+    return recording.rms_torque, np.bincount(recording.run - recording.run.min()).astype(float)
+
+
+def _widest(runs: Array, fewest: int) -> int:
+    r"""Return the largest width, a multiple of :data:`HOPS`, at which enough is left of all runs together.
+
+    A bump that would reach beyond the end of a run is none: a run of N samples loses w of them, and all if it has no
+    more. The largest w is taken with :math:`\sum N \ge f \sum \min(N, w)`. Of runs of one length that is N/f. One short
+    run beside a long one is no reason for narrow bumps.
+
+    Args:
+        runs: number of samples of each run, N.
+        fewest: f.
+    """
+    widths = np.arange(HOPS, WIDEST + 1, HOPS)
+    lost = np.minimum(runs[:, None], widths).sum(axis=0)
+    return int(max(widths[fewest * lost <= runs.sum()], default=0))
 
 
 def _momentum(recording: Recording, width: int) -> tuple[int, float, float]:
