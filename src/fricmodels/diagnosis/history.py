@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from fricmodels.signals import smoothed_velocity
 from fricmodels.weakform.problem import WeakFormProblem
+from fricmodels.weakform.rates import relative_intervals
 from fricmodels.weakform.unclear import CERTAIN
 
 Array = NDArray[np.float64]
@@ -99,7 +100,7 @@ def _path(problem: WeakFormProblem) -> Array:
     if recording.measures("position"):  # noise of a velocity would add up in its size
         step = np.abs(np.diff(recording["position"], prepend=recording["position"][0]))
     else:
-        step = np.abs(problem.smooth) * recording.interval
+        step = np.abs(problem.smooth) * recording.interval * relative_intervals(recording)
     return np.asarray(np.cumsum(np.where(problem.resting, 0.0, step)))
 
 

@@ -31,6 +31,7 @@ from fricmodels.diagnosis.candidate_tests import CandidateTests
 from fricmodels.diagnosis.policy import Policy
 from fricmodels.weakform.acting import acting
 from fricmodels.weakform.problem import WeakFormProblem
+from fricmodels.weakform.rates import relative_intervals
 from fricmodels.weakform.regression import LEAST_P, Regression
 
 Array = NDArray[np.float64]
@@ -131,7 +132,9 @@ def _views(problem: WeakFormProblem, residual: Array) -> Iterator[_View]:
     def at_rows(values: Array) -> Array:
         return np.asarray(problem.bumps.integrals(values[None])[0] / weight)
 
-    torque = residual / (weight * recording.interval)
+    torque = residual / (weight * recording.interval * at_rows(relative_intervals(recording)))
+    if problem.bumps.counts is not None:
+        torque = torque / at_rows(problem.bumps.counts)
     velocity = at_rows(problem.smooth)
     moving_on = np.abs(velocity) >= 0.999 * at_rows(np.abs(problem.smooth))  # rows without a reversal
     forward, backward = moving_on & (velocity > 0), moving_on & (velocity < 0)

@@ -119,11 +119,7 @@ def block_rows(plan: Plan, channels: Mapping[str, Array], first: int, until: int
     push = bumps.driving(quadrature, points.driving_torque)
     integrals = bumps.torques(quadrature, np.vstack([offset[None], design]))
     velocity = mean_velocity(recording, recording["position"]) if over_cells else recording.velocity
-    turns = np.zeros(len(recording))
-    cells = quadrature.cell
-    if len(cells):
-        side = np.sign(points.velocity)
-        turns[cells] = (side[cells + 1] - side[cells]) * plan.interval
+    turns = quadrature.turns * plan.interval
     rate = quadrature.change_while_moving(recording.torque)
     further = [bumps.of_cells(turns[None])[0], bumps.of_cells(rate[None])[0]]
     rows = np.vstack([push - integrals[0], bumps.momentum(velocity), integrals[1:], further])

@@ -30,6 +30,7 @@ from fricmodels.arrays import Array, Index, Mask
 from fricmodels.recording import Recording
 from fricmodels.signals import stretches
 from fricmodels.signals.lanczos import DEGREE, even_weights
+from fricmodels.weakform.rates import relative_intervals
 
 _ROUNDS = 3
 """In which the instants of the reversals are found."""
@@ -165,4 +166,5 @@ def _course(recording: Recording, velocity: Array, cell: Index, limits: tuple[Ar
     mean[cell] = side[cell] * share + side[cell + 1] * (1.0 - share)
     left = push - middle
     slope = 0.5 * (left[1:] + left[:-1]) - mean * 0.5 * (half[1:] + half[:-1])
+    slope *= relative_intervals(recording)[:-1]
     return np.concatenate([[0.0], np.cumsum(slope)]) * (recording.interval / inertia)

@@ -27,11 +27,13 @@ from fricmodels.weakform.friction_limits import limits_of_friction
 from fricmodels.weakform.kinks import with_kinks
 from fricmodels.weakform.motion_states import MotionStates
 from fricmodels.weakform.quadrature import Quadrature
+from fricmodels.weakform.rates import relative_intervals
 from fricmodels.weakform.remembered import INTEGRALS, Part, Remembered
 from fricmodels.weakform.repeats import parts_of, phase_of
 from fricmodels.weakform.row_noise import (
     beyond_noise,
     bump_width,
+    counts_of_rates,
     momentum_noise,
     noisier,
     torque_noise,
@@ -118,7 +120,7 @@ class WeakFormProblem:
             same = like is not None and plain and like.recording is part and np.array_equal(like.smooth, smooth)
             if like is not None and same and like.bumps.is_of(width, unclear):
                 return like
-            rows, half = _rows(part, smooth, width, unclear), motion.half_width
+            rows, half = _rows(part, smooth, width, unclear, counts_of_rates(part, inertia, width)), motion.half_width
             return cls(drive, part, smooth, at_rest, *rows, half, (0.0, 0.0), delay=delay, made_for=made_for)
 
         estimated = drive.inertia is None
@@ -158,7 +160,7 @@ class WeakFormProblem:
         torque of a contact that bends, or of a gap, comes from the way that was covered.
         """
         unclear = self.resting | creeping(self.recording, self.bumps.width)
-        quadrature, bumps = _rows(self.recording, self.smooth, self.bumps.width, unclear)
+        quadrature, bumps = _rows(self.recording, self.smooth, self.bumps.width, unclear, self.bumps.counts)
         return replace(self, quadrature=quadrature, bumps=bumps).carrying(self.carriers)
 
     def clear_of(self, samples: Mask) -> WeakFormProblem:
@@ -187,7 +189,8 @@ class WeakFormProblem:
             width: samples that a test function spans; as before if not given.
         """
         over_cells = self.recording.derived_over > 0
-        bumps = TestFunctions(self.recording, width or self.bumps.width, resting, over_cells=over_cells)
+        width, counts = width or self.bumps.width, self.bumps.counts
+        bumps = TestFunctions(self.recording, width, resting, over_cells=over_cells, counts=counts)
         quadrature = Quadrature.of(self.recording, velocity, resting)
         moved = replace(self, smooth=velocity, resting=resting, quadrature=quadrature, bumps=bumps)
         return moved.carrying(self.carriers)
@@ -241,22 +244,19 @@ class WeakFormProblem:
     def torque_rate(self) -> Array:
         """∫φ dτ_m while the drive moves, (rows,), half-way over the known shift s: s of it is one to second order.
 
-        For [τ_m(t) − τ_m(t − s)] / s is dτ_m/dt at t − s/2, but for terms of s².
+        For [τ_m(t) − τ_m(t − s)] / s is dτ_m/dt at t − s/2, but for terms of s². Where runs have rates of their own, s
+        is as many samples in each: that is how a torque that is held between samples comes late.
         """
-        torque = self.recording.torque
+        torque, relative = self.recording.torque, relative_intervals(self.recording)
         if self.shift:
-            torque = torque - 0.5 * self.shift * self.recording.signal("motor_torque_rate")
-        return np.asarray(self.bumps.of_cells(self.quadrature.change_while_moving(torque)[None])[0])
+            torque = torque - 0.5 * self.shift * relative * self.recording.signal("motor_torque_rate")
+        change = self.quadrature.change_while_moving(torque)
+        return np.asarray(self.bumps.of_cells((relative * change)[None])[0])
 
     @cached_property
     def sign_change(self) -> Array:
         """What a shift by a sample of every reversal would add, per unit of Coulomb torque, shape (rows,)."""
-        velocity = self.quadrature.recording.velocity
-        shift = np.zeros(len(self.recording))
-        cells = self.quadrature.cell
-        if len(cells):
-            jump = np.sign(velocity[cells + 1]) - np.sign(velocity[cells])
-            shift[cells] = jump * self.recording.interval
+        shift = self.quadrature.turns * self.recording.interval * relative_intervals(self.recording)
         return np.asarray(self.bumps.of_cells(shift[None])[0])
 
     @cached_property
@@ -392,6 +392,9 @@ def _alone(effect: Effect, motion: Motion) -> Drive:
     return Drive(Model.only(effect), 1.0, motion)
 
 
-def _rows(recording: Recording, smooth: Array, width: int, unclear: Mask) -> tuple[Quadrature, TestFunctions]:
-    bumps = TestFunctions(recording, width, unclear, least_moving=1.0, over_cells=recording.derived_over > 0)
+def _rows(
+    recording: Recording, smooth: Array, width: int, unclear: Mask, counts: Array | None
+) -> tuple[Quadrature, TestFunctions]:
+    over_cells = recording.derived_over > 0
+    bumps = TestFunctions(recording, width, unclear, least_moving=1.0, over_cells=over_cells, counts=counts)
     return Quadrature.of(recording, smooth, unclear), bumps

@@ -101,6 +101,13 @@ class Quadrature:
         )
         return replace(self, recording=points)
 
+    @property
+    def turns(self) -> Array:
+        """By how much the sign of the velocity changes in each cell, shape (N,): ±2 where the drive turns."""
+        side, turns = np.sign(self.recording.velocity), np.zeros(len(self.half) + 1)
+        turns[self.cell] = side[self.cell + 1] - side[self.cell]
+        return turns
+
     def change_while_moving(self, values: Array) -> Array:
         """Return by how much a channel, shape (N,), changes in each cell while the drive moves, shape (N,)."""
         change = np.zeros(len(values))

@@ -14,6 +14,7 @@ from fricmodels.signals import lanczos_derivative, motion_noise, velocity_noise
 from fricmodels.signals.lanczos import lanczos_value
 from fricmodels.signals.rest import once
 from fricmodels.weakform.quadrature import Quadrature
+from fricmodels.weakform.rates import UNEXPLAINED, relative_intervals, weights_of_rates
 from fricmodels.weakform.regression import Regression
 from fricmodels.weakform.test_functions import HOPS, TestFunctions, mean_velocity
 
@@ -96,6 +97,27 @@ def torque_noise(bumps: TestFunctions, quadrature: Quadrature, recording: Record
     drawn = noise.noise_like(recording, "torque", np.random.default_rng(0))
     cell = quadrature.cell
     return np.asarray(bumps.torques(quadrature, np.concatenate([drawn, drawn[cell], drawn[cell + 1]])[None])[0])
+
+
+def counts_of_rates(recording: Recording, inertia: float, width: int) -> Array | None:
+    """Return by how much a row counts that begins at each sample, shape (N,); ``None`` where all runs have one rate.
+
+    Args:
+        recording: with velocity and torque.
+        inertia: of the drive.
+        width: samples that a test function spans.
+    """
+    relative = relative_intervals(recording)
+    if np.all(relative == 1.0):
+        return None
+    everywhere = np.zeros(len(recording), dtype=bool)
+    bumps = TestFunctions(recording, width, everywhere, over_cells=recording.derived_over > 0)
+    momentum = inertia * momentum_noise(bumps, recording)
+    torque = torque_noise(bumps, Quadrature.of(recording, recording.velocity, everywhere), recording)
+    of_momentum, of_torque = (
+        float(np.sqrt(np.mean(rows**2))) if len(rows) else 0.0 for rows in (momentum, torque / relative[bumps.begins])
+    )
+    return weights_of_rates(relative, of_momentum, of_torque, UNEXPLAINED * recording.rms_torque * recording.interval)
 
 
 def noise_in_columns(

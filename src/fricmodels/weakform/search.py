@@ -21,6 +21,7 @@ from fricmodels.weakform.candidate import Candidate, NonlinearOptimum, Point
 from fricmodels.weakform.optimise import ROUNDS, coordinate_search, halved, multistart_nelder_mead, refine
 from fricmodels.weakform.problem import WeakFormProblem
 from fricmodels.weakform.ranges import between_strokes, scan_size, scan_values
+from fricmodels.weakform.rates import relative_intervals
 from fricmodels.weakform.regression import Regression
 from fricmodels.weakform.shifted import FREE_SHIFT
 
@@ -299,7 +300,7 @@ def fastest_in_rows(problem: WeakFormProblem) -> float | None:
     A fifth of the time a bump must pass less than a whole wave, or it averages the effect away, and what is left fits
     any other as well. Faster ones are found in the samples, see :mod:`.lines`.
     """
-    travel = np.abs(problem.smooth) * problem.recording.interval
+    travel = np.abs(problem.smooth) * problem.recording.interval * relative_intervals(problem.recording)
     moving = ~problem.resting & (travel > 0)
     if not np.any(moving):
         return None

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from fricmodels.arrays import Array
 from fricmodels.weakform.carriers import at_steps, step_positions
 from fricmodels.weakform.problem import WeakFormProblem
+from fricmodels.weakform.rates import relative_intervals
 
 
 @dataclass(frozen=True)
@@ -43,10 +44,10 @@ class Steps:
         left = points.driving_torque - theta @ design - offset
         impulses = at_steps(problem.quadrature.impulses(left[None]), bumps.over_cells)[0]
         inertia, _ = drive.split(parameters)
-        velocity = problem.cell_velocity
+        velocity, interval = problem.cell_velocity, recording.interval * relative_intervals(recording)
         covered = bumps.covered(len(recording))
         used = covered & np.roll(covered, 1) & np.roll(covered, -1)
-        balance = (impulses - inertia * np.diff(velocity, prepend=velocity[:1])) / recording.interval
+        balance = (impulses - inertia * np.diff(velocity, prepend=velocity[:1])) / interval
         place, passed = positions(problem)
         used &= passed != 0.0
         return cls(place, passed, np.where(used, balance, 0.0), used, 2 if bumps.over_cells else 1)
@@ -66,4 +67,4 @@ def positions(problem: WeakFormProblem) -> tuple[Array, Array]:
     place, _ = step_positions(recording["position"], over_cells)
     smooth = problem.smooth
     between = smooth if over_cells else 0.5 * (smooth + np.concatenate([smooth[:1], smooth[:-1]]))
-    return place, recording.interval * between
+    return place, recording.interval * relative_intervals(recording) * between

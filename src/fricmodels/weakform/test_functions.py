@@ -68,6 +68,7 @@ class TestFunctions:
         resting: samples at rest, or otherwise of no use.
         least_moving: share of a bump's weight that must be in motion; a bump with less is left out.
         over_cells: whether the velocity is the mean over each cell, see :func:`mean_velocity`.
+        counts: by how much an equation counts that begins at each sample, shape (N,); all as much if not given.
     """
 
     def __init__(
@@ -78,6 +79,7 @@ class TestFunctions:
         *,
         least_moving: float = 0.5,
         over_cells: bool = False,
+        counts: Array | None = None,
     ) -> None:
         self.hop = max(1, round(width / HOPS))
         self.width = self.hop * HOPS
@@ -92,9 +94,11 @@ class TestFunctions:
         pieces = [piece for piece in segments(recording) if piece.stop - piece.start >= self.width]
         self._first = np.array([piece.start for piece in pieces], dtype=np.int64)
         self._bumps = np.array([(p.stop - p.start) // self.hop - HOPS + 1 for p in pieces], dtype=np.int64)
+        self.counts: Array | None = None
         self._keep(np.arange(self._bumps.sum()))
         moving = self._apply((~resting).astype(float)[None], self._mean)[0]
         self._keep(np.flatnonzero(moving >= least_moving - 1e-12))
+        self.counts = counts
 
     def _keep(self, kept: Index) -> None:
         """Take some of all bumps, ascending, in runs of neighbours."""
@@ -162,11 +166,12 @@ class TestFunctions:
     def torques(self, quadrature: Quadrature, rows: Array) -> Array:
         """Return ∫φ f dt of rows, shape (k, N + two for each split cell) → (k, number of test functions)."""
         if not self.over_cells:
-            return quadrature.sums_along_cubics(rows, *self._runs, self._parts(self._cell), len(self._kept))
+            found = quadrature.sums_along_cubics(rows, *self._runs, self._parts(self._cell), len(self._kept))
+            return self._counted(found)
         if len(rows) > _TOGETHER:
             some = [rows[start : start + _TOGETHER] for start in range(0, len(rows), _TOGETHER)]
             return np.concatenate([self.torques(quadrature, each) for each in some])
-        return self._apply(quadrature.under_hats(rows), self.changes)
+        return self._counted(self._apply(quadrature.under_hats(rows), self.changes))
 
     def driving(self, quadrature: Quadrature, torque: Array) -> Array:
         """Return ∫φ f dt of what a drive is driven by, shape (N + two for each split cell,) → (test functions,)."""
@@ -175,7 +180,7 @@ class TestFunctions:
     def _bent_at_reversals(self, quadrature: Quadrature, torque: Array) -> Array:
         bent = quadrature.bent_at_reversals(torque[: len(quadrature.half) + 1])[None]
         if self.over_cells:  # a half of each cell lies under the hat about its first sample, a half under the next
-            return np.asarray(self._apply(0.5 * (bent + np.roll(bent, 1)), self.changes)[0])
+            return np.asarray(self.of_steps(0.5 * (bent + np.roll(bent, 1)))[0])
         return np.asarray(self.of_cells(bent)[0])
 
     def of_cells(self, impulses: Array) -> Array:
@@ -184,15 +189,15 @@ class TestFunctions:
         Args:
             impulses: of each cell, shape (k, N), weighted by the mean of the test function there.
         """
-        return self._apply(impulses, self._cell)
+        return self._counted(self._apply(impulses, self._cell))
 
     def momentum(self, velocity: Array) -> Array:
         """Return ∫φ dω = −∫φ' ω dt, shape (number of bumps,)."""
-        return np.asarray(self._apply(velocity[None], self._velocity_fall)[0])
+        return np.asarray(self._counted(self._apply(velocity[None], self._velocity_fall))[0])
 
     def change(self, values: Array) -> Array:
         """Return ∫φ df = −∫φ' f dt of what was measured, shape (number of bumps,)."""
-        return np.asarray(self._apply(values[None], self._fall)[0])
+        return np.asarray(self._counted(self._apply(values[None], self._fall))[0])
 
     def of_steps(self, steps: Array) -> Array:
         """Return Σ φ x over the samples, shape (k, number of bumps), of what is centred as changes of velocity are.
@@ -200,7 +205,11 @@ class TestFunctions:
         Args:
             steps: shape (k, N); the first of a bump belongs to the change from its first sample to its second.
         """
-        return self._apply(steps, self.changes)
+        return self._counted(self._apply(steps, self.changes))
+
+    def _counted(self, rows: Array) -> Array:
+        """Return rows, shape (k, number of bumps), each as far as it counts."""
+        return rows if self.counts is None else rows * self.counts[self.begins]
 
     def _parts(self, kernel: Array) -> Array:
         """Return the weights of a bump, a row each part."""
