@@ -59,7 +59,9 @@ def main() -> None:
                 off, size = np.array(each).T
                 held, rms = int(np.sum(np.abs(off) < SIDE)), float(np.sqrt(np.mean(off**2)))
                 parts.append(f"{key} {held}/{len(each)} {rms:.2f} {100 * float(np.median(size)):.2g} %")
-            print(f"{cell.motion}, {cell.torque}, inertia {cell.inertia}, {name}: {', '.join(parts)}; {refused} refused")
+            print(
+                f"{cell.motion}, {cell.torque}, inertia {cell.inertia}, {name}: {', '.join(parts)}; {refused} refused"
+            )
 
 
 if __name__ == "__main__":

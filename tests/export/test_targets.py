@@ -45,6 +45,8 @@ def friction_in(data: Any) -> float:
         "coulomb-viscous+cogging",
         "coulomb-viscous+cogging+torque-offset",
         "coulomb-viscous+cogging+cogging(2)",
+        "coulomb-viscous+stiffness",
+        "coulomb-viscous+stiffness+cogging",
     ],
 )
 def test_mujoco_has_the_torque_that_it_can_express(kept: Callable[..., Any], name: str) -> None:
@@ -221,10 +223,28 @@ def test_a_constant_is_fitted_once(made: Callable[..., Recording]) -> None:
         model = fricmodels.keep(fricmodels.compare(recording, name, 2.0))
         for given in (recording, None):
             found = nearest(model, MUJOCO, given)
-            assert found.parameters["tau_0"] == pytest.approx(0.5, abs=0.02)
+            (constant,) = [value for key, value in found.parameters.items() if key.endswith("tau_0")]
+            assert constant == pytest.approx(0.5, abs=0.02)
             assert found.parameters["K_c"] == pytest.approx(3.0, abs=0.05)
-            assert "torque-offset.tau_0" not in found.parameters
             assert found.cost < 0.02 * found.torque
+
+
+def test_a_spring_is_written_beside_a_friction_that_is_refitted(made: Callable[..., Recording]) -> None:
+    """Its constant is the one of an asymmetric law, too: of both together the recording tells one."""
+    values = {"K_v1": 0.5, "K_v2": 0.5, "K_c1": 3.5, "K_c2": 2.5, "stiffness.k": 4.0, "stiffness.tau_0": 0.2}
+    recording = made("asymmetric-coulomb-viscous+stiffness", values)
+    model = fricmodels.keep(fricmodels.compare(recording, "asymmetric-coulomb-viscous+stiffness", 2.0))
+    for given in (recording, None):
+        done = export_model(model, "mjcf", name="elbow", recording=given)
+        assert done.nearest is not None
+        assert done.nearest.parameters["stiffness.k"] == pytest.approx(4.0, rel=0.02)
+        assert done.nearest.parameters["stiffness.tau_0"] == pytest.approx(0.7, abs=0.03)
+        assert not [key for key in done.nearest.not_identified if key.endswith(("tau_0", ".k"))]
+        root = ET.fromstring(f"<x>{done.text}</x>")
+        joint = root.find("joint")
+        assert joint is not None
+        assert float(joint.get("stiffness", "nan")) == done.nearest.parameters["stiffness.k"]
+        assert joint.get("springref") == "0"
 
 
 def test_what_is_behind_a_projection_is_said_too(kept: Callable[..., Any]) -> None:

@@ -24,23 +24,22 @@ class Viscous(Law):
 
 
 class PolynomialDamping(Law):
-    r"""Dry friction, damping that is a polynomial in speed, and a constant.
+    r"""Dry friction, and damping that is a polynomial in speed.
 
-    .. math:: \tau_F = K_c \operatorname{sgn}\omega + d_1\,\omega + d_2\,|\omega|\,\omega + d_3\,\omega^3 + \tau_0
+    .. math:: \tau_F = K_c \operatorname{sgn}\omega + d_1\,\omega + d_2\,|\omega|\,\omega + d_3\,\omega^3
 
-    Source: MuJoCo 4.0, ``joint/damping`` and ``joint/frictionloss``; the constant is a ``dcmotor`` with no poles.
+    Source: MuJoCo 4.0, ``joint/damping`` and ``joint/frictionloss``.
     """
 
     name = "polynomial-damping"
-    formula = "τ_F = K_c·sgn ω + d_1·ω + d_2·|ω|·ω + d_3·ω³ + τ_0"
-    dissipative = False
+    formula = "τ_F = K_c·sgn ω + d_1·ω + d_2·|ω|·ω + d_3·ω³"
+    symmetry = "odd"
     K_c = Parameter("K_c", unit="N m", lower=0.0, meaning="dry friction torque")
     d_1 = Parameter("d_1", unit="N m s/rad", lower=0.0, meaning="linear damping")
     d_2 = Parameter("d_2", unit="N m s^2/rad^2", lower=0.0, meaning="quadratic damping")
     d_3 = Parameter("d_3", unit="N m s^3/rad^3", lower=0.0, meaning="cubic damping")
-    tau_0 = Parameter("tau_0", unit="N m", meaning="constant torque")
 
     def torque(self, s: Signals, p: Parameters) -> Expression:
-        """Return K_c sgn ω + d_1 ω + d_2 |ω| ω + d_3 ω³ + τ_0."""
+        """Return K_c sgn ω + d_1 ω + d_2 |ω| ω + d_3 ω³."""
         v = s.velocity
-        return p.K_c * sign(v) + (p.d_1 + p.d_2 * absolute(v) + p.d_3 * v**2) * v + p.tau_0
+        return p.K_c * sign(v) + (p.d_1 + p.d_2 * absolute(v) + p.d_3 * v**2) * v

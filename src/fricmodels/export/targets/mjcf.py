@@ -1,8 +1,8 @@
-"""MuJoCo 4.0: damping, dry friction and armature of a joint; cogging, constants and LuGre as passive ``dcmotor``.
+"""MuJoCo 4.0: damping, dry friction, spring and armature of a joint; cogging, constants and LuGre as ``dcmotor``.
 
 MuJoCo's force is minus the friction torque: a cogging ``a cos kq + b sin kq`` is the ``dcmotor`` of amplitude
 ``hypot(a, b)``, k poles and the phase ``atan2(-a, -b)``. With ``input="none"`` and no motor constant it is purely
-passive and takes no control.
+passive and takes no control. A spring's constant is one, too, and its ``springref`` 0: that needs no unit of angles.
 """
 
 from __future__ import annotations
@@ -23,13 +23,16 @@ _PASSIVE = {"input": "none", "motorconst": "0 0", "resistance": "1"}
 
 
 def joint_attributes(found: Nearest, *, armature: float | None) -> dict[str, str]:
-    """Return the attributes of the joint: ``damping``, ``frictionloss`` and, where one is given, ``armature``."""
+    """Return the attributes of the joint: ``damping``, ``frictionloss``, of a spring ``stiffness`` and ``springref``,
+    and, where one is given, ``armature``."""
     p = found.parameters
     if found.drive.model.law.name == "lugre":
         values = {"damping": f"{number(p['sigma_2'])} 0 0", "frictionloss": "0"}
     else:
         polynomial = " ".join(number(p[key]) for key in ("d_1", "d_2", "d_3"))
         values = {"damping": polynomial, "frictionloss": number(p["K_c"])}
+    if "stiffness.k" in p:
+        values |= {"stiffness": number(p["stiffness.k"]), "springref": "0"}
     return values if armature is None else {**values, "armature": number(armature)}
 
 
@@ -49,7 +52,7 @@ def actuators(found: Nearest, joint: str) -> list[dict[str, str]]:
         name = effect.replace("(", "_wave_").removesuffix(")")
         wave(name, p[f"{effect}.a"], p[f"{effect}.b"], p[key])
         wave(f"{name}_2", p[f"{effect}.a_2"], p[f"{effect}.b_2"], 2 * p[key])
-    wave("offset", p.get("tau_0", 0.0) + p.get("torque-offset.tau_0", 0.0), 0.0, 0.0)
+    wave("offset", p.get("torque-offset.tau_0", 0.0) + p.get("stiffness.tau_0", 0.0), 0.0, 0.0)
     if found.drive.model.law.name == "lugre":
         five = (p["F_c"] / p["z_c"], p["sigma_1"], p["F_c"], p["r"] * p["F_c"], p["v_s"])
         add("lugre", lugre=" ".join(map(number, five)))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Literal
 
@@ -43,16 +43,24 @@ class Dialect:
         law: the law, or the name of one, that is fitted where the model's own cannot be expressed.
         same: for a law of the model by name, its parameters → those of ``law``: these are the same law.
         own: laws of a model that the target has as they are. effects: effects that it has.
+        constants: of these the ones with a constant; where a model has none, the first is fitted beside the law.
     """
 
     law: type[Law] | str
     same: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
     own: frozenset[str] = frozenset()
     effects: frozenset[str] = frozenset()
+    constants: tuple[str, ...] = ()
 
     def make(self) -> Law:
         """Return the law that is fitted."""
         return plugins.load().laws[self.law]() if isinstance(self.law, str) else self.law()
+
+    def with_one_constant(self, effects: Sequence[Effect]) -> list[Effect]:
+        """Return the effects that are fitted beside the law: of several constants only their sum is known."""
+        last = [name for name in self.constants if name in {effect.name for effect in effects}][-1:]
+        kept = [effect for effect in effects if effect.name not in self.constants or effect.name in last]
+        return kept if last or not self.constants else [*kept, plugins.load().effects[self.constants[0]]()]
 
 
 _KV_KC = {"coulomb-viscous": {"K_v": "K_v", "K_c": "K_c"}}
@@ -62,7 +70,8 @@ MUJOCO = Dialect(
     PolynomialDamping,
     {"coulomb-viscous": {"K_v": "d_1", "K_c": "K_c"}},
     frozenset({"lugre"}),
-    frozenset({"cogging", "torque-offset"}),
+    frozenset({"cogging", "torque-offset", "stiffness"}),
+    ("torque-offset", "stiffness"),
 )
 
 
@@ -170,8 +179,7 @@ def nearest(model: FittedModel, dialect: Dialect, recording: Recording | None = 
         errors = None
     else:
         chosen = dialect.make()
-        constant = any(p.symbol == "tau_0" for p in chosen.parameters)  # the law has one: another would be the same
-        effects["written"] = [e for e in effects["written"] if not (constant and e.name == "torque-offset")]
+        effects["written"] = dialect.with_one_constant(effects["written"])
         beside = [*effects["written"], *effects["links"], *effects["recording"]]
         fitted = Drive(Model(chosen, beside), model.drive.inertia, model.motion)
         values, unknown, errors = (
