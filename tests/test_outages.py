@@ -10,6 +10,7 @@ import pandas as pd
 import pytest
 
 from fricmodels import diagnose
+from fricmodels.dimension import Motion
 from fricmodels.logcheck import findings
 from fricmodels.readers import read
 from fricmodels.recording import Recording
@@ -67,6 +68,22 @@ def test_a_drive_that_rests_has_lost_nothing(clean: Recording) -> None:
     torque = np.where(speed > 0.0, 0.5 + 0.1 * speed + clean.torque * 0.01, 0.0)
     channels = {"time": time, "torque": torque, "velocity": speed, "position": position}
     recording = Recording("rests", clean.motion, channels, clean.run)
+    assert without_outages(recording) is recording
+
+
+@pytest.mark.parametrize("rest", [0.0, 5.0])
+@pytest.mark.parametrize("with_position", [False, True])
+def test_a_step_after_rest_or_steady_motion_has_lost_nothing(rest: float, with_position: bool) -> None:
+    """A small motor under steps of a command, its speed in coarse steps: it stands, then runs, and starts in a row."""
+    time = 0.02 * np.arange(600)
+    command = np.where((time > 2.0) & (time < 7.0), 12.0 + 2.0 * np.sin(3.0 * time), rest)
+    speed = np.zeros_like(time)
+    for row in range(1, len(time)):
+        speed[row] = speed[row - 1] + 0.3 * (command[row] - speed[row - 1])
+    channels = {"time": time, "torque": command, "velocity": np.round(speed / 0.7) * 0.7}
+    if with_position:
+        channels["position"] = np.round(np.cumsum(0.02 * speed) / 0.01) * 0.01
+    recording = Recording("step", Motion.ROTARY, channels, np.zeros(len(time), dtype=np.int64))
     assert without_outages(recording) is recording
 
 

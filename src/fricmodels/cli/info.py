@@ -75,7 +75,6 @@ def _with_clear_motion(found: Summary, recording: Recording, inertia: float | No
     from fricmodels.errors import InputError
     from fricmodels.logcheck import Finding, Severity
     from fricmodels.model import Model
-    from fricmodels.results.words import stretches_of_motion
     from fricmodels.weakform.fit import clear_stretches
 
     stops = any(one.severity is Severity.STOP for one in found.findings)
@@ -83,19 +82,18 @@ def _with_clear_motion(found: Summary, recording: Recording, inertia: float | No
         return found
     try:
         fitted, _ = kept_back(ready(recording))
-        clear, asked, way_out = clear_stretches(
-            Drive(Model.parse("coulomb-viscous"), inertia, recording.motion), fitted
-        )
+        few = clear_stretches(Drive(Model.parse("coulomb-viscous"), inertia, recording.motion), fitted)
     except InputError as error:
         little = Finding("too-little-motion", Severity.WARN, "velocity", str(error), "")
     else:
-        if clear >= asked:
+        if few is None:
             return found
+        clear, asked, way_out = few
         little = Finding(
             "too-little-motion",
             Severity.WARN,
             "velocity",
-            f"what is fitted has {stretches_of_motion(clear)}, where the simplest model asks for {asked}",
+            f"what is fitted has {clear}, where the simplest model asks for {asked}",
             way_out,
         )
     warnings = sum(one.severity is Severity.WARN for one in found.findings)

@@ -29,9 +29,10 @@ def without_gaps(pieces: int, stretch: int) -> str:
     )
 
 
-def stretches_of_motion(count: int) -> str:
-    """Say in how many stretches a recording moves clearly."""
-    return f"{count} {'stretch' if count == 1 else 'stretches'} of clear motion"
+def stretches_of_motion(count: int, seconds: float) -> str:
+    """Say in how many stretches, of so many seconds each, a recording moves clearly."""
+    each = f"{seconds:.2g} s" + (" each" if count != 1 else "")
+    return f"{count} {'stretch' if count == 1 else 'stretches'} of clear motion ({each})"
 
 
 def look_alikes(others: str, separated_by: str) -> str:

@@ -21,6 +21,10 @@ _JUMP = 3.0
 """Times the usual change from sample to sample by which the motion jumps when the values come back."""
 _MOST = 0.5
 """Share of the rows up to which they were lost: of more, that they repeat is how the log was written."""
+_OF_THE_WAY = 0.5
+"""Share of the way at the speeds before and after that a position jumps by at least when it comes back."""
+_ROWS = 4
+"""Rows over which these speeds are taken."""
 
 
 def without_outages(recording: Recording) -> Recording:
@@ -28,7 +32,9 @@ def without_outages(recording: Recording) -> Recording:
 
     An outage is a stretch of rows that repeat the one before in all channels, so long that by how often single rows do
     none is to be expected in the recording at :data:`~fricmodels.signals.clusters.LEVEL`, and after which the motion
-    jumps. A drive at rest has no such jump, and loses nothing.
+    jumps. A drive that rests, or runs steadily, loses nothing, and may start with a jump: a position has to make up for
+    the way that was lost, and a velocity, where no position was recorded, not to be zero. It may stand still wherever
+    the command does; so more rows must be before a jump than repeat one another without any.
     """
     names = [name for name in recording.channels if name != "time" and recording.measures(name)]
     motion = next((name for name in ("position", "velocity") if name in names), None)
@@ -37,13 +43,16 @@ def without_outages(recording: Recording) -> Recording:
     first, last = _repeated([recording[name] for name in names], recording.run)
     long = last - first >= _least(first, last, len(recording))
     first, last = first[long], last[long]
-    ended = last + 1 < len(recording)
-    ended[ended] &= recording.run[last[ended] + 1] == recording.run[last[ended]]
-    first, last = first[ended], last[ended]
-    change = np.abs(np.diff(recording[motion]))
+    change = np.append(np.where(np.diff(recording.run) == 0, np.abs(np.diff(recording[motion])), 0.0), 0.0)
     if not len(first) or not np.any(change > 0.0):
         return recording
     jumps = change[last] > _JUMP * float(np.median(change[change > 0.0]))
+    if motion == "position":
+        jumps &= change[last] > _OF_THE_WAY * (last - first) * _speed_beside(recording[motion], first, last)
+    else:
+        jumps &= recording[motion][last] != 0.0
+        if np.sum((last - first)[jumps]) <= np.sum((last - first)[~jumps]):
+            return recording
     first, last = first[jumps], last[jumps]
     lost = np.zeros(len(recording) + 1, dtype=np.int64)
     np.add.at(lost, first + 1, 1)
@@ -64,6 +73,15 @@ def _repeated(channels: Sequence[Array], run: Index) -> tuple[Index, Index]:
         same &= values[1:] == values[:-1]
     edges = np.flatnonzero(np.diff(np.r_[0, same.astype(np.int8), 0]))
     return edges[::2], edges[1::2]
+
+
+def _speed_beside(position: Array, first: Index, last: Index) -> Array:
+    """Return the mean of the changes from row to row before and after each stretch, shape (stretches,)."""
+    before, after = np.maximum(first - _ROWS, 0), np.minimum(last + 1 + _ROWS, len(position) - 1)
+    return np.asarray(
+        0.5 * np.abs(position[first] - position[before]) / _ROWS
+        + 0.5 * np.abs(position[after] - position[np.minimum(last + 1, after)]) / _ROWS
+    )
 
 
 def _least(first: Index, last: Index, rows: int) -> int:

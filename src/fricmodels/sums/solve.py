@@ -39,8 +39,9 @@ def solved(sums: Sums, inertia: float | None = None) -> Estimate:
     """
     drive = Drive(sums.plan.drive.model, inertia, sums.plan.motion)
     if sums.rows <= _ROWS * len(drive.parameters):
+        clear = stretches_of_motion(sums.rows, sums.plan.width * sums.plan.interval)
         raise InputError(
-            f"these sums have {stretches_of_motion(sums.rows)}, where {len(drive.parameters)} parameters ask for "
+            f"these sums have {clear}, where {len(drive.parameters)} parameters ask for "
             f"{_ROWS * len(drive.parameters) + 1}; add files with more motion"
         )
     squares = float(sums.whole[0, 0]) or float((inertia or 0.0) ** 2 * sums.whole[1, 1])  # of the push, or the inertia

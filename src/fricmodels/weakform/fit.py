@@ -47,18 +47,29 @@ _STAGES = 3
 """Fits in which the motor torque of a column is the one that the last fit explains, and the record at its delay."""
 
 
-def clear_stretches(drive: Drive, recording: Recording) -> tuple[int, int, str]:
-    """Return in how many stretches a prepared recording moves clearly, how many a fit asks for, and how to get more."""
-    problem = WeakFormProblem.of(drive, recording, _guess(drive, recording, {}), guessed=True)
-    return problem.rows, _ROWS * len(drive.parameters) + 1, _way_out(problem)
+def clear_stretches(drive: Drive, recording: Recording) -> tuple[str, int, str] | None:
+    """Return in how many stretches a prepared recording moves clearly, in words, how many a fit asks for, and how to
+    get more; ``None`` where it has enough."""
+    problem, asked = WeakFormProblem.of(drive, recording, _guess(drive, recording, {}), guessed=True), _asked(drive)
+    return (_clear(problem), asked, _way_out(problem)) if problem.rows < asked else None
+
+
+def _asked(drive: Drive) -> int:
+    return _ROWS * len(drive.parameters) + 1
+
+
+def _clear(problem: WeakFormProblem) -> str:
+    return stretches_of_motion(problem.rows, problem.bumps.width * problem.recording.interval)
 
 
 def _way_out(problem: WeakFormProblem) -> str:
     """Return what would give more rows: a record without gaps, where most of this one lies in pieces too short for any.
 
-    Else more motion.
+    Else more motion. Blocks that are kept back are no gaps of the record.
     """
-    lengths = np.array([piece.stop - piece.start for piece in segments(problem.recording)])
+    origin = problem.recording.origin
+    whole = problem.recording if origin is None else origin.whole
+    lengths = np.array([piece.stop - piece.start for piece in segments(whole)])
     short = lengths[lengths < problem.bumps.width]
     if 2 * short.sum() <= lengths.sum():
         return MORE_MOTION
@@ -225,10 +236,10 @@ def _solved(problem: WeakFormProblem, start: Mapping[str, float], found: Solved 
         found: an earlier fit to other rows. A scan of these rows may know better where to begin.
     """
     drive = problem.drive
-    if problem.rows <= _ROWS * len(drive.parameters):
+    if problem.rows < _asked(drive):
         raise InputError(
-            f"recording '{problem.recording.name}' moves too little: {stretches_of_motion(problem.rows)}, where "
-            f"{len(drive.parameters)} parameters ask for {_ROWS * len(drive.parameters) + 1}; {_way_out(problem)}"
+            f"recording '{problem.recording.name}' moves too little: {_clear(problem)}, where "
+            f"{len(drive.parameters)} parameters ask for {_asked(drive)}; {_way_out(problem)}"
         )
     nonlinear = {p.key for p in drive.parameters if not p.linear}
 

@@ -75,6 +75,8 @@ def at_model_velocity(found: Solved, *, widen: bool = True) -> Solved:
             best, predicted = solve(other.problem, found.plan, timing=False), velocity
     if predicted is None or _risk_of(predicted, recording) > smooth:
         return at_smooth
+    if not problem.drive.split(best.parameters)[0] > 0.0:
+        return at_smooth  # without inertia any motion fulfils the equation, and none is predicted
     # Simulated with the torque at another time the velocity would be another, and what it is now hides the shift.
     if could_be_shifted(found) and log_odds_of_a_shift(found, reversals=False) > STRONG:
         return at_smooth
