@@ -6,7 +6,11 @@ from enum import StrEnum
 
 
 class Gaps(StrEnum):
-    """Leave such rows out, or begin a new run after each of them; without either they are an error."""
+    """Leave such rows out, begin a new run after each of them, or join channels that stand in rows of their own.
+
+    Without any of them such a row is an error.
+    """
 
     DROP = "drop"
     SPLIT = "split"
+    JOIN = "join"

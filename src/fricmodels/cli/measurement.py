@@ -67,7 +67,10 @@ Report = Annotated[
 ]
 GapsOption = Annotated[
     Gaps | None,
-    typer.Option("--gaps", help="Leave out rows without numbers: drop them, or split, a new run after each gap."),
+    typer.Option(
+        "--gaps",
+        help="Rows without numbers: drop them; split, a new run after each gap; join channels in rows of their own.",
+    ),
 ]
 Verbose = Annotated[bool, typer.Option("--verbose", "-v", help="Print all that was found, not only the answer.")]
 LeaveOut = Annotated[

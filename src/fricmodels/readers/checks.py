@@ -8,6 +8,7 @@ import numpy as np
 
 from fricmodels.errors import InputError
 from fricmodels.readers.columns import ROW
+from fricmodels.readers.joined import stands_apart
 from fricmodels.recording import Recording
 
 
@@ -30,7 +31,11 @@ def check(recording: Recording, place: Callable[[int], str] = lambda row: f"samp
             others = f", and {len(bad) - 1} more" if len(bad) > 1 else ""
             raise InputError(
                 f"{source}: {place(int(bad[0]))}, {channel} ({columns.get(channel, channel)}): {value}{others}; "
-                f"remove or repair those rows, or leave them out with --gaps drop or --gaps split"
+                + (
+                    "the channels stand in rows of their own, as merged topics do: bring them together with --gaps join"
+                    if stands_apart(recording.channels)
+                    else "remove or repair those rows, or leave them out with --gaps drop or --gaps split"
+                )
             )
     _check_size(recording, source, columns)
     if len(recording) < 2:

@@ -58,7 +58,7 @@ def kept(channels: Mapping[str, Array], run: Index, how: Gaps) -> Kept:
     repeated = (np.diff(time[rows]) == 0) & (np.diff(run[rows]) == 0)
     rows = rows[np.concatenate([[True], ~repeated])] if len(rows) else rows
     own = run[rows]
-    if how is Gaps.DROP or not len(rows):
+    if how is not Gaps.SPLIT or not len(rows):
         return Kept(rows, own, len(run) - len(rows), 0, 0)
     hole = np.diff(np.cumsum(~usable)[rows]) > 0
     begins = hole | (np.diff(own) != 0) | (np.diff(time[rows]) < 0)

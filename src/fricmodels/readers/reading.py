@@ -23,6 +23,7 @@ from fricmodels.readers.checks import check
 from fricmodels.readers.columns import ROW, Column, Mapped, asked, assign, overlooked_columns, unread_brackets
 from fricmodels.readers.dates import stamps
 from fricmodels.readers.gaps import Gaps, kept
+from fricmodels.readers.joined import joined
 from fricmodels.readers.registers import find_register
 from fricmodels.readers.vectors import unequal_lengths
 from fricmodels.recording import OTHER, Recording
@@ -55,7 +56,7 @@ def read(
     name: str | None = None,
     reader: str | None = None,
     torque_constant: float | None = None,
-    gaps: Gaps | Literal["drop", "split"] | None = None,
+    gaps: Gaps | Literal["drop", "split", "join"] | None = None,
 ) -> Recording:
     """Read a recording.
 
@@ -69,7 +70,8 @@ def read(
         reader: name of the reader, if not by suffix.
         torque_constant: K_t [N m/A, or N/A], which makes torque of the current where no torque was measured.
         gaps: what is done with rows that hold no number, and where the clock starts anew; see
-            :mod:`fricmodels.readers.gaps`. How many were left out is in ``provenance["gaps"]``.
+            :mod:`fricmodels.readers.gaps` and :mod:`fricmodels.readers.joined`. How many were left out is in
+            ``provenance["gaps"]``.
 
     Returns:
         The recording in SI units, samples of each run together, checked by :func:`fricmodels.readers.check`; a position
@@ -115,13 +117,22 @@ def read(
     chosen.done()
     left: dict[str, Any] = {}
     if gaps is not None:
+        brought: list[str] = []
+        if Gaps(gaps) is Gaps.JOIN:
+            channels, brought = joined(channels, run)
         found_rows = kept(channels, run, Gaps(gaps))
         channels = {channel: values[found_rows.rows] for channel, values in channels.items()}
         run, order = found_rows.run, order[found_rows.rows]
         run_names = run_names if not found_rows.added else {}
         left = {"gaps": str(found_rows)} if found_rows.dropped or found_rows.alone or found_rows.added else {}
+        if brought:
+            left = {"gaps": f"{found_rows}; {', '.join(brought)} interpolated to the rows of the motion"}
         if not len(order):
-            raise InputError(f"{source}: no row has a number in every channel")
+            where = "at no sample of the motion is there" if brought else "no row has"
+            way_out = (
+                "" if brought else "; channels that stand in rows of their own are brought together by --gaps join"
+            )
+            raise InputError(f"{source}: {where} a number in every channel{way_out}")
     recording = Recording(
         name=name or source.stem,
         motion=kind,

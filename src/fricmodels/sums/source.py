@@ -45,6 +45,8 @@ def of_file(path: str | Path, plan: Plan, *, gaps: Gaps | str | None = None, **h
     """
     opened = blocks(path, **({"motion": plan.motion} | how))
     names = _names(opened, plan)
+    if gaps is not None and Gaps(gaps) is Gaps.JOIN:
+        raise InputError(f"{opened.source}: sums are made block by block, which joins no channels; write them joined")
     cut = _Cut(opened.source, plan, None if gaps is None else Gaps(gaps))
     columns = len(plan.drive.model.parameters) + 4
     products = np.zeros((PARTS, columns, columns))

@@ -166,7 +166,10 @@ class Dataset(Closed):
     torque_constant: Annotated[float, AfterValidator(_not_zero)] | None = Field(
         default=None, allow_inf_nan=False, description="N m/A or N/A; negative where the current counts the other way"
     )
-    gaps: Gaps | None = Field(default=None, description="leave out rows without numbers: drop them, or split into runs")
+    gaps: Gaps | None = Field(
+        default=None,
+        description="rows without numbers: drop them, split into runs, or join channels in rows of their own",
+    )
     runs: Runs | None = Field(default=None, description="numbers or names of the runs to use; all by default")
     preparation: Preparation | None = None
     split: Split | None = None
