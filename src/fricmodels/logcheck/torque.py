@@ -9,7 +9,7 @@ from fricmodels.logcheck.finding import Finding, Severity
 from fricmodels.logcheck.view import Log
 from fricmodels.signals.clusters import LEVEL, PROBABLE, certain, significance
 
-_VOLTAGE = 0.75
+_WHOLE = 0.75
 """Share of the variance from which one term makes the whole; a convention."""
 
 
@@ -38,6 +38,8 @@ def sign(log: Log, found: Balance) -> Iterator[Finding]:
         if constant is not None
         else f"turn its sign, as in {log.turned('torque')}"
     )
+    if found.share("K_v") ** 2 > _WHOLE:
+        remedy += "; but if something else moved it, and its motor braked, drive it by its motor"
     verb, driven = "has" if chance < LEVEL else "may have", "joint" if log.rotary else "axis"
     why = f"friction would drive the {driven}" if friction <= mass else f"the {driven} would have a negative inertia"
     yield Finding(
@@ -61,7 +63,7 @@ def voltage(log: Log, found: Balance) -> Iterator[Finding]:
     if "torque" not in columns and "current" in columns and log.column("current")[1]:
         return
     share = min(found.share("K_v") ** 2, found.explained_alone("K_v"))
-    if share > _VOLTAGE and certain(found.ratio({"K_v": 1.0}), found.clusters):
+    if share > _WHOLE and certain(found.ratio({"K_v": 1.0}), found.clusters):
         yield Finding(
             "not-a-torque",
             Severity.WARN,
