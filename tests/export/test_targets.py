@@ -15,7 +15,8 @@ import pytest
 import fricmodels
 from fricmodels.errors import InputError
 from fricmodels.export.targets import TARGETS, export_model
-from fricmodels.export.targets.nearest import COULOMB_VISCOUS, MUJOCO, motion_over, nearest, rms
+from fricmodels.export.targets.nearest import COULOMB_VISCOUS, MUJOCO, nearest
+from fricmodels.export.targets.validity import motion_over, rms
 from fricmodels.recording import Recording
 
 ROBOT = """<mujoco>
@@ -246,6 +247,62 @@ def test_a_spring_is_written_beside_a_friction_that_is_refitted(made: Callable[.
         assert joint is not None
         assert float(joint.get("stiffness", "nan")) == done.nearest.parameters["stiffness.k"]
         assert joint.get("springref") == "0"
+
+
+def test_a_compliance_that_is_left_out_changes_no_friction(kept: Callable[..., Any]) -> None:
+    """Refitted in its place the friction would make the torque of a body that swings on a spring."""
+    values = {"joint-compliance.J_l": 0.03, "joint-compliance.omega_n": 75.0, "joint-compliance.zeta": 0.02}
+    model = kept("coulomb-viscous+joint-compliance", {"K_v": 0.1, "K_c": 0.6, **values})
+    for target, damping in (
+        ("mjcf", 'damping="0.1 0.0 0.0" frictionloss="0.6"'),
+        ("urdf", 'damping="0.1" friction="0.6"'),
+    ):
+        done = export_model(model, target, name="elbow")
+        assert done.nearest is not None
+        assert done.nearest.how == "exact"
+        assert damping in done.text
+        assert any("left out: joint-compliance" in note for note in done.notes)
+
+
+def test_friction_that_is_the_same_in_both_directions_has_no_offset(curved: tuple[Any, Recording]) -> None:
+    model, recording = curved
+    for given in (recording, None):
+        assert "torque-offset.tau_0" not in nearest(model, MUJOCO, given).parameters
+
+
+def test_an_angle_that_may_be_zero_is_determined(made: Callable[..., Recording]) -> None:
+    """Friction of gravity about φ = 0 is known to a thousandth of a radian: zero is an angle like any other."""
+    name = "coulomb-viscous+gravity+gravity-friction"
+    values = {"K_c": 0.4, "gravity.a": 0.0, "gravity.b": 2.0, "gravity-friction.c": 0.8, "gravity-friction.phi": 0.0}
+    model = fricmodels.keep(fricmodels.compare(made(name, values), name, 2.0))
+    assert model.standard_errors["gravity-friction.phi"] < 0.01
+    for target in ("c", "mjcf", "urdf"):
+        assert not any("NOT DETERMINED" in note for note in export_model(model, target, name="elbow").notes)
+
+
+def test_the_joint_is_that_of_a_body(kept: Callable[..., Any]) -> None:
+    """An equality, and the transmission of a URDF, name a joint, too."""
+    model = kept("coulomb-viscous", {"K_v": 0.3, "K_c": 0.8})
+    robot = ROBOT.replace("<worldbody>", '<equality><joint name="elbow" joint1="elbow"/></equality><worldbody>')
+    text = export_model(model, "mjcf", name="elbow", into=robot).text
+    root = ET.fromstring(text)
+    assert "damping" not in root.find("equality/joint").attrib  # type: ignore[union-attr]
+    assert "damping" in root.find("worldbody/body/joint").attrib  # type: ignore[union-attr]
+    named = ARM.replace("<link", '<transmission name="t"><joint name="elbow"/></transmission><link', 1)
+    arm = ET.fromstring(export_model(model, "urdf", name="elbow", into=named).text)
+    assert arm.find("transmission/joint/dynamics") is None
+    assert arm.find("joint/dynamics") is not None
+
+
+def test_inertia_and_gear_of_a_robot_are_told(kept: Callable[..., Any]) -> None:
+    model = kept("coulomb-viscous", {"K_v": 0.3, "K_c": 0.8})
+    geared = ROBOT.replace('joint="elbow"/></act', 'joint="elbow" gear="50 0 0 0 0 0"/></act')
+    told = " ".join(export_model(model, "mjcf", name="elbow", into=geared).notes)
+    assert f"whole inertia is {model.inertia:.4g}" in told
+    assert "gear of 50" in told
+    given = " ".join(export_model(model, "mjcf", name="elbow", into=ROBOT, armature=1.0).notes)
+    assert "armature" not in given
+    assert "gear" not in given
 
 
 def test_what_is_behind_a_projection_is_said_too(kept: Callable[..., Any]) -> None:

@@ -181,8 +181,8 @@ def shows_no_inertia(parameters: Mapping[str, float | None], errors: Mapping[str
         )
     return (
         "No inertia shows: the speed changes too little or too slowly; or a controller switches the torque with the "
-        "direction of motion, which looks like friction; or the torque goes with the velocity alone, as that of a motor "
-        "does that brakes what something else moves. Give the inertia (--inertia) to tell them apart."
+        "direction of motion, which looks like friction; or the torque goes with the velocity alone, as where a motor "
+        "brakes what something else moves. Give the inertia (--inertia) to tell them apart."
     )
 
 

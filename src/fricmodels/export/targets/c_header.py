@@ -11,6 +11,7 @@ from fricmodels.errors import InputError
 from fricmodels.export.targets.c_filter import c_filter
 from fricmodels.export.targets.c_text import KEYWORDS, ascii_text, c_names, comment
 from fricmodels.export.targets.c_windowed import c_windowed
+from fricmodels.export.targets.validity import doubtful
 from fricmodels.filtering.problem import FilterProblem
 from fricmodels.filtering.windowed import WindowedRegression
 from fricmodels.kernels.c_source import c_lines, literal
@@ -82,7 +83,7 @@ class _Header:
             for seen_name, seen in document.range.items()
             if seen_name in {channel_of(s) for s in model.needs}
         ]
-        for key, reason in model.not_identified.items():
+        for key, reason in doubtful(model).items():
             lines.append(f"NOT DETERMINED by the recording: {key}: {reason}.")
         lines += [f"{model.of_the_clock}."] if model.of_the_clock else []
         for term_name in model.memory.approximate if self.states else ():
@@ -102,10 +103,10 @@ class _Header:
         )
 
     def _structs(self) -> str:
-        stored = self.model.document.parameters
+        stored, vague = self.model.document.parameters, doubtful(self.model)
         fields = [
             f"    double {c}; /* {key} [{stored[key].unit}] {ascii_text(stored[key].meaning)}"
-            f"{'' if stored[key].identified else ' - NOT DETERMINED'} */"
+            f"{' - NOT DETERMINED' if key in vague else ''} */"
             for key, c in self.parameters.items()
         ] or ["    double none; /* the model has no parameters */"]
         values = [f"    {literal(stored[key].value)}, /* {key} */" for key in self.parameters] or ["    0.0"]

@@ -10,9 +10,10 @@ from __future__ import annotations
 import math
 import re
 import xml.etree.ElementTree as ET
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from xml.sax.saxutils import quoteattr
 
+from fricmodels.dimension import Motion
 from fricmodels.errors import InputError, suggestion
 from fricmodels.export.targets.nearest import Nearest
 from fricmodels.export.targets.simple import number, xml_comment
@@ -82,7 +83,7 @@ def into_xml(text: str, found: Nearest, notes: list[str], joint: str, armature: 
         InputError: where the text is no MJCF, or has no such joint.
     """
     root = parsed(text, "mujoco")
-    chosen = named_joint(root, joint)
+    chosen = named_joint(_joints(root), joint)
     for key, value in joint_attributes(found, armature=armature).items():
         chosen.set(key, value)
     motors = actuators(found, joint)
@@ -98,6 +99,31 @@ def into_xml(text: str, found: Nearest, notes: list[str], joint: str, armature: 
     root.insert(0, ET.Comment("\n" + "\n".join(f"  {line}".replace("--", "- -") for line in notes) + "\n"))
     ET.indent(root)
     return ET.tostring(root, encoding="unicode") + "\n"
+
+
+def of_the_joint(text: str, found: Nearest, joint: str, armature: float | None) -> list[str]:
+    """Return what to know of a joint that friction is written into: whose inertia it has, and at which side of a gear.
+
+    Args:
+        text: the MJCF. found, joint, armature: see :func:`into_xml`.
+    """
+    root, inertia = parsed(text, "mujoco"), found.parameters[found.drive.inertia_key]
+    unit, lines = "kg m^2" if found.drive.motion is Motion.ROTARY else "kg", []
+    if armature is None:
+        own = named_joint(_joints(root), joint).get("armature", "0")
+        lines.append(
+            f"the joint keeps its armature of {own} {unit}: the drive's whole inertia is {inertia:.4g} {unit}; give "
+            "what the links do not have of it with --armature"
+        )
+    motors = [motor for section in root.findall("actuator") for motor in section if motor.get("joint") == joint]
+    for motor in motors:
+        gear = (motor.get("gear", "1").split() or ["1"])[0]
+        if gear not in ("1", "1.0"):
+            lines.append(
+                f"the actuator '{motor.get('name', motor.tag)}' has a gear of {gear}: friction is written as it was "
+                "fitted; if the recording is of the motor's side of that gear, scale both to the joint first"
+            )
+    return lines
 
 
 def parsed(text: str, kind: str) -> ET.Element:
@@ -117,17 +143,21 @@ def parsed(text: str, kind: str) -> ET.Element:
     return root
 
 
-def named_joint(root: ET.Element, joint: str) -> ET.Element:
+def _joints(root: ET.Element) -> list[ET.Element]:
+    """Return the joints of the bodies; others, of equalities and tendons, only name one."""
+    return [joint for body in root.findall("worldbody") for joint in body.iter("joint")]
+
+
+def named_joint(joints: Iterable[ET.Element], joint: str) -> ET.Element:
     """Return the joint of a name.
 
     Raises:
         InputError: naming the nearest one there is.
     """
-    joints = [e for e in root.iter("joint") if e.get("name")]
-    for element in joints:
-        if element.get("name") == joint:
-            return element
-    raise InputError(f"the XML has no joint '{joint}'{suggestion(joint, [str(e.get('name')) for e in joints])}")
+    named = {str(element.get("name")): element for element in joints if element.get("name")}
+    if joint not in named:
+        raise InputError(f"the XML has no joint '{joint}'{suggestion(joint, list(named))}")
+    return named[joint]
 
 
 def _attributes(values: Attributes) -> str:

@@ -9,15 +9,15 @@ from typing import Literal
 import numpy as np
 
 from fricmodels import plugins
-from fricmodels.arrays import Array
-from fricmodels.dimension import Motion
 from fricmodels.drive import Drive
 from fricmodels.errors import InputError
 from fricmodels.export.targets.laws import PolynomialDamping, Viscous
+from fricmodels.export.targets.validity import doubtful, friction_over, motion_over, rms, that_matter
 from fricmodels.model import Model, NoFriction
-from fricmodels.recording import CHANNELS, OTHER, Recording
+from fricmodels.recording import Recording
+from fricmodels.results.words import CONTAINS_ZERO, NORMAL_95
 from fricmodels.saved import FittedModel
-from fricmodels.term import Effect, Law
+from fricmodels.term import Effect, Law, Term
 
 OF_RECORDING = {
     "sensor-delay": "a delay of the recording, not of the drive",
@@ -32,7 +32,7 @@ OF_LINKS = {
     "inertia-error": "it is added to the inertia",
 }
 """Effects of rigid bodies, which a simulator computes by itself: they are fitted with the rest, and not written."""
-_SAMPLES = 4000
+_NONE = "the target has nothing of its kind"
 
 
 @dataclass(frozen=True)
@@ -43,7 +43,8 @@ class Dialect:
         law: the law, or the name of one, that is fitted where the model's own cannot be expressed.
         same: for a law of the model by name, its parameters → those of ``law``: these are the same law.
         own: laws of a model that the target has as they are. effects: effects that it has.
-        constants: of these the ones with a constant; where a model has none, the first is fitted beside the law.
+        constants: of these the ones with a constant; the first is fitted beside the law where a model has none of them
+            and its friction is not the same in both directions.
     """
 
     law: type[Law] | str
@@ -56,11 +57,13 @@ class Dialect:
         """Return the law that is fitted."""
         return plugins.load().laws[self.law]() if isinstance(self.law, str) else self.law()
 
-    def with_one_constant(self, effects: Sequence[Effect]) -> list[Effect]:
-        """Return the effects that are fitted beside the law: of several constants only their sum is known."""
+    def with_one_constant(self, effects: Sequence[Effect], friction: Sequence[Term]) -> list[Effect]:
+        """Return the effects that are fitted beside the law in the place of a friction: of constants only the sum is
+        known, and the same friction in both directions has none."""
         last = [name for name in self.constants if name in {effect.name for effect in effects}][-1:]
         kept = [effect for effect in effects if effect.name not in self.constants or effect.name in last]
-        return kept if last or not self.constants else [*kept, plugins.load().effects[self.constants[0]]()]
+        needed = self.constants and not last and any(term.symmetry != "odd" for term in friction)
+        return [*kept, plugins.load().effects[self.constants[0]]()] if needed else kept
 
 
 _KV_KC = {"coulomb-viscous": {"K_v": "K_v", "K_c": "K_c"}}
@@ -165,9 +168,9 @@ def nearest(model: FittedModel, dialect: Dialect, recording: Recording | None = 
         )
     effects = {kind: [e for e in model.model.effects if _kind(e, dialect) == kind] for kind in _KINDS}
     law, same = model.model.law, dialect.same.get(model.model.law.name)
-    exact = not effects["lost"] and (same is not None or law.name in dialect.own)
+    exact = not effects["friction"] and (same is not None or law.name in dialect.own)
     motion, over = _motion(model, recording)
-    apart = _of_its_course(effects["lost"]) if recording is None else []
+    aside = [*effects["bodies"], *effects["links"], *effects["recording"]]
     if exact:
         chosen = law if law.name in dialect.own else dialect.make()
         drive = Drive(Model(chosen, effects["written"]), model.inertia, model.motion)
@@ -175,29 +178,26 @@ def nearest(model: FittedModel, dialect: Dialect, recording: Recording | None = 
         values = dict.fromkeys((p.key for p in drive.model.parameters), 0.0)
         values |= {names.get(k, k): v for k, v in model.parameters.items() if names.get(k, k) in values}
         values[drive.inertia_key] = model.inertia
-        unknown = {names.get(k, k): why for k, why in model.not_identified.items() if names.get(k, k) in values}
+        unknown = {names.get(k, k): why for k, why in undetermined(model).items() if names.get(k, k) in values}
         errors = None
     else:
-        chosen = dialect.make()
-        effects["written"] = dialect.with_one_constant(effects["written"])
-        beside = [*effects["written"], *effects["links"], *effects["recording"]]
-        fitted = Drive(Model(chosen, beside), model.drive.inertia, model.motion)
+        written = dialect.with_one_constant(effects["written"], [law, *effects["friction"]])
+        fitted = Drive(Model(dialect.make(), [*written, *aside]), model.drive.inertia, model.motion)
+        drive = Drive(Model(fitted.model.law, written), model.inertia, model.motion)
         values, unknown, errors = (
-            _projected(model, fitted, motion, apart) if recording is None else _refitted(model, fitted, recording)
+            _projected(model, drive, motion, aside) if recording is None else _refitted(model, fitted, recording)
         )
-        drive = Drive(Model(fitted.model.law, effects["written"]), values[fitted.inertia_key], model.motion)
-    aside = [*effects["links"], *effects["recording"], *apart]
-    left = _left_out(model, effects, motion, law if not exact else None, dialect, apart)
     whole = Drive(Model(law, [e for e in model.model.effects if e not in aside]), model.inertia, model.motion)
-    full = _friction(whole, model.parameters, motion)
-    cost = 0.0 if exact else rms(full - _friction(drive, values, motion))
-    inertia = values[drive.inertia_key] + model.parameters.get("inertia-error.dJ", 0.0)
+    full = friction_over(whole, model.parameters, motion)
     keys = {drive.inertia_key, *(p.key for p in drive.model.parameters)}
+    written_drive = Drive(drive.model, values[drive.inertia_key], model.motion)
+    cost = 0.0 if exact else rms(full - friction_over(written_drive, values, motion))
+    inertia = values[drive.inertia_key] + model.parameters.get("inertia-error.dJ", 0.0)
     return Nearest(
         Drive(drive.model, inertia, model.motion),
         {**{k: v for k, v in values.items() if k in keys}, drive.inertia_key: inertia},
         "exact" if exact else "projected" if recording is None else "refitted",
-        left,
+        _left_out(model, effects, motion, law if not exact else None, dialect, driven=recording is not None),
         cost,
         rms(full),
         over,
@@ -206,14 +206,21 @@ def nearest(model: FittedModel, dialect: Dialect, recording: Recording | None = 
     )
 
 
-_KINDS = ("written", "lost", "links", "recording")
+_KINDS = ("written", "friction", "bodies", "links", "recording")
+"""What becomes of an effect: it is written; the friction that is written does what it did; or it is left out, as it was
+fitted beside the friction, which would have absurd values if it were to make a spring's or a body's torque, too."""
 
 
 def _kind(effect: Effect, dialect: Dialect) -> str:
     name = effect.name.partition("(")[0]
     if name in dialect.effects:
         return "written"
-    return "recording" if name in OF_RECORDING else "links" if name in OF_LINKS else "lost"
+    if name in OF_RECORDING:
+        return "recording"
+    if name in OF_LINKS:
+        return "links"
+    of_bodies = {"position", "acceleration"} & Model(NoFriction(), [effect]).needs
+    return "bodies" if of_bodies and not effect.friction else "friction"
 
 
 def _refitted(
@@ -226,15 +233,23 @@ def _refitted(
     known = Known(model.parameters, model.standard_errors, fixed=True)
     own = compare(recording, model.model.knowing(known), model.drive.inertia)
     errors = (own.errors.held_out_percent, found.errors.held_out_percent)
-    return dict(found.estimate.parameters), dict(found.estimate.not_identified), errors
+    values, spread = found.estimate.parameters, found.estimate.standard_errors
+    unit = {p.key: p.declared.unit_for(model.motion) for p in drive.parameters}
+    vague = {
+        key: f"{values[key]:.3g} ± {NORMAL_95 * spread[key]:.3g} {unit[key]}, which {CONTAINS_ZERO}"
+        for key in spread
+        if abs(values[key]) <= NORMAL_95 * spread[key]
+    }
+    vague |= found.estimate.not_identified
+    return dict(values), that_matter(found.drive, values, spread, vague, found.problem.recording), errors
 
 
 def _projected(
-    model: FittedModel, drive: Drive, motion: Recording, apart: Collection[Effect]
+    model: FittedModel, drive: Drive, motion: Recording, aside: Collection[Effect]
 ) -> tuple[dict[str, float], dict[str, str], tuple[float, float] | None]:
     """Return the parameters nearest to a model's torque over a motion, by least squares within their bounds.
 
-    Without the effects that are set ``apart``, see :func:`_of_its_course`.
+    Without the effects that are set ``aside``: what is not written takes no part.
     """
     from fricmodels.filtering.preparation import bounded_least_squares
 
@@ -244,21 +259,20 @@ def _projected(
     declared = [p for p, ok in zip(drive.model.parameters, linear, strict=True) if ok]
     lower = np.array([p.declared.lower for p in declared])
     upper = np.array([p.declared.upper for p in declared])
-    shown = Model(model.model.law, [effect for effect in model.model.effects if effect not in apart])
-    right = _friction(Drive(shown, model.inertia, model.motion), model.parameters, motion) - offset
+    shown = Model(model.model.law, [effect for effect in model.model.effects if effect not in aside])
+    right = friction_over(Drive(shown, model.inertia, model.motion), model.parameters, motion) - offset
     moving = np.abs(motion.velocity) > 1e-3 * motion.peak_speed
     found = bounded_least_squares(design[:, moving], right[moving], lower, upper, [])
     parts = np.sqrt(np.mean((found[:, None] * design) ** 2, axis=1))
     found[parts < _ROUNDING * rms(right)] = 0.0
     values = {**held, **dict(zip((p.key for p in declared), found.tolist(), strict=True))}
     values[drive.inertia_key] = model.inertia
-    kept = {k: why for k, why in model.not_identified.items() if k in values}
+    vague = undetermined(model)
+    kept = {k: why for k, why in vague.items() if k in values}
     idle = {one.name for one in shown.effects if _adds(model, one, motion) < _ROUNDING * rms(right)}
-    idle |= {one.name for one in apart}
+    idle |= {one.name for one in aside}
     behind = ", ".join(
-        f"the model's {k}"
-        for k in undetermined(model)
-        if "." not in k or (k not in values and k.split(".")[0] not in idle)
+        f"the model's {k}" for k in vague if "." not in k or (k not in values and k.split(".")[0] not in idle)
     )
     law = sorted(p.symbol for p in drive.model.law.parameters)
     return values, {**kept, **(dict.fromkeys(law, f"it was projected from {behind}") if behind else {})}, None
@@ -274,10 +288,13 @@ def _of_its_course(effects: Iterable[Effect]) -> list[Effect]:
     return [effect for effect, one in alone if "acceleration" in one.needs]
 
 
-def undetermined(model: FittedModel) -> list[str]:
-    """Return the keys of a model's friction that the recording did not determine; not of links, nor of a recording."""
+def undetermined(model: FittedModel) -> dict[str, str]:
+    """Return key → reason of the parameters of a model's friction that the recording did not determine.
+
+    Not of links, nor of a recording.
+    """
     aside = {*OF_RECORDING, *OF_LINKS, "J", "M"}
-    return [k for k in model.not_identified if k.partition(".")[0].partition("(")[0] not in aside]
+    return {k: why for k, why in doubtful(model).items() if k.partition(".")[0].partition("(")[0] not in aside}
 
 
 def _left_out(
@@ -286,18 +303,22 @@ def _left_out(
     motion: Recording,
     law: Law | None,
     dialect: Dialect,
-    apart: Collection[Effect],
+    *,
+    driven: bool,
 ) -> tuple[LeftOut, ...]:
-    """Return what is left out; of effects that are set ``apart`` without what that costs."""
+    """Return what is left out; where no drive was ``driven`` so, of some without what that costs."""
     found = []
     if law is not None and law.name not in dialect.same:
         shape = model.document.terms[0].equation
-        torque = rms(_friction(Drive(Model(law), model.inertia, model.motion), model.parameters, motion))
+        torque = rms(friction_over(Drive(Model(law), model.inertia, model.motion), model.parameters, motion))
         found.append(LeftOut(law.name, torque, f"'{dialect.make().name}' stands for {shape}"))
     reasons = {**OF_RECORDING, **OF_LINKS}
-    for kind in ("lost", "links", "recording"):
+    apart = [] if driven else _of_its_course(effects["bodies"])
+    for kind in _KINDS[1:]:
         for effect in effects[kind]:
-            reason = reasons.get(effect.name.partition("(")[0], "the target has nothing of its kind")
+            reason = reasons.get(effect.name.partition("(")[0], _NONE)
+            if kind == "friction":
+                reason = f"'{dialect.make().name}' stands for it"
             found.append(LeftOut(effect.name, np.nan if effect in apart else _adds(model, effect, motion), reason))
     return tuple(found)
 
@@ -305,11 +326,7 @@ def _left_out(
 def _adds(model: FittedModel, effect: Effect, motion: Recording) -> float:
     """Return the RMS torque that an effect of a model adds over a motion."""
     alone = Drive(Model(NoFriction(), [effect]), model.inertia, model.motion)
-    return rms(_friction(alone, model.parameters, motion))
-
-
-def _friction(drive: Drive, values: Mapping[str, float], motion: Recording) -> Array:
-    return drive.friction(motion, {**values, drive.inertia_key: values.get(drive.inertia_key, 0.0)})
+    return rms(friction_over(alone, model.parameters, motion))
 
 
 def _motion(model: FittedModel, recording: Recording | None) -> tuple[Recording, str]:
@@ -318,33 +335,3 @@ def _motion(model: FittedModel, recording: Recording | None) -> tuple[Recording,
 
         return ready(recording), "on the recording"
     return motion_over(model), "over the range of validity"
-
-
-def motion_over(model: FittedModel) -> Recording:
-    """Return a motion that goes through the ranges that a model is valid in, evenly, each channel at its own pace.
-
-    Where the model remembers its way and does not look at the clock, the drive goes as far between two reversals as it
-    did in the recording: a contact that bends over a millimetre is not bent all the time.
-    """
-    time = np.linspace(*model.ranges.get("time", (0.0, 40.0)), _SAMPLES)
-    passed = 40.0 * np.arange(_SAMPLES) / _SAMPLES
-    channels: dict[str, Array] = {"time": time}
-    reversals, paces = 0.0, iter(np.sqrt([2.0, 3.0, 5.0, 7.0, 11.0, 13.0, 17.0, 19.0, 23.0, 29.0, 31.0, 37.0]))
-    wanted = {*CHANNELS, *(n for n in model.document.units)} | {n for n in model.document.range if n.startswith(OTHER)}
-    for name in sorted(wanted - {"time", "current", "torque_rate"}):
-        low, high = model.ranges.get(name, (-1.0, 1.0))
-        phase = passed * next(paces) / 2.0
-        channels[name] = low + (high - low) * np.abs(2 * (phase % 1.0) - 1)
-        if name == "velocity":
-            reversals = 2 * float(phase[-1])
-    low, high = model.ranges.get("position", (0.0, 0.0))
-    way, speed = high - low, float(np.mean(np.abs(channels["velocity"])))
-    if model.model.states and "time" not in model.needs and way > 0 and speed > 0:
-        channels["time"] = np.linspace(0.0, reversals * way / speed, _SAMPLES)
-    run = np.full(_SAMPLES, model.document.runs[0], dtype=np.int64)
-    return Recording("range of validity", Motion(model.motion), channels, run, units=dict(model.document.units))
-
-
-def rms(values: Array) -> float:
-    """Return the root of the mean square."""
-    return float(np.sqrt(np.mean(np.square(values))))

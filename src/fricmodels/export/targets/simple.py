@@ -7,7 +7,8 @@ from collections.abc import Mapping
 import numpy as np
 
 from fricmodels.drive import Drive
-from fricmodels.export.targets.nearest import Nearest, motion_over
+from fricmodels.export.targets.nearest import Nearest
+from fricmodels.export.targets.validity import motion_over
 from fricmodels.saved import FittedModel
 
 

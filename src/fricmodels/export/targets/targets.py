@@ -12,6 +12,7 @@ from fricmodels.errors import InputError, suggestion
 from fricmodels.export.targets import mjcf, simple
 from fricmodels.export.targets.c_header import c_header
 from fricmodels.export.targets.nearest import COULOMB_VISCOUS, MUJOCO, VISCOUS, Dialect, Nearest, nearest, undetermined
+from fricmodels.export.targets.validity import doubtful
 from fricmodels.filtering.problem import FilterProblem
 from fricmodels.filtering.windowed import WindowedRegression
 from fricmodels.recording import Recording
@@ -78,7 +79,7 @@ def export_model(
         raise InputError(f"only {' and '.join(_ROOTS)} are written into a given file; leave --into out for '{target}'")
     if online is not None and target != "c":
         raise InputError(f"a filter on line is written in C only; leave --online out for '{target}'")
-    vague = tuple(f"NOT DETERMINED by the recording: {k}: {why}" for k, why in model.not_identified.items())
+    vague = tuple(f"NOT DETERMINED by the recording: {k}: {why}" for k, why in doubtful(model).items())
     vague += (model.of_the_clock,) if model.of_the_clock else ()
     if target == "c":
         return Exported(c_header(model, name, _filter(model, online, recording)), vague)
@@ -87,7 +88,11 @@ def export_model(
     found = nearest(model, _DIALECTS[target], recording)
     notes = [f"{model.name}, fitted to {model.document.provenance.recording}", *found.notes(FORCE.unit(model.motion))]
     if target == "mjcf":
-        text = mjcf.snippet(found, notes, name) if into is None else mjcf.into_xml(into, found, notes, name, armature)
+        if into is None:
+            text = mjcf.snippet(found, notes, name)
+        else:
+            notes += mjcf.of_the_joint(into, found, name, armature)
+            text = mjcf.into_xml(into, found, notes, name, armature)
     elif target == "isaac":
         notes += [f"NOT DETERMINED by the recording, behind 'friction': {key}" for key in undetermined(model)]
         text = simple.isaac(found, notes, name, model)
@@ -113,7 +118,7 @@ def _filter(
 
 def _into_urdf(text: str, found: Nearest, notes: list[str], joint: str) -> str:
     root = mjcf.parsed(text, "robot")
-    chosen = mjcf.named_joint(root, joint)
+    chosen = mjcf.named_joint(root.findall("joint"), joint)
     dynamics = chosen.find("dynamics")
     if dynamics is None:
         dynamics = ET.SubElement(chosen, "dynamics")
