@@ -58,7 +58,7 @@ def test_runs_tell_it_in_the_order_of_their_times(made: Made) -> None:
     whole = replace(turned, run=(turned.time < 8.0).astype(np.int64)).remembering()
     fitted = whole.select((whole.time < 7.0) | (whole.time > 9.0))
     parameters = {**LAW, "J": INERTIA, "step-change.c": 0.8, "step-change.d": 0.0, KEY: 8.0}
-    told = told_by_kept_back(Drive(Model.parse(MODEL), INERTIA, one.motion), fitted, parameters)
+    told = told_by_kept_back(Drive(Model.parse(MODEL), INERTIA, one.motion), fitted, parameters, {})
     assert told[KEY] == pytest.approx(8.6, abs=0.05)
 
 
@@ -69,3 +69,20 @@ def test_a_gap_in_which_nothing_was_recorded_tells_nothing(made: Made) -> None:
     _, found = estimate(Drive(Model.parse(MODEL), INERTIA, recording.motion), recording)
     assert found.parameters[KEY] == pytest.approx(8.5, abs=0.01)
     assert found.told_by_kept_back == ()
+
+
+@pytest.mark.parametrize("beyond", [-0.03, 0.04])
+def test_a_jump_that_was_fitted_just_outside_of_a_block_is_sought_within(made: Made, beyond: float) -> None:
+    """No row reaches into the block: one near its end may be fitted past it. How far off it may be tells its error."""
+    whole = made(MODEL, {"step-change.c": 0.8, "step-change.d": 0.0, KEY: 8.3}).remembering()
+    fitted = whole.select((whole.time < 7.0) | (whole.time > 9.0))
+    drive = Drive(Model.parse(MODEL), INERTIA, whole.motion)
+    at = {
+        **LAW,
+        "J": INERTIA,
+        "step-change.c": 0.8,
+        "step-change.d": 0.0,
+        KEY: 9.0 + beyond if beyond > 0 else 7.0 + beyond,
+    }
+    assert told_by_kept_back(drive, fitted, at, {KEY: 0.5})[KEY] == pytest.approx(8.3, abs=0.05)
+    assert told_by_kept_back(drive, fitted, at, {KEY: 0.001}) == {}

@@ -88,7 +88,7 @@ def estimate(
     recording.require(drive.model.required - {"velocity", "acceleration"}, drive.model.name)
     rows, found = _estimated(drive, recording, start or {}, width, model_velocity=model_velocity)
     refuse_without_motion(drive, rows.recording, found.parameters, found.residual_percent)
-    told = told_by_kept_back(drive, recording, found.parameters)
+    told = told_by_kept_back(drive, recording, found.parameters, found.standard_errors)
     if told:
         found = replace(found, parameters={**found.parameters, **told}, told_by_kept_back=tuple(told))
         rows = replace(rows, estimated=dict(found.parameters))
