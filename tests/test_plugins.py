@@ -41,6 +41,7 @@ EFFECTS = [
     "other",
     "other-friction",
     "other-gravity",
+    "chain-gravity",
     "other-inertia",
     "proximal-coupling",
     "run-offset",

@@ -91,6 +91,10 @@ FORMULAS: dict[str, tuple[dict[str, float], Callable[[Any, Array], Array]]] = {
     "other": ({"c": 2.0}, lambda r, s: 2 * r["other.x"]),
     "other-friction": ({"c": 2.0, "d": 3.0}, lambda r, s: 2 * r["other.x"] + 3 * np.sign(r["other.x"])),
     "other-gravity": ({"a": 2.0, "b": 3.0}, lambda r, s: 2 * np.cos(r["other.x"]) + 3 * np.sin(r["other.x"])),
+    "chain-gravity": (
+        {"a": 2.0, "b": 3.0, "c": 3.0, "d": -2.0},  # parallel axes
+        lambda r, s: 2 * np.cos(r["position"] + r["other.x"]) + 3 * np.sin(r["position"] + r["other.x"]),
+    ),
     "other-inertia": ({"c": 2.0}, lambda r, s: 2 * np.gradient(r["other.x"], r.time)),
     "proximal-coupling": ({"c": 2.0, "a": 3.0, "b": 5.0}, lambda r, s: coupled_links(r, 2.0, 3.0, 5.0)),
     "run-offset": ({"tau_0": 2.0}, lambda r, s: np.where(r.run == 0, 2.0, 0.0)),

@@ -22,7 +22,12 @@ from fricmodels.saved import FittedModel
 COMPILER = shutil.which("cc") or shutil.which("gcc") or shutil.which("clang")
 needs_compiler = pytest.mark.skipif(COMPILER is None, reason="there is no C compiler")
 STRICT = ["-std=c99", "-O2", "-Wall", "-Wextra", "-pedantic", "-Werror"]
-CHANNEL = {"other": "j2_position", "other-friction": "j2_velocity", "other-gravity": "j2_position"}
+CHANNEL = {
+    "other": "j2_position",
+    "other-friction": "j2_velocity",
+    "other-gravity": "j2_position",
+    "chain-gravity": "j2_position",
+}
 CHANNEL |= {"other-inertia": "j2_velocity", "proximal-coupling": "j2_velocity"}
 DRIVER = """
 #include "{n}.h"

@@ -29,7 +29,8 @@ def test_the_motion_has_what_a_candidate_asks_for(name: str, units: dict[str, st
 
 
 @pytest.mark.parametrize(
-    "name", ["other", "other-friction", "other-gravity", "other-inertia", "proximal-coupling", "run-offset"]
+    "name",
+    ["other", "other-friction", "other-gravity", "chain-gravity", "other-inertia", "proximal-coupling", "run-offset"],
 )
 def test_what_asks_for_more_channels_or_runs_is_examined_not_skipped(name: str) -> None:
     exam = type("Exam", (EffectExam,), {"term": EFFECTS[name]})

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from fricmodels.effects.asymmetry import Asymmetry
 from fricmodels.effects.backlash import Backlash
+from fricmodels.effects.chain_gravity import ChainGravity
 from fricmodels.effects.cogging import Cogging
 from fricmodels.effects.directional_efficiency import DirectionalEfficiency
 from fricmodels.effects.drift import Drift
@@ -65,6 +66,7 @@ def fricmodels_effects() -> list[type[Effect]]:
         Other,
         OtherFriction,
         OtherGravity,
+        ChainGravity,
         OtherInertia,
         ProximalCoupling,
         RunOffset,

@@ -27,6 +27,7 @@ OF_RECORDING = {
 OF_LINKS = {
     "gravity": "give the link its mass and its centre",
     "other-gravity": "give the links their masses",
+    "chain-gravity": "give the links their masses",
     "other-inertia": "give the links their inertias",
     "proximal-coupling": "give the links their masses and inertias",
     "inertia-error": "it is added to the inertia",
