@@ -240,8 +240,7 @@ def test_a_spring_is_written_beside_a_friction_that_is_refitted(made: Callable[.
         assert done.nearest is not None
         assert done.nearest.parameters["stiffness.k"] == pytest.approx(4.0, rel=0.02)
         assert done.nearest.parameters["stiffness.tau_0"] == pytest.approx(0.7, abs=0.03)
-        if given is not None:
-            assert not {"stiffness.k", "stiffness.tau_0"} & set(done.nearest.not_identified)
+        assert not done.nearest.not_identified
         root = ET.fromstring(f"<x>{done.text}</x>")
         joint = root.find("joint")
         assert joint is not None

@@ -12,10 +12,9 @@ from fricmodels import plugins
 from fricmodels.drive import Drive
 from fricmodels.errors import InputError
 from fricmodels.export.targets.laws import PolynomialDamping, Viscous
-from fricmodels.export.targets.validity import doubtful, friction_over, motion_over, rms, that_matter
+from fricmodels.export.targets.validity import combined_within, doubtful, friction_over, motion_over, rms
 from fricmodels.model import Model, NoFriction
 from fricmodels.recording import Recording
-from fricmodels.results.words import CONTAINS_ZERO, NORMAL_95
 from fricmodels.saved import FittedModel
 from fricmodels.term import Effect, Law, Term
 
@@ -131,7 +130,7 @@ class Nearest:
             for one in self.left_out
         ]
         if self.how == "refitted":
-            lines.append(f"'{self.drive.model.name}' was refitted to the recording, nothing was cut off")
+            lines.append(f"'{self.drive.model.name}' was refitted along the recording, nothing was cut off")
         if self.how == "projected":
             lines.append(
                 f"'{self.drive.model.name}' was projected over the range of validity, not refitted: give the "
@@ -183,11 +182,9 @@ def nearest(model: FittedModel, dialect: Dialect, recording: Recording | None = 
         errors = None
     else:
         written = dialect.with_one_constant(effects["written"], [law, *effects["friction"]])
-        fitted = Drive(Model(dialect.make(), [*written, *aside]), model.drive.inertia, model.motion)
-        drive = Drive(Model(fitted.model.law, written), model.inertia, model.motion)
-        values, unknown, errors = (
-            _projected(model, drive, motion, aside) if recording is None else _refitted(model, fitted, recording)
-        )
+        drive = Drive(Model(dialect.make(), written), model.inertia, model.motion)
+        values, unknown = _fitted(model, drive, motion, aside)
+        errors = None if recording is None else _test_errors(model, drive, values, aside, recording)
     whole = Drive(Model(law, [e for e in model.model.effects if e not in aside]), model.inertia, model.motion)
     full = friction_over(whole, model.parameters, motion)
     keys = {drive.inertia_key, *(p.key for p in drive.model.parameters)}
@@ -224,33 +221,28 @@ def _kind(effect: Effect, dialect: Dialect) -> str:
     return "bodies" if of_bodies and not effect.friction else "friction"
 
 
-def _refitted(
-    model: FittedModel, drive: Drive, recording: Recording
-) -> tuple[dict[str, float], dict[str, str], tuple[float, float] | None]:
+def _test_errors(
+    model: FittedModel, drive: Drive, values: Mapping[str, float], aside: Sequence[Effect], recording: Recording
+) -> tuple[float, float]:
+    """Return the test errors [%] of the whole model and of what is written, with what is not written beside it."""
     from fricmodels.diagnosis import compare
     from fricmodels.model import Known
 
-    found = compare(recording, drive.model.knowing(Known(model.parameters)), drive.inertia)
-    known = Known(model.parameters, model.standard_errors, fixed=True)
-    own = compare(recording, model.model.knowing(known), model.drive.inertia)
-    errors = (own.errors.held_out_percent, found.errors.held_out_percent)
-    values, spread = found.estimate.parameters, found.estimate.standard_errors
-    unit = {p.key: p.declared.unit_for(model.motion) for p in drive.parameters}
-    vague = {
-        key: f"{values[key]:.3g} ± {NORMAL_95 * spread[key]:.3g} {unit[key]}, which {CONTAINS_ZERO}"
-        for key in spread
-        if abs(values[key]) <= NORMAL_95 * spread[key]
-    }
-    vague |= found.estimate.not_identified
-    return dict(values), that_matter(found.drive, values, spread, vague, found.problem.recording), errors
+    beside = Model(drive.model.law, [*drive.model.effects, *aside])
+    parts = (model.model, model.parameters), (beside, {**model.parameters, **values})
+    own, found = (
+        compare(recording, part.knowing(Known(numbers, fixed=True)), model.drive.inertia) for part, numbers in parts
+    )
+    return own.errors.held_out_percent, found.errors.held_out_percent
 
 
-def _projected(
+def _fitted(
     model: FittedModel, drive: Drive, motion: Recording, aside: Collection[Effect]
-) -> tuple[dict[str, float], dict[str, str], tuple[float, float] | None]:
-    """Return the parameters nearest to a model's torque over a motion, by least squares within their bounds.
+) -> tuple[dict[str, float], dict[str, str]]:
+    """Return the parameters nearest to a model's friction over a motion, by least squares within their bounds.
 
-    Without the effects that are set ``aside``: what is not written takes no part.
+    The model stands for the recording: noise, which it was freed of, is no friction. Without the effects that are set
+    ``aside``: what is not written takes no part. And key → reason of what is not determined.
     """
     from fricmodels.filtering.preparation import bounded_least_squares
 
@@ -268,7 +260,8 @@ def _projected(
     found[parts < _ROUNDING * rms(right)] = 0.0
     values = {**held, **dict(zip((p.key for p in declared), found.tolist(), strict=True))}
     values[drive.inertia_key] = model.inertia
-    vague = undetermined(model)
+    inside = {p.key for p in shown.parameters}
+    vague = {k: why for k, why in undetermined(model).items() if not combined_within(why, inside)}
     kept = {k: why for k, why in vague.items() if k in values}
     idle = {one.name for one in shown.effects if _adds(model, one, motion) < _ROUNDING * rms(right)}
     idle |= {one.name for one in aside}
@@ -276,7 +269,7 @@ def _projected(
         f"the model's {k}" for k in vague if "." not in k or (k not in values and k.split(".")[0] not in idle)
     )
     law = sorted(p.symbol for p in drive.model.law.parameters)
-    return values, {**kept, **(dict.fromkeys(law, f"it was projected from {behind}") if behind else {})}, None
+    return values, {**kept, **(dict.fromkeys(law, f"it stands for {behind}") if behind else {})}
 
 
 def _of_its_course(effects: Iterable[Effect]) -> list[Effect]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 
 import numpy as np
 
@@ -10,7 +10,7 @@ from fricmodels.arrays import Array
 from fricmodels.dimension import Motion
 from fricmodels.drive import Drive
 from fricmodels.recording import CHANNELS, OTHER, Recording
-from fricmodels.results.words import CONTAINS_ZERO, NORMAL_95
+from fricmodels.results.words import COMBINED, CONTAINS_ZERO, NORMAL_95, is_combined
 from fricmodels.saved import FittedModel
 
 _SAMPLES = 4000
@@ -60,10 +60,10 @@ def doubtful(model: FittedModel) -> dict[str, str]:
     hundredth: that they are small is known.
     """
     drive = Drive(model.model, model.inertia, model.motion)
-    return that_matter(drive, model.parameters, model.standard_errors, model.not_identified, motion_over(model))
+    return _that_matter(drive, model.parameters, model.standard_errors, model.not_identified, motion_over(model))
 
 
-def that_matter(
+def _that_matter(
     drive: Drive,
     values: Mapping[str, float],
     spread: Mapping[str, float],
@@ -79,3 +79,9 @@ def that_matter(
                 continue
         found[key] = why
     return found
+
+
+def combined_within(reason: str, keys: Collection[str]) -> bool:
+    """Whether a parameter is determined but for a combination with some others: their torque together is known then."""
+    others = reason.removeprefix(COMBINED).partition(";")[0].split(",")
+    return is_combined(reason) and all(other.strip() in keys for other in others)
