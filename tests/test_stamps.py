@@ -2,12 +2,13 @@
 
 import numpy as np
 import pytest
+from tests.conftest import Made
 
 import fricmodels
 from fricmodels.arrays import Array
 from fricmodels.dimension import Motion
 from fricmodels.recording import Recording
-from fricmodels.signals.stamps import with_even_stamps
+from fricmodels.signals.stamps import unevenness, with_even_stamps
 from fricmodels.weakform.estimate import estimate
 from fricmodels.weakform.prepared import ready
 
@@ -96,3 +97,12 @@ def test_a_difference_over_false_intervals_is_known_by_them() -> None:
     both = ready(differenced)
     assert "velocity" in both.derived
     assert np.std(both.velocity - drive(time)["velocity"]) < 0.01 * np.std(both.velocity)
+
+
+def test_intervals_of_any_length_are_jitter_and_lost_samples_are_none(made: Made) -> None:
+    """A logger that writes when it can, and one that loses every twentieth sample."""
+    whole = made(samples=2000)
+    rng = np.random.default_rng(3)
+    anywhere = whole.with_channels(time=np.cumsum(0.002 * rng.uniform(0.5, 4.0, len(whole))))
+    assert unevenness(anywhere) > 0.4
+    assert unevenness(whole.select(np.arange(len(whole)) % 20 != 7)) < 1e-6

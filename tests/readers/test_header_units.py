@@ -10,7 +10,7 @@ import pytest
 from fricmodels.errors import InputError
 from fricmodels.logcheck import Severity, findings
 from fricmodels.readers import read
-from fricmodels.readers.header_units import stated_unit, without_unit
+from fricmodels.readers.header_units import contradicting, stated_unit, without_unit
 
 
 @pytest.mark.parametrize(
@@ -159,3 +159,17 @@ def test_words_in_brackets_that_may_be_a_unit_are_told(tmp_path):
     assert not any("(measured)' is not known" in str(finding) for finding in findings(found))
     given = read(path, columns=[columns[0], "torque=tau (kpcmm):mN*m", columns[2]])
     assert "unread_units" not in given.provenance
+
+
+def test_a_name_that_ends_in_a_unit_of_something_else_is_told() -> None:
+    """A velocity in a column ``vel_deg`` may be in deg/s; a torque in ``alpha_deg`` is an angle."""
+    assert contradicting("vel_deg", "velocity") == "deg"
+    assert contradicting("alpha_deg", "torque") == "deg"
+    assert contradicting("speed_rpm", "position") == "rpm"
+    for column, channel in (
+        ("vel_deg_s", "velocity"),
+        ("pos_deg", "position"),
+        ("speed_rpm", "velocity"),
+        ("q_m", "torque"),
+    ):
+        assert contradicting(column, channel) is None

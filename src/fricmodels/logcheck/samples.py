@@ -193,14 +193,14 @@ def unequal(log: Log) -> Iterator[Finding]:
 
 
 def unread_units(log: Log) -> Iterator[Finding]:
-    """Say which columns are taken for SI though words in brackets at their ends may be a unit that is not known."""
-    for channel, words in log.recording.provenance.get("unread_units", {}).items():
+    """Say which columns are taken for SI though their names may state another unit, or one of something else."""
+    for channel, why in log.recording.provenance.get("unread_units", {}).items():
         yield Finding(
             "unit",
             Severity.WARN,
             channel,
-            f"the {log.called(channel)} is taken for {log.unit(channel)}; '({words})' is not known as a unit",
-            f"if it is one give the unit, as in {log.option(channel, 'UNIT')}",
+            f"the {log.called(channel)} is taken for {log.unit(channel)}; {why}",
+            f"if it is in another unit give it, as in {log.option(channel, 'UNIT')}",
         )
 
 

@@ -25,7 +25,7 @@ from fricmodels.dimension import Motion
 from fricmodels.errors import InputError, suggestion
 from fricmodels.readers import units
 from fricmodels.readers.column_names import likely, overlooked
-from fricmodels.readers.header_units import NoUnit, doubtful, stated_unit, without_unit
+from fricmodels.readers.header_units import NoUnit, contradicting, doubtful, stated_unit, without_unit
 from fricmodels.readers.standard_names import ALIASES, LINEAR, ROTARY, STANDARD, standard_columns
 from fricmodels.recording import OTHER
 
@@ -275,11 +275,18 @@ def overlooked_columns(found: Mapping[str, Column], present: Sequence[str]) -> d
     return {channel: name for channel, name in likely_ones if name is not None}
 
 
-def unread_brackets(found: Mapping[str, Column]) -> dict[str, str]:
-    """Return by channel the words in brackets of columns without a unit, where they may be one that is not known."""
+def unread_units(found: Mapping[str, Column]) -> dict[str, str]:
+    """Return by channel what is the matter with the unit that the name of a column without one may state, in words."""
     plain = {channel: column.column for channel, column in found.items() if not column.unit and channel != "run"}
-    said = {channel: doubtful(name) for channel, name in plain.items() if not channel.startswith(OTHER)}
-    return {channel: words for channel, words in said.items() if words}
+    said = {}
+    for channel, name in plain.items():
+        if channel.startswith(OTHER):
+            continue
+        if words := doubtful(name):
+            said[channel] = f"'({words})' is not known as a unit"
+        elif unit := contradicting(name, channel):
+            said[channel] = f"'{unit}', in which its name ends, does not measure it"
+    return said
 
 
 def _free(found: Mapping[str, Column], present: Sequence[str], channels: Sequence[str]) -> list[str]:

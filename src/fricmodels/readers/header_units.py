@@ -63,6 +63,8 @@ _SUFFIXES = {
 }
 """End of a column's name after an underscore → unit. Those of several letters may be in any case but for capitals that
 tell two units apart. Single letters that are often something else (``q_m`` of the motor, ``x_s``) are left out."""
+_OF_ANGLES = frozenset({"deg", "mdeg", "rad", "mrad", "rpm", "deg/s", "rad/s", "mrad/s", "turn/s"})
+"""Units at the end of a name that are nothing else there."""
 _SIZELESS = re.compile(
     r"""[\d.,]*\s*(
         (cnts?|counts?|incs?|increments?|ticks?|pulses?|steps?|lsb|digits?|raw|bits?)(\s*/\s*\w+)?
@@ -149,6 +151,12 @@ def doubtful(column: str) -> str | None:
         return None
     plain = _INDEX.fullmatch(found[1]) or _NOTES.fullmatch(found[1]) or _SIZELESS.fullmatch(found[1])
     return None if plain or units.known(found[1]) else found[1]
+
+
+def contradicting(column: str, channel: str) -> str | None:
+    """Return the unit of an angle that a name ends in after an underscore, where it does not measure the channel."""
+    ends = [unit for unit in _after_underscore(column) if unit in _OF_ANGLES]
+    return ends[0] if ends and stated_unit(column, channel) is None and channel not in ("time", "run") else None
 
 
 def without_unit(column: str) -> str:

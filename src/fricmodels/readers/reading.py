@@ -20,7 +20,7 @@ from fricmodels.readers import units
 from fricmodels.readers.apart import table_apart
 from fricmodels.readers.base import Reader
 from fricmodels.readers.checks import check
-from fricmodels.readers.columns import ROW, Column, Mapped, asked, assign, overlooked_columns, unread_brackets
+from fricmodels.readers.columns import ROW, Column, Mapped, asked, assign, overlooked_columns, unread_units
 from fricmodels.readers.dates import stamps
 from fricmodels.readers.gaps import Gaps, kept
 from fricmodels.readers.joined import joined
@@ -145,7 +145,7 @@ def read(
             "columns": {channel: str(column) for channel, column in found.items()},
             **({"overlooked": overlooked} if overlooked else {}),
             **({"other_lengths": unequal} if unequal else {}),
-            **({"unread_units": unread} if (unread := unread_brackets(found)) else {}),
+            **({"unread_units": unread} if (unread := unread_units(found)) else {}),
             **({"registers": registers} if registers else {}),
             **({"runs": run_names} if run_names else {}),
             **left,

@@ -8,12 +8,10 @@ from fricmodels.arrays import Array
 from fricmodels.recording import Recording
 from fricmodels.signals.rest import once
 from fricmodels.signals.segments import gap_lengths, usual_steps
-from fricmodels.signals.stamps import unevenness
+from fricmodels.signals.stamps import WHOLE, unevenness
 
 _WANDER = 0.1
 """Unevenness of stamps up to which a long interval is one in which samples are lost."""
-_WHOLE = 0.2
-"""Share of the interval within which a long one is a whole multiple of it."""
 
 
 @once
@@ -29,11 +27,11 @@ def lost_samples(recording: Recording) -> Array:
         return none
     ratio = step / usual_steps(recording.time, recording.run)
     number = np.rint(ratio)
-    whole = (number > 1.0) & (np.abs(ratio - number) < _WHOLE)
+    whole = (number > 1.0) & (np.abs(ratio - number) < WHOLE)
     if not whole.any():
         return none
     whole &= (np.diff(recording.run) == 0) & (step < gap_lengths(recording.time, recording.run))
-    whole &= (np.r_[ratio[1:], 1.0] > 1.0 - 2.0 * _WHOLE) & (np.r_[1.0, ratio[:-1]] > 1.0 - 2.0 * _WHOLE)
+    whole &= (np.r_[ratio[1:], 1.0] > 1.0 - 2.0 * WHOLE) & (np.r_[1.0, ratio[:-1]] > 1.0 - 2.0 * WHOLE)
     return np.where(whole, number - 1.0, 0.0)
 
 

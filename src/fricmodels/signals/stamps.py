@@ -13,7 +13,7 @@ import numpy as np
 from fricmodels.arrays import Array, Index, Mask
 from fricmodels.recording import Recording
 from fricmodels.signals.clusters import certain, clusters, slope
-from fricmodels.signals.segments import stretches, usual_steps
+from fricmodels.signals.segments import BRIDGED, stretches, usual_steps
 
 CLUSTERS = 32
 """Parts of the record whose sums are taken to be independent."""
@@ -26,6 +26,10 @@ _LONG, _ABOUT = 1.4, 8
 _ROUNDS = 32
 _WHITE = 1.5
 """Factor by which the mean square of what an even clock leaves may exceed half that of its differences, if white."""
+WHOLE = 0.2
+"""Share of the usual interval within which a long one is a whole multiple of it."""
+_MANY = 0.05
+"""Share of the intervals from which those are many."""
 _CLOCK = 63
 """Samples over which a clock that drifts is followed."""
 
@@ -49,9 +53,16 @@ def with_even_stamps(recording: Recording) -> Recording:
 
 
 def unevenness(recording: Recording) -> float:
-    """Return the standard deviation of the intervals over their run's median, gaps and lost samples aside."""
+    """Return the standard deviation of the intervals over their run's median, gaps and lost samples aside.
+
+    Longer intervals that are no multiples of the usual one are no lost samples: where they are many, all count.
+    """
     steps = np.diff(recording.time) / usual_steps(recording.time, recording.run)
-    regular = steps[(np.diff(recording.run) == 0) & (steps < 1.5)]
+    steps = steps[(np.diff(recording.run) == 0) & (steps < BRIDGED)]
+    lost = steps >= 1.5
+    if np.count_nonzero(lost & (np.abs(steps - np.round(steps)) > WHOLE)) > _MANY * len(steps):
+        lost[:] = False
+    regular = steps[~lost]
     return float(np.std(regular)) if len(regular) else 0.0
 
 
