@@ -341,7 +341,7 @@ def test_an_answer_without_effects_says_what_it_can() -> None:
     assert "Position predicts the error, and not by chance: p is below" in found.sure
     adequate = answer(data(verdict="adequate", effects=[], ladder=[step("coulomb-viscous", 3.3)]))
     assert adequate.tone == "good"
-    assert "ten of 17 that were looked at, were called adequate" in adequate.sure
+    assert "on 98 of 1562 rougher ones" in adequate.sure
     assert adequate.next.startswith("Use the model")
     far = answer(data(verdict="adequate", effects=[], ladder=[step("coulomb-viscous", 8.65)]))
     assert far.tone == "warn"

@@ -33,10 +33,9 @@ _RIGHT_CLASS = f"| right class named first | ≥ 97 % | {_BY_SEED} |"
 
 RECORDS: Mapping[str, Record] = {
     "missing-effect": Record(
-        "Where the truth was known, the right effect was not first on 10 of 462 drives with one hidden effect "
-        "(docs/hidden_effects.md), and 59 of 1240 names were wrong with several on rough drives "
-        "(docs/rough_drives.md); where the true effect was not on the list, a name was given on 72 of 462 and "
-        "87 of 1111.",
+        "Where the truth was known, the right effect came first on all but 10 of 462 drives with one hidden effect "
+        "(docs/hidden_effects.md); with several, 59 of 1240 names were wrong (docs/rough_drives.md). Where the true "
+        "effect was on no list, a wrong name was given to 72 of 462 and 87 of 1111 drives.",
         {
             "hidden_effects.md": (
                 _RIGHT_CLASS,
@@ -68,13 +67,10 @@ RECORDS: Mapping[str, Record] = {
         },
     ),
     "adequate": Record(
-        "Of 462 simulated drives with one hidden effect ten were not given its name (docs/hidden_effects.md), of "
-        "1562 drives of a rougher simulator 98 were not (docs/rough_drives.md); more than half of these, ten of 17 "
-        "that were looked at, were called adequate. An effect that this recording could not show is not excluded.",
-        {
-            "hidden_effects.md": (_RIGHT_CLASS,),
-            "rough_drives.md": (ROUGH, "ten are called adequate, five unknown, and two have another class."),
-        },
+        "Where the truth was known, a hidden effect was missed, or had another name, on 10 of 462 drives "
+        "(docs/hidden_effects.md), and on 98 of 1562 rougher ones (docs/rough_drives.md). An effect that this "
+        "recording could not show is not excluded.",
+        {"hidden_effects.md": (_RIGHT_CLASS,), "rough_drives.md": (ROUGH,)},
     ),
 }
 """By verdict."""
