@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from fricmodels.arrays import Mask
 from fricmodels.diagnosis.basis_functions import STRETCH, STRETCH_ALONG
 from fricmodels.diagnosis.candidate_tests import CandidateTest, CandidateTests
 from fricmodels.diagnosis.comparison import Comparison
@@ -17,6 +18,8 @@ from fricmodels.diagnosis.refits import Refits
 from fricmodels.diagnosis.sought_functions import ends_of_stretch
 from fricmodels.diagnosis.where import in_words
 from fricmodels.dimension import Motion
+from fricmodels.recording import Recording
+from fricmodels.results.words import END_STOP
 from fricmodels.signals import resting
 from fricmodels.weakform.regression import to_order_by
 
@@ -24,6 +27,8 @@ _NEAREST = 3
 _SLOW, _MOST, _MUCH = 1e-9, 0.99, 0.2
 """Speed of a drive that begins to move, as a share of its peak; the quantile of what it holds beyond its model that is
 said, and from which share of its friction on. Judgements, of what is said beside a verdict; they name nothing."""
+_AT_END, _NEARLY_ALL = 0.02, 0.9
+"""Share of the travel that is its end, and of the rests with much torque that are there. Judgements, as these."""
 
 
 @dataclass(frozen=True)
@@ -136,10 +141,29 @@ def held_at_rest(comparison: Comparison) -> str:
     if held <= friction * _MUCH:
         return ""
     unit = "N m" if drive.motion is Motion.ROTARY else "N"
-    return (
-        f", where the drive holds up to {held:.2g} {unit} more than the {friction:.2g} {unit} of the model: "
-        "its friction at rest is larger than in motion, or another torque holds it"
-    )
+    why = "its friction at rest is larger than in motion, or something else holds it, as a brake or an end stop does"
+    ends = _ends(prepared, still, beyond > 0.5 * held)
+    if ends:
+        length = "rad" if drive.motion is Motion.ROTARY else "m"
+        at = " and ".join(f"{end:.4g}" for end in ends)
+        why = f"it rests at the end of its travel, {at} {length}, as at {END_STOP}"
+    return f", where the drive holds up to {held:.2g} {unit} more than the {friction:.2g} {unit} of the model: {why}"
+
+
+def _ends(recording: Recording, still: Mask, much: Mask) -> list[float]:
+    """Return the ends of the travel at which nearly all rests with much torque are; none where they are elsewhere, too.
+
+    Args:
+        recording: with or without a position. still: its samples at rest. much: those of them with much torque.
+    """
+    if "position" not in recording or not np.any(much):
+        return []
+    position, place = recording["position"], recording["position"][still][much]
+    low, high = float(position.min()), float(position.max())
+    near = _AT_END * (high - low)
+    if np.mean(np.minimum(place - low, high - place) < near) < _NEARLY_ALL:
+        return []
+    return [end for end in (low, high) if np.mean(np.abs(place - end) < near) > 1.0 - _NEARLY_ALL]
 
 
 def place_of_stretch(result: CandidateTests, predictor: ChannelPredictor) -> Place | None:

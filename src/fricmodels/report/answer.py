@@ -17,7 +17,7 @@ from fricmodels.readers.standard_names import STANDARD
 from fricmodels.report.error_words import error_words, noise_left, of_noise, within_noise
 from fricmodels.report.reliability import CHANGING, ONE_SINE, RECORDS
 from fricmodels.report.wording import counted, listed, listed_classes, percent, share, shows_no_inertia, small
-from fricmodels.results.words import LINE, SAMPLING, figures, form, predictor
+from fricmodels.results.words import END_STOP, LINE, SAMPLING, figures, form, predictor
 
 if TYPE_CHECKING:
     from fricmodels.results.comparison import ComparisonDocument
@@ -236,6 +236,8 @@ def _next(data: DiagnosisDocument, options: Sequence[str]) -> tuple[str, str]:
             text = f"{nearest}{laws} To try it anyway:"
             return text, command_line(data, "compare", best.model, _common(options))
         text = "Record what this log lacks (another joint, a temperature, a load). To see where the error lies:"
+        if rest.where.endswith(END_STOP):
+            text = "Leave out what touches an end stop, and look again. To see where the error lies:"
         if rest.channel and rest.channel not in AUTOREGRESSIVE:
             text = (
                 f"What remains goes with {predictor(rest.channel)}, in a form that no effect on the list has; "

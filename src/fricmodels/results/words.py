@@ -128,6 +128,8 @@ def with_spread(value: float, error: float | None) -> str:
     return f"{value_text(value, error)} {'± ' if known else ''}{spread_text(error)}"
 
 
+END_STOP = "an end stop"
+"""Ends what is said of a drive that is held at the ends of its travel."""
 COMBINED = "the recording determines only a combination of it with"
 """Begins the reason why a parameter is not identified, where others take its place."""
 CONTAINS_ZERO = "contains zero"
