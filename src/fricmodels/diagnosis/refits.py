@@ -147,8 +147,9 @@ def _within(comparison: Comparison, window_ms: float) -> list[float]:
 def falls_from(here: Comparison, other: Comparison, policy: Policy) -> bool:
     """Whether the test error falls from a model to another: that of the decisions, and that of some printed window.
 
-    What rings fast shows in single samples, what is slow in wide windows, and an impact, which no difference of
-    velocities tells, in the balance of momentum only. Where the error of the decisions rises, the printed one must fall
+    The printed one must fall by ``least_gain`` of its square: what cannot be seen to fall is not said to. What rings
+    fast shows in single samples, what is slow in wide windows, and an impact, which no difference of velocities tells,
+    in the balance of momentum only. Where the error of the decisions rises, the printed one must fall
     far, and by as much more. What falls below noise counts for nothing there: an effect that takes away a part of the
     inertia takes away the noise of the acceleration with it.
     """
@@ -157,7 +158,8 @@ def falls_from(here: Comparison, other: Comparison, policy: Policy) -> bool:
         both = [c.sliding.held_out_percent * max(c.errors.held_out_percent, noise) for c in (here, other)]
         return both[1] <= policy.refit_share * both[0]
     pairs = zip(other.errors.bands, here.errors.bands, strict=True)
-    return any(after.held_out_percent < before.held_out_percent for after, before in pairs)
+    left = 1.0 - policy.least_gain
+    return any(after.held_out_percent**2 <= left * before.held_out_percent**2 for after, before in pairs)
 
 
 def is_void(fitted: Comparison, name: str) -> bool:

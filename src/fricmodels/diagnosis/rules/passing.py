@@ -33,8 +33,10 @@ class PassingRules(Rules):
         "share of the residual",
         "On blocks that are kept back an effect must lower by this share what the residual has above noise; a channel "
         "that is to make a drive unknown, the residual itself. What leaves less than this leaves nothing to the past. "
+        "With an effect a squared printed test error of some window must be lower by this share. "
         "An effect is named, too, with which no more than this is left of squared printed errors far above noise.",
-        "Judgement: what an effect must be worth to have a place in a model.",
+        "Judgement: what an effect must be worth to have a place in a model. Printed errors have to fall by it since a "
+        "drive with nothing hidden had a name with 1.45 % before and after; of 113 rough drives no answer changes.",
         off=-_INF,
     )
     effect_gain_significance: float = rule(
