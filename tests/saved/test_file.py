@@ -96,7 +96,7 @@ def test_every_law_and_effect_goes_through_a_file(kept: Callable[..., Any], tmp_
     found = plugins.load()
     channel = {"other": "(j2_position)", "other-gravity": "(j2_position)"}
     channel |= {"other-friction": "(j2_velocity)", "other-inertia": "(j2_velocity)"}
-    channel |= {"proximal-coupling": "(j2_velocity)"}
+    channel |= {"proximal-coupling": "(j2_velocity)", "chain-gravity": "(j2_position)"}
     names = [*found.laws, *(f"coulomb-viscous+{name}{channel.get(name, '')}" for name in found.effects)]
     for name in names:
         model = kept(name)
