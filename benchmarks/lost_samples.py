@@ -9,13 +9,11 @@ its RMS error over its standard error, and the median standard error. Run:
 from __future__ import annotations
 
 import argparse
-from collections import defaultdict
 
 import numpy as np
 
-from fricmodels.diagnosis import compare
-from fricmodels.errors import FricmodelsError
 from fricmodels.recording import Recording
+from intervals_held import held
 from known_drives import Cell
 
 CELLS = (
@@ -26,7 +24,6 @@ CELLS = (
 )
 LOST = ((0, 0.0), (2, 0.02), (3, 0.02), (4, 0.1))
 """Samples that are lost together, and the share of samples after which they are."""
-SIDE = 1.959963984540054
 
 
 def without(recording: Recording, together: int, share: float, number: int) -> Recording:
@@ -45,25 +42,9 @@ def main() -> None:
     replications = parser.parse_args().replications
     for cell in CELLS:
         for together, share in LOST:
-            found: defaultdict[str, list[tuple[float, float]]] = defaultdict(list)
-            refused = 0
-            for number in range(replications):
-                recording = without(cell.recording(number), together, share, number)
-                try:
-                    fit = compare(recording, cell.drive.model, cell.drive.inertia).estimate
-                except FricmodelsError:
-                    refused += 1
-                    continue
-                for key, error in fit.standard_errors.items():
-                    if error > 0.0:
-                        found[key].append(((fit.parameters[key] - cell.truth[key]) / error, error / cell.truth[key]))
-            cells = []
-            for key, both in found.items():
-                off, error = np.array(both).T
-                covered, spread = int(np.sum(np.abs(off) <= SIDE)), float(np.sqrt(np.mean(off**2)))
-                cells.append(f"{key} {covered}/{len(off)}, {spread:.2f}, {100 * float(np.median(error)):.2g} %")
             lost = f"{together} after {100 * share:.0f} %" if together else "none"
-            print(f"{cell.name}, lost {lost}, refused {refused}: {'; '.join(cells)}", flush=True)
+            some = (without(cell.recording(number), together, share, number) for number in range(replications))
+            print(f"{cell.name}, lost {lost}: {held(cell, some)}", flush=True)
 
 
 if __name__ == "__main__":
