@@ -1,4 +1,4 @@
-"""How many intervals of fits to recordings of one drive hold the truth, for :mod:`lost_samples`, :mod:`several_rates`."""
+"""How many intervals of fits hold the truth, for :mod:`lost_samples` and :mod:`several_rates`."""
 
 from __future__ import annotations
 
