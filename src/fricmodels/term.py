@@ -203,6 +203,10 @@ class Law(Term):
 
     dissipative = True
 
+    combines: ClassVar[frozenset[str]] = frozenset()
+    """Names of effects beside a Coulomb–viscous law that this law has in one: where a diagnosis names several of them,
+    it says so."""
+
 
 class Effect(Term):
     """A physical effect that a base law leaves out."""

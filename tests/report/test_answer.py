@@ -6,10 +6,12 @@ import json
 import re
 import shlex
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
 
+from fricmodels.laws.coulomb_viscous import CoulombViscous
 from fricmodels.report.answer import answer, command_line
 from fricmodels.report.error_words import comparison_words
 from fricmodels.report.reliability import CHANGING, ONE_SINE, RECORDS
@@ -75,6 +77,21 @@ def test_names_on_one_sine_come_with_how_often_such_names_were_wrong() -> None:
     assert ONE_SINE.said in answer(data(recording=on_one)).sure
     assert ONE_SINE.said not in answer(data()).sure
     assert ONE_SINE.said not in answer(data(recording=on_one, verdict="adequate", effects=[])).sure
+
+
+def test_a_law_that_has_several_named_effects_in_one_is_proposed(monkeypatch: pytest.MonkeyPatch) -> None:
+    class Bristles(CoulombViscous):
+        name = "bristles"
+        combines = frozenset({"presliding", "stribeck"})
+
+    laws = {"coulomb-viscous": CoulombViscous, "bristles": Bristles}
+    monkeypatch.setattr("fricmodels.report.answer.plugins.load", lambda: SimpleNamespace(laws=laws))
+    model = "coulomb-viscous+presliding+stribeck"
+    ladder = [step("coulomb-viscous", 60.0), step(model, 4.0, "stribeck")]
+    two = [effect(**{"class": ["presliding"]}, name="presliding"), effect(**{"class": ["stribeck"]}, name="stribeck")]
+    said = answer(data(effects=two, ladder=ladder)).next
+    assert "bristles has presliding and stribeck in one" in said
+    assert "bristles" not in answer(data(effects=two[:1], ladder=ladder)).next
 
 
 @pytest.mark.parametrize(("fit", "test", "said"), [(17.8, 1.4, True), (2.5, 1.4, False), (0.1, 0.01, False)])

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
+from fricmodels import plugins
 from fricmodels.diagnosis.policy import POLICY
 from fricmodels.diagnosis.predictability import AUTOREGRESSIVE
 from fricmodels.diagnosis.where import in_words
@@ -256,6 +257,8 @@ def _next(data: DiagnosisDocument, options: Sequence[str]) -> tuple[str, str]:
             f"Give the inertia (--inertia), or record faster motion: while no inertia shows, {data.effects[0].name} "
             "may be the course of the command itself. To use the model as it is:"
         )
+    elif data.effects and (in_one := _in_one_law(data)):
+        text = f"{in_one} To use the model as it is:"
     kept = f"{Path(data.dataset).name}.model.json"
     return text, command_line(data, "fit", model, [*_common(options), "--out", kept])
 
@@ -297,6 +300,17 @@ def _laws(rest: Remaining) -> str:
     if rest.channel.partition(",")[0] not in _OF_LAWS:
         return ""
     return " A law may have that form, too: 'fricmodels list laws', then 'fricmodels compare --model LAW'."
+
+
+def _in_one_law(data: DiagnosisDocument) -> str:
+    """Say which law has several of the named effects in one; empty where none has."""
+    named = {effect.name.partition("(")[0] for effect in data.effects}
+    laws = plugins.load().laws
+    for name in laws:
+        common = sorted(laws[name].combines & named)
+        if len(common) > 1:
+            return f"The law {name} has {listed(common)} in one; 'fricmodels compare --model {name}' tells its error."
+    return ""
 
 
 def _apart(effect: Effect) -> str:
