@@ -246,6 +246,7 @@ def test_a_spring_is_written_beside_a_friction_that_is_refitted(made: Callable[.
         assert joint is not None
         assert float(joint.get("stiffness", "nan")) == done.nearest.parameters["stiffness.k"]
         assert joint.get("springref") == "0"
+        assert any("elbow_offset: leave it out where it is the weight" in note for note in done.notes)
 
 
 def test_a_compliance_that_is_left_out_changes_no_friction(kept: Callable[..., Any]) -> None:

@@ -101,6 +101,12 @@ def into_xml(text: str, found: Nearest, notes: list[str], joint: str, armature: 
     return ET.tostring(root, encoding="unicode") + "\n"
 
 
+def of_the_offset(found: Nearest, joint: str) -> list[str]:
+    """Return what to know of a constant torque that is written: MuJoCo has the weight of links by itself."""
+    written = any(motor["name"] == f"{joint}_offset" for motor in actuators(found, joint))
+    return [f"{joint}_offset: leave it out where it is the weight of the links, which MuJoCo computes"] * written
+
+
 def of_the_joint(text: str, found: Nearest, joint: str, armature: float | None) -> list[str]:
     """Return what to know of a joint that friction is written into: whose inertia it has, and at which side of a gear.
 

@@ -88,6 +88,7 @@ def export_model(
     found = nearest(model, _DIALECTS[target], recording)
     notes = [f"{model.name}, fitted to {model.document.provenance.recording}", *found.notes(FORCE.unit(model.motion))]
     if target == "mjcf":
+        notes += mjcf.of_the_offset(found, name)
         if into is None:
             text = mjcf.snippet(found, notes, name)
         else:
