@@ -75,3 +75,16 @@ def test_intervals_are_those_of_each_run() -> None:
     recording = together(run(1000.0, 4.0, 1, 0.0, 0.0), run(100.0, 4.0, 2, 0.0, 0.0))
     assert relative_intervals(recording)[:4000] == pytest.approx(1.0)
     assert relative_intervals(recording)[4000:] == pytest.approx(10.0)
+
+
+def test_intervals_of_two_lengths_by_turns_are_one_rate() -> None:
+    """The median of some runs is the one, of others the other."""
+    rng = np.random.default_rng(4)
+    runs = []
+    for seed in range(6):
+        fine = run(1000.0, 2.0, seed, 0.0, 0.0)
+        runs.append(fine.select(np.cumsum(rng.choice([1, 2], 1200, p=[0.5, 0.5]))[:1200]))
+    recording = together(*runs)
+    medians = [np.median(np.diff(recording.time[recording.run == number])) for number in recording.run_numbers]
+    assert max(medians) > 1.5 * min(medians)
+    assert np.all(relative_intervals(recording) == 1.0)

@@ -12,7 +12,7 @@ import numpy as np
 from fricmodels.arrays import Array
 from fricmodels.recording import Recording
 from fricmodels.signals.rest import once
-from fricmodels.signals.segments import usual_steps
+from fricmodels.weakform.stretches import stretches_of
 
 UNEXPLAINED = 0.01
 """Share of the RMS torque that is taken to be unexplained by any model: where nothing has noise, too, rows of all rates
@@ -22,16 +22,24 @@ _SAME = 1.2
 certain by up to 2 % for it."""
 
 
+_FEW = 20
+"""Intervals of a run below which it has the rate of all: a few that vary are no rate of their own."""
+
+
 @once
 def relative_intervals(recording: Recording) -> Array:
-    """Return the sampling interval of each sample's run over that of the recording, (N,); 1 where all have one rate."""
+    """Return the mean interval of each sample's run over the recording's interval, (N,); 1 where all have one rate.
+
+    Gaps aside. A logger that writes in two intervals by turns has one rate.
+    """
     if len(recording.run_numbers) > 1:
-        steps = usual_steps(recording.time, recording.run)
-        own = np.append(steps, steps[-1])
-        last = np.flatnonzero(recording.run[1:] != recording.run[:-1])
-        own[last] = own[np.maximum(last - 1, 0)]  # after it nothing was sampled
-        if np.max(own) > _SAME * np.min(own):
-            return own / recording.interval
+        _, length, joined = stretches_of(recording)
+        run = np.unique(recording.run, return_inverse=True)[1]
+        count = np.bincount(run[:-1][joined], minlength=run.max() + 1)
+        mean = np.bincount(run[:-1][joined], length[joined], run.max() + 1) / np.maximum(count, 1)
+        known = count > _FEW
+        if known.any() and mean[known].max() > _SAME * mean[known].min():
+            return np.asarray(np.where(known, mean / recording.interval, 1.0)[run])
     return np.ones(len(recording))
 
 
