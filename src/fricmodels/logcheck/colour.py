@@ -29,6 +29,9 @@ between 1 and 19/18 for powers; more here, as a margin)."""
 _MATTERS = 5e-3
 """Noise of a two hundredth of the channel's RMS, in the upper half of the band, is worth a word."""
 
+_OF_COUNTS = 0.5
+"""Share of the difference of velocity and position that the steps of the position may make: q/√12 of two samples, over
+two intervals."""
 _NOTED = 1e-3
 
 
@@ -68,7 +71,8 @@ def difference_noise(log: Log) -> Noise:
 
     The motion is in both, so that the whole band from an eighth on can be looked at. The tilt is that from the second
     eighth of the band to the second half; the noise of a position falls towards low
-    frequencies there, and cannot be taken for coloured noise of the velocity.
+    frequencies there, and cannot be taken for coloured noise of the velocity. But the counts of a slow drive come one
+    by one, and their error falls with the frequency: where it is most of what is found, nothing is known.
     """
     position, velocity, time = log.recording["position"], log.recording.velocity, log.recording.time
     if len(time) < _FEWEST * _LENGTH:
@@ -79,7 +83,9 @@ def difference_noise(log: Log) -> Noise:
     power = _spectra(log, left)
     if len(power) < _FEWEST:
         return Noise(0.0, 0.0, np.inf, len(power))
-    return _tilted(power, slice(_LENGTH // 16, _LENGTH // 8 + 1), slice(_LENGTH // 4, _LENGTH // 2 - 4))
+    found = _tilted(power, slice(_LENGTH // 16, _LENGTH // 8 + 1), slice(_LENGTH // 4, _LENGTH // 2 - 4))
+    of_counts = log.resolution["position"] / np.sqrt(24.0) / log.recording.interval
+    return found if of_counts < _OF_COUNTS * found.size else Noise(0.0, 0.0, np.inf, found.pieces)
 
 
 def evidence(noise: Noise) -> float:
