@@ -34,7 +34,7 @@ def without_outages(recording: Recording) -> Recording:
     none is to be expected in the recording at :data:`~fricmodels.signals.clusters.LEVEL`, and after which the motion
     jumps. A drive that rests, or runs steadily, loses nothing, and may start with a jump: a position has to make up for
     the way that was lost, and a velocity, where no position was recorded, not to be zero. It may stand still wherever
-    the command does; so more rows must be before a jump than repeat one another without any.
+    the command does; so more rows must be before a jump than repeat one another up to a usual change, or to the end.
     """
     names = [name for name in recording.channels if name != "time" and recording.measures(name)]
     motion = next((name for name in ("position", "velocity") if name in names), None)
@@ -46,12 +46,13 @@ def without_outages(recording: Recording) -> Recording:
     change = np.append(np.where(np.diff(recording.run) == 0, np.abs(np.diff(recording[motion])), 0.0), 0.0)
     if not len(first) or not np.any(change > 0.0):
         return recording
-    jumps = change[last] > _JUMP * float(np.median(change[change > 0.0]))
+    usual = float(np.median(change[change > 0.0]))
+    jumps, calm = change[last] > _JUMP * usual, change[last] <= usual
     if motion == "position":
         jumps &= change[last] > _OF_THE_WAY * (last - first) * _speed_beside(recording[motion], first, last)
     else:
         jumps &= recording[motion][last] != 0.0
-        if np.sum((last - first)[jumps]) <= np.sum((last - first)[~jumps]):
+        if np.sum((last - first)[jumps]) <= np.sum((last - first)[calm]):
             return recording
     first, last = first[jumps], last[jumps]
     lost = np.zeros(len(recording) + 1, dtype=np.int64)
@@ -76,12 +77,13 @@ def _repeated(channels: Sequence[Array], run: Index) -> tuple[Index, Index]:
 
 
 def _speed_beside(position: Array, first: Index, last: Index) -> Array:
-    """Return the mean of the changes from row to row before and after each stretch, shape (stretches,)."""
+    """Return the size of the mean change from row to row before and after each stretch, shape (stretches,).
+
+    A drive that turned back meanwhile has little way to make up for.
+    """
     before, after = np.maximum(first - _ROWS, 0), np.minimum(last + 1 + _ROWS, len(position) - 1)
-    return np.asarray(
-        0.5 * np.abs(position[first] - position[before]) / _ROWS
-        + 0.5 * np.abs(position[after] - position[np.minimum(last + 1, after)]) / _ROWS
-    )
+    ways = position[first] - position[before], position[after] - position[np.minimum(last + 1, after)]
+    return np.asarray(0.5 * np.abs(ways[0] + ways[1]) / _ROWS)
 
 
 def _least(first: Index, last: Index, rows: int) -> int:
