@@ -97,3 +97,14 @@ def test_coarse_channels_repeat_by_chance(clean: Recording) -> None:
     channels = {"time": clean.time, **coarse}
     recording = Recording("coarse", clean.motion, channels, clean.run)
     assert without_outages(recording) is recording
+
+
+def test_speeds_beside_an_outage_are_of_its_own_run(clean: Recording) -> None:
+    """An outage three rows before the end of a run; the next run begins far away."""
+    lost = held(clean, "torque", "velocity", "position", stretches=((3000, 3100),))
+    index = np.r_[0:3104, 6000:8000]
+    run = np.repeat([0, 1], [3104, 2000])
+    cut = lost.select(index)
+    moved = cut.with_channels(derived=False, position=cut["position"] + 1000.0 * run)
+    found = without_outages(Recording("runs", clean.motion, moved.channels, run.astype(np.int64)))
+    assert found.provenance["outages"]["rows"] == 100

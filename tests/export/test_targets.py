@@ -276,6 +276,7 @@ def test_an_angle_that_may_be_zero_is_determined(made: Callable[..., Recording])
     values = {"K_c": 0.4, "gravity.a": 0.0, "gravity.b": 2.0, "gravity-friction.c": 0.8, "gravity-friction.phi": 0.0}
     model = fricmodels.keep(fricmodels.compare(made(name, values), name, 2.0))
     assert model.standard_errors["gravity-friction.phi"] < 0.01
+    assert "gravity-friction.phi" in model.not_identified
     for target in ("c", "mjcf", "urdf"):
         assert not any("NOT DETERMINED" in note for note in export_model(model, target, name="elbow").notes)
 

@@ -92,6 +92,7 @@ def test_a_law_that_has_several_named_effects_in_one_is_proposed(monkeypatch: py
     said = answer(data(effects=two, ladder=ladder)).next
     assert "bristles has presliding and stribeck in one" in said
     assert "bristles" not in answer(data(effects=two[:1], ladder=ladder)).next
+    assert "in one" not in answer(data(model="bristles", effects=two, ladder=ladder)).next
 
 
 @pytest.mark.parametrize(("fit", "test", "said"), [(17.8, 1.4, True), (2.5, 1.4, False), (0.1, 0.01, False)])

@@ -56,12 +56,10 @@ def joined(channels: Mapping[str, Array], run: Index) -> tuple[dict[str, Array],
             own, at = np.flatnonzero(there & (run == number)), rows[run[rows] == number]
             if len(own) > 1 and np.all(np.diff(time[own]) > 0.0):
                 found[name][at] = _between(time[at], time[own], values[own])
-    for name in channels:
-        if name != "time":
-            elsewhere = np.ones(len(time), dtype=bool)
-            elsewhere[rows] = False
-            found[name] = np.where(elsewhere, np.nan, found[name])
-    return found, brought
+    elsewhere = np.ones(len(time), dtype=bool)
+    elsewhere[rows] = False
+    others = (name for name in channels if name != "time")
+    return {"time": time, **{name: np.where(elsewhere, np.nan, found[name]) for name in others}}, brought
 
 
 def _between(at: Array, time: Array, values: Array) -> Array:

@@ -306,7 +306,7 @@ def _in_one_law(data: DiagnosisDocument) -> str:
     """Say which law has several of the named effects in one; empty where none has."""
     named = {effect.name.partition("(")[0] for effect in data.effects}
     laws = plugins.load().laws
-    for name in laws:
+    for name in (name for name in laws if name != data.model.partition("+")[0]):
         common = sorted(laws[name].combines & named)
         if len(common) > 1:
             return f"The law {name} has {listed(common)} in one; 'fricmodels compare --model {name}' tells its error."

@@ -49,7 +49,7 @@ def without_outages(recording: Recording) -> Recording:
     usual = float(np.median(change[change > 0.0]))
     jumps, calm = change[last] > _JUMP * usual, change[last] <= usual
     if motion == "position":
-        jumps &= change[last] > _OF_THE_WAY * (last - first) * _speed_beside(recording[motion], first, last)
+        jumps &= change[last] > _OF_THE_WAY * (last - first) * _speed_beside(recording, first, last)
     else:
         jumps &= recording[motion][last] != 0.0
         if np.sum((last - first)[jumps]) <= np.sum((last - first)[calm]):
@@ -76,12 +76,15 @@ def _repeated(channels: Sequence[Array], run: Index) -> tuple[Index, Index]:
     return edges[::2], edges[1::2]
 
 
-def _speed_beside(position: Array, first: Index, last: Index) -> Array:
-    """Return the size of the mean change from row to row before and after each stretch, shape (stretches,).
+def _speed_beside(recording: Recording, first: Index, last: Index) -> Array:
+    """Return the size of the mean change of the position from row to row before and after each stretch, (stretches,).
 
-    A drive that turned back meanwhile has little way to make up for.
+    Within its run. A drive that turned back meanwhile has little way to make up for.
     """
-    before, after = np.maximum(first - _ROWS, 0), np.minimum(last + 1 + _ROWS, len(position) - 1)
+    position = recording["position"]
+    borders = np.r_[0, np.flatnonzero(np.diff(recording.run)) + 1, len(position)]
+    own = np.searchsorted(borders, first, side="right")
+    before, after = np.maximum(first - _ROWS, borders[own - 1]), np.minimum(last + 1 + _ROWS, borders[own] - 1)
     ways = position[first] - position[before], position[after] - position[np.minimum(last + 1, after)]
     return np.asarray(0.5 * np.abs(ways[0] + ways[1]) / _ROWS)
 

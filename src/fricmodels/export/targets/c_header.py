@@ -53,6 +53,7 @@ class _Header:
         keys = [p.key for p in model.model.parameters]
         self.parameters = dict(zip(keys, c_names(keys), strict=True))
         self.states = bool(model.model.states)
+        self.doubtful = doubtful(model)
 
     def text(self, more: Iterable[str] = ()) -> str:
         """Return the header; ``more`` stands at its end."""
@@ -83,7 +84,7 @@ class _Header:
             for seen_name, seen in document.range.items()
             if seen_name in {channel_of(s) for s in model.needs}
         ]
-        for key, reason in doubtful(model).items():
+        for key, reason in self.doubtful.items():
             lines.append(f"NOT DETERMINED by the recording: {key}: {reason}.")
         lines += [f"{model.of_the_clock}."] if model.of_the_clock else []
         for term_name in model.memory.approximate if self.states else ():
@@ -103,10 +104,10 @@ class _Header:
         )
 
     def _structs(self) -> str:
-        stored, vague = self.model.document.parameters, doubtful(self.model)
+        stored = self.model.document.parameters
         fields = [
             f"    double {c}; /* {key} [{stored[key].unit}] {ascii_text(stored[key].meaning)}"
-            f"{' - NOT DETERMINED' if key in vague else ''} */"
+            f"{' - NOT DETERMINED' if key in self.doubtful else ''} */"
             for key, c in self.parameters.items()
         ] or ["    double none; /* the model has no parameters */"]
         values = [f"    {literal(stored[key].value)}, /* {key} */" for key in self.parameters] or ["    0.0"]
