@@ -13,6 +13,7 @@ from fricmodels.logcheck import (
     command,
     dead_band,
     delay,
+    end_stops,
     given_inertia,
     limits,
     magnitude,
@@ -81,7 +82,7 @@ def _all(log: Log, inertia: float | None) -> Iterator[Finding]:
         yield from scale.scale(log)
         yield from rates.lag(log)
     yield from limits.torque_limit(log)
-    yield from limits.end_stop(log)
+    yield from end_stops.end_stop(log)
     yield from dead_band.dead(log)
     yield from samples.overlooked(log)
     yield from samples.unequal(log)

@@ -1,4 +1,4 @@
-"""Whether the torque was at its limit, or the drive at an end stop."""
+"""Whether the torque was at its limit."""
 
 from __future__ import annotations
 
@@ -66,48 +66,3 @@ def torque_limit(log: Log) -> Iterator[Finding]:
             f"{figures(100 * sum(limits.values()))} % of the samples; what drove the joint there may be less than "
             "what is recorded",
         )
-
-
-def end_stop(log: Log) -> Iterator[Finding]:
-    r"""Judge whether the position ends at a stop: always at the same place, and abruptly.
-
-    A visit is a stretch at the extreme position, to within its resolution, of three samples or more. On entering one,
-    the mean speed over eight samples changes. At a stop it changes more than anywhere else in the record, where the
-    drive reverses and rests too: the median over three visits or more must be beyond the largest change elsewhere. Were
-    the visits like the other m reversals, half of n visits would be the largest of all in one case of
-    :math:`\binom{m + n}{n/2}`.
-    """
-    if "position" not in log.measured:
-        return
-    short = log.short
-    values = short.recording["position"]
-    width = 8
-    if len(values) < 32 * width:
-        return
-    third = np.diff(values, 3)
-    error = float(np.sqrt(np.median(third**2) / (20.0 * 0.455)))
-    tolerance = max(1.01 * log.resolution["position"], 1e-9 * float(np.ptp(values)), error)
-    sharp = np.zeros(len(values))
-    sharp[width:-width] = np.abs(values[2 * width :] - 2.0 * values[width:-width] + values[: -2 * width])
-    for side, extreme in ((1, float(values.max())), (-1, float(values.min()))):
-        at = np.abs(values - extreme) <= tolerance
-        edges = np.flatnonzero(np.diff(np.r_[0, at.astype(np.int8), 0]))
-        starts, stops = edges[::2], edges[1::2]
-        visits = (stops - starts >= 3) & (starts >= width) & (stops < len(values) - width)
-        entry = starts[visits]
-        if len(entry) < 3 or len(entry) > len(values) // (8 * width):
-            continue
-        near = np.zeros(len(values) + 1, dtype=np.int64)
-        np.add.at(near, np.maximum(edges - width, 0), 1)
-        np.add.at(near, np.minimum(edges + width, len(values)), -1)
-        elsewhere = sharp[(np.cumsum(near[:-1]) == 0) & ~at]
-        largest = np.maximum(sharp[entry], sharp[entry - 1])
-        if float(np.median(largest)) > float(elsewhere.max(initial=0.0)):
-            yield Finding(
-                "end-stop",
-                Severity.WARN,
-                "position",
-                f"the {log.called('position')} ends abruptly at {figures(extreme, 5)} {log.length_unit}, "
-                f"{len(entry)} times: {'an upper' if side > 0 else 'a lower'} end stop, or a sensor at its limit",
-                "leave out what touches it",
-            )
