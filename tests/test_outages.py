@@ -108,3 +108,14 @@ def test_speeds_beside_an_outage_are_of_its_own_run(clean: Recording) -> None:
     moved = cut.with_channels(derived=False, position=cut["position"] + 1000.0 * run)
     found = without_outages(Recording("runs", clean.motion, moved.channels, run.astype(np.int64)))
     assert found.provenance["outages"]["rows"] == 100
+
+
+def test_a_rest_from_which_a_drive_turns_back_at_once_loses_nothing() -> None:
+    """Ten samples a second: from rest to full speed is one jump, and back where it came from as long a way."""
+    rest, go = np.zeros(12), np.r_[4.0, np.full(20, 0.5)]
+    speed = np.concatenate([part for _ in range(6) for part in (rest, go, rest, -go)])
+    time = 0.1 * np.arange(len(speed))
+    position = np.cumsum(0.1 * np.r_[speed[1:], 0.0])  # the velocity comes a sample after the position
+    channels = {"time": time, "torque": 0.5 * np.sign(speed), "velocity": speed, "position": position}
+    recording = Recording("valve", Motion.ROTARY, channels, np.zeros(len(time), dtype=np.int64))
+    assert without_outages(recording) is recording

@@ -227,6 +227,16 @@ def test_a_wrapped_position_goes_on(period, factor):
     np.testing.assert_allclose(again - again[0], position - position[0], atol=1e-9)
 
 
+@pytest.mark.parametrize("lost", [0.0, 0.02, 0.05])
+def test_a_wrapped_position_goes_on_where_samples_are_lost(lost):
+    position, time = np.degrees(4.0 * CLEAN["position"])[::5], CLEAN.time[::5]
+    kept = np.random.default_rng(1).random(len(time)) >= lost
+    run = np.zeros(int(kept.sum()), dtype=np.int64)
+    channels = {"time": time, "torque": CLEAN.torque[::5], "position": np.mod(position, 360.0)}
+    log = Recording("lost", CLEAN.motion, {name: values[kept] for name, values in channels.items()}, run)
+    np.testing.assert_allclose(np.diff(unwrap(log)["position"]), np.diff(position[kept]), atol=1e-9)
+
+
 def test_a_position_that_turns_or_jumps_otherwise_is_left_alone():
     assert find_wrap(CLEAN["position"], CLEAN.run) is None
     assert find_wrap(np.r_[np.zeros(50), np.full(50, 3.0), np.zeros(50)], np.zeros(150, dtype=np.int64)) is None

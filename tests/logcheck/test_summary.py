@@ -77,6 +77,12 @@ def test_noise_at_rest_is_no_reversal():
     assert summary(recording(time, velocity=noisy)).reversals == 5
 
 
+def test_a_steady_part_of_the_speed_excites_nothing():
+    time = np.arange(0, 20, 2e-3)
+    velocity = 5.0 + np.sin(12.0 * time)
+    assert summary(recording(time, velocity=velocity)).band == pytest.approx(12.0 / (2 * np.pi), rel=0.1)
+
+
 def test_channels_and_motion():
     time = np.arange(0, 20, 2e-3)
     velocity = 3 * np.sin(2 * time) + 0.01 * np.random.default_rng(0).standard_normal(len(time))

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 
 from fricmodels.dimension import Motion
-from fricmodels.logcheck import findings
+from fricmodels.logcheck import Severity, findings
 from fricmodels.recording import Recording
 
 
@@ -39,3 +40,28 @@ def test_the_sign_of_a_torque_is_judged_by_the_positions_and_not_by_what_smoothi
     change = np.diff(recording["position"])
     assert min(recording.torque[:-1] @ change, recording.torque[1:] @ change) > 0.0
     assert "torque-sign" not in {one.kind for one in findings(recording)}
+
+
+def moved_by_hand(inertia: float) -> Recording:
+    """Return an arm that is swung to and fro; without inertia a motor answers, else it drives, turned."""
+    rng, time = np.random.default_rng(0), 0.01 * np.arange(4000)
+    waves = zip((1.3, 2.9, 4.3), rng.uniform(0, 6, 3), (0.8, 0.3, 0.1), strict=True)
+    course = np.sum([[a * np.sin(f * time + p), a * f * np.cos(f * time + p), -a * f**2 * np.sin(f * time + p)]
+                     for f, p, a in waves], axis=0)  # fmt: skip
+    position, velocity, acceleration = course
+    driven = inertia * acceleration + 0.05 * velocity + 0.2 * np.sign(velocity) * (inertia > 0.0)
+    torque = 0.74 * np.sin(position) * (inertia == 0.0) - driven + 0.002 * rng.standard_normal(4000)
+    channels = {
+        "time": time,
+        "torque": torque,
+        "velocity": velocity + 0.003 * rng.standard_normal(4000),
+        "position": position,
+    }
+    return Recording("hand", Motion.ROTARY, channels, np.zeros(4000, dtype=np.int64))
+
+
+@pytest.mark.parametrize(("inertia", "else_"), [(0.0, True), (0.05, False)])
+def test_where_no_inertia_shows_something_else_may_have_moved_it(inertia: float, else_: bool) -> None:
+    (found,) = (one for one in findings(moved_by_hand(inertia)) if one.kind == "torque-sign")
+    assert found.severity is Severity.STOP
+    assert ("something else moved it" in found.remedy) is else_

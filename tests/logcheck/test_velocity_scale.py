@@ -97,3 +97,19 @@ def test_the_way_to_go_on_with_the_velocity_is_an_option_that_is_read(unit: str,
     assert expected in given
     factors = [units.conversion(text, "position", Motion.ROTARY).factor for text in (given, unit)]
     assert factors[0] / factors[1] == pytest.approx(1.05, abs=1e-3)
+
+
+def test_a_short_log_of_a_noisy_position_is_not_said_to_be_of_another_motion() -> None:
+    """Two seconds at 100 Hz: from sample to sample, and over four, the position changes by its noise."""
+    rng, time = np.random.default_rng(0), 0.01 * np.arange(201)
+    angle = 2 * np.pi * time
+    channels = {
+        "time": time,
+        "torque": 0.02 * np.cos(angle + 0.4) + 1e-4 * rng.standard_normal(201),
+        "velocity": 0.06 * np.sin(angle) + 1e-3 * rng.standard_normal(201),
+        "position": -0.06 / (2 * np.pi) * np.cos(angle) + 2.5e-3 * rng.standard_normal(201),
+    }
+    recording = Recording("short", Motion.ROTARY, channels, np.zeros(201, dtype=np.int64))
+    assert "velocity-scale" not in {found.kind for found in findings(recording)}
+    other = recording.with_channels(derived=False, position=np.cos(3.3 * angle))
+    assert "velocity-scale" in {found.kind for found in findings(other)}, "another motion is still told"

@@ -11,7 +11,7 @@ import pytest
 
 from fricmodels import compare, read
 from fricmodels.errors import InputError
-from fricmodels.readers.joined import joined
+from fricmodels.readers.joined import joined, stands_apart
 from fricmodels.recording import Recording
 
 Made = Callable[..., Recording]
@@ -82,3 +82,11 @@ def test_single_holes_of_one_channel_are_filled_and_the_others_stay(made: Made) 
     assert np.isfinite(found["torque"]).all()
     assert np.array_equal(found["velocity"], whole.velocity)
     assert np.array_equal(np.delete(found["torque"], 50), np.delete(whole.torque, 50))
+
+
+def test_a_channel_that_ends_sooner_is_no_topic_of_its_own() -> None:
+    values = np.arange(100.0)
+    sooner = np.where(np.arange(100) < 45, values, np.nan)
+    assert not stands_apart({"time": values, "torque": sooner, "position": values})
+    assert stands_apart({"time": values, "torque": np.where(values % 10 == 0, values, np.nan),
+                         "position": np.where(values % 10 == 0, np.nan, values)})  # fmt: skip

@@ -103,9 +103,10 @@ def consistency(log: Log, balance: Balance | None) -> Iterator[Finding]:
     for pair in wrong:
         found = links[pair]
         assert found is not None
-        if abs(found.correlation) < _FOLLOWS and _lost_in_noise(channels[pair[1]]):
+        quantity, rate = (channels[name] for name in pair)
+        if abs(found.correlation) < _FOLLOWS and (_lost_in_noise(rate) or _change_lost_in_noise(quantity)):
             continue
-        if is_size_of_change(short, *(channels[name] for name in pair)):
+        if is_size_of_change(short, quantity, rate):
             yield _without_its_sign(log, pair)
             continue
         yield _of_pair(log, pair, found, balance)
@@ -139,6 +140,13 @@ def _without_its_sign(log: Log, pair: tuple[str, str]) -> Finding:
 def _lost_in_noise(values: Array) -> bool:
     """Whether a signal's RMS value is less than three times that of the white noise in its third differences."""
     return float(np.mean(values**2)) < 9.0 * float(np.mean(np.diff(values, 3) ** 2)) / 20.0
+
+
+def _change_lost_in_noise(values: Array) -> bool:
+    """Whether the change over the widest cells is less than three times that of white noise, seen as above."""
+    width = max((width for width in _WIDTHS if len(values) > width * (_LEAST + 1)), default=1)
+    change = values[width::width] - values[:-width:width]
+    return float(np.mean(change**2)) < 9.0 * 2.0 * float(np.mean(np.diff(values, 3) ** 2)) / 20.0
 
 
 def _swapped(

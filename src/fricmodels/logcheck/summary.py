@@ -228,10 +228,13 @@ def _reversals(recording: Recording) -> int:
 
 
 def _band(log: Log) -> float:
-    """Return the frequency below which nine tenths of the velocity's power lie, in the longest stretch [Hz]."""
+    """Return the frequency below which nine tenths of the power lie by which the velocity varies [Hz].
+
+    In the longest stretch; a steady part of the speed excites nothing.
+    """
     part = max(log.short.parts, key=lambda one: one.stop - one.start)
     values = log.short.velocity[part]
-    power = np.abs(np.fft.rfft(values * np.hanning(len(values)))) ** 2
+    power = np.abs(np.fft.rfft((values - values.mean()) * np.hanning(len(values)))) ** 2
     total = np.cumsum(power)
     if total[-1] <= 0.0:
         return 0.0

@@ -22,7 +22,7 @@ def sign(log: Log, found: Balance) -> Iterator[Finding]:
     and counts for two. Two more things must hold: the other one is not positive beyond chance (the inertia is where the
     velocity lags, which makes the viscous coefficient alone negative; friction is where a late torque makes the inertia
     negative), and the work of the torque is negative as a whole (a speed loop that fights cogging has a torque that
-    falls with the speed, but still drives).
+    falls with the speed, but still drives). Where no negative inertia shows, something else may have moved the drive.
     """
     short = log.short
     pushing = short.recording.driving_torque
@@ -38,8 +38,9 @@ def sign(log: Log, found: Balance) -> Iterator[Finding]:
         if constant is not None
         else f"turn its sign, as in {log.turned('torque')}"
     )
-    if found.share("K_v") ** 2 > _WHOLE:
-        remedy += "; but if something else moved it, and its motor braked, drive it by its motor"
+    if found.share("K_v") ** 2 > _WHOLE or not certain(-mass, found.clusters):
+        remedy += "; but if something else moved it, as a hand or a load does, and its motor braked or answered, drive "
+        remedy += "it by its motor"
     verb, driven = "has" if chance < LEVEL else "may have", "joint" if log.rotary else "axis"
     why = f"friction would drive the {driven}" if friction <= mass else f"the {driven} would have a negative inertia"
     yield Finding(

@@ -15,13 +15,16 @@ _MOSTLY = 0.5
 
 
 def stands_apart(channels: Mapping[str, Array]) -> bool:
-    """Whether most rows lack a channel, though each channel has values: they were sampled apart.
+    """Whether channels were sampled apart: most rows lack one, and most values of the rarest stand without another.
+
+    Where a channel begins later or ends sooner than the others, its values stand beside theirs.
 
     Args:
         channels: array of shape (N,) of each channel; no number where a row has no value.
     """
     there = [np.isfinite(values) for name, values in channels.items() if name != "time"]
-    return bool(all(one.any() for one in there) and np.mean(~np.logical_and.reduce(there)) >= _MOSTLY)
+    fewest, whole = min((int(one.sum()) for one in there), default=0), np.logical_and.reduce(there)
+    return bool(fewest and np.mean(~whole) >= _MOSTLY and np.sum(whole) <= (1.0 - _MOSTLY) * fewest)
 
 
 def joined(channels: Mapping[str, Array], run: Index) -> tuple[dict[str, Array], list[str]]:

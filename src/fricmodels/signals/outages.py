@@ -33,8 +33,9 @@ def without_outages(recording: Recording) -> Recording:
     An outage is a stretch of rows that repeat the one before in all channels, so long that by how often single rows do
     none is to be expected in the recording at :data:`~fricmodels.signals.clusters.LEVEL`, and after which the motion
     jumps. A drive that rests, or runs steadily, loses nothing, and may start with a jump: a position has to make up for
-    the way that was lost, and a velocity, where no position was recorded, not to be zero. It may stand still wherever
-    the command does; so more rows must be before a jump than repeat one another up to a usual change, or to the end.
+    the way that was lost, further than a recorded velocity goes in that step; a velocity, where no position was
+    recorded, has not to be zero. It may stand still wherever the command does; so more rows must be before a jump than
+    repeat one another up to a usual change, or to the end.
     """
     names = [name for name in recording.channels if name != "time" and recording.measures(name)]
     motion = next((name for name in ("position", "velocity") if name in names), None)
@@ -50,6 +51,8 @@ def without_outages(recording: Recording) -> Recording:
     jumps, calm = change[last] > _JUMP * usual, change[last] <= usual
     if motion == "position":
         jumps &= change[last] > _OF_THE_WAY * (last - first) * _speed_beside(recording, first, last)
+        if "velocity" in names:
+            jumps &= change[last] > _JUMP * _way_of_velocity(recording, first, last)
     else:
         jumps &= recording[motion][last] != 0.0
         if np.sum((last - first)[jumps]) <= np.sum((last - first)[calm]):
@@ -87,6 +90,14 @@ def _speed_beside(recording: Recording, first: Index, last: Index) -> Array:
     before, after = np.maximum(first - _ROWS, borders[own - 1]), np.minimum(last + 1 + _ROWS, borders[own] - 1)
     ways = position[first] - position[before], position[after] - position[np.minimum(last + 1, after)]
     return np.asarray(0.5 * np.abs(ways[0] + ways[1]) / _ROWS)
+
+
+def _way_of_velocity(recording: Recording, first: Index, last: Index) -> Array:
+    """Return how far the largest speed before and soon after goes in the step in which values return, (stretches,)."""
+    rows = np.minimum(last[:, None] + np.arange(1, _ROWS + 1), len(recording) - 1)
+    after = np.where(recording.run[rows] == recording.run[last][:, None], np.abs(recording.velocity[rows]), 0.0)
+    speed = np.maximum(np.abs(recording.velocity[first]), after.max(axis=1))
+    return np.asarray(speed * (recording.time[rows[:, 0]] - recording.time[last]))
 
 
 def _least(first: Index, last: Index, rows: int) -> int:

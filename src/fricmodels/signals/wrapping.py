@@ -35,12 +35,13 @@ class Wrap:
     jumps: int
 
 
-def find_wrap(values: Array, run: Index, *, rotary: bool = True) -> Wrap | None:
+def find_wrap(values: Array, run: Index, time: Array | None = None, *, rotary: bool = True) -> Wrap | None:
     """Return how a position is wrapped, or ``None``.
 
-    A jump is a step of more than half the range. Each, less the usual step beside it, must be of one period: a turn or
-    360; or, where there are several jumps, two turns, half a turn or a power of two of the steps of a counter. All
-    other steps must be less than a quarter of it, so that what is wrapped is known to go on.
+    A jump is a step of more than half the range. Each, less the usual step beside it, taken as often as usual intervals
+    go into its own where samples are missing, must be of one period: a turn or 360; or, where there are several jumps,
+    two turns, half a turn or a power of two of the steps of a counter. All other steps must be less than a quarter of
+    it, so that what is wrapped is known to go on.
     """
     change = np.where(np.diff(run) == 0, np.diff(values), 0.0)
     size = np.abs(change)
@@ -51,6 +52,9 @@ def find_wrap(values: Array, run: Index, *, rotary: bool = True) -> Wrap | None:
     going = np.where(size > 0.5 * span, 0.0, change)
     before, after = going[np.maximum(at - 1, 0)], going[np.minimum(at + 1, len(change) - 1)]
     usual = np.where(np.abs(before) <= np.abs(after), before, after)
+    if time is not None:
+        interval = np.diff(time)
+        usual = usual * np.maximum(np.round(interval[at] / np.median(interval)), 1.0)
     jump = np.abs(change[at] - usual)
     others = size[np.delete(np.arange(len(size)), at)]
     for name, period in _periods(values, rotary, len(at) > 1).items():
@@ -84,7 +88,7 @@ def unwrap(recording: Recording) -> Recording:
     if not recording.measures("position"):
         return recording
     position = recording["position"]
-    wrap = find_wrap(position, recording.run, rotary=recording.motion is Motion.ROTARY)
+    wrap = find_wrap(position, recording.run, recording.time, rotary=recording.motion is Motion.ROTARY)
     if wrap is None:
         return recording
     known = {"period": wrap.period, "name": wrap.name, "jumps": wrap.jumps}
