@@ -50,6 +50,19 @@ def test_a_word_within_a_name_proposes_it(name: str, channel: str) -> None:
     assert likely((channel,), [f"desired {name}"]) is None
 
 
+def test_what_was_measured_is_proposed_before_what_was_asked_for_and_its_parts() -> None:
+    assert likely(("torque", "current"), ["p_torque", "d_torque", "total_torque"]) == ("torque", "total_torque")
+    assert likely(("velocity",), ["velocity_ref", "vel"]) == ("velocity", "vel")
+    assert likely(("velocity",), ["velocity_ref"]) == ("velocity", "velocity_ref")
+
+
+def test_a_unit_in_a_name_says_what_it_is_not(tmp_path: Path) -> None:
+    """ "Current" is a word for now, too."""
+    path = written(tmp_path, ["Timestamp", "Current Torque [Nm]", "Angular Velocity [rad/s]", "Angle [deg]"])
+    with pytest.raises(InputError, match=r"--column 'torque=Current Torque \[Nm\]'"):
+        read(path)
+
+
 def written(folder: Path, names: Sequence[str]) -> Path:
     """Write a motion of half a minute; columns by their names."""
     time = 0.01 * np.arange(3000.0)

@@ -25,7 +25,7 @@ from fricmodels.dimension import Motion
 from fricmodels.errors import InputError, suggestion
 from fricmodels.readers import units
 from fricmodels.readers.column_names import likely, overlooked
-from fricmodels.readers.header_units import NoUnit, contradicting, doubtful, stated_unit, without_unit
+from fricmodels.readers.header_units import NoUnit, contradicting, doubtful, may_measure, stated_unit, without_unit
 from fricmodels.readers.standard_names import ALIASES, LINEAR, ROTARY, STANDARD, standard_columns
 from fricmodels.recording import OTHER
 
@@ -309,7 +309,7 @@ def _require(found: Mapping[str, Column], motion: Motion, present: Sequence[str]
     options = []
     for any_of in missing:
         channels = tuple(dict.fromkeys((*any_of, *(ALIASES.get(channel, channel) for channel in any_of))))
-        channel, column = likely(channels, _free(found, present, channels)) or (any_of[0], None)
+        channel, column = likely(channels, _free(found, present, channels), may_measure) or (any_of[0], None)
         options.append(_option(channel if channel in any_of else any_of[0], column))
     needed = _listed(["the " + " or ".join(any_of) for any_of in missing], "and")
     standard = _listed([STANDARD[motion][ALIASES.get(c, c)] for any_of in missing for c in any_of], "or")

@@ -159,6 +159,14 @@ def contradicting(column: str, channel: str) -> str | None:
     return ends[0] if ends and stated_unit(column, channel) is None and channel not in ("time", "run") else None
 
 
+def may_measure(column: str, channel: str) -> bool:
+    """Whether a column may be a channel by the unit in brackets at the end of its name; without one it may."""
+    found = _BRACKETS.search(column)
+    if found is None or _SIZELESS.fullmatch(found[1]) or not units.known(found[1]):
+        return True
+    return _usable(found[1], channel)
+
+
 def without_unit(column: str) -> str:
     """Return a column's name without a unit at its end, in brackets or after an underscore."""
     found = _BRACKETS.search(column)
