@@ -159,3 +159,17 @@ def test_a_list_that_is_a_sample_short_is_told(tmp_path: Path) -> None:
     said = [str(finding) for finding in findings(read(path)) if finding.kind == "unused-column"]
     cause, way_out = "it has 59 values, where the others have 60", "save all columns with one length"
     assert said == [f"the column 'position_rad' is not used: {cause}; {way_out}"]
+
+
+@pytest.mark.parametrize("inside", [False, True])
+def test_a_list_of_tests_with_lists_of_samples_is_runs(tmp_path: Path, inside: bool) -> None:
+    tests = [
+        {"kind": "drop", "limits": [-1, 1], "t": [0.01 * i for i in range(n)], "q": [float(n)] * n} for n in (9, 7)
+    ]
+    path = tmp_path / "tests.json"
+    for some, runs in ((tests, 2), (tests[:1], 1)):
+        path.write_text(json.dumps({"rate": [50, 60], "data": some} if inside else some), encoding="utf-8")
+        found = JsonReader().table(path)
+        assert found["q"].tolist() == [9.0] * 9 + [7.0] * 7 * (runs - 1)
+        assert found["t"].tolist() == [0.01 * i for i in range(9)] + [0.01 * i for i in range(7)] * (runs - 1)
+        assert ("run" in found) is (runs > 1)

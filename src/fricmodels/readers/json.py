@@ -27,8 +27,9 @@ class JsonReader(Reader):
     Samples are a list of objects, ``[{"t": 0.0, "q": 1.2}, …]``, one object a line, or a list for each name, ``{"t":
     [0.0, …], "q": [1.2, …]}``; in the place of a list may be an object of numbered samples, as pandas writes it. They
     may lie in an object beside shorter ones; then its name is left out. What is nested is called ``joint.q``, the parts
-    of a vector ``q(1)``, ``q(2)``. Rows without names, ``[[0.0, 1.2], …]``, have columns 1, 2, …; several such tables
-    of one width and of different lengths are runs, with their names in the column ``run``.
+    of a vector ``q(1)``, ``q(2)``. Objects with lists that are longer than the list of them are runs. Rows without
+    names, ``[[0.0, 1.2], …]``, have columns 1, 2, …; several such tables of one width and of different lengths are
+    runs, with their names in the column ``run``.
     """
 
     name = "json"
@@ -141,9 +142,31 @@ def _of_rows(rows: Sequence[Any]) -> Any:
         return None
     if not all(isinstance(row, dict) for row in rows):
         return _array(rows)
+    if (runs := _of_runs(rows)) is not None:
+        return runs
     names = dict.fromkeys(name for row in rows for name in row)
     parts = {name: _of_rows([row.get(name) for row in rows]) for name in names}
     return {name: part for name, part in parts.items() if part is not None} or None
+
+
+def _of_runs(runs: Sequence[Mapping[str, Any]]) -> dict[str, Any] | None:
+    """Return arrays by name of a list of objects that hold lists longer than it; ``None`` for any other.
+
+    Each object is a run then, of those of its lists that are as long as its longest.
+    """
+    lists = [{name: value for name, value in run.items() if isinstance(value, list)} for run in runs]
+    longest = [max(map(len, of.values()), default=0) for of in lists]
+    if min(longest) <= len(runs):
+        return None
+    found = [
+        {name: part for name, value in of.items() if len(value) == rows and (part := _of_rows(value)) is not None}
+        for of, rows in zip(lists, longest, strict=True)
+    ]
+    names = [name for name in found[0] if all(isinstance(of.get(name), np.ndarray) for of in found)]
+    alike = [name for name in names if len({of[name].shape[1:] for of in found}) == 1]
+    table = {name: np.concatenate([of[name] for of in found]) for name in alike}
+    number = {RUN: np.repeat(np.arange(len(runs)), longest)} if len(runs) > 1 and RUN not in table else {}
+    return {**table, **number} if table else None
 
 
 def _matrix(value: Any) -> Any:
