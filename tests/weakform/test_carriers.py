@@ -14,7 +14,7 @@ from fricmodels.weakform import carriers
 from fricmodels.weakform.carriers import CarrierFunctions
 from fricmodels.weakform.estimate import estimate
 from fricmodels.weakform.problem import WeakFormProblem
-from fricmodels.weakform.row_noise import momentum_noise, torque_noise
+from fricmodels.weakform.row_noise import momentum_noise, noise_impulses
 
 Made = Callable[..., Recording]
 
@@ -30,7 +30,7 @@ def test_rows_of_a_carrier_are_no_noisier_than_those_of_the_bumps(made: Made) ->
 
     def noise(bumps: CarrierFunctions) -> np.ndarray:
         of_motion = TRUE["J"] * momentum_noise(bumps, problem.recording)
-        of_torque = torque_noise(bumps, problem.quadrature, problem.recording)
+        of_torque = noise_impulses(bumps, problem.quadrature, problem.recording)
         return np.sqrt(np.mean((of_motion**2 + of_torque**2).reshape(-1, bumps.each), axis=0))
 
     before, after = noise(plain), noise(weighted)
@@ -50,7 +50,7 @@ def test_without_noise_every_row_counts_as_it_is(made: Made, monkeypatch: pytest
     velocity = problem.recording.velocity
     noisy = plain.weighted(problem.quadrature, problem.recording, TRUE["J"])
     assert not np.allclose(noisy.momentum(velocity), plain.momentum(velocity))
-    for name in ("momentum_noise", "torque_noise"):
+    for name in ("momentum_noise", "noise_impulses"):
         monkeypatch.setattr(carriers, name, lambda bumps, *_: np.zeros(bumps.count))
     quiet = plain.weighted(problem.quadrature, problem.recording, TRUE["J"])
     np.testing.assert_array_equal(quiet.momentum(velocity), plain.momentum(velocity))

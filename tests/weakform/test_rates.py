@@ -13,7 +13,7 @@ from fricmodels.drive import Drive
 from fricmodels.model import Model
 from fricmodels.recording import Recording
 from fricmodels.simulation import simulate
-from fricmodels.weakform.rates import relative_intervals, weights_of_rates
+from fricmodels.weakform.rates import relative_intervals, weights_of_rows
 
 INERTIA = 0.05
 TRUE = {"K_v": 0.2, "K_c": 1.0}
@@ -57,11 +57,12 @@ def test_a_run_that_is_added_makes_a_fit_hardly_less_certain(
 
 
 def test_a_row_counts_by_what_it_is_expected_to_leave() -> None:
-    relative = np.array([1.0, 20.0])
-    assert weights_of_rates(relative, 1.0, 0.0, 0.0) == pytest.approx([1.0, 1.0])
-    assert weights_of_rates(relative, 0.0, 1.0, 0.0) == pytest.approx([1.0, 1 / 20])
-    assert weights_of_rates(relative, 0.0, 0.0, 0.0) == pytest.approx([1.0, 1 / 20])
-    assert weights_of_rates(relative, 3.0, 4.0, 0.0) == pytest.approx([1.0, 5 / np.hypot(3, 80)])
+    relative, no, one = np.array([1.0, 1.0, 20.0]), np.zeros(3), np.ones(3)
+    assert weights_of_rows(relative, one, no, 0.0) == pytest.approx([1.0, 1.0, 1.0])
+    assert weights_of_rows(relative, no, one, 0.0) == pytest.approx([1.0, 1.0, 1 / 20])
+    assert weights_of_rows(relative, no, no, 0.0) == pytest.approx([1.0, 1.0, 1 / 20])
+    assert weights_of_rows(relative, 3.0 * one, 4.0 * one, 0.0) == pytest.approx([1.0, 1.0, 5 / np.hypot(3, 80)])
+    assert weights_of_rows(one, np.array([3.0, 3.0, 0.4]), no, 0.3) == pytest.approx([1.0, 1.0, np.hypot(3, 0.3) / 0.5])
 
 
 def test_rows_are_those_of_one_rate_where_runs_differ_by_little() -> None:

@@ -238,7 +238,7 @@ def noise_torques(recording: Recording, inertia: float, half_width: int, draw: i
     if key not in known:
         like = noise_like(recording, np.random.default_rng(draw))
         rate = float(np.std(lanczos_value(recording.time, like, half_width, recording.run, order=1)))
-        own = torque_noise(recording.time, recording.torque, recording.run)
+        own = torque_noise(recording)
         known[key] = rate, own.after(even_weights(half_width)[0])
     rate, torque = known[key]
     return inertia * rate, torque

@@ -14,6 +14,7 @@ from fricmodels.signals.lanczos import even_weights
 from fricmodels.signals.rest import once
 from fricmodels.signals.segments import is_even
 from fricmodels.signals.switched import torque_noise
+from fricmodels.signals.unlike_runs import NoiseOfRuns
 
 _TAPS, _CUT = 63, 0.33
 """Of the high-pass filter: it lets pass what is faster than a third of the sampling rate, and less than a hundredth of
@@ -68,16 +69,19 @@ def noise_like(recording: Recording, channel: str, rng: np.random.Generator) -> 
         channel: its torque, or what tells its motion.
         rng: source of what is drawn.
     """
+    found = motion_noise(recording) if channel in ("velocity", "position") else torque_noise(recording)
+    if isinstance(found, NoiseOfRuns):
+        drawn = np.zeros(len(recording))
+        for number in np.unique(found.which):
+            drawn[found.which == number] = noise_like(recording.select(found.which == number), channel, rng)
+        return drawn
     if channel == "torque":
-        found = torque_noise(recording.time, recording.torque, recording.run)
         if found.lasting and found.after(np.full(2 * _averaged(recording), 0.5 / _averaged(recording))) > _left(
             recording
         ):
             found = replace(found, lasting=0.0, samples=0.0)
     elif channel == "acceleration":
         found = noise_of(recording.time, recording[channel], recording.run)
-    else:
-        found = motion_noise(recording)
     drawn, fast = found.like(len(recording), rng), _fast(recording, channel)
     whole = found.after(_high_pass()) if found.course is None else 0.0
     return drawn * min(1.0, fast / whole) if fast is not None and whole > 0.0 else drawn

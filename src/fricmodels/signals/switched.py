@@ -5,9 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 from fricmodels.arrays import Array, Index, Mask
+from fricmodels.recording import Recording
 from fricmodels.signals.noise_colour import Noise
 from fricmodels.signals.noise_level import noise_of, quantum
-from fricmodels.signals.segments import Runs
+from fricmodels.signals.rest import once
+from fricmodels.signals.unlike_runs import with_own_noises
 
 _FEW = 3
 """Values of a torque that is switched: forward, off and backward."""
@@ -53,14 +55,18 @@ def one_value_in_each(torque: Array, group: Array | Index | Mask) -> bool:
     )
 
 
-def torque_noise(time: Array, torque: Array, runs: Runs | None = None) -> Noise:
+@once
+def torque_noise(recording: Recording) -> Noise:
     """Return the noise of a torque, its lasting part as small as it may be; none of one that is switched.
 
     Rounding to a grid leaves errors of up to half a step where the values between are passed. A switch passes none.
 
     Args:
-        time: sample times [s], shape (N,).
-        torque: at these, shape (N,).
-        runs: run of each sample.
+        recording: of one or several runs.
     """
-    return Noise(0.0) if is_switched(torque) else noise_of(time, torque, runs, least=True)
+    return with_own_noises(recording, _noise_of(recording), _noise_of)
+
+
+def _noise_of(recording: Recording) -> Noise:
+    torque = recording.torque
+    return Noise(0.0) if is_switched(torque) else noise_of(recording.time, torque, recording.run, least=True)

@@ -28,7 +28,7 @@ from numpy.typing import NDArray
 from fricmodels.arrays import Array
 from fricmodels.recording import Recording
 from fricmodels.weakform.quadrature import Quadrature
-from fricmodels.weakform.row_noise import momentum_noise, torque_noise
+from fricmodels.weakform.row_noise import momentum_noise, noise_impulses
 from fricmodels.weakform.test_functions import TestFunctions
 
 
@@ -93,7 +93,7 @@ class CarrierFunctions(TestFunctions):
         """
         if not self.count:
             return self
-        noise = inertia * momentum_noise(self, recording), torque_noise(self, quadrature, recording)
+        noise = inertia * momentum_noise(self, recording), noise_impulses(self, quadrature, recording)
         power = np.mean(np.sum(np.square(noise), axis=0).reshape(-1, self.each), axis=0)
         carried = power[1:].reshape(-1, 2).mean(axis=1)
         weights = np.sqrt(power[0] / np.maximum(carried, power[0])) if power[0] > 0.0 else np.ones(len(carried))

@@ -33,10 +33,10 @@ from fricmodels.weakform.repeats import parts_of, phase_of
 from fricmodels.weakform.row_noise import (
     beyond_noise,
     bump_width,
-    counts_of_rates,
+    counts_of_runs,
     momentum_noise,
+    noise_impulses,
     noisier,
-    torque_noise,
 )
 from fricmodels.weakform.smoothed import smoothed
 from fricmodels.weakform.test_functions import HOPS, TestFunctions, mean_velocity
@@ -120,7 +120,7 @@ class WeakFormProblem:
             same = like is not None and plain and like.recording is part and np.array_equal(like.smooth, smooth)
             if like is not None and same and like.bumps.is_of(width, unclear):
                 return like
-            rows, half = _rows(part, smooth, width, unclear, counts_of_rates(part, inertia, width)), motion.half_width
+            rows, half = _rows(part, smooth, width, unclear, counts_of_runs(part, inertia, width)), motion.half_width
             return cls(drive, part, smooth, at_rest, *rows, half, (0.0, 0.0), delay=delay, made_for=made_for)
 
         estimated = drive.inertia is None
@@ -229,7 +229,7 @@ class WeakFormProblem:
     @cached_property
     def torque_noise(self) -> float:
         """Sum of squares that noise of the motor torque adds to :attr:`driving`."""
-        return float(np.sum(torque_noise(self.bumps, self.quadrature, self.recording) ** 2))
+        return float(np.sum(noise_impulses(self.bumps, self.quadrature, self.recording) ** 2))
 
     @cached_property
     def driving(self) -> Array:

@@ -1,8 +1,9 @@
-r"""Runs that were sampled at different rates: how long a sample is in each, and how much a row of each counts.
+r"""Runs that were sampled at different rates, or are more or less noisy: how much a row of each counts.
 
 A bump spans as many samples in every run. Noise of the velocity is then as large in each row, but noise of the torque,
 and what no model explains, grow with the interval. A row counts by the inverse of what it is expected to leave: without
-that, of a run at 1 kHz and one at 50 Hz rows of the second, twenty times as large, decided everything.
+that, of a run at 1 kHz and one at 50 Hz rows of the second, twenty times as large, decided everything; and so did those
+of a noisy run beside a quiet one.
 """
 
 from __future__ import annotations
@@ -43,17 +44,17 @@ def relative_intervals(recording: Recording) -> Array:
     return np.ones(len(recording))
 
 
-def weights_of_rates(relative: Array, of_momentum: float, of_torque: float, unexplained: float) -> Array:
-    r"""Return by how much a row counts that begins at each sample, shape (N,), and 1 at the recording's own interval.
+def weights_of_rows(relative: Array, of_momentum: Array, of_torque: Array, unexplained: float) -> Array:
+    r"""Return by how much a row counts that begins at each sample, shape (N,); half of them by more than 1.
 
-    .. math:: w = \sqrt{\frac{v^2 + t^2 + u^2}{v^2 + (t^2 + u^2)\,r^2}}
+    .. math:: w \propto \left(v^2 + (t^2 + u^2)\,r^2\right)^{-1/2}
 
     Args:
         relative: r, see :func:`relative_intervals`.
-        of_momentum: v, RMS of what noise of the velocity leaves in a row.
-        of_torque, unexplained: t and u, RMS of what noise of the torque and what no model explains leave in a row of
-            the recording's own interval.
+        of_momentum: v, RMS of what noise of the velocity leaves in a row of its run, shape (N,).
+        of_torque: t, RMS of what noise of the torque leaves in it, at the recording's own interval, shape (N,).
+        unexplained: u, RMS of what no model explains, at that interval.
     """
-    by_torque = of_torque**2 + unexplained**2
-    whole = of_momentum**2 + by_torque
-    return np.asarray(np.sqrt(whole / (of_momentum**2 + by_torque * relative**2))) if whole > 0.0 else 1.0 / relative
+    squares = of_momentum**2 + (of_torque**2 + unexplained**2) * relative**2
+    weights = 1.0 / np.sqrt(squares) if np.all(squares > 0.0) else 1.0 / relative
+    return np.asarray(weights / np.median(weights))

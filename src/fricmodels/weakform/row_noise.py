@@ -13,8 +13,10 @@ from fricmodels.score import noise
 from fricmodels.signals import lanczos_derivative, motion_noise, velocity_noise
 from fricmodels.signals.lanczos import lanczos_value
 from fricmodels.signals.rest import once
+from fricmodels.signals.switched import torque_noise
+from fricmodels.signals.unlike_runs import NoiseOfRuns
 from fricmodels.weakform.quadrature import Quadrature
-from fricmodels.weakform.rates import UNEXPLAINED, relative_intervals, weights_of_rates
+from fricmodels.weakform.rates import UNEXPLAINED, relative_intervals, weights_of_rows
 from fricmodels.weakform.regression import Regression
 from fricmodels.weakform.test_functions import HOPS, TestFunctions, mean_velocity
 
@@ -92,32 +94,44 @@ def beyond_noise(momentum: Array, noise: Array, derived: Array, derived_again: A
     return share * own, share * again
 
 
-def torque_noise(bumps: TestFunctions, quadrature: Quadrature, recording: Recording) -> Array:
+def noise_impulses(bumps: TestFunctions, quadrature: Quadrature, recording: Recording) -> Array:
     """Return what noise of the motor torque alone would drive in the rows, shape (rows,)."""
     drawn = noise.noise_like(recording, "torque", np.random.default_rng(0))
     cell = quadrature.cell
     return np.asarray(bumps.torques(quadrature, np.concatenate([drawn, drawn[cell], drawn[cell + 1]])[None])[0])
 
 
-def counts_of_rates(recording: Recording, inertia: float, width: int) -> Array | None:
-    """Return by how much a row counts that begins at each sample, shape (N,); ``None`` where all runs have one rate.
+def counts_of_runs(recording: Recording, inertia: float, width: int) -> Array | None:
+    """Return by how much a row counts that begins at each sample, shape (N,).
+
+    ``None`` where all runs have one rate and alike noise.
 
     Args:
         recording: with velocity and torque.
         inertia: of the drive.
         width: samples that a test function spans.
     """
-    relative = relative_intervals(recording)
-    if np.all(relative == 1.0):
+    relative, noises = relative_intervals(recording), (motion_noise(recording), torque_noise(recording))
+    unlike = [noise.which for noise in noises if isinstance(noise, NoiseOfRuns)]
+    if np.all(relative == 1.0) and not unlike:
         return None
     everywhere = np.zeros(len(recording), dtype=bool)
     bumps = TestFunctions(recording, width, everywhere, over_cells=recording.derived_over > 0)
     momentum = inertia * momentum_noise(bumps, recording)
-    torque = torque_noise(bumps, Quadrature.of(recording, recording.velocity, everywhere), recording)
-    of_momentum, of_torque = (
-        float(np.sqrt(np.mean(rows**2))) if len(rows) else 0.0 for rows in (momentum, torque / relative[bumps.begins])
-    )
-    return weights_of_rates(relative, of_momentum, of_torque, UNEXPLAINED * recording.rms_torque * recording.interval)
+    torque = noise_impulses(bumps, Quadrature.of(recording, recording.velocity, everywhere), recording)
+    at = bumps.begins
+    of = np.unique(np.stack([np.zeros(len(recording), dtype=np.int64), *unlike]), axis=1, return_inverse=True)[
+        1
+    ].ravel()
+
+    def size(rows: Array) -> Array:
+        """Return the RMS of the rows that begin in samples alike, and where none do that of all, shape (N,)."""
+        count, squares = np.bincount(of[at], minlength=of.max() + 1), np.bincount(of[at], rows**2, of.max() + 1)
+        every = float(np.mean(rows**2)) if len(rows) else 0.0
+        return np.asarray(np.sqrt(np.where(count > 0, squares / np.maximum(count, 1), every))[of])
+
+    unexplained = UNEXPLAINED * recording.rms_torque * recording.interval
+    return weights_of_rows(relative, size(momentum), size(torque / relative[at]), unexplained)
 
 
 def noise_in_columns(

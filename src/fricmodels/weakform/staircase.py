@@ -94,7 +94,7 @@ def errors_of_torque_steps(recording: Recording) -> Array:
     none = np.zeros((0, len(recording)))
     if not quantum(recording.torque[:_EXCERPT]):
         return none
-    noise = torque_noise(recording.time, recording.torque, recording.run)
+    noise = torque_noise(recording)
     if noise.course is None or len(noise.course) != len(recording):
         return none
     changed = np.abs(np.diff(recording.torque, prepend=recording.torque[:1])) > 0.5 * noise.step
