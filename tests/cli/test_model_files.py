@@ -171,6 +171,20 @@ def test_simulate_drives_a_file(room: Path, tmp_path: Path, capsys: pytest.Captu
     assert error < 0.1 * float(np.std(recorded.velocity))
 
 
+def test_simulate_reads_a_log_of_current(room: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """It asked for a torque constant, and had no option for it."""
+    table = pd.read_csv(room / "joint.csv")
+    table["current_A"] = table.pop("torque_Nm") / 0.25
+    table.to_csv(tmp_path / "current.csv", index=False)
+    given = ("simulate", room / "joint.model.json", "--torque", tmp_path / "current.csv", "--out", tmp_path / "x.csv")
+    code, _, err = call(capsys, *given)
+    assert code == 2
+    assert "--torque-constant" in err
+    code, _, err = call(capsys, *given, "--torque-constant", 0.25)
+    assert code == 0, err
+    np.testing.assert_allclose(fricmodels.read(tmp_path / "x.csv").torque, fricmodels.read(room / "joint.csv").torque)
+
+
 def test_a_held_torque_is_seen_said_and_may_be_said(
     room: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

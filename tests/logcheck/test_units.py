@@ -93,3 +93,14 @@ def test_a_linear_axis_has_a_force() -> None:
     said = [str(one) for one in findings(linear) if one.kind == "constant-channel"]
     assert len(said) == 1
     assert said[0].startswith("the force is 0.3 N throughout")
+
+
+@pytest.mark.parametrize("both", [False, True])
+def test_only_what_is_in_degrees_is_proposed_as_such(both: bool) -> None:
+    """Who did as told was told the opposite next."""
+    clean, step = drive(), 360.0 / 2**14
+    degrees = step * np.round(np.degrees(clean["position"]) / step)
+    velocity = np.degrees(clean.velocity) if both else clean.velocity
+    found = findings(replace(clean, channels={**clean.channels, "position": degrees, "velocity": velocity}))
+    (remedy,) = {one.remedy for one in found if one.kind == "unit" and "comes in steps" in one.text}
+    assert ("deg/s" in remedy) is both

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 import typer
 
-from fricmodels.cli.measurement import Column
+from fricmodels.cli.measurement import Column, Format, GapsOption, TorqueConstant
 
 
 def command(
@@ -39,6 +40,9 @@ def command(
         ),
     ] = None,
     column: Column = None,
+    torque_constant: TorqueConstant = None,
+    reader: Format = None,
+    gaps: GapsOption = None,
 ) -> None:
     """Simulate a drive with hidden effects.
 
@@ -61,11 +65,17 @@ def command(
             raise InputError("a fitted model has no noise, and no seed; leave --seed out")
         if between_samples is not None and reference:
             raise InputError("--between-samples is about a recorded torque; with --reference there is none")
-        _fitted(rig, torque or reference or [], column, out, closed=bool(reference), between_samples=between_samples)
+        how = {"columns": column or (), "torque_constant": torque_constant, "reader": reader, "gaps": gaps}
+        _fitted(rig, torque or reference or [], how, out, closed=bool(reference), between_samples=between_samples)
         return
     if torque or reference or between_samples is not None:
         raise InputError(
             "--torque, --reference and --between-samples are for a fitted model; a rig has its own excitation"
+        )
+    if column or torque_constant is not None or reader or gaps:
+        raise InputError(
+            "--column, --torque-constant, --reader and --gaps say how a recording is read that drives a fitted model; "
+            "a rig reads none"
         )
     from fricmodels.cli.printing import working
     from fricmodels.progress import steps, watched
@@ -85,7 +95,7 @@ def command(
 def _fitted(
     path: Path,
     data: list[Path],
-    column: list[str] | None,
+    how_read: Mapping[str, Any],
     out: Path,
     *,
     closed: bool,
@@ -104,7 +114,7 @@ def _fitted(
         watched(say),
         steps(f"reading, simulating and writing with {path.name}", 3) as done,
     ):
-        recording = read_together(data, columns=column or (), motion=model.motion)
+        recording = read_together(data, motion=model.motion, **how_read)
         done()
         if closed:
             simulated, how = closed_loop(model, recording), "closed loop"

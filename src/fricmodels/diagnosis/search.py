@@ -47,16 +47,16 @@ class Search:
 
     def ladder(self, *, partial: bool = False) -> Ladder:
         """Return the rungs so far, with the diagnoses that led to them."""
-        first = self._first
-        if self.steps and not first.findings:  # two effects together
-            first = replace(self.steps[0], verdict="missing-effect")
+        steps, first = [_beside(step, set(self._added)) for step in self.steps], self._first
+        if steps and not first.findings:  # two effects together
+            first = replace(steps[0], verdict="missing-effect")
         last = self.diagnosis
         if first.findings and len(self.rungs) == 1 and not partial:  # what was found was given up: it is not missing
             refused = first.findings[0].tested
             first = replace(first, verdict=last.verdict, findings=(), view=last.view, place=last.place, refused=refused)
         if partial and last.comparison is not self._here:  # what remains here was not looked at
             last = Diagnosis(self._here, "missing-effect", (), None, {}, policy=self._policy)
-        found = Ladder(first, tuple(self.rungs), last, tuple(self.steps), self.note, partial)
+        found = Ladder(first, tuple(self.rungs), last, tuple(steps), self.note, partial)
         return replace(found, first=first.judged_by(added(found))) if first.findings else found
 
     @property
@@ -295,6 +295,16 @@ class Search:
             names = [name, *(other for other in again if other != name)]
             first = replace(first, names=tuple(names), separated_by=separated_by(names))
             self.steps[place] = replace(self.steps[place], findings=(first, *others))
+
+
+def _beside(step: Diagnosis, added: set[str]) -> Diagnosis:
+    """Return a step whose effect is no look-alike of those that were added beside it."""
+    first, *others = step.findings
+    names = [name for name in first.names if name == first.tested.name or name not in added]
+    if len(names) == len(first.names):
+        return step
+    first = replace(first, names=tuple(names), separated_by=separated_by(names))
+    return replace(step, findings=(first, *others))
 
 
 def _test_error(comparison: Comparison) -> float:

@@ -10,6 +10,7 @@ import numpy as np
 from fricmodels.arrays import Array, Index
 from fricmodels.logcheck.balance import Balance, Cells
 from fricmodels.logcheck.finding import Finding, Severity
+from fricmodels.logcheck.rates import link
 from fricmodels.logcheck.view import Log
 from fricmodels.results.words import figures
 from fricmodels.signals.clusters import significance, slope
@@ -66,7 +67,8 @@ def grid(log: Log) -> Iterator[Finding]:
     found = {unit: turn / value for unit, turn in {"rad": 2.0 * math.pi, **_TURN}.items()}
     is_round = {unit: _round(number, number * error / value) for unit, number in found.items()}
     if is_round["deg"] and not is_round["rad"]:
-        others = [channel for channel in ("velocity",) if channel in log.measured]
+        goes_with = link(log.short, values, log.short.velocity) if "velocity" in log.measured else None
+        others = ["velocity"] if goes_with is not None and goes_with.may_hold else []
         yield Finding(
             "unit",
             Severity.STOP,
