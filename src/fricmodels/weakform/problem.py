@@ -40,7 +40,7 @@ from fricmodels.weakform.row_noise import (
 )
 from fricmodels.weakform.smoothed import smoothed
 from fricmodels.weakform.test_functions import HOPS, TestFunctions, mean_velocity
-from fricmodels.weakform.unclear import creeping, direction_unclear
+from fricmodels.weakform.unclear import creeping, direction_unclear, held_while_creeping
 
 _OF_ROWS = {"momentum", "noise_of_momentum", "driving", "torque_rate", "sign_change", "target", "centre", "integrated"}
 """What is computed once for the same rows."""
@@ -116,6 +116,8 @@ class WeakFormProblem:
         def over(width: int) -> WeakFormProblem:
             slow = creeping(part, width)
             smooth = with_kinks(part, motion.velocity, motion.half_width, slow, limits, 0.0 if guessed else inertia)
+            if not (guessed or drive.model.states):
+                slow = slow | held_while_creeping(part, motion.velocity, inertia, limits, width)
             unclear = direction_unclear(part, smooth, at_rest | slow, limits)
             same = like is not None and plain and like.recording is part and np.array_equal(like.smooth, smooth)
             if like is not None and same and like.bumps.is_of(width, unclear):
