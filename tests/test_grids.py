@@ -5,8 +5,15 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from fricmodels.dimension import Motion
+from fricmodels.recording import Recording
 from fricmodels.signals import noise_of, quantum
 from fricmodels.signals.switched import is_switched, torque_noise
+
+
+def logged(time: np.ndarray, torque: np.ndarray) -> Recording:
+    """Return a recording with a torque, of a drive whose motion does not matter."""
+    return Recording("log", Motion.ROTARY, {"time": time, "torque": torque}, np.zeros(len(time), dtype=np.int64))
 
 
 @pytest.mark.parametrize("seed", range(5))
@@ -24,10 +31,10 @@ def test_a_torque_that_is_switched_is_exact_and_one_in_coarse_steps_is_rounded()
     time = np.arange(4_000) / 500.0
     relay = 13.3 * np.sign(np.sin(3.0 * time))
     assert is_switched(relay)
-    assert torque_noise(time, relay).deviation == 0.0
+    assert torque_noise(logged(time, relay)).deviation == 0.0
     rounded = 4.0 * np.round(13.3 * np.sin(3.0 * time) / 4.0)
     assert not is_switched(rounded)
-    assert torque_noise(time, rounded).deviation == pytest.approx(4.0 / np.sqrt(12.0), rel=0.2)
+    assert torque_noise(logged(time, rounded)).deviation == pytest.approx(4.0 / np.sqrt(12.0), rel=0.2)
 
 
 def test_a_command_in_a_few_steps_is_exact_however_fine_the_grid_that_they_stand_on() -> None:
@@ -35,7 +42,7 @@ def test_a_command_in_a_few_steps_is_exact_however_fine_the_grid_that_they_stand
     levels = np.array([2.2, -1.6, 1.4, 0.0, -1.2, 2.5, -2.2, 1.8, 1.2])
     command = levels[np.arange(20_000) // 600 % len(levels)]
     assert is_switched(command)
-    assert torque_noise(time, command).deviation == 0.0
+    assert torque_noise(logged(time, command)).deviation == 0.0
 
 
 def test_what_was_measured_is_no_command_though_it_stays_on_few_values() -> None:

@@ -104,7 +104,7 @@ def consistency(log: Log, balance: Balance | None) -> Iterator[Finding]:
         found = links[pair]
         assert found is not None
         quantity, rate = (channels[name] for name in pair)
-        if abs(found.correlation) < _FOLLOWS and (_lost_in_noise(rate) or _change_lost_in_noise(quantity)):
+        if abs(found.correlation) < _FOLLOWS and _lost_in_noise(quantity, rate):
             continue
         if is_size_of_change(short, quantity, rate):
             yield _without_its_sign(log, pair)
@@ -137,16 +137,11 @@ def _without_its_sign(log: Log, pair: tuple[str, str]) -> Finding:
     )
 
 
-def _lost_in_noise(values: Array) -> bool:
-    """Whether a signal's RMS value is less than three times that of the white noise in its third differences."""
-    return float(np.mean(values**2)) < 9.0 * float(np.mean(np.diff(values, 3) ** 2)) / 20.0
-
-
-def _change_lost_in_noise(values: Array) -> bool:
-    """Whether the change over the widest cells is less than three times that of white noise, seen as above."""
-    width = max((width for width in _WIDTHS if len(values) > width * (_LEAST + 1)), default=1)
-    change = values[width::width] - values[:-width:width]
-    return float(np.mean(change**2)) < 9.0 * 2.0 * float(np.mean(np.diff(values, 3) ** 2)) / 20.0
+def _lost_in_noise(quantity: Array, rate: Array) -> bool:
+    """Whether a rate, or its quantity's change over the widest cells, is in RMS below three times its white noise."""
+    width = max((width for width in _WIDTHS if len(quantity) > width * (_LEAST + 1)), default=1)
+    of_rate, of_change = (9.0 * float(np.mean(np.diff(one, 3) ** 2)) / 20.0 for one in (rate, quantity))
+    return float(np.mean(rate**2)) < of_rate or float(np.mean(np.diff(quantity[::width]) ** 2)) < 2.0 * of_change
 
 
 def _swapped(

@@ -42,6 +42,7 @@ from fricmodels.score.holding import holding_interval
 from fricmodels.score.noise import noise_like
 from fricmodels.score.proportional import applied_torque, in_recorded_torque, of_acceleration
 from fricmodels.score.torque import friction_moments, moments, torque_error
+from fricmodels.signals.creeping import held_while_creeping
 
 Array: TypeAlias = NDArray[np.float64]
 Source: TypeAlias = Literal["acceleration", "velocity", "position"]
@@ -144,8 +145,8 @@ def balances(drive: Drive, values: Mapping[str, float], prepared: Recording) -> 
     """Yield the balances of momentum of every stretch of a recording.
 
     The friction torque is taken at the velocity freed of noise, and integrated by :func:`friction_moments`: at a
-    reversal on both sides, at rest as what is applied. Where the drive may slide or rest, any friction torque between
-    the two is possible, and the error is the distance to the nearest.
+    reversal on both sides, at rest as what is applied. Where the drive may slide or rest, or creeps under less friction
+    than slides, any friction torque between the two is possible, and the error is the distance to the nearest.
 
     Args:
         drive: model and inertia.
@@ -181,6 +182,10 @@ def balances(drive: Drive, values: Mapping[str, float], prepared: Recording) -> 
     inertia += of_acceleration(drive, values)
     recorded = in_recorded_torque(drive, values)
     states = drive.states(moving, parameters)
+    if not states:
+        limits = drive.sticking_interval(moving, values)
+        doubtful |= held_while_creeping(recording, velocity, inertia, limits)
+        del limits
     for part in _parts(prepared):
         one = moving.select(part)
         memory = [state[part] for state in states]

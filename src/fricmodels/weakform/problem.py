@@ -19,6 +19,7 @@ from fricmodels.dimension import Motion
 from fricmodels.drive import Drive
 from fricmodels.model import Model
 from fricmodels.recording import Recording
+from fricmodels.signals.creeping import held_while_creeping
 from fricmodels.signals.lost_samples import as_held
 from fricmodels.term import Effect
 from fricmodels.weakform.carriers import CarrierFunctions
@@ -30,17 +31,10 @@ from fricmodels.weakform.quadrature import Quadrature
 from fricmodels.weakform.rates import relative_intervals
 from fricmodels.weakform.remembered import INTEGRALS, Part, Remembered
 from fricmodels.weakform.repeats import parts_of, phase_of
-from fricmodels.weakform.row_noise import (
-    beyond_noise,
-    bump_width,
-    counts_of_runs,
-    momentum_noise,
-    noise_impulses,
-    noisier,
-)
+from fricmodels.weakform.row_noise import beyond_noise, bump_width, momentum_noise, noise_impulses, noisier, row_counts
 from fricmodels.weakform.smoothed import smoothed
 from fricmodels.weakform.test_functions import HOPS, TestFunctions, mean_velocity
-from fricmodels.weakform.unclear import creeping, direction_unclear, held_while_creeping
+from fricmodels.weakform.unclear import creeping, direction_unclear
 
 _OF_ROWS = {"momentum", "noise_of_momentum", "driving", "torque_rate", "sign_change", "target", "centre", "integrated"}
 """What is computed once for the same rows."""
@@ -117,12 +111,12 @@ class WeakFormProblem:
             slow = creeping(part, width)
             smooth = with_kinks(part, motion.velocity, motion.half_width, slow, limits, 0.0 if guessed else inertia)
             if not (guessed or drive.model.states):
-                slow = slow | held_while_creeping(part, motion.velocity, inertia, limits, width)
+                slow = slow | held_while_creeping(part, motion.velocity, inertia, limits)
             unclear = direction_unclear(part, smooth, at_rest | slow, limits)
             same = like is not None and plain and like.recording is part and np.array_equal(like.smooth, smooth)
             if like is not None and same and like.bumps.is_of(width, unclear):
                 return like
-            rows, half = _rows(part, smooth, width, unclear, counts_of_runs(part, inertia, width)), motion.half_width
+            rows, half = _rows(part, smooth, width, unclear, row_counts(part, inertia, width)), motion.half_width
             return cls(drive, part, smooth, at_rest, *rows, half, (0.0, 0.0), delay=delay, made_for=made_for)
 
         estimated = drive.inertia is None

@@ -101,7 +101,7 @@ def noise_impulses(bumps: TestFunctions, quadrature: Quadrature, recording: Reco
     return np.asarray(bumps.torques(quadrature, np.concatenate([drawn, drawn[cell], drawn[cell + 1]])[None])[0])
 
 
-def counts_of_runs(recording: Recording, inertia: float, width: int) -> Array | None:
+def row_counts(recording: Recording, inertia: float, width: int) -> Array | None:
     """Return by how much a row counts that begins at each sample, shape (N,).
 
     ``None`` where all runs have one rate and alike noise.

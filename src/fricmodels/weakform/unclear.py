@@ -12,9 +12,6 @@ from fricmodels.weakform.test_functions import HOPS
 
 CERTAIN = 3.0
 """Standard errors from zero at which the direction of motion is certain."""
-_CREEPS, _WELL_WITHIN = 0.01, 0.8
-"""Share of the RMS speed up to which a drive may creep, and of the friction that holds it up to which it does not slide.
-Judgements: friction of a drive that slides is hardly known to a fifth of it before a model is fitted."""
 
 
 def direction_unclear(recording: Recording, smooth: Array, slow: Mask, limits: tuple[Array, Array]) -> Mask:
@@ -57,37 +54,6 @@ def _slow_for_long(recording: Recording, count: int) -> Mask:
         long = slow[edges[:-1]] & (np.diff(edges) > count)
         unclear[part] = np.repeat(long, np.diff(edges))
     return unclear
-
-
-def held_while_creeping(
-    recording: Recording, smooth: Array, inertia: float, limits: tuple[Array, Array], width: int
-) -> Mask:
-    r"""Mark stretches in which a drive creeps under less friction than slides, for longer than an eighth of a bump.
-
-    A sensor that is fine enough shows a motion where a contact gives way, or where a simulator's friction rises with
-    the speed from nothing. Its direction is certain, but :math:`\pm K_c` does not act: on average over the stretch
-    :math:`\tau - J \dot\omega` lies well within the friction torques that hold the drive at rest.
-
-    Args:
-        recording: prepared.
-        smooth: velocity freed of noise.
-        inertia: of the drive.
-        limits: least and greatest friction torque that holds the drive at rest, shape (N,) each.
-        width: samples that a bump spans.
-    """
-    speed, found = np.abs(smooth), np.zeros(len(recording), dtype=bool)
-    slow = speed <= _CREEPS * float(np.sqrt(np.mean(smooth**2)))
-    middle, half = 0.5 * (limits[0] + limits[1]), 0.5 * (limits[1] - limits[0])
-    beside = recording.driving_torque - middle
-    for part in stretches(recording.time, recording.run):
-        edges = np.flatnonzero(np.diff(np.r_[0, slow[part].astype(np.int8), 0])) + part.start
-        for begin, end in zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True):
-            if end - begin <= max(2, width // HOPS):
-                continue
-            change = (smooth[end - 1] - smooth[begin]) / (recording.time[end - 1] - recording.time[begin])
-            needed = abs(float(np.mean(beside[begin:end])) - inertia * change)
-            found[begin:end] = needed < _WELL_WITHIN * float(np.mean(half[begin:end]))
-    return found
 
 
 def hidden_turns(recording: Recording, smooth: Array, error: float, limits: tuple[Array, Array]) -> Mask:
