@@ -42,7 +42,7 @@ from fricmodels.score.holding import holding_interval
 from fricmodels.score.noise import noise_like
 from fricmodels.score.proportional import applied_torque, in_recorded_torque, of_acceleration
 from fricmodels.score.torque import friction_moments, moments, torque_error
-from fricmodels.signals.creeping import held_while_creeping
+from fricmodels.signals.creeping import creeping_speed, held_while_creeping
 
 Array: TypeAlias = NDArray[np.float64]
 Source: TypeAlias = Literal["acceleration", "velocity", "position"]
@@ -184,7 +184,7 @@ def balances(drive: Drive, values: Mapping[str, float], prepared: Recording) -> 
     states = drive.states(moving, parameters)
     if not states:
         limits = drive.sticking_interval(moving, values)
-        doubtful |= held_while_creeping(recording, velocity, inertia, limits)
+        doubtful |= held_while_creeping(recording, velocity, inertia, limits, creeping_speed(velocity))
         del limits
     for part in _parts(prepared):
         one = moving.select(part)

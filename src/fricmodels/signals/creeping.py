@@ -15,7 +15,14 @@ _LEAST = 4
 """Samples beyond which a drive creeps, and does not only pass."""
 
 
-def held_while_creeping(recording: Recording, smooth: Array, inertia: float, limits: tuple[Array, Array]) -> Mask:
+def creeping_speed(smooth: Array) -> float:
+    """Return the speed up to which a drive of a velocity freed of noise, shape (N,), may creep."""
+    return _CREEPS * float(np.sqrt(np.mean(smooth**2))) if len(smooth) else 0.0
+
+
+def held_while_creeping(
+    recording: Recording, smooth: Array, inertia: float, limits: tuple[Array, Array], up_to: float
+) -> Mask:
     r"""Mark stretches in which a drive creeps under less friction than slides, shape (N,).
 
     A sensor that is fine enough shows a motion where a contact gives way, or where a simulator's friction rises with
@@ -27,8 +34,9 @@ def held_while_creeping(recording: Recording, smooth: Array, inertia: float, lim
         smooth: velocity freed of noise.
         inertia: of the drive.
         limits: least and greatest friction torque that holds the drive at rest, shape (N,) each.
+        up_to: see :func:`creeping_speed`.
     """
-    slow = np.abs(smooth) <= _CREEPS * float(np.sqrt(np.mean(smooth**2)))
+    slow = np.abs(smooth) <= up_to
     middle, half = 0.5 * (limits[0] + limits[1]), 0.5 * (limits[1] - limits[0])
     beside, found = recording.driving_torque - middle, np.zeros(len(recording), dtype=bool)
     for part in stretches(recording.time, recording.run):

@@ -17,6 +17,7 @@ from fricmodels.signals import lanczos_derivative, quantum, standstill, velocity
 from fricmodels.signals.beginnings import with_true_beginnings
 from fricmodels.signals.coasting import coasting
 from fricmodels.signals.counted import step_of_counts
+from fricmodels.signals.creeping import creeping_speed
 from fricmodels.signals.lanczos import even_weights
 from fricmodels.weakform.estimate import estimate
 from fricmodels.weakform.kinks import share_of_kinks
@@ -46,6 +47,7 @@ class Plan(BaseModel):
         counts: velocity of one count to a sample, where the position is the sum of them; 0 where it is not.
         wrap: period by which the recorded position jumps back; 0 where it does not.
         jump: by how much the motor torque jumps with the sign of the velocity; see :mod:`fricmodels.weakform.jumps`.
+        creep: speed up to which the drive may creep; see :mod:`fricmodels.signals.creeping`.
         kinks: share of what smoothing takes away at reversals that is given back; see :mod:`fricmodels.weakform.kinks`.
     """
 
@@ -67,6 +69,7 @@ class Plan(BaseModel):
     wrap: Size = 0.0
     jump: float = 0.0
     kinks: Size = 0.0
+    creep: Size = 0.0
 
     @property
     def hop(self) -> int:
@@ -156,6 +159,7 @@ def plan_for(recording: Recording, model: str, inertia: float | None = None) -> 
         friction=dict(found.parameters),
         row_noise=problem.momentum_noise / max(problem.rows, 1),
         jump=problem.quadrature.jump,
+        creep=creeping_speed(smooth),
         kinks=share_of_kinks(
             part, np.where(np.abs(smooth) <= still, 0.0, smooth), width, slow, limits, drive.split(found.parameters)[0]
         ),
