@@ -10,7 +10,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from fricmodels.weakform.least_squares import NormalEquations, first_alone
+from fricmodels.weakform.errors_in_variables import noise_of_first, without_noise
+from fricmodels.weakform.least_squares import NormalEquations
 from fricmodels.weakform.nonlinear import LARGEST_RATIO, Nonlinear
 from fricmodels.weakform.separable import Separable
 
@@ -266,7 +267,7 @@ class Projection:
         """Return what is left of the equations at α, with the best linear parameters."""
         target = self._moved(self._scanned, self._blocks(alpha, slopes=False))
         with np.errstate(invalid="ignore", over="ignore"):
-            theta = self._solve(self._products(self._scanned), self._scanned @ target)
+            theta = self._solve(self._products(self._scanned), self._scanned @ target, target)[0]
             return np.asarray(target - theta @ self._scanned)
 
     def cost_beside(self, alpha: Array) -> float:
@@ -274,7 +275,7 @@ class Projection:
         tried, blocks = self._tried, self._blocks(alpha, slopes=False)
         with np.errstate(invalid="ignore", over="ignore"):
             tried.update(self._places, blocks, self._target_beside(blocks))
-            return _square(tried.target - self._solve(tried.gram, tried.right) @ tried.columns)
+            return _square(tried.target - self._solve(tried.gram, tried.right, tried.target)[0] @ tried.columns)
 
     @cached_property
     def _scanned(self) -> Array:
@@ -319,28 +320,21 @@ class Projection:
             gram[row] = gram[:, row] = columns @ columns[row]
         return gram
 
-    def _solve(self, gram: Array, right: Array) -> Array:
-        theta = self._theta.copy()
+    def _solve(self, gram: Array, right: Array, target: Array) -> tuple[Array, float]:
+        """Return the best linear parameters, and what was taken for noise of dω/dt in its square."""
+        theta, squares = self._theta.copy(), float(target @ target)
         if self._held:
-            right = (right - gram @ theta)[self._free]
+            beside = right - gram @ theta
+            squares, right = squares - float(theta @ (right + beside)), beside[self._free]
             gram = gram[np.ix_(self._free, self._free)]
-        normal = NormalEquations.of(self._without_noise(gram.copy(), 0 in self._free), right)
+        normal, noise = NormalEquations.of(gram, right), 0.0
+        if self._equations.acceleration_noise and 0 in self._free:
+            plain = normal.solve(self._constraints, self._limits)
+            left = squares - 2.0 * float(plain @ right) + float(plain @ gram @ plain)
+            noise = noise_of_first(self._equations.acceleration_noise, gram, plain, left)
+            normal = NormalEquations.of(without_noise(gram, noise), right)
         theta[self._free] = normal.solve(self._constraints, self._limits)
-        return theta
-
-    def _without_noise(self, gram: Array, has_inertia: bool = True) -> Array:
-        r"""Return the products of columns without what noise adds to those of dω/dt with themselves, in place.
-
-        Noise in a regressor makes its coefficient too small (errors in variables); the noise is known, so that
-        :math:`X^T X - N` is what X without it would give. At most half of what the other columns leave is taken away.
-
-        Source: W. A. Fuller, "Measurement error models", 1987, ch. 2.
-        """
-        noise = self._equations.acceleration_noise
-        if noise and has_inertia:
-            alone = first_alone(gram)
-            gram[0, 0] -= min(noise, 0.5 * alone) if alone < math.inf else 0.0
-        return gram
+        return theta, noise
 
     def at(self, alpha: Array) -> Solution:
         """Return the linear fit at given nonlinear parameters, with all derivatives."""
@@ -351,7 +345,7 @@ class Projection:
         blocks = self._blocks(alpha, slopes=True)
         target = self._moved(linear, blocks)
         products = self._products(linear)
-        theta = self._solve(products, linear @ target)
+        theta, noise = self._solve(products, linear @ target, target)
         slopes = [values for places, block in zip(self._places, blocks, strict=True) for values in block[len(places) :]]
         for (row, j), values in zip(split.slopes, slopes, strict=True):
             factor = 1.0 if row == len(split.linear) else theta[self._first + row]
@@ -369,7 +363,7 @@ class Projection:
         gram[:n, :n] = products
         gram[n:] = own @ columns.T
         gram[:n, n:] = gram[n:, :n].T
-        normal = NormalEquations.of(self._without_noise(gram), columns @ residual)
+        normal = NormalEquations.of(without_noise(gram, noise), columns @ residual)
         return Solution(theta, alpha, columns, residual, normal, 0, True)
 
 
