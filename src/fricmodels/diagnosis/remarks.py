@@ -18,6 +18,7 @@ def remarks(
     errors: Mapping[str, float | None],
     reasons: Mapping[str, str] | None = None,
     kept_back: Collection[str] = (),
+    beyond: Mapping[str, float] | None = None,
 ) -> dict[str, str]:
     """Return the remark on each parameter that needs one, by key.
 
@@ -28,12 +29,13 @@ def remarks(
         values, errors: estimates and standard errors.
         reasons: why parameters are not identified.
         kept_back: keys of what only the data kept back tell.
+        beyond: what those at a bound would be without bounds, where that is certain.
     """
     held = at_bound(known, values)
     found = {}
     for key, value in values.items():
         if key in held:
-            found[key] = AT_BOUND
+            found[key] = AT_BOUND + (f"; about {beyond[key]:.2g} without bounds" if beyond and key in beyond else "")
         elif key in kept_back:
             found[key] = _BY_KEPT_BACK
         else:
@@ -46,7 +48,9 @@ def remarks(
 def remarks_on(comparison: Comparison) -> dict[str, str]:
     """Return the remark on each parameter of a fitted model that needs one, by key."""
     known, found = {p.key: p.declared for p in comparison.drive.parameters}, comparison.estimate
-    return remarks(known, found.parameters, found.own_errors, found.not_identified, found.told_by_kept_back)
+    return remarks(
+        known, found.parameters, found.own_errors, found.not_identified, found.told_by_kept_back, found.beyond
+    )
 
 
 def _remark(value: float | None, error: float, reason: str, *, never_zero: bool) -> str:

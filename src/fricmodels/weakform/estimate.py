@@ -23,11 +23,15 @@ from fricmodels.drive import Drive
 from fricmodels.recording import Recording
 from fricmodels.results.words import is_combined
 from fricmodels.signals.rest import once
+from fricmodels.weakform.equations import equations
 from fricmodels.weakform.fit import begun_at, settled
 from fricmodels.weakform.friction_limits import limits_of_friction
 from fricmodels.weakform.kept_back_instants import told_by_kept_back
 from fricmodels.weakform.problem import WeakFormProblem
+from fricmodels.weakform.solve import Solved
 from fricmodels.weakform.starting import starts_of
+from fricmodels.weakform.unclear import CERTAIN
+from fricmodels.weakform.variable_projection import Projection
 from fricmodels.weakform.without_motion import refuse_without_motion
 
 
@@ -43,6 +47,7 @@ class Estimate:
         residual_percent: RMS of what is left of the rows, of the RMS driving torque in the rows.
         message: why the fit did not end well; empty where it did.
         told_by_kept_back: keys of instants that lie in data kept back, see :mod:`.kept_back_instants`.
+        beyond: what parameters at a bound would be without bounds, where that is certainly another value.
     """
 
     parameters: Mapping[str, float]
@@ -53,6 +58,7 @@ class Estimate:
     residual_percent: float = float("nan")
     message: str = ""
     told_by_kept_back: tuple[str, ...] = ()
+    beyond: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def own_errors(self) -> dict[str, float]:
@@ -171,4 +177,22 @@ def _estimated(
         final.shift,
         final.residual_percent,
         final.message,
+        beyond={key: value for key, value in _beyond_bounds(final).items() if key in keys},
     )
+
+
+def _beyond_bounds(final: Solved) -> dict[str, float]:
+    """Return what parameters at a bound would be without bounds, by key, if more than three standard errors from it.
+
+    Of those that are linear, in the rows of the fit, which was made with the bounds.
+    """
+    linear = [p for p in final.problem.drive.parameters if p.linear]
+    at_bound = [p for p in linear if final.parameters[p.key] in (p.declared.lower, p.declared.upper)]
+    at_bound = [p for p in at_bound if p.declared.lower < p.declared.upper]
+    if not at_bound:
+        return {}
+    rows = equations(final.problem, timing=final.timing)
+    free = Projection(rows, np.zeros((0, len(linear))), np.zeros(0)).at(final.solution.alpha).theta
+    found = {p.key: float(free[linear.index(p)]) for p in at_bound}
+    errors = final.standard_errors
+    return {k: v for k, v in found.items() if abs(v - final.parameters[k]) > CERTAIN * errors[k] > 0.0}
