@@ -71,10 +71,10 @@ def test_a_drive_that_creeps_lacks_no_effect(creeping: Recording) -> None:
 
 def test_a_slow_motion_that_slides_is_none(creeping: Recording) -> None:
     size = len(creeping)
-    speed = np.where(np.arange(size) < 2000, 0.005, 1.0)
+    speed, rest = np.where(np.arange(size) < 2000, 0.005, 1.0), np.zeros(size, dtype=bool)
+    limits = np.full(size, -TRUE["K_c"]), np.full(size, TRUE["K_c"])
     for share, held in ((1.0, False), (0.5, True)):
         log = creeping.with_channels(derived=False, torque=np.full(size, share * TRUE["K_c"]))
-        limits = np.full(size, -TRUE["K_c"]), np.full(size, TRUE["K_c"])
-        found = held_while_creeping(log, speed, INERTIA, limits, creeping_speed(speed))
+        found = held_while_creeping(log, speed, rest, INERTIA, lambda: limits, creeping_speed(speed))
         assert np.all(found[:1999] == held)
         assert not found[2000:].any()

@@ -183,9 +183,10 @@ def balances(drive: Drive, values: Mapping[str, float], prepared: Recording) -> 
     recorded = in_recorded_torque(drive, values)
     states = drive.states(moving, parameters)
     if not states:
-        limits = drive.sticking_interval(moving, values)
-        doubtful |= held_while_creeping(recording, velocity, inertia, limits, creeping_speed(velocity))
-        del limits
+        up_to = creeping_speed(velocity)
+        doubtful |= held_while_creeping(
+            recording, velocity, rest, inertia, lambda: drive.sticking_interval(moving, values), up_to
+        )
     for part in _parts(prepared):
         one = moving.select(part)
         memory = [state[part] for state in states]

@@ -354,12 +354,12 @@ def _resting(recording: Recording, velocity: Array, error: float) -> Mask:
     if not _from_position(recording):
         band = max(band, 1.01 * _step_of_velocity(recording))
     still = np.abs(velocity) <= band
-    passage = _passage(recording, velocity, band)
+    lasting = passage(recording, velocity, band)
     if recording.measures("position"):
-        still &= in_place(recording, still, band, passage, standstill(velocity))
+        still &= in_place(recording, still, band, lasting, standstill(velocity))
     mask = np.zeros(len(recording), dtype=bool)
     for start, stop in pieces(recording, still):
-        mask[start:stop] = recording.time[stop - 1] - recording.time[start] > passage
+        mask[start:stop] = recording.time[stop - 1] - recording.time[start] > lasting
     return bridged(recording, mask) if recording.measures("position") else mask
 
 
@@ -381,7 +381,7 @@ def standstill(velocity: Array) -> float:
     return _STANDING * float(np.sqrt(np.mean(np.square(change, out=change)))) if len(change) else 0.0
 
 
-def _passage(recording: Recording, velocity: Array, band: float) -> float:
+def passage(recording: Recording, velocity: Array, band: float) -> float:
     """Return how long [s] a passage through the band about zero lasts, going at the slower of the usual accelerations.
 
     The usual acceleration is taken where the speed is low but certain. Each sample counts by the change of speed that

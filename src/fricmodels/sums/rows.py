@@ -108,7 +108,7 @@ def block_rows(plan: Plan, channels: Mapping[str, Array], first: int, until: int
     recording, smooth = _moving(plan, channels)
     limits, slow = plan.drive.sticking_interval(recording, plan.friction), _slow(plan, smooth)
     inertia, _ = plan.drive.split(plan.friction)
-    held = held_while_creeping(recording, smooth, inertia, limits, plan.creep)
+    held = held_while_creeping(recording, smooth, slow, inertia, lambda: limits, plan.creep)
     smooth = with_kinks(recording, smooth, plan.half_width, slow, limits, inertia, plan.kinks)
     unclear = widened(slow | held | hidden_turns(recording, smooth, plan.error, limits), 1 + recording.derived_over)
     quadrature = Quadrature.of(recording, smooth, unclear, plan.jump)

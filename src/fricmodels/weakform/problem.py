@@ -111,9 +111,8 @@ class WeakFormProblem:
             slow = creeping(part, width)
             smooth = with_kinks(part, motion.velocity, motion.half_width, slow, limits, 0.0 if guessed else inertia)
             if not (guessed or drive.model.states):
-                slow = slow | held_while_creeping(
-                    part, motion.velocity, inertia, limits, creeping_speed(motion.velocity)
-                )
+                up_to = creeping_speed(motion.velocity)
+                slow = slow | held_while_creeping(part, motion.velocity, at_rest, inertia, lambda: limits, up_to)
             unclear = direction_unclear(part, smooth, at_rest | slow, limits)
             same = like is not None and plain and like.recording is part and np.array_equal(like.smooth, smooth)
             if like is not None and same and like.bumps.is_of(width, unclear):
