@@ -220,7 +220,7 @@ def _next(data: DiagnosisDocument, options: Sequence[str]) -> tuple[str, str]:
             f"Check the column of the {what}: no friction shows in it, and the error is that of no model. It may be of "
             "another joint, of another time, or of the other sign."
         ), ""
-    if alike and data.verdict == "undecided" and rest is None:
+    if alike and data.verdict == "undecided" and rest is None and not improved:
         return _apart(alike[0]), ""
     if data.effects and not improved:
         text = "Add what is missing, refit, and see whether more is:"
