@@ -52,9 +52,8 @@ def find_wrap(values: Array, run: Index, time: Array | None = None, *, rotary: b
     going = np.where(size > 0.5 * span, 0.0, change)
     before, after = going[np.maximum(at - 1, 0)], going[np.minimum(at + 1, len(change) - 1)]
     usual = np.where(np.abs(before) <= np.abs(after), before, after)
-    if time is not None:
-        interval = np.diff(time)
-        usual = usual * np.maximum(np.round(interval[at] / np.median(interval)), 1.0)
+    if time is not None and (interval := float(np.median(np.diff(time)))) > 0.0:
+        usual = usual * np.maximum(np.round(np.diff(time)[at] / interval), 1.0)
     jump = np.abs(change[at] - usual)
     others = size[np.delete(np.arange(len(size)), at)]
     for name, period in _periods(values, rotary, len(at) > 1).items():
