@@ -34,7 +34,8 @@ def together(first: Recording, second: Recording) -> Recording:
     """Return two recordings as runs of one."""
     later = second.with_channels(time=second.time + first.time[-1] + 1.0)
     channels = {name: np.concatenate([first[name], later[name]]) for name in first.channels}
-    return replace(first, channels=channels, run=np.repeat([0, 1], [len(first), len(second)]), origin=None)
+    run, known = np.repeat([0, 1], [len(first), len(second)]), {"file_of_run": {0: "first.csv", 1: "second.csv"}}
+    return replace(first, channels=channels, run=run, origin=None, provenance=known)
 
 
 def recorded(cell: Cell, beside: tuple[int, float, float, float], number: int, replications: int) -> Recording:

@@ -35,10 +35,11 @@ def run(seed: int, velocity_noise: float, torque_noise: float, samples: int = 80
 
 
 def together(*runs: Recording) -> Recording:
+    """Return runs that were read from files of their own."""
     channels = {name: np.concatenate([one[name] for one in runs]) for name in ("time", "torque", "velocity")}
-    return replace(
-        runs[0], channels=channels, run=np.repeat(np.arange(len(runs)), [len(one) for one in runs]), origin=None
-    )
+    run = np.repeat(np.arange(len(runs)), [len(one) for one in runs])
+    known = {"file_of_run": {number: f"day{number}.csv" for number in range(len(runs))}}
+    return replace(runs[0], channels=channels, run=run, origin=None, provenance=known)
 
 
 QUIET, NOISY = (0.02, 0.03), (0.6, 1.5)
@@ -48,6 +49,15 @@ def test_alike_runs_have_one_noise() -> None:
     recording = together(run(1, *QUIET), run(2, 0.025, 0.04))
     assert not isinstance(motion_noise(recording), NoiseOfRuns)
     assert not isinstance(torque_noise(recording), NoiseOfRuns)
+
+
+def test_runs_of_one_file_are_of_one_logger() -> None:
+    """What looks like noise is torque: that of a stiff controller, or of a fast motion."""
+    apart = together(run(1, *QUIET), run(2, *NOISY))
+    one = replace(apart, provenance={"file_of_run": {0: "log.csv", 1: "log.csv"}})
+    for recording in (one, replace(apart, provenance={})):
+        assert not isinstance(motion_noise(recording), NoiseOfRuns)
+        assert not isinstance(torque_noise(recording), NoiseOfRuns)
 
 
 @pytest.mark.parametrize("kept", [slice(None), slice(3000, 12_000), slice(9000, 16_000)], ids=["all", "both", "one"])
@@ -63,6 +73,18 @@ def test_unlike_runs_have_their_own(kept: slice) -> None:
     assert velocity_noise(recording).deviation == pytest.approx(
         np.sqrt(share * NOISY[0] ** 2 + (1 - share) * QUIET[0] ** 2), rel=0.1
     )
+
+
+def test_what_is_cut_from_some_of_three_runs_has_their_noises() -> None:
+    """The steps of a sensor are errors of their own samples; of a run that is not there, there are none."""
+    coarse = run(3, 0.0, 0.0)
+    coarse = coarse.with_channels(derived=False, velocity=np.round(coarse.velocity / 3.0) * 3.0)
+    whole = together(run(1, *QUIET), run(2, *NOISY), coarse).remembering()
+    assert velocity_noise(whole).of_runs[3].course is not None  # type: ignore[attr-defined]
+    for numbers in ([0, 1], [1, 2], [0, 2]):
+        part = velocity_noise(whole.select(np.isin(whole.run, numbers)))
+        squares = [velocity_noise(whole.select(whole.run == number)).covariance(3)[0] for number in numbers]
+        assert part.covariance(3)[0] == pytest.approx(np.mean(squares), rel=1e-6)
 
 
 def test_runs_of_few_samples_have_the_noise_of_all() -> None:

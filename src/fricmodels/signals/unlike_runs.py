@@ -1,6 +1,6 @@
-r"""Runs whose noise is unlike, as those of files that different loggers wrote.
+r"""Files whose noise is unlike, as that of different loggers is.
 
-One noise for all of them would be that of none: rows of the noisy run would decide as much as those of the quiet one,
+One noise for all of them would be that of none: rows of the noisy one would decide as much as those of the quiet one,
 and what its noise leaves would be told as what no model explains.
 """
 
@@ -21,16 +21,15 @@ _UNLIKE = 2.0
 count alike have errors that are larger by :math:`(1 + \rho^2) / (2 \rho)`, a quarter; estimates of one noise differ by
 less, as motion that is taken for noise makes them differ."""
 _FEW = 500
-"""Samples below which a run or a file tells no noise of its own."""
+"""Samples below which a file tells no noise of its own."""
 
 
 def groups(recording: Recording) -> list[Index]:
-    """Return the samples of each file, or of each run where no file is known, that are enough to tell a noise."""
-    runs = recording.signal(RUN)
-    numbers, run = np.unique(runs, return_inverse=True)
-    if len(numbers) < 2:
-        return []
+    """Return the samples of each file that are enough to tell a noise; runs of one file are of one logger."""
     file_of_run = recording.provenance.get("file_of_run", {})
+    if len(set(file_of_run.values())) < 2:
+        return []
+    numbers, run = np.unique(recording.signal(RUN), return_inverse=True)
     files = [file_of_run.get(number, number) for number in numbers.astype(int).tolist()]
     known = {name: number for number, name in enumerate(dict.fromkeys(files))}
     of = np.array([known[name] for name in files])[run]
@@ -40,7 +39,7 @@ def groups(recording: Recording) -> list[Index]:
 
 @dataclass(frozen=True)
 class NoiseOfRuns(Noise):
-    """Noise that is another one in some runs; its white part has the size of all.
+    """Noise that is another one in some files; its white part has the size of all.
 
     Attributes:
         of_runs: the noises.
@@ -60,7 +59,9 @@ class NoiseOfRuns(Noise):
         if self.filtered is not None:
             return super().covariance(count)
         shares = np.bincount(self.which, minlength=len(self.of_runs)) / len(self.which)
-        return np.asarray(sum(s * own.covariance(count) for s, own in zip(shares, self.of_runs, strict=True)))
+        return np.asarray(
+            sum(s * own.covariance(count) for s, own in zip(shares, self.of_runs, strict=True) if s > 0.0)
+        )
 
     def like(self, count: int, rng: np.random.Generator) -> Array:
         """Return noise as this one, shape (count,), as many as there are samples."""
@@ -84,12 +85,12 @@ class NoiseOfRuns(Noise):
 
 
 def with_own_noises(recording: Recording, of_all: Noise, noise_of: Callable[[Recording], Noise]) -> Noise:
-    """Return the noise of a channel, of each run its own where they are unlike.
+    """Return the noise of a channel, of each file its own where they are unlike.
 
     Args:
-        recording: of one or several runs.
-        of_all: its noise, found of all runs together, which runs of few samples have.
-        noise_of: finds that of one run, or of the runs of one file.
+        recording: of one file or several.
+        of_all: its noise, found of all together, which files of few samples have.
+        noise_of: finds that of the runs of one file.
     """
     every = groups(recording)
     if len(every) < 2:

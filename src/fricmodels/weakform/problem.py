@@ -35,6 +35,7 @@ from fricmodels.weakform.row_noise import beyond_noise, bump_width, momentum_noi
 from fricmodels.weakform.smoothed import smoothed
 from fricmodels.weakform.test_functions import HOPS, TestFunctions, mean_velocity
 from fricmodels.weakform.unclear import creeping, direction_unclear
+from fricmodels.weakform.weighing import weighed
 
 _OF_ROWS = {"momentum", "noise_of_momentum", "driving", "torque_rate", "sign_change", "target", "centre", "integrated"}
 """What is computed once for the same rows."""
@@ -118,7 +119,8 @@ class WeakFormProblem:
             if like is not None and same and like.bumps.is_of(width, unclear):
                 return like
             rows, half = _rows(part, smooth, width, unclear, row_counts(part, inertia, width)), motion.half_width
-            return cls(drive, part, smooth, at_rest, *rows, half, (0.0, 0.0), delay=delay, made_for=made_for)
+            found = cls(drive, part, smooth, at_rest, *rows, half, (0.0, 0.0), delay=delay, made_for=made_for)
+            return found if guessed else weighed(found, parameters, inertia)
 
         estimated = drive.inertia is None
         problem = over(width or bump_width(part, inertia, estimated=estimated))

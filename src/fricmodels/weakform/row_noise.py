@@ -8,6 +8,7 @@ from weakref import WeakKeyDictionary
 import numpy as np
 from numpy.typing import NDArray
 
+from fricmodels.arrays import Index
 from fricmodels.recording import Recording
 from fricmodels.score import noise
 from fricmodels.signals import lanczos_derivative, motion_noise, velocity_noise
@@ -101,7 +102,7 @@ def noise_impulses(bumps: TestFunctions, quadrature: Quadrature, recording: Reco
     return np.asarray(bumps.torques(quadrature, np.concatenate([drawn, drawn[cell], drawn[cell + 1]])[None])[0])
 
 
-def row_counts(recording: Recording, inertia: float, width: int) -> Array | None:
+def row_counts(recording: Recording, inertia: float, width: int, unexplained: float = 0.0) -> Array | None:
     """Return by how much a row counts that begins at each sample, shape (N,).
 
     ``None`` where all runs have one rate and alike noise.
@@ -110,19 +111,29 @@ def row_counts(recording: Recording, inertia: float, width: int) -> Array | None
         recording: with velocity and torque.
         inertia: of the drive.
         width: samples that a test function spans.
+        unexplained: RMS of a row that no model explains, at the recording's own interval, if more than usual.
     """
-    relative, noises = relative_intervals(recording), (motion_noise(recording), torque_noise(recording))
-    unlike = [noise.which for noise in noises if isinstance(noise, NoiseOfRuns)]
-    if np.all(relative == 1.0) and not unlike:
+    sizes = row_sizes(recording, inertia, width)
+    if sizes is None:
+        return None
+    usual = UNEXPLAINED * recording.rms_torque * recording.interval
+    return weights_of_rows(relative_intervals(recording), *sizes, max(usual, unexplained))
+
+
+def row_sizes(recording: Recording, inertia: float, width: int) -> tuple[Array, Array] | None:
+    """Return the RMS that noise of the velocity leaves in a row that begins at each sample, and noise of the torque.
+
+    Shape (N,) each, in the row's own run, the second at the recording's own interval; ``None`` as above.
+    """
+    relative, which = relative_intervals(recording), alike_samples(recording)
+    if which is None and np.all(relative == 1.0):
         return None
     everywhere = np.zeros(len(recording), dtype=bool)
+    of = np.zeros(len(recording), dtype=np.int64) if which is None else which
     bumps = TestFunctions(recording, width, everywhere, over_cells=recording.derived_over > 0)
     momentum = inertia * momentum_noise(bumps, recording)
     torque = noise_impulses(bumps, Quadrature.of(recording, recording.velocity, everywhere), recording)
     at = bumps.begins
-    of = np.unique(np.stack([np.zeros(len(recording), dtype=np.int64), *unlike]), axis=1, return_inverse=True)[
-        1
-    ].ravel()
 
     def size(rows: Array) -> Array:
         """Return the RMS of the rows that begin in samples alike, and where none do that of all, shape (N,)."""
@@ -130,8 +141,14 @@ def row_counts(recording: Recording, inertia: float, width: int) -> Array | None
         every = float(np.mean(rows**2)) if len(rows) else 0.0
         return np.asarray(np.sqrt(np.where(count > 0, squares / np.maximum(count, 1), every))[of])
 
-    unexplained = UNEXPLAINED * recording.rms_torque * recording.interval
-    return weights_of_rows(relative, size(momentum), size(torque / relative[at]), unexplained)
+    return size(momentum), size(torque / relative[at])
+
+
+def alike_samples(recording: Recording) -> Index | None:
+    """Return a number of the samples whose noise is alike, shape (N,); ``None`` where that of all is."""
+    noises = (motion_noise(recording), torque_noise(recording))
+    unlike = [noise.which for noise in noises if isinstance(noise, NoiseOfRuns)]
+    return np.unique(np.stack(unlike), axis=1, return_inverse=True)[1].ravel().astype(np.int64) if unlike else None
 
 
 def noise_in_columns(
