@@ -35,7 +35,7 @@ from fricmodels.weakform.row_noise import beyond_noise, bump_width, momentum_noi
 from fricmodels.weakform.smoothed import smoothed
 from fricmodels.weakform.test_functions import HOPS, TestFunctions, mean_velocity
 from fricmodels.weakform.unclear import creeping, direction_unclear
-from fricmodels.weakform.weighing import weighed
+from fricmodels.weakform.weighing import counts_as_left
 
 _OF_ROWS = {"momentum", "noise_of_momentum", "driving", "torque_rate", "sign_change", "target", "centre", "integrated"}
 """What is computed once for the same rows."""
@@ -120,7 +120,8 @@ class WeakFormProblem:
                 return like
             rows, half = _rows(part, smooth, width, unclear, row_counts(part, inertia, width)), motion.half_width
             found = cls(drive, part, smooth, at_rest, *rows, half, (0.0, 0.0), delay=delay, made_for=made_for)
-            return found if guessed else weighed(found, parameters, inertia)
+            counts = None if guessed else counts_as_left(found, parameters, inertia)
+            return found if counts is None else replace(found, bumps=found.bumps.counting(counts))
 
         estimated = drive.inertia is None
         problem = over(width or bump_width(part, inertia, estimated=estimated))

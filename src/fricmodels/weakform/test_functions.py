@@ -109,6 +109,12 @@ class TestFunctions:
         self._kept, self.count = kept, len(kept)
         self._runs = begins[:runs].copy(), lengths[:runs].copy()
 
+    def counting(self, counts: Array) -> TestFunctions:
+        """Return them with equations that count otherwise, shape (N,)."""
+        other = copy(self)
+        other.counts = counts
+        return other
+
     def clear_of(self, samples: Mask) -> TestFunctions:
         """Return the test functions that none of some samples lies within."""
         other = copy(self)
