@@ -10,7 +10,7 @@ from fricmodels.diagnosis import diagnose
 from fricmodels.diagnosis.comparison import compare
 from fricmodels.dimension import Motion
 from fricmodels.recording import Recording
-from fricmodels.signals.creeping import creeping_speed, held_while_creeping
+from fricmodels.signals.creeping import creeping_speed, creeping_stretches, held_while_creeping
 
 INERTIA, TRUE, SOFT = 0.1, {"K_v": 0.1, "K_c": 0.4}, 0.004
 """SOFT: speed at which friction has risen to three quarters [rad/s]."""
@@ -75,6 +75,7 @@ def test_a_slow_motion_that_slides_is_none(creeping: Recording) -> None:
     limits = np.full(size, -TRUE["K_c"]), np.full(size, TRUE["K_c"])
     for share, held in ((1.0, False), (0.5, True)):
         log = creeping.with_channels(derived=False, torque=np.full(size, share * TRUE["K_c"]))
-        found = held_while_creeping(log, speed, rest, INERTIA, lambda: limits, creeping_speed(speed))
+        creeps = creeping_stretches(log, speed, rest, creeping_speed(speed))
+        found = held_while_creeping(log, speed, creeps, INERTIA, lambda: limits)
         assert np.all(found[:1999] == held)
         assert not found[2000:].any()

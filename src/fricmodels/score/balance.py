@@ -30,6 +30,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Literal, TypeAlias
 
 import numpy as np
@@ -42,7 +43,7 @@ from fricmodels.score.holding import holding_interval
 from fricmodels.score.noise import noise_like
 from fricmodels.score.proportional import applied_torque, in_recorded_torque, of_acceleration
 from fricmodels.score.torque import friction_moments, moments, torque_error
-from fricmodels.signals.creeping import creeping_speed, held_while_creeping
+from fricmodels.signals.creeping import creeping_speed, creeping_stretches, held_while_creeping
 
 Array: TypeAlias = NDArray[np.float64]
 Source: TypeAlias = Literal["acceleration", "velocity", "position"]
@@ -183,10 +184,9 @@ def balances(drive: Drive, values: Mapping[str, float], prepared: Recording) -> 
     recorded = in_recorded_torque(drive, values)
     states = drive.states(moving, parameters)
     if not states:
-        up_to = creeping_speed(velocity)
-        doubtful |= held_while_creeping(
-            recording, velocity, rest, inertia, lambda: drive.sticking_interval(moving, values), up_to
-        )
+        creeps = creeping_stretches(recording, velocity, rest, creeping_speed(velocity))
+        limits = partial(drive.sticking_interval, moving, values)
+        doubtful |= held_while_creeping(recording, velocity, creeps, inertia, limits)
     for part in _parts(prepared):
         one = moving.select(part)
         memory = [state[part] for state in states]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
@@ -23,45 +23,52 @@ def creeping_speed(smooth: Array) -> float:
     return _CREEPS * float(np.sqrt(np.mean(smooth**2))) if len(smooth) else 0.0
 
 
-def held_while_creeping(
-    recording: Recording,
-    smooth: Array,
-    rest: Mask,
-    inertia: float,
-    limits: Callable[[], tuple[Array, Array]],
-    up_to: float,
-) -> Mask:
-    r"""Mark stretches in which a drive creeps under less friction than slides, shape (N,).
-
-    A sensor that is fine enough shows a motion where a contact gives way, or where a simulator's friction rises with
-    the speed from nothing. Its direction is certain, but :math:`\pm K_c` does not act: on average over the stretch,
-    which lasts longer than a passage through such speeds, :math:`\tau - J \dot\omega` lies well within the friction
-    torques that hold the drive at rest.
+def creeping_stretches(recording: Recording, smooth: Array, rest: Mask, up_to: float) -> list[tuple[int, int]]:
+    """Return where a drive moves so slowly for longer than a passage lasts: first sample, and the one after the last.
 
     Args:
         recording: prepared.
-        smooth: velocity freed of noise.
-        rest: samples at which the drive stands still, as far as its sensors show.
-        inertia: of the drive.
-        limits: gives least and greatest friction torque that holds the drive at rest, shape (N,) each.
+        smooth: velocity freed of noise, shape (N,).
+        rest: samples at which the drive stands still, as far as its sensors show, shape (N,).
         up_to: see :func:`creeping_speed`.
     """
-    found, slow = np.zeros(len(recording), dtype=bool), (np.abs(smooth) <= up_to) & ~rest
+    slow, time = (np.abs(smooth) <= up_to) & ~rest, recording.time
     pieces = [
         (begin, end)
-        for part in stretches(recording.time, recording.run)
+        for part in stretches(time, recording.run)
         for begin, end in _stretches_of(slow[part], part.start)
         if end - begin > _LEAST
     ]
     del slow
-    if not pieces:
-        return found
-    passes, time = passage(recording, smooth, up_to), recording.time
-    pieces = [(begin, end) for begin, end in pieces if time[end - 1] - time[begin] > passes]
-    if not pieces:
+    passes = passage(recording, smooth, up_to) if pieces else 0.0
+    return [(begin, end) for begin, end in pieces if time[end - 1] - time[begin] > passes]
+
+
+def held_while_creeping(
+    recording: Recording,
+    smooth: Array,
+    creeps: Sequence[tuple[int, int]],
+    inertia: float,
+    limits: Callable[[], tuple[Array, Array]],
+) -> Mask:
+    r"""Mark stretches in which a drive creeps under less friction than slides, shape (N,).
+
+    A sensor that is fine enough shows a motion where a contact gives way, or where a simulator's friction rises with
+    the speed from nothing. Its direction is certain, but :math:`\pm K_c` does not act: on average over the stretch
+    :math:`\tau - J \dot\omega` lies well within the friction torques that hold the drive at rest.
+
+    Args:
+        recording: prepared.
+        smooth: velocity freed of noise, shape (N,).
+        creeps: see :func:`creeping_stretches`.
+        inertia: of the drive.
+        limits: gives least and greatest friction torque that holds the drive at rest, shape (N,) each.
+    """
+    found, time = np.zeros(len(recording), dtype=bool), recording.time
+    if not creeps:
         return found
     least, most = limits()
-    for begin, end in pieces:
+    for begin, end in creeps:
         change = (smooth[end - 1] - smooth[begin]) / (time[end - 1] - time[begin])
         low, high = (float(np.mean(limit[begin:end])) for limit in (least, most))
         pushed = float(np.mean(recording.torque[begin:end] - recording.load_torque[begin:end])) - inertia * change

@@ -11,7 +11,7 @@ import numpy as np
 
 from fricmodels.arrays import Array, Index, Mask, widened
 from fricmodels.recording import Recording
-from fricmodels.signals.creeping import held_while_creeping
+from fricmodels.signals.creeping import creeping_stretches, held_while_creeping
 from fricmodels.signals.lanczos import DEGREE, fit_stretch
 from fricmodels.sums.plan import Plan
 from fricmodels.weakform.kinks import with_kinks
@@ -108,7 +108,8 @@ def block_rows(plan: Plan, channels: Mapping[str, Array], first: int, until: int
     recording, smooth = _moving(plan, channels)
     limits, slow = plan.drive.sticking_interval(recording, plan.friction), _slow(plan, smooth)
     inertia, _ = plan.drive.split(plan.friction)
-    held = held_while_creeping(recording, smooth, slow, inertia, lambda: limits, plan.creep)
+    creeps = creeping_stretches(recording, smooth, slow, plan.creep)
+    held = held_while_creeping(recording, smooth, creeps, inertia, lambda: limits)
     smooth = with_kinks(recording, smooth, plan.half_width, slow, limits, inertia, plan.kinks)
     unclear = widened(slow | held | hidden_turns(recording, smooth, plan.error, limits), 1 + recording.derived_over)
     quadrature = Quadrature.of(recording, smooth, unclear, plan.jump)

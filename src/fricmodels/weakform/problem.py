@@ -19,7 +19,7 @@ from fricmodels.dimension import Motion
 from fricmodels.drive import Drive
 from fricmodels.model import Model
 from fricmodels.recording import Recording
-from fricmodels.signals.creeping import creeping_speed, held_while_creeping
+from fricmodels.signals.creeping import held_while_creeping
 from fricmodels.signals.lost_samples import as_held
 from fricmodels.term import Effect
 from fricmodels.weakform.carriers import CarrierFunctions
@@ -112,8 +112,7 @@ class WeakFormProblem:
             slow = creeping(part, width)
             smooth = with_kinks(part, motion.velocity, motion.half_width, slow, limits, 0.0 if guessed else inertia)
             if not (guessed or drive.model.states):
-                up_to = creeping_speed(motion.velocity)
-                slow = slow | held_while_creeping(part, motion.velocity, at_rest, inertia, lambda: limits, up_to)
+                slow = slow | held_while_creeping(part, motion.velocity, motion.creeps, inertia, lambda: limits)
             unclear = direction_unclear(part, smooth, at_rest | slow, limits)
             same = like is not None and plain and like.recording is part and np.array_equal(like.smooth, smooth)
             if like is not None and same and like.bumps.is_of(width, unclear):

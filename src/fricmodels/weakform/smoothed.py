@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -10,6 +11,7 @@ import numpy as np
 from fricmodels.arrays import Array, Index, Mask
 from fricmodels.recording import RATE, RUN, Origin, Recording
 from fricmodels.signals import lanczos_derivative, resting, smoothed_velocity, smoothing_half_width, standstill
+from fricmodels.signals.creeping import creeping_speed, creeping_stretches
 from fricmodels.signals.rest import once
 
 MAX_SAMPLES = 163_840
@@ -23,12 +25,16 @@ times as many samples to integrate states along. In longer ones a state that beg
 
 @dataclass(frozen=True)
 class Smoothed:
-    """A recording with acceleration and torque rate, freed of noise: what does not depend on the model."""
+    """A recording with acceleration and torque rate, freed of noise: what does not depend on the model.
+
+    With its rests, and where it moves so slowly that it may creep, see :func:`.creeping_stretches`.
+    """
 
     recording: Recording
     velocity: Array
     half_width: int
     resting: Mask
+    creeps: Sequence[tuple[int, int]] = ()
 
 
 @once
@@ -42,7 +48,8 @@ def smoothed(recording: Recording) -> Smoothed:
     smooth = np.where(np.abs(smooth) <= standstill(smooth), 0.0, smooth)
     rates: dict[str, Any] = {RATE + name: part.signal(RATE + name) for name in part.further}
     part = part.with_channels(torque_rate=part.signal("motor_torque_rate"), **rates)
-    return Smoothed(part, smooth, half_width, resting(part))
+    rest = resting(part)
+    return Smoothed(part, smooth, half_width, rest, creeping_stretches(part, smooth, rest, creeping_speed(smooth)))
 
 
 def blocks_of(count: int) -> list[tuple[int, int]]:
