@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import numpy as np
-from numpy.typing import NDArray
 
-from fricmodels.arrays import Array, Mask
+from fricmodels.arrays import Array
 from fricmodels.logcheck.finding import Finding, Severity
 from fricmodels.logcheck.view import Log
 from fricmodels.results.words import figures
+from fricmodels.signals.in_place import pieces
 
 _TIMES = 3
 """Times at which a drive is stopped, at least."""
@@ -57,15 +57,8 @@ def _sharpness(log: Log, values: Array, width: int) -> Array:
     """Return by how much the way changes from one stretch of samples to the next, shape (N,); 0 at ends of parts."""
     sharp = np.zeros(len(values))
     sharp[width:-width] = np.abs(values[2 * width :] - 2.0 * values[width:-width] + values[: -2 * width])
-    part = np.cumsum(np.r_[0, ~log.joined])
-    sharp[width:-width][part[2 * width :] != part[: -2 * width]] = 0.0
+    sharp[width:-width][log.part[2 * width :] != log.part[: -2 * width]] = 0.0
     return sharp
-
-
-def _stretches(inside: Mask) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Return where stretches begin, and where they have ended."""
-    edges = np.flatnonzero(np.diff(np.r_[0, inside.astype(np.int8), 0]))
-    return edges[::2].astype(np.int64), edges[1::2].astype(np.int64)
 
 
 def _hard(log: Log, values: Array, extreme: float, resolution: float) -> int:
@@ -82,7 +75,7 @@ def _hard(log: Log, values: Array, extreme: float, resolution: float) -> int:
     tolerance = max(1.01 * resolution, 1e-9 * float(np.ptp(values)), error)
     sharp = _sharpness(log, values, _WIDTH)
     at = np.abs(values - extreme) <= tolerance
-    starts, stops = _stretches(at)
+    starts, stops = np.array(list(pieces(log.recording, at)), dtype=np.int64).reshape(-1, 2).T
     visits = (stops - starts >= 3) & (starts >= _WIDTH) & (stops < len(values) - _WIDTH)
     entry = starts[visits]
     if len(entry) < _TIMES or len(entry) > len(values) // (8 * _WIDTH):
@@ -109,7 +102,7 @@ def _pushed(log: Log, values: Array, width: int) -> Array:
     travel, torque = float(np.ptp(values)), log.recording.torque
     if travel <= 0.0 or len(values) < 32 * width:
         return np.zeros(0)
-    sharp, part = _sharpness(log, values, width), np.cumsum(np.r_[0, ~log.joined])
+    sharp, part = _sharpness(log, values, width), log.part
     ends = np.minimum(values - values.min(), values.max() - values) < _AT_END * travel
     beside = np.convolve(ends.astype(float), np.ones(2 * width + 1), "same") > 0.5
     elsewhere = float(sharp[~beside].max(initial=0.0))
@@ -117,8 +110,7 @@ def _pushed(log: Log, values: Array, width: int) -> Array:
     for side in (1.0, -1.0):
         outward, push = side * values, side * torque
         before = np.flatnonzero(outward < outward.max() - _APPROACH * travel)
-        starts, stops = _stretches(outward > outward.max() - _AT_END * travel)
-        for entry, end in zip(starts.tolist(), stops.tolist(), strict=True):
+        for entry, end in pieces(log.recording, outward > outward.max() - _AT_END * travel):
             last = int(np.searchsorted(before, entry)) - 1
             since = max(int(before[last]) + 1 if last >= 0 else 0, entry - 32 * width)
             near = slice(max(entry - width, since), min(entry + 4 * width, end))

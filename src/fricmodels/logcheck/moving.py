@@ -23,7 +23,7 @@ def moving(log: Log, channel: str) -> Mask | None:
     measured = log.measured
     if channel != "position" and "position" in measured:
         position, index = measured["position"], np.arange(len(log.recording))
-        part = np.cumsum(np.r_[0, ~log.joined])
+        part = log.part
         before, after = np.maximum(index - _HALF, 0), np.minimum(index + _HALF, len(index) - 1)
         within = (part[before] == part) & (part[after] == part)
         return np.asarray(within & (np.abs(position[after] - position[before]) > _least(log, "position")))

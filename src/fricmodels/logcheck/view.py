@@ -11,7 +11,7 @@ from typing import TypeVar
 
 import numpy as np
 
-from fricmodels.arrays import Array, Mask
+from fricmodels.arrays import Array, Index, Mask
 from fricmodels.dimension import Motion
 from fricmodels.readers import units
 from fricmodels.recording import Recording, word
@@ -87,6 +87,11 @@ class Log:
         return usual_steps(self.recording.time, self.recording.run)
 
     @cached_property
+    def part(self) -> Index:
+        """Number of the uninterrupted stretch that each sample lies in, shape (N,)."""
+        return np.cumsum(np.r_[0, ~self.joined])
+
+    @cached_property
     def parts(self) -> list[slice]:
         """The uninterrupted stretches, in order."""
         borders = [0, *(np.flatnonzero(~self.joined) + 1).tolist(), len(self.recording)]
@@ -131,7 +136,7 @@ class Log:
 
     def _of_position(self, half: int) -> Array:
         position, time = self.recording["position"], self.recording.time
-        part = np.cumsum(np.r_[0, ~self.joined])
+        part = self.part
         index = np.arange(len(time))
         after, before = np.minimum(index + half, len(time) - 1), np.maximum(index - half, 0)
         after = np.where(part[after] == part, after, index)

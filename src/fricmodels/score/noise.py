@@ -14,7 +14,7 @@ from fricmodels.signals.lanczos import even_weights
 from fricmodels.signals.rest import once
 from fricmodels.signals.segments import is_even
 from fricmodels.signals.switched import torque_noise
-from fricmodels.signals.unlike_runs import NoiseOfRuns
+from fricmodels.signals.unlike_files import NoiseOfFiles
 
 _TAPS, _CUT = 63, 0.33
 """Of the high-pass filter: it lets pass what is faster than a third of the sampling rate, and less than a hundredth of
@@ -70,7 +70,7 @@ def noise_like(recording: Recording, channel: str, rng: np.random.Generator) -> 
         rng: source of what is drawn.
     """
     found = motion_noise(recording) if channel in ("velocity", "position") else torque_noise(recording)
-    if isinstance(found, NoiseOfRuns):
+    if isinstance(found, NoiseOfFiles):
         drawn = np.zeros(len(recording))
         for number in np.unique(found.which):
             drawn[found.which == number] = noise_like(recording.select(found.which == number), channel, rng)

@@ -8,8 +8,8 @@ import numpy as np
 
 from fricmodels.arrays import Array, Mask
 from fricmodels.recording import Recording
+from fricmodels.signals.in_place import pieces
 from fricmodels.signals.rest import passage
-from fricmodels.signals.segments import stretches
 
 _CREEPS, _WELL_WITHIN = 0.01, 0.8
 """Share of the RMS speed up to which a drive may creep, and of the friction that holds it up to which it does not
@@ -32,16 +32,10 @@ def creeping_stretches(recording: Recording, smooth: Array, rest: Mask, up_to: f
         rest: samples at which the drive stands still, as far as its sensors show, shape (N,).
         up_to: see :func:`creeping_speed`.
     """
-    slow, time = (np.abs(smooth) <= up_to) & ~rest, recording.time
-    pieces = [
-        (begin, end)
-        for part in stretches(time, recording.run)
-        for begin, end in _stretches_of(slow[part], part.start)
-        if end - begin > _LEAST
-    ]
-    del slow
-    passes = passage(recording, smooth, up_to) if pieces else 0.0
-    return [(begin, end) for begin, end in pieces if time[end - 1] - time[begin] > passes]
+    slow = (np.abs(smooth) <= up_to) & ~rest
+    found = [(begin, end) for begin, end in pieces(recording, slow) if end - begin > _LEAST]
+    passes, time = passage(recording, smooth, up_to) if found else 0.0, recording.time
+    return [(begin, end) for begin, end in found if time[end - 1] - time[begin] > passes]
 
 
 def held_while_creeping(
@@ -74,9 +68,3 @@ def held_while_creeping(
         pushed = float(np.mean(recording.torque[begin:end] - recording.load_torque[begin:end])) - inertia * change
         found[begin:end] = abs(pushed - 0.5 * (low + high)) < _WELL_WITHIN * 0.5 * (high - low)
     return found
-
-
-def _stretches_of(marked: Mask, start: int) -> list[tuple[int, int]]:
-    """Return where stretches of marked samples begin and have ended, counted from a sample on."""
-    edges = np.flatnonzero(np.diff(np.r_[0, marked.astype(np.int8), 0])) + start
-    return list(zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True))

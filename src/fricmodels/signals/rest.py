@@ -27,7 +27,7 @@ from fricmodels.signals.noise_colour import Noise, coloured_noise, may_be_there,
 from fricmodels.signals.noise_level import best_half_width, best_smoothing, noise_of, quantum
 from fricmodels.signals.segments import stretches
 from fricmodels.signals.stamp_noise import with_false_stamps
-from fricmodels.signals.unlike_runs import with_own_noises
+from fricmodels.signals.unlike_files import with_own_noises
 
 _LOOKS, _SAME = 4, 0.9
 """Rests are looked for so many times again, the noise being smaller by a tenth at least: in a band that is too wide
@@ -101,7 +101,7 @@ def _motion(recording: Recording) -> _Motion:
         def forget(_: object) -> None:
             _known.pop(key, None)
 
-        found = _of_whole(recording) or _of_unlike_runs(recording, _no_finer(recording, _found(recording)))
+        found = _of_whole(recording) or _of_unlike_files(recording, _no_finer(recording, _found(recording)))
         known = _known[key] = ([weakref.ref(array, forget) for array in arrays], found)
     return known[1]
 
@@ -129,7 +129,7 @@ def _of_whole(recording: Recording) -> _Motion | None:
     return replace(found, noise=found.noise.at(index), velocity=found.velocity[index], resting=found.resting[index])
 
 
-def _of_unlike_runs(recording: Recording, found: _Motion) -> _Motion:
+def _of_unlike_files(recording: Recording, found: _Motion) -> _Motion:
     return replace(found, noise=with_own_noises(recording, found.noise, lambda one: _found(one).noise))
 
 

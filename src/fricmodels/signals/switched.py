@@ -9,7 +9,7 @@ from fricmodels.recording import Recording
 from fricmodels.signals.noise_colour import Noise
 from fricmodels.signals.noise_level import noise_of, quantum
 from fricmodels.signals.rest import once
-from fricmodels.signals.unlike_runs import with_own_noises
+from fricmodels.signals.unlike_files import with_own_noises
 
 _FEW = 3
 """Values of a torque that is switched: forward, off and backward."""

@@ -33,7 +33,7 @@ from fricmodels.weakform.remembered import INTEGRALS, Part, Remembered
 from fricmodels.weakform.repeats import parts_of, phase_of
 from fricmodels.weakform.row_noise import beyond_noise, bump_width, momentum_noise, noise_impulses, noisier, row_counts
 from fricmodels.weakform.smoothed import smoothed
-from fricmodels.weakform.test_functions import HOPS, TestFunctions, mean_velocity
+from fricmodels.weakform.test_functions import HOPS, TestFunctions, mean_velocity, rows_of
 from fricmodels.weakform.unclear import creeping, direction_unclear
 from fricmodels.weakform.weighing import counts_as_left
 
@@ -117,17 +117,26 @@ class WeakFormProblem:
             same = like is not None and plain and like.recording is part and np.array_equal(like.smooth, smooth)
             if like is not None and same and like.bumps.is_of(width, unclear):
                 return like
-            rows, half = _rows(part, smooth, width, unclear, row_counts(part, inertia, width)), motion.half_width
-            found = cls(drive, part, smooth, at_rest, *rows, half, (0.0, 0.0), delay=delay, made_for=made_for)
-            counts = None if guessed else counts_as_left(found, parameters, inertia)
-            return found if counts is None else replace(found, bumps=found.bumps.counting(counts))
+            rows, half = rows_of(part, smooth, width, unclear, row_counts(part, inertia, width)), motion.half_width
+            return cls(drive, part, smooth, at_rest, *rows, half, (0.0, 0.0), delay=delay, made_for=made_for)
 
         estimated = drive.inertia is None
         problem = over(width or bump_width(part, inertia, estimated=estimated))
         if width is None and problem.independent < _FEW:
             narrower = bump_width(part, inertia, estimated=estimated, narrow=True)
             problem = over(narrower) if narrower < problem.bumps.width else problem
+        problem = problem if guessed else problem._weighed(parameters, inertia)
         return problem.at(friction_limits=limits_of_friction(drive, part, parameters))
+
+    def _weighed(self, parameters: Mapping[str, float], inertia: float) -> WeakFormProblem:
+        """Return it with rows that count by what is left of them, too; see :mod:`.weighing`."""
+        if self.bumps.counts is None or not self.rows:
+            return self
+        columns, _ = self.columns(self.drive, [parameters[p.key] for p in self.drive.parameters if not p.linear])
+        own = [] if self.drive.inertia is not None else [self.momentum]
+        design = np.vstack([columns, self.sign_change, self.torque_rate, *own])
+        counts = counts_as_left(self.recording, self.bumps, inertia, self.target, design)
+        return self if counts is None else replace(self, bumps=self.bumps.counting(counts))
 
     def at(self, **changes: Any) -> WeakFormProblem:
         """Return it with another known ``shift`` [s], other ``friction_limits``, or ``held`` or not; the rest stays."""
@@ -159,7 +168,7 @@ class WeakFormProblem:
         torque of a contact that bends, or of a gap, comes from the way that was covered.
         """
         unclear = self.resting | creeping(self.recording, self.bumps.width)
-        quadrature, bumps = _rows(self.recording, self.smooth, self.bumps.width, unclear, self.bumps.counts)
+        quadrature, bumps = rows_of(self.recording, self.smooth, self.bumps.width, unclear, self.bumps.counts)
         return replace(self, quadrature=quadrature, bumps=bumps).carrying(self.carriers)
 
     def clear_of(self, samples: Mask) -> WeakFormProblem:
@@ -389,11 +398,3 @@ class WeakFormProblem:
 @lru_cache(maxsize=256)
 def _alone(effect: Effect, motion: Motion) -> Drive:
     return Drive(Model.only(effect), 1.0, motion)
-
-
-def _rows(
-    recording: Recording, smooth: Array, width: int, unclear: Mask, counts: Array | None
-) -> tuple[Quadrature, TestFunctions]:
-    over_cells = recording.derived_over > 0
-    bumps = TestFunctions(recording, width, unclear, least_moving=1.0, over_cells=over_cells, counts=counts)
-    return Quadrature.of(recording, smooth, unclear), bumps

@@ -15,7 +15,7 @@ from fricmodels.signals import lanczos_derivative, motion_noise, velocity_noise
 from fricmodels.signals.lanczos import lanczos_value
 from fricmodels.signals.rest import once
 from fricmodels.signals.switched import torque_noise
-from fricmodels.signals.unlike_runs import NoiseOfRuns
+from fricmodels.signals.unlike_files import NoiseOfFiles
 from fricmodels.weakform.quadrature import Quadrature
 from fricmodels.weakform.rates import UNEXPLAINED, relative_intervals, weights_of_rows
 from fricmodels.weakform.regression import Regression
@@ -102,7 +102,7 @@ def noise_impulses(bumps: TestFunctions, quadrature: Quadrature, recording: Reco
     return np.asarray(bumps.torques(quadrature, np.concatenate([drawn, drawn[cell], drawn[cell + 1]])[None])[0])
 
 
-def row_counts(recording: Recording, inertia: float, width: int, unexplained: float = 0.0) -> Array | None:
+def row_counts(recording: Recording, inertia: float, width: int) -> Array | None:
     """Return by how much a row counts that begins at each sample, shape (N,).
 
     ``None`` where all runs have one rate and alike noise.
@@ -111,11 +111,19 @@ def row_counts(recording: Recording, inertia: float, width: int, unexplained: fl
         recording: with velocity and torque.
         inertia: of the drive.
         width: samples that a test function spans.
-        unexplained: RMS of a row that no model explains, at the recording's own interval, if more than usual.
     """
     sizes = row_sizes(recording, inertia, width)
-    if sizes is None:
-        return None
+    return None if sizes is None else counts_of(recording, sizes)
+
+
+def counts_of(recording: Recording, sizes: tuple[Array, Array], unexplained: float = 0.0) -> Array:
+    """Return by how much rows count, shape (N,), by their noise and by what no model explains.
+
+    Args:
+        recording: whose rows they are.
+        sizes: see :func:`row_sizes`.
+        unexplained: RMS of a row that no model explains, at the recording's own interval, if more than usual.
+    """
     usual = UNEXPLAINED * recording.rms_torque * recording.interval
     return weights_of_rows(relative_intervals(recording), *sizes, max(usual, unexplained))
 
@@ -123,7 +131,7 @@ def row_counts(recording: Recording, inertia: float, width: int, unexplained: fl
 def row_sizes(recording: Recording, inertia: float, width: int) -> tuple[Array, Array] | None:
     """Return the RMS that noise of the velocity leaves in a row that begins at each sample, and noise of the torque.
 
-    Shape (N,) each, in the row's own run, the second at the recording's own interval; ``None`` as above.
+    Shape (N,) each, in the row's own file, the second at the recording's own interval; ``None`` as above.
     """
     relative, which = relative_intervals(recording), alike_samples(recording)
     if which is None and np.all(relative == 1.0):
@@ -147,7 +155,7 @@ def row_sizes(recording: Recording, inertia: float, width: int) -> tuple[Array, 
 def alike_samples(recording: Recording) -> Index | None:
     """Return a number of the samples whose noise is alike, shape (N,); ``None`` where that of all is."""
     noises = (motion_noise(recording), torque_noise(recording))
-    unlike = [noise.which for noise in noises if isinstance(noise, NoiseOfRuns)]
+    unlike = [noise.which for noise in noises if isinstance(noise, NoiseOfFiles)]
     return np.unique(np.stack(unlike), axis=1, return_inverse=True)[1].ravel().astype(np.int64) if unlike else None
 
 

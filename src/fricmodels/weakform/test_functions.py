@@ -228,3 +228,20 @@ class TestFunctions:
         rows = np.ascontiguousarray(rows, dtype=float)
         weighted_sums(rows, *self._runs, self._parts(kernel), sums)
         return sums
+
+
+def rows_of(
+    recording: Recording, smooth: Array, width: int, unclear: Mask, counts: Array | None
+) -> tuple[Quadrature, TestFunctions]:
+    """Return how a recording is integrated, and the test functions that lie within clear motion.
+
+    Args:
+        recording: prepared.
+        smooth: velocity freed of noise, shape (N,).
+        width: samples that a test function spans.
+        unclear: samples that none of them may reach, shape (N,).
+        counts: see :class:`TestFunctions`.
+    """
+    over_cells = recording.derived_over > 0
+    bumps = TestFunctions(recording, width, unclear, least_moving=1.0, over_cells=over_cells, counts=counts)
+    return Quadrature.of(recording, smooth, unclear), bumps

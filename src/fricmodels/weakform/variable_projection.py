@@ -322,16 +322,16 @@ class Projection:
 
     def _solve(self, gram: Array, right: Array, target: Array) -> tuple[Array, float]:
         """Return the best linear parameters, and what was taken for noise of dω/dt in its square."""
-        theta, squares = self._theta.copy(), float(target @ target)
+        theta, noise, every, known = self._theta.copy(), 0.0, (gram, right), self._equations.acceleration_noise
         if self._held:
-            beside = right - gram @ theta
-            squares, right = squares - float(theta @ (right + beside)), beside[self._free]
+            right = (right - gram @ theta)[self._free]
             gram = gram[np.ix_(self._free, self._free)]
-        normal, noise = NormalEquations.of(gram, right), 0.0
-        if self._equations.acceleration_noise and 0 in self._free:
-            plain = normal.solve(self._constraints, self._limits)
-            left = squares - 2.0 * float(plain @ right) + float(plain @ gram @ plain)
-            noise = noise_of_first(self._equations.acceleration_noise, gram, plain, left)
+        normal = NormalEquations.of(gram, right)
+        if known and 0 in self._free:
+            plain = theta.copy()
+            plain[self._free] = normal.solve(self._constraints, self._limits)
+            left = float(target @ target + plain @ (every[0] @ plain - 2.0 * every[1]))
+            noise = noise_of_first(known, plain, left)
             normal = NormalEquations.of(without_noise(gram, noise), right)
         theta[self._free] = normal.solve(self._constraints, self._limits)
         return theta, noise

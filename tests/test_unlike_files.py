@@ -14,7 +14,7 @@ from fricmodels.recording import Recording
 from fricmodels.score.noise import noise_like
 from fricmodels.signals import motion_noise, velocity_noise
 from fricmodels.signals.switched import torque_noise
-from fricmodels.signals.unlike_runs import NoiseOfRuns
+from fricmodels.signals.unlike_files import NoiseOfFiles
 from fricmodels.simulation import simulate
 
 INERTIA, TRUE = 0.05, {"K_v": 0.2, "K_c": 1.0}
@@ -47,8 +47,8 @@ QUIET, NOISY = (0.02, 0.03), (0.6, 1.5)
 
 def test_alike_runs_have_one_noise() -> None:
     recording = together(run(1, *QUIET), run(2, 0.025, 0.04))
-    assert not isinstance(motion_noise(recording), NoiseOfRuns)
-    assert not isinstance(torque_noise(recording), NoiseOfRuns)
+    assert not isinstance(motion_noise(recording), NoiseOfFiles)
+    assert not isinstance(torque_noise(recording), NoiseOfFiles)
 
 
 def test_runs_of_one_file_are_of_one_logger() -> None:
@@ -56,12 +56,12 @@ def test_runs_of_one_file_are_of_one_logger() -> None:
     apart = together(run(1, *QUIET), run(2, *NOISY))
     one = replace(apart, provenance={"file_of_run": {0: "log.csv", 1: "log.csv"}})
     for recording in (one, replace(apart, provenance={})):
-        assert not isinstance(motion_noise(recording), NoiseOfRuns)
-        assert not isinstance(torque_noise(recording), NoiseOfRuns)
+        assert not isinstance(motion_noise(recording), NoiseOfFiles)
+        assert not isinstance(torque_noise(recording), NoiseOfFiles)
 
 
 @pytest.mark.parametrize("kept", [slice(None), slice(3000, 12_000), slice(9000, 16_000)], ids=["all", "both", "one"])
-def test_unlike_runs_have_their_own(kept: slice) -> None:
+def test_unlike_files_have_their_own(kept: slice) -> None:
     recording = together(run(1, *QUIET), run(2, *NOISY)).remembering().select(kept)
     second = recording.run == 1
     drawn = {name: noise_like(recording, name, np.random.default_rng(0)) for name in ("velocity", "torque")}
@@ -80,7 +80,7 @@ def test_what_is_cut_from_some_of_three_runs_has_their_noises() -> None:
     coarse = run(3, 0.0, 0.0)
     coarse = coarse.with_channels(derived=False, velocity=np.round(coarse.velocity / 3.0) * 3.0)
     whole = together(run(1, *QUIET), run(2, *NOISY), coarse).remembering()
-    assert velocity_noise(whole).of_runs[3].course is not None  # type: ignore[attr-defined]
+    assert velocity_noise(whole).of_files[3].course is not None  # type: ignore[attr-defined]
     for numbers in ([0, 1], [1, 2], [0, 2]):
         part = velocity_noise(whole.select(np.isin(whole.run, numbers)))
         squares = [velocity_noise(whole.select(whole.run == number)).covariance(3)[0] for number in numbers]
@@ -110,3 +110,16 @@ def test_a_noisy_run_that_is_added_makes_a_fit_hardly_less_certain(
 def test_what_is_left_of_a_noisy_run_is_noise() -> None:
     found = compare(together(run(1, *QUIET), run(2, *NOISY)), "coulomb-viscous", INERTIA)
     assert found.errors.held_out_percent == pytest.approx(found.noise_floor_percent, rel=0.25)
+
+
+def test_rows_of_both_files_count_alike_as_long_as_the_model_lacks_most() -> None:
+    """Then the noise of either is nothing beside what is in both; with the effect in the model the quiet one counts."""
+    both = together(run(1, 0.002, 0.003), run(2, *NOISY))
+    pushed = both.with_channels(derived=False, torque=both.torque + 3.0)
+    spread = {}
+    for model in ("coulomb-viscous", "coulomb-viscous+torque-offset"):
+        counts = compare(pushed, model, INERTIA).problem.bumps.counts
+        assert counts is not None
+        spread[model] = counts.max() / counts.min()
+    assert spread["coulomb-viscous"] < 1.5
+    assert spread["coulomb-viscous+torque-offset"] > 4.0

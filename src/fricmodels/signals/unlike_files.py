@@ -38,15 +38,15 @@ def groups(recording: Recording) -> list[Index]:
 
 
 @dataclass(frozen=True)
-class NoiseOfRuns(Noise):
+class NoiseOfFiles(Noise):
     """Noise that is another one in some files; its white part has the size of all.
 
     Attributes:
-        of_runs: the noises.
+        of_files: the noises.
         which: of these the one that each sample has, shape (N,).
     """
 
-    of_runs: tuple[Noise, ...] = field(default=(), compare=False)
+    of_files: tuple[Noise, ...] = field(default=(), compare=False)
     which: Index = field(default_factory=lambda: np.zeros(0, dtype=np.int64), compare=False)
 
     @property
@@ -58,9 +58,9 @@ class NoiseOfRuns(Noise):
         """Return its mean autocovariance over all samples at lags of 0 to count − 1 samples."""
         if self.filtered is not None:
             return super().covariance(count)
-        shares = np.bincount(self.which, minlength=len(self.of_runs)) / len(self.which)
+        shares = np.bincount(self.which, minlength=len(self.of_files)) / len(self.which)
         return np.asarray(
-            sum(s * own.covariance(count) for s, own in zip(shares, self.of_runs, strict=True) if s > 0.0)
+            sum(s * own.covariance(count) for s, own in zip(shares, self.of_files, strict=True) if s > 0.0)
         )
 
     def like(self, count: int, rng: np.random.Generator) -> Array:
@@ -68,20 +68,20 @@ class NoiseOfRuns(Noise):
         if self.filtered is not None:
             return super().like(count, rng)
         drawn = np.zeros(count)
-        for number, own in enumerate(self.of_runs):
+        for number, own in enumerate(self.of_files):
             drawn[self.which == number] = own.like(int(np.sum(self.which == number)), rng)
         return drawn
 
     def at(self, index: Index) -> Noise:
         """Return the noise of some of the samples: if all have the same one, that."""
         place, which = np.zeros(len(self.which), dtype=np.int64), self.which[index]
-        for number in range(len(self.of_runs)):
+        for number in range(len(self.of_files)):
             place[self.which == number] = np.arange(np.sum(self.which == number))
-        own = [noise.at(place[index][which == number]) for number, noise in enumerate(self.of_runs)]
+        own = [noise.at(place[index][which == number]) for number, noise in enumerate(self.of_files)]
         if len(which) and np.all(which == which[0]):
             one: Noise = replace(own[which[0]], filtered=self.filtered)
             return one
-        return replace(self, of_runs=tuple(own), which=which)
+        return replace(self, of_files=tuple(own), which=which)
 
 
 def with_own_noises(recording: Recording, of_all: Noise, noise_of: Callable[[Recording], Noise]) -> Noise:
@@ -103,5 +103,5 @@ def with_own_noises(recording: Recording, of_all: Noise, noise_of: Callable[[Rec
     for number, index in enumerate(every, start=1):
         which[index] = number
     others = replace(of_all, course=None, error=None, scale=None, white=of_all.deviation, lasting=0.0, difference=0.0)
-    found = NoiseOfRuns(0.0, of_runs=(others, *own), which=which)
+    found = NoiseOfFiles(0.0, of_files=(others, *own), which=which)
     return replace(found, white=math.sqrt(found.covariance(1)[0]))
