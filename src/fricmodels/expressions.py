@@ -20,7 +20,8 @@ from dataclasses import dataclass
 from typing import Any, TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
+
+from fricmodels.arrays import Array
 
 Expression: TypeAlias = Any
 """A CasADi ``SX`` scalar, or a number."""
@@ -142,7 +143,7 @@ def where(condition: Expression, yes: Expression, no: Expression) -> Expression:
     return _casadi().if_else(condition, yes, no)
 
 
-def constant_slopes(rows: Sequence[Any], by: Sequence[Any]) -> NDArray[np.float64]:
+def constant_slopes(rows: Sequence[Any], by: Sequence[Any]) -> Array:
     """Return the derivative of CasADi expressions by symbols where it is a number, else 0, shape (symbols, rows)."""
     import casadi
 

@@ -6,8 +6,8 @@ from collections.abc import Callable, Mapping
 from functools import cache, partial
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fricmodels.arrays import Array, Index
 from fricmodels.diagnosis.history import MotionHistory
 from fricmodels.diagnosis.places import ALONG, Place
 from fricmodels.diagnosis.policy import Policy
@@ -19,7 +19,6 @@ from fricmodels.weakform.problem import WeakFormProblem
 from fricmodels.weakform.regression import Regression
 from fricmodels.weakform.search import periods
 
-Array = NDArray[np.float64]
 Sets = Mapping[str, Callable[[], Array]]
 """Name of a set, and what returns it: as integrals, shape (k, rows), or at the samples, shape (k, samples)."""
 
@@ -246,7 +245,7 @@ def _of_history(problem: WeakFormProblem, regression: Regression, policy: Policy
         return _turned(history().side, both.reshape(-1, near.shape[1]))
 
     recording = problem.recording
-    lags: NDArray[np.int64] = np.unique(np.arange(1, _EARLIER + 1) * problem.bumps.width // _EARLIER)
+    lags: Index = np.unique(np.arange(1, _EARLIER + 1) * problem.bumps.width // _EARLIER)
     apart = problem.bumps.width + problem.half_width
     found: dict[str, Callable[[], Array]] = {
         "distance since the last reversal": after_reversal,
@@ -341,7 +340,7 @@ def _waves(position: Array) -> Array:
     return np.vstack([np.cos(numbers * phase), np.sin(numbers * phase)])
 
 
-def _earlier(problem: WeakFormProblem, values: Array, lags: NDArray[np.int64]) -> Array:
+def _earlier(problem: WeakFormProblem, values: Array, lags: Index) -> Array:
     """Return a signal as it was some samples before, one row a lag."""
     recording, cell = problem.recording, problem.quadrature.cell
     run = recording.run

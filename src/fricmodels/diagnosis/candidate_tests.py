@@ -6,9 +6,9 @@ from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fricmodels import plugins
+from fricmodels.arrays import Array
 from fricmodels.diagnosis.journal import searched
 from fricmodels.diagnosis.policy import POLICY, Policy
 from fricmodels.dimension import Motion
@@ -21,8 +21,6 @@ from fricmodels.weakform.candidate import NonlinearOptimum
 from fricmodels.weakform.problem import WeakFormProblem
 from fricmodels.weakform.regression import LEAST_P, Evidence, Regression, compare, unwarned
 from fricmodels.weakform.shifted import noise_within, regression_of
-
-Array = NDArray[np.float64]
 
 _ROUNDING = 1e-9
 """Squared share of a column, of what the model leaves of it, below which it is rounding."""

@@ -6,7 +6,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fricmodels.diagnosis.candidate_tests import not_yet
 from fricmodels.diagnosis.journal import estimated
@@ -33,8 +32,6 @@ from fricmodels.weakform.estimate import Estimate
 from fricmodels.weakform.prepared import ready
 from fricmodels.weakform.problem import WeakFormProblem
 from fricmodels.weakform.row_noise import noise_like
-
-Array = NDArray[np.float64]
 
 _AS_GOOD = 1.01
 """Errors that differ by less than a hundredth are those of one optimum."""

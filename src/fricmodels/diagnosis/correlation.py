@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fricmodels.arrays import Array
 from fricmodels.diagnosis.comparison import Comparison
 
 
-def correlation(comparison: Comparison) -> tuple[tuple[str, ...], NDArray[np.float64]] | None:
+def correlation(comparison: Comparison) -> tuple[tuple[str, ...], Array] | None:
     """Return the keys of what was estimated and the correlation of each with each; ``None`` where it is not known.
 
     What stands at its bound, or is not determined, has none and is left out.

@@ -6,8 +6,8 @@ from collections.abc import Collection, Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fricmodels.arrays import Array
 from fricmodels.diagnosis.basis_functions import hats_within, one_torque_within
 from fricmodels.diagnosis.candidate_tests import CandidateTest, CandidateTests, candidate_tests, not_yet, tested_at
 from fricmodels.diagnosis.floor import floor, leaves_nothing
@@ -19,8 +19,6 @@ from fricmodels.term import Effect
 from fricmodels.weakform.acting import acting
 from fricmodels.weakform.regression import Regression, compare
 from fricmodels.weakform.shifted import regression_of
-
-Array = NDArray[np.float64]
 
 _DESCRIPTIONS = 2
 """Predictors that describe what a set of effects leaves."""

@@ -9,12 +9,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from fricmodels.arrays import Array, Mask
 from fricmodels.signals import smoothed_velocity
 from fricmodels.weakform.problem import WeakFormProblem
 from fricmodels.weakform.rates import relative_intervals
 from fricmodels.weakform.unclear import CERTAIN
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -58,7 +57,7 @@ class MotionHistory:
         return cls(*(np.concatenate([values, values[cell], values[after]]) for values in followed))
 
 
-def _at_rest(problem: WeakFormProblem) -> NDArray[np.bool_]:
+def _at_rest(problem: WeakFormProblem) -> Mask:
     """Return where the drive rests; a motion shorter than half a bump within a rest is one of its noise."""
     rest = problem.resting.copy()
     edges = np.flatnonzero(np.diff(rest.astype(np.int8))) + 1
@@ -68,7 +67,7 @@ def _at_rest(problem: WeakFormProblem) -> NDArray[np.bool_]:
     return rest
 
 
-def _rested(problem: WeakFormProblem, rest: NDArray[np.bool_], fresh: NDArray[np.bool_]) -> Array:
+def _rested(problem: WeakFormProblem, rest: Mask, fresh: Mask) -> Array:
     """Return how long the last rest was, up to a smoothing window after its end; later 0 [s]."""
     time = problem.recording.time
     index = np.arange(len(time))
@@ -78,7 +77,7 @@ def _rested(problem: WeakFormProblem, rest: NDArray[np.bool_], fresh: NDArray[np
     return np.where(index - _latest(index, ends | fresh) <= problem.half_width + 1, _latest(length, ends | fresh), 0.0)
 
 
-def _turns(sign: Array, sure: NDArray[np.bool_], fresh: NDArray[np.bool_]) -> tuple[NDArray[np.bool_], Array]:
+def _turns(sign: Array, sure: Mask, fresh: Mask) -> tuple[Mask, Array]:
     """Return where the direction changes, at the zero before it is certain, and the direction from there on."""
     held = _latest(np.where(sure, sign, 0.0), sure | fresh)
     certain = np.flatnonzero(np.concatenate([[False], held[1:] != held[:-1]]) | fresh)
@@ -104,7 +103,7 @@ def _path(problem: WeakFormProblem) -> Array:
     return np.asarray(np.cumsum(np.where(problem.resting, 0.0, step)))
 
 
-def _latest(values: NDArray[Any], where: NDArray[np.bool_]) -> NDArray[Any]:
+def _latest(values: NDArray[Any], where: Mask) -> NDArray[Any]:
     """Return the value at the latest sample that is marked, shape (N,)."""
     index = np.maximum.accumulate(np.where(where, np.arange(len(values)), 0))
     return np.asarray(values[index])

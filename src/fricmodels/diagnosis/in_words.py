@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fricmodels.arrays import Array
 from fricmodels.diagnosis.basis_functions import unsigned, without_sign
 from fricmodels.diagnosis.candidate_tests import CandidateTests, beside_inertia
 from fricmodels.diagnosis.predictability import ChannelPredictor
@@ -65,7 +65,7 @@ def from_when_to_when(result: CandidateTests, view: ChannelPredictor | None) -> 
     return f"{when}, counted from the beginning{f', {ALONG}' if along else ''}: {torque:+.2g} {unit}"
 
 
-def _evidence(result: CandidateTests, whole: NDArray[np.float64]) -> Evidence | None:
+def _evidence(result: CandidateTests, whole: Array) -> Evidence | None:
     """Return what columns explain beside the model, those that it can tell; ``None`` where there are none."""
     columns = beside_inertia(result.problem, result.regression, whole)
     chosen = np.flatnonzero(result.regression.visible(columns))

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fricmodels.arrays import Array
 from fricmodels.diagnosis.basis_functions import OF_WAVES
 from fricmodels.diagnosis.candidate_tests import CandidateTests
 from fricmodels.diagnosis.effect_set import (
@@ -23,8 +23,6 @@ from fricmodels.diagnosis.predictability import AUTOREGRESSIVE, ChannelPredictor
 from fricmodels.diagnosis.verdict import predicts
 from fricmodels.weakform.regression import Regression, compare
 from fricmodels.weakform.shifted import regression_of
-
-Array = NDArray[np.float64]
 
 _RIVALS = 4
 """The best predictors of the whole residual, of which a place is two, that are asked whether they take the place of

@@ -25,16 +25,14 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fricmodels.arrays import Array, Index, Mask
 from fricmodels.diagnosis.candidate_tests import CandidateTests
 from fricmodels.diagnosis.policy import Policy
 from fricmodels.weakform.acting import acting
 from fricmodels.weakform.problem import WeakFormProblem
 from fricmodels.weakform.rates import relative_intervals
 from fricmodels.weakform.regression import LEAST_P, Regression
-
-Array = NDArray[np.float64]
 
 ALONG = "along the motion"
 _BINS = 32
@@ -163,7 +161,7 @@ class _View:
     """
 
     def __init__(
-        self, channel: str, direction: str, at: Array, torque: Array, mask: NDArray[np.bool_], problem: WeakFormProblem
+        self, channel: str, direction: str, at: Array, torque: Array, mask: Mask, problem: WeakFormProblem
     ) -> None:
         self.channel, self.direction = channel, direction
         self._total = float(torque @ torque) or 1.0
@@ -175,7 +173,7 @@ class _View:
         label = np.clip(np.searchsorted(self._edges, at[chosen], side="right") - 1, 0, self.bins - 1)
         self._passes(label, torque[chosen], problem.centre[chosen], problem.bumps.width)
 
-    def _passes(self, label: NDArray[np.int64], torque: Array, centre: NDArray[np.int64], width: int) -> None:
+    def _passes(self, label: Index, torque: Array, centre: Index, width: int) -> None:
         """Sum the residual over each pass; rows of a bin within a test function's width are of one pass."""
         order = np.lexsort((centre, label))
         label, torque, centre = label[order], torque[order], centre[order]
@@ -227,7 +225,7 @@ class _View:
             )
 
 
-def moderated(shares: Array, freedom: NDArray[np.int64]) -> tuple[Array, Array]:
+def moderated(shares: Array, freedom: Index) -> tuple[Array, Array]:
     """Return variances that borrow from each other as far as they are alike, and their degrees of freedom.
 
     Args:

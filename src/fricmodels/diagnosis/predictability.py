@@ -11,8 +11,8 @@ from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fricmodels.arrays import Array, Index
 from fricmodels.diagnosis.basis_functions import TORQUE_PAST, TORQUE_RATE, basis_functions, chances, terms
 from fricmodels.diagnosis.candidate_tests import CandidateTests, beside_inertia, is_noise
 from fricmodels.diagnosis.verdict import predicts
@@ -20,9 +20,6 @@ from fricmodels.progress import each
 from fricmodels.weakform.problem import WeakFormProblem
 from fricmodels.weakform.regression import LEAST_P, Evidence
 from fricmodels.weakform.shifted import noise_within
-
-Array = NDArray[np.float64]
-
 
 OWN_PAST = "its own course shortly before"
 AUTOREGRESSIVE = frozenset({OWN_PAST, TORQUE_PAST})
@@ -90,9 +87,7 @@ def passing_predictors(
     return sorted(found, key=lambda predictor: predictor.evidence.left)
 
 
-def _is_only_noise(
-    result: CandidateTests, channels: str, columns: Array, chosen: NDArray[np.int64], evidence: Evidence
-) -> bool:
+def _is_only_noise(result: CandidateTests, channels: str, columns: Array, chosen: Index, evidence: Evidence) -> bool:
     """Whether what a channel explains may be noise of the velocity, which is in the channel and in the rows alike.
 
     Its columns are given whole: the acceleration that :func:`beside_inertia` takes out of them has noise of its own.

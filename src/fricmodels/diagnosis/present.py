@@ -8,8 +8,8 @@ from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fricmodels.arrays import Array
 from fricmodels.diagnosis.comparison import Comparison
 from fricmodels.diagnosis.correlation import correlation
 from fricmodels.diagnosis.diagnose import Diagnosis, Finding
@@ -42,7 +42,6 @@ if TYPE_CHECKING:
     from fricmodels.results.comparison import Step
     from fricmodels.results.diagnosis import Candidate, DiagnosisDocument, Effect, Visible
 
-Array = NDArray[np.float64]
 
 _BAR = 20
 _NARROW_BAR = 8

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fricmodels.arrays import Array
 from fricmodels.diagnosis.basis_functions import OF_TIME, OF_WAVES
 from fricmodels.diagnosis.candidate_tests import CandidateTest, CandidateTests
 from fricmodels.diagnosis.effect_set import Gain, passing_beside, visible_of
@@ -14,8 +14,6 @@ from fricmodels.diagnosis.one_cause import credited, is_simpler, predicts_beside
 from fricmodels.diagnosis.predictability import AUTOREGRESSIVE
 from fricmodels.weakform.regression import Regression, compare
 from fricmodels.weakform.shifted import regression_of
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -11,14 +11,12 @@ from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fricmodels.arrays import Array, Index, Mask
 from fricmodels.diagnosis.policy import Policy
 from fricmodels.weakform.problem import WeakFormProblem
 from fricmodels.weakform.regression import Regression
 from fricmodels.weakform.repeats import period_of
-
-Array = NDArray[np.float64]
 
 _INSTANTS = 31
 _TURNS, _PADDED = 8, 4
@@ -111,11 +109,11 @@ class _Frequencies:
         possible: those that turn often enough within the record, and at which the motion does not repeat.
     """
 
-    centre: NDArray[np.int64]
-    place: NDArray[np.int64]
+    centre: Index
+    place: Index
     size: int
     step: float
-    possible: NDArray[np.bool_]
+    possible: Mask
 
     def power(self, rows: Array) -> Array:
         """Return the squared amplitude of rows at each frequency."""

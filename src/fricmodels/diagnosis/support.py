@@ -9,8 +9,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fricmodels.arrays import Array
 from fricmodels.diagnosis.basis_functions import OF_TIME, terms
 from fricmodels.diagnosis.candidate_tests import CandidateTests
 from fricmodels.diagnosis.effect_set import (
@@ -36,8 +36,6 @@ from fricmodels.diagnosis.walk import p_beside_a_walk, waves_of_walks
 from fricmodels.diagnosis.wave_form import any_form, has_another_form
 from fricmodels.weakform.acting import acting
 from fricmodels.weakform.shifted import regression_of
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -30,7 +30,6 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fricmodels.diagnosis.basis_functions import OF_POSITION
 from fricmodels.diagnosis.candidate_tests import CandidateTest, CandidateTests
@@ -53,8 +52,6 @@ from fricmodels.diagnosis.verdict import LookAlikes, select_effect
 from fricmodels.progress import each
 from fricmodels.term import Effect
 from fricmodels.weakform.acting import acting
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

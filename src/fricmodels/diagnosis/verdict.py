@@ -5,15 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fricmodels.arrays import Array
 from fricmodels.diagnosis.candidate_tests import CandidateTest, CandidateTests
 from fricmodels.diagnosis.floor import gain_above_noise
 from fricmodels.weakform.acting import acting
 from fricmodels.weakform.all_motion import residual_rms
 from fricmodels.weakform.regression import Evidence, Regression, compare
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -29,12 +29,10 @@ model", J. Am. Stat. Assoc. 93 (1998).
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fricmodels.arrays import Array
 from fricmodels.weakform.problem import WeakFormProblem
 from fricmodels.weakform.regression import Regression
-
-Array = NDArray[np.float64]
 
 _WAVES, _ROWS_EACH = 36, 2.0
 """Waves over the record at the most, and independent rows for each: slow ones show a walk, the others the noise."""

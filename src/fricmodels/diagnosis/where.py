@@ -6,14 +6,11 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fricmodels.arrays import Array, Mask
 from fricmodels.recording import OTHER, RUN, Recording
 from fricmodels.signals import resting
 from fricmodels.signals.one_way import goes_one_way
-
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 
 _MOST_RUNS = 8
 """More rows of runs than this would hide the others in a table."""

@@ -34,9 +34,8 @@ from functools import partial
 from typing import Literal, TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 
-from fricmodels.arrays import widened
+from fricmodels.arrays import Array, widened
 from fricmodels.drive import Drive
 from fricmodels.recording import Recording
 from fricmodels.score.holding import holding_interval
@@ -45,7 +44,6 @@ from fricmodels.score.proportional import applied_torque, in_recorded_torque, of
 from fricmodels.score.torque import friction_moments, moments, torque_error
 from fricmodels.signals.creeping import creeping_speed, creeping_stretches, held_while_creeping
 
-Array: TypeAlias = NDArray[np.float64]
 Source: TypeAlias = Literal["acceleration", "velocity", "position"]
 
 _BLOCK = 1 << 18

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fricmodels.arrays import Array
 from fricmodels.drive import Drive
 from fricmodels.recording import Recording
 from fricmodels.results.words import about_noise, noise_text
@@ -17,8 +16,6 @@ from fricmodels.score.noise import apparent_inertia
 from fricmodels.score.proportional import recorded_inertia
 from fricmodels.signals.rest import once
 from fricmodels.signals.segments import stretches
-
-Array: TypeAlias = NDArray[np.float64]
 
 WINDOWS = (0.005, 0.020, 0.100)
 """Windows over which torque errors are averaged [s], beside the error per sample."""

@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-from typing import TypeAlias
-
 import numpy as np
-from numpy.typing import NDArray
 
-Array: TypeAlias = NDArray[np.float64]
+from fricmodels.arrays import Array, Index
 
 
-def information_criteria(error: Array, run: NDArray[np.int64], parameters: int) -> tuple[float, float, float]:
+def information_criteria(error: Array, run: Index, parameters: int) -> tuple[float, float, float]:
     r"""Return AIC, BIC and the effective number of samples of a torque error.
 
     Neighbouring samples of a torque error are alike, and do not count as one piece of evidence each. With the

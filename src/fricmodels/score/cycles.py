@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fricmodels.arrays import Mask
 from fricmodels.errors import InputError
 from fricmodels.recording import Recording
 
@@ -15,7 +15,7 @@ def torque_amplitude(recording: Recording) -> float:
     return float(np.sqrt(2 * np.mean((torque - np.mean(torque)) ** 2)))
 
 
-def last_cycles(recording: Recording, cycles: int) -> NDArray[np.bool_]:
+def last_cycles(recording: Recording, cycles: int) -> Mask:
     """Mark the samples of the last cycles of the motor torque, from its upward passages through zero.
 
     The end of the recording counts as a passage where it is within half a sampling interval of one.

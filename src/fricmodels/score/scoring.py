@@ -8,8 +8,8 @@ from dataclasses import asdict, dataclass
 from typing import Any, Literal, TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fricmodels.arrays import Array
 from fricmodels.drive import Drive
 from fricmodels.fit import Fit
 from fricmodels.recording import Recording
@@ -20,7 +20,6 @@ from fricmodels.score.cycles import last_cycles, torque_amplitude
 from fricmodels.score.torque import filtered_torque_error, torque_error
 from fricmodels.score.zeroed import zeroed
 
-Array: TypeAlias = NDArray[np.float64]
 Measure: TypeAlias = Literal["torque", "paper"]
 
 

@@ -11,11 +11,11 @@ All errors are in the torque as it was recorded; see :mod:`.proportional`.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fricmodels.arrays import Array, Index, Mask
 from fricmodels.drive import Drive
 from fricmodels.recording import Recording
 from fricmodels.score.holding import holding_interval
@@ -26,8 +26,6 @@ from fricmodels.signals.rest import once
 if TYPE_CHECKING:
     from fricmodels.signals import Noise
 
-Array: TypeAlias = NDArray[np.float64]
-Mask: TypeAlias = NDArray[np.bool_]
 
 _INTERVALS = 1 << 17
 """Intervals whose friction is found together, for the same reason."""
@@ -338,7 +336,7 @@ def _best_half_width(recording: Recording, largest: int) -> int:
     return int(h[np.argmin(error)])
 
 
-def _share_while_sliding(recording: Recording, free: NDArray[np.int64], noise: Noise) -> float:
+def _share_while_sliding(recording: Recording, free: Index, noise: Noise) -> float:
     """Return the share of the noise's square that fourth differences show clear of reversals, at most 1.
 
     The estimate reckons with as much noise as jumps at reversals may hide; where there are none, less is seen. No less
@@ -367,7 +365,7 @@ def _slope_variance(noise: Noise, half_widths: Array) -> Array:
     return np.asarray(np.exp(np.interp(np.log(h), np.log(some), np.log(variance))))
 
 
-def _free_of_reversals(recording: Recording) -> NDArray[np.int64]:
+def _free_of_reversals(recording: Recording) -> Index:
     """Return how far, in samples, each sample is from the next one at which the direction is not certain."""
     from fricmodels.signals.rest import smoothed_velocity
 

@@ -10,19 +10,17 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fricmodels.arrays import Mask
 from fricmodels.drive import Drive
 from fricmodels.weakform.problem import WeakFormProblem
-
-Array = NDArray[np.float64]
 
 
 def residual_rms(
     problem: WeakFormProblem,
     effect: Drive | None = None,
     nonlinear: Sequence[float] = (),
-    kept: NDArray[np.bool_] | None = None,
+    kept: Mask | None = None,
 ) -> float:
     """Return the RMS torque [N m or N] that a model leaves over all motion, with an effect or without.
 

@@ -6,8 +6,8 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fricmodels.arrays import Array, Mask
 from fricmodels.dimension import DIMENSIONLESS, DISPLACEMENT, FORCE, INERTIA
 from fricmodels.drive import Drive
 from fricmodels.parameter import Parameter
@@ -16,7 +16,6 @@ from fricmodels.weakform.problem import WeakFormProblem
 from fricmodels.weakform.ranges import scan_size, within_motion
 from fricmodels.weakform.regression import Regression
 
-Array = NDArray[np.float64]
 Point = tuple[float, ...]
 
 _FARTHEST = 5.0
@@ -39,7 +38,7 @@ class NonlinearOptimum:
 
     nonlinear: Point
     columns: Array
-    kept: NDArray[np.bool_]
+    kept: Mask
     explained: float
     trials: float
     delay: float = 0.0

@@ -23,9 +23,8 @@ from collections.abc import Sequence
 from copy import copy
 
 import numpy as np
-from numpy.typing import NDArray
 
-from fricmodels.arrays import Array
+from fricmodels.arrays import Array, Mask
 from fricmodels.recording import Recording
 from fricmodels.weakform.quadrature import Quadrature
 from fricmodels.weakform.row_noise import momentum_noise, noise_impulses
@@ -101,7 +100,7 @@ class CarrierFunctions(TestFunctions):
         other._waves, other._inertial = (np.repeat(weights, 2)[:, None] * w for w in (self._waves, self._inertial))
         return other
 
-    def clear_of(self, samples: NDArray[np.bool_]) -> CarrierFunctions:
+    def clear_of(self, samples: Mask) -> CarrierFunctions:
         """Return the test functions that none of some samples lies within."""
         other = copy(self)
         other._plain = self._plain.clear_of(samples)

@@ -5,8 +5,8 @@ from __future__ import annotations
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fricmodels.arrays import Array
 from fricmodels.drive import Drive
 from fricmodels.recording import Recording
 from fricmodels.signals.rest import once
@@ -14,8 +14,6 @@ from fricmodels.weakform.nonlinear import Nonlinear, Plan, linear_constraints, n
 from fricmodels.weakform.problem import WeakFormProblem
 from fricmodels.weakform.separable import SeparableTerm, separable
 from fricmodels.weakform.variable_projection import Equations, Projection
-
-Array = NDArray[np.float64]
 
 
 def equations(problem: WeakFormProblem, *, timing: bool) -> Equations:

@@ -6,8 +6,8 @@ from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fricmodels.arrays import Array
 from fricmodels.drive import Drive, DriveParameter
 from fricmodels.recording import Recording
 from fricmodels.results.words import COMBINED, CONTAINS_ZERO, HELD
@@ -17,8 +17,6 @@ from fricmodels.weakform.inference import NORMAL_95, is_contradicted
 from fricmodels.weakform.nonlinear import Nonlinear, nonlinear_search
 from fricmodels.weakform.separable import separable
 from fricmodels.weakform.solve import Solved
-
-Array = NDArray[np.float64]
 
 _NOTHING = "it changes nothing in this recording"
 _MEMBER = 0.05

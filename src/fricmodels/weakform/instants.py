@@ -25,8 +25,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fricmodels.arrays import Array
 from fricmodels.recording import Recording
 from fricmodels.signals import smoothed_velocity
 from fricmodels.weakform.inference import NORMAL_95
@@ -51,7 +51,7 @@ class LikelyInstants:
     """
 
     error: float
-    within: NDArray[np.float64]
+    within: Array
 
 
 def likely_instants(

@@ -7,9 +7,8 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from fricmodels.arrays import Array, Mask
 
 _NOTHING = 1e-280
 """Columns whose square is less have no digits left: they are zero."""
@@ -132,7 +131,7 @@ def first_alone(gram: Array) -> float:
     return 1.0 / own if own > 0.0 else math.inf
 
 
-def _least_distance(matrix: Array, bound: Array) -> tuple[Array, NDArray[np.bool_]]:
+def _least_distance(matrix: Array, bound: Array) -> tuple[Array, Mask]:
     """Return the shortest z with ``matrix @ z ≥ bound``, and which of these rows are equal to their bounds.
 
     Source: C. L. Lawson, R. J. Hanson, "Solving Least Squares Problems", 1974, ch. 23.

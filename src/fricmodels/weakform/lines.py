@@ -21,9 +21,8 @@ from copy import copy
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from fricmodels.arrays import Array
+from fricmodels.arrays import Array, Index, Mask
 from fricmodels.signals.noise_level import quantum
 from fricmodels.signals.order_spectrum import LEAST_PERIODS, PEAKS, binned, spectrum
 from fricmodels.weakform.carriers import step_response
@@ -311,7 +310,7 @@ def averaged_from(problem: WeakFormProblem) -> float:
     return np.inf if band is None else 2.0 * band[1] / problem.bumps.width
 
 
-def _peaks(power: Array, large: NDArray[np.bool_], level: float, ways: int) -> NDArray[np.int64]:
+def _peaks(power: Array, large: Mask, level: float, ways: int) -> Index:
     """Return the highest peaks that white noise would not show, each of another stretch of wave numbers.
 
     A disturbance that lasts for a while at a constant speed has a wave number, too, and many peaks about it. It is no

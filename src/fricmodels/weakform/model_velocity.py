@@ -10,8 +10,8 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fricmodels.arrays import Array
 from fricmodels.recording import Recording
 from fricmodels.signals import velocity_noise
 from fricmodels.signals.lanczos import even_weights
@@ -24,8 +24,6 @@ from fricmodels.weakform.row_noise import FEWEST_WHERE_ALL_COUNT, NOISE_SHARE_WH
 from fricmodels.weakform.shift_evidence import STRONG, could_be_shifted, log_odds_of_a_shift
 from fricmodels.weakform.solve import Solved, solve
 from fricmodels.weakform.tangent import tangents
-
-Array = NDArray[np.float64]
 
 MAX_ROUNDS = 8
 """Rounds of predicting the velocity by the fit and fitting again."""

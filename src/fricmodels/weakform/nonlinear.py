@@ -7,15 +7,13 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fricmodels.arrays import Array, Mask
 from fricmodels.dimension import FORCE, INERTIA, VISCOUS
 from fricmodels.drive import Drive, DriveParameter
 from fricmodels.errors import InputError, suggestion
 from fricmodels.recording import Recording
 from fricmodels.weakform.ranges import natural_size, scan_size, scan_values, within_motion
-
-Array = NDArray[np.float64]
 
 MAX_STARTS = 320
 """Most combinations of starting values that are tried."""
@@ -117,9 +115,9 @@ class Nonlinear:
     starts: Sequence[tuple[float, ...]]
     lower: Array
     upper: Array
-    logarithmic: NDArray[np.bool_]
+    logarithmic: Mask
     reach: Array
-    held: NDArray[np.bool_]
+    held: Mask
 
     def clip(self, alpha: Array) -> Array:
         """Return the nearest values within the bounds."""

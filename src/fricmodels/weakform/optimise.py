@@ -6,9 +6,9 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from fricmodels.arrays import Array
+
 Point = tuple[float, ...]
 Bounds = tuple[float, float]
 

@@ -11,15 +11,13 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fricmodels.arrays import Array, Mask
 from fricmodels.drive import Drive
 from fricmodels.errors import InputError
 from fricmodels.recording import Recording
 from fricmodels.signals import Noise, velocity_noise
 from fricmodels.signals.lost_samples import as_held
-
-Array = NDArray[np.float64]
 
 FIRST_STEP, REACH, ROUNDS = 0.05, 10, 5
 """Of the search for values that predict the velocity: step, steps on either side at first, and how often halved."""
@@ -45,7 +43,7 @@ class ModelVelocity:
     velocity: Array
     simulated: Array
     gains: tuple[float, ...]
-    resting: NDArray[np.bool_]
+    resting: Mask
     prediction_error: float
     own_noise: float
     margin: float
@@ -93,7 +91,7 @@ def model_velocity(
     return ModelVelocity(velocity, simulated, tuple(gains), velocity == 0.0, *errors, margin)
 
 
-def _runs(recording: Recording) -> list[tuple[slice | NDArray[np.bool_], float]]:
+def _runs(recording: Recording) -> list[tuple[slice | Mask, float]]:
     """Return the samples of each run, and how many there are."""
     if len(recording.run_numbers) == 1:
         return [(slice(None), float(len(recording)))]

@@ -17,12 +17,9 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
-from fricmodels.arrays import Index
+from fricmodels.arrays import Array, Index, Mask
 from fricmodels.weakform.long_run import FEWEST_TERMS, cosine_terms, long_run_sum
-
-Array = NDArray[np.float64]
 
 FOLDS = 8
 _SEEN = 1e-5
@@ -190,7 +187,7 @@ class Regression:
         other.loss = other.residual**2
         return other
 
-    def visible(self, columns: Array) -> NDArray[np.bool_]:
+    def visible(self, columns: Array) -> Mask:
         """Mark the columns that differ from what the base model, and the columns before them, can do, shape (q,)."""
         mask = np.zeros(len(columns), dtype=bool)
         mask[self.projected_gram(columns).kept] = True

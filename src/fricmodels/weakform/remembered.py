@@ -8,10 +8,7 @@ from collections import OrderedDict
 from collections.abc import Callable, Hashable
 from itertools import count
 
-import numpy as np
-from numpy.typing import NDArray
-
-Array = NDArray[np.float64]
+from fricmodels.arrays import Array, Index
 
 
 class Room:
@@ -105,7 +102,7 @@ class Part(Remembered):
         chosen: which of them, by index.
     """
 
-    def __init__(self, whole: Remembered, chosen: NDArray[np.int64]) -> None:
+    def __init__(self, whole: Remembered, chosen: Index) -> None:
         super().__init__(whole._room)
         self._whole, self._chosen = whole, chosen
 

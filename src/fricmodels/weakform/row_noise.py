@@ -6,9 +6,8 @@ import math
 from weakref import WeakKeyDictionary
 
 import numpy as np
-from numpy.typing import NDArray
 
-from fricmodels.arrays import Index
+from fricmodels.arrays import Array, Index
 from fricmodels.recording import Recording
 from fricmodels.score import noise
 from fricmodels.signals import lanczos_derivative, motion_noise, velocity_noise
@@ -20,8 +19,6 @@ from fricmodels.weakform.quadrature import Quadrature
 from fricmodels.weakform.rates import UNEXPLAINED, relative_intervals, weights_of_rows
 from fricmodels.weakform.regression import Regression
 from fricmodels.weakform.test_functions import HOPS, TestFunctions, mean_velocity
-
-Array = NDArray[np.float64]
 
 _NARROWEST, WIDEST = 16, 128
 """Samples that a bump spans, at the least and at the most."""

@@ -10,8 +10,8 @@ from functools import cache
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fricmodels.arrays import Array
 from fricmodels.dimension import DIMENSIONLESS, Motion
 from fricmodels.drive import Drive
 from fricmodels.parameter import Parameter
@@ -24,8 +24,6 @@ from fricmodels.weakform.ranges import between_strokes, scan_size, scan_values
 from fricmodels.weakform.rates import relative_intervals
 from fricmodels.weakform.regression import Regression
 from fricmodels.weakform.shifted import FREE_SHIFT
-
-Array = NDArray[np.float64]
 
 _SHIFTS = (FREE_SHIFT, 1, 2, 3, 5, 8, 12, 18, 27, 40)
 """Delays that are tried first, in samples."""

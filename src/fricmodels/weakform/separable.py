@@ -8,8 +8,8 @@ from functools import cached_property, lru_cache
 from typing import Any, TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fricmodels.arrays import Array
 from fricmodels.drive import rest_width
 from fricmodels.expressions import constant_slopes
 from fricmodels.kernels import ArrayFunction
@@ -18,7 +18,6 @@ from fricmodels.recording import Recording
 from fricmodels.signals.rest import once
 from fricmodels.weakform.alike import alike
 
-Array = NDArray[np.float64]
 Memory: TypeAlias = Callable[[Model, Array], Sequence[Array]]
 """A model of one term and its parameters → internal states at every sample."""
 

@@ -22,16 +22,14 @@ from collections.abc import Callable, Hashable
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fricmodels.arrays import Array, Mask
 from fricmodels.recording import Recording
 from fricmodels.signals.rest import once
 from fricmodels.weakform.known_delay import TRUE_TO
 from fricmodels.weakform.long_run import cosine_terms
 from fricmodels.weakform.nonlinear import Plan
 from fricmodels.weakform.solve import WITHIN, Solved, solve
-
-Array = NDArray[np.float64]
 
 STRONG = 3.0
 """Logarithm of 20 to 1: strong evidence on the scale of Kass and Raftery (1995)."""
@@ -116,7 +114,7 @@ def nearly_exact(found: Solved, exact: Solved) -> Solved:
     return other
 
 
-def _true_shifts(found: Solved) -> tuple[NDArray[np.bool_], Array, Array]:
+def _true_shifts(found: Solved) -> tuple[Mask, Array, Array]:
     """Return which nuisances can be told, all of them at instants true to a twentieth of a sample, and what covariance
     is left of those that can.
     """
@@ -159,7 +157,7 @@ def _axes(found: Solved, reversals: bool, than: float) -> tuple[Array, Array, Ar
     return (axes.T @ estimate[seen])[known], variance[known], total[known]
 
 
-def _sizes(found: Solved) -> tuple[Array, NDArray[np.bool_]]:
+def _sizes(found: Solved) -> tuple[Array, Mask]:
     """Return the size of each nuisance that shifts by two samples, and whether it can be told at all."""
     sizes = np.full(len(found.nuisances), 2 * found.problem.recording.interval)
     if not len(sizes):

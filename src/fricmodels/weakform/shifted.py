@@ -11,16 +11,14 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fricmodels.arrays import Array
 from fricmodels.term import Effect
 from fricmodels.weakform.directions import base_directions
 from fricmodels.weakform.problem import WeakFormProblem
 from fricmodels.weakform.regression import SAME, Evidence, ProjectedGram, Regression, unwarned
 from fricmodels.weakform.row_noise import noise_in_columns
 from fricmodels.weakform.staircase import scatter_of_torque
-
-Array = NDArray[np.float64]
 
 FREE_SHIFT = 0.6
 """Samples by which torque and motion may be shifted: half a sample for a torque that was held, and a tenth more for

@@ -9,8 +9,8 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fricmodels.arrays import Array, Index
 from fricmodels.weakform.acting import acting
 from fricmodels.weakform.equations import projection
 from fricmodels.weakform.inference import NORMAL_95, at_least, covariance, covariance_once
@@ -25,8 +25,6 @@ from fricmodels.weakform.staircase import scatter_of_steps
 from fricmodels.weakform.stepwise import by_steps, to_the_end
 from fricmodels.weakform.variable_projection import THINNED, Projection, Solution, ranked
 from fricmodels.weakform.wandering import scatter_of_position
-
-Array = NDArray[np.float64]
 
 _FEW, _SIGNED = 2, 0.25
 """Of more nonlinear parameters than these likely ones are sought together, those of either sign so far away."""
@@ -79,7 +77,7 @@ class Solved:
         return copy
 
     @cached_property
-    def places(self) -> NDArray[np.int64]:
+    def places(self) -> Index:
         """Place in the solution of each of the drive's parameters."""
         flags = [p.linear for p in self.problem.drive.parameters]
         linear = iter(range(sum(flags)))
@@ -115,7 +113,7 @@ class Solved:
         return held + (float(self.solution.theta[nuisances[-1]]) if bounded and len(nuisances) else 0.0)
 
     @cached_property
-    def nuisances(self) -> NDArray[np.int64]:
+    def nuisances(self) -> Index:
         """Places of the nuisances in the solution."""
         linear = sum(p.linear for p in self.problem.drive.parameters)
         return np.arange(linear, len(self.solution.theta))
@@ -174,7 +172,7 @@ class Solved:
         return moved[self.places]
 
     @cached_property
-    def _free(self) -> tuple[NDArray[np.int64], NormalEquations]:
+    def _free(self) -> tuple[Index, NormalEquations]:
         """Places in the solution of what is not held, and the normal equations of these."""
         solution, held = self.solution, self._held
         free = np.array([i for i in range(len(solution.jacobian)) if i not in held], dtype=np.int64)

@@ -7,9 +7,8 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
-from fricmodels.arrays import Array
+from fricmodels.arrays import Array, Mask
 from fricmodels.weakform.carriers import at_steps, step_positions
 from fricmodels.weakform.problem import WeakFormProblem
 from fricmodels.weakform.rates import relative_intervals
@@ -29,7 +28,7 @@ class Steps:
     place: Array
     passed: Array
     residual: Array
-    used: NDArray[np.bool_]
+    used: Mask
     order: int
 
     @classmethod

@@ -8,14 +8,12 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fricmodels.arrays import Array, Index, Mask
 from fricmodels.weakform.errors_in_variables import noise_of_first, without_noise
 from fricmodels.weakform.least_squares import NormalEquations
 from fricmodels.weakform.nonlinear import LARGEST_RATIO, Nonlinear
 from fricmodels.weakform.separable import Separable
-
-Array = NDArray[np.float64]
 
 TOLERANCE = 1e-6
 """A fall of the squared error by less than this share is the end: parameters move by less than a thousandth of the
@@ -152,7 +150,7 @@ class Solution:
         """Sum of squared residuals."""
         return float(self.residual @ self.residual)
 
-    def part(self, chosen: NDArray[np.int64]) -> NormalEquations:
+    def part(self, chosen: Index) -> NormalEquations:
         """Return the normal equations of some columns of the Jacobian."""
         columns = self.jacobian[chosen]
         return NormalEquations.of(columns @ columns.T, columns @ self.residual)
@@ -244,7 +242,7 @@ class Projection:
                     return replace(at, iterations=iteration)
         return replace(at, iterations=max_iterations, converged=False)
 
-    def _step(self, at: Solution, scale: Array, damping: float, moving: NDArray[np.bool_]) -> tuple[Array, float]:
+    def _step(self, at: Solution, scale: Array, damping: float, moving: Mask) -> tuple[Array, float]:
         """Return the Levenberg step of α, the linear parameters following (projected out), and the fall it promises."""
         from fricmodels.kernels.small import reduced
 
