@@ -140,7 +140,7 @@ def test_the_same_drive_in_other_units_feels_the_same_friction(sizes: tuple[floa
 
 
 def rate(drive: Drive, state: Mapping[str, float], chosen: Mapping[str, float], given: Mapping[str, float]) -> Any:
-    space = drive.state_space(smooth=False)
+    space = drive.state_space()
     function = casadi.Function("rate", [space.x, space.u, space.width], [space.rate])
     x = [*(state[name] for name in space.states), *(chosen[key] for key in space.parameters)]
     return np.array(function(x, [given[name] for name in space.inputs], 1e-9)).ravel()
@@ -173,12 +173,9 @@ def test_acceleration_in_the_rates_of_a_memory_is_the_drives_own() -> None:
     np.testing.assert_allclose(found[:3], [acceleration, 0.2, acceleration - spring], rtol=1e-13)
 
 
-def test_position_is_an_input_or_a_state() -> None:
+def test_position_is_an_input() -> None:
     drive = Drive(Model.parse("coulomb-viscous+cogging"), 1.0)
-    assert drive.state_space(smooth=False).inputs == ("position", "motor_torque", "load_torque")
-    carried = drive.state_space(smooth=False, with_position=True)
-    assert carried.states == ("velocity", "position")
-    assert carried.inputs == ("motor_torque", "load_torque")
+    assert drive.state_space().inputs == ("position", "motor_torque", "load_torque")
 
 
 def test_the_width_of_rest_follows_the_speed() -> None:

@@ -348,19 +348,15 @@ class Drive:
 
     # ---- state space ----------------------------------------------------------------------------------------------
 
-    def state_space(self, *, smooth: bool, with_position: bool = False) -> StateSpace:
+    def state_space(self) -> StateSpace:
         """Build ``dx/dt = g(x, u)``; an acceleration in the torque (an inertia error) is solved for.
-
-        Args:
-            smooth: replace sgn by a tanh of the width of rest.
-            with_position: carry the position as a state, instead of taking it as an input.
 
         Raises:
             InputError: when the torque is not affine in the acceleration.
         """
         import casadi
 
-        e = self.model.expression(smooth=smooth)
+        e = self.model.expression()
         inertia = casadi.SX.sym("inertia") if self.inertia is None else casadi.SX(self.inertia)
         acceleration = e.signals["acceleration"]
         slope = casadi.jacobian(e.torque, acceleration)
@@ -368,24 +364,15 @@ class Drive:
             raise InputError(f"'{self.model.name}' is not affine in the acceleration and cannot be simulated")
         at_zero = casadi.substitute(e.torque, acceleration, 0)
         rate_of_velocity = (e.signals["motor_torque"] - e.signals["load_torque"] - at_zero) / (inertia + slope)
-        rates = [rate_of_velocity]
-        states = [e.signals["velocity"]]
-        names = ["velocity"]
-        if with_position:
-            rates.append(e.signals["velocity"])
-            states.append(e.signals["position"])
-            names.append("position")
-        rates.append(casadi.substitute(e.rates, acceleration, rate_of_velocity))
-        states.append(e.states)
-        names.extend(state.symbol for state in self.model.states)
+        rates = casadi.substitute(e.rates, acceleration, rate_of_velocity)
+        names = ("velocity", *(state.symbol for state in self.model.states))
         parameters = casadi.vertcat(inertia, e.parameters) if self.inertia is None else e.parameters
         needed = self.model.needs | {"motor_torque", "load_torque"}
-        own = ("velocity", "acceleration", *(["position"] * with_position))
-        inputs = tuple(n for n in self.model.signals if n in needed and n not in own)
-        x = casadi.vertcat(*states, parameters)
-        rate = casadi.vertcat(*rates, casadi.SX.zeros(parameters.numel(), 1))
+        inputs = tuple(n for n in self.model.signals if n in needed and n not in ("velocity", "acceleration"))
+        x = casadi.vertcat(e.signals["velocity"], e.states, parameters)
+        rate = casadi.vertcat(rate_of_velocity, rates, casadi.SX.zeros(parameters.numel(), 1))
         u = casadi.vertcat(*(e.signals[name] for name in inputs))
-        return StateSpace(x, u, e.width, rate, e.signals["velocity"], inputs, tuple(names), self.keys)
+        return StateSpace(x, u, e.width, rate, e.signals["velocity"], inputs, names, self.keys)
 
 
 def _at_each(values: Array, recording: Recording) -> Array:

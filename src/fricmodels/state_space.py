@@ -10,8 +10,8 @@ from typing import Any
 class StateSpace:
     """The drive as ``dx/dt = g(x, u)``, ``y = h(x)``, for filters and simulation (CasADi ``SX``).
 
-    ``x`` is velocity, then position if it was asked for, then the model's internal states, then the parameters, whose
-    rates are zero; ``u`` holds the signals named in :attr:`inputs`.
+    ``x`` is velocity, then the model's internal states, then the parameters, whose rates are zero; ``u`` holds the
+    signals named in :attr:`inputs`.
     """
 
     x: Any

@@ -36,7 +36,7 @@ def test_effects_that_show_only_beside_each_other_are_found(short: Recording, la
     comparison = compare(short, "coulomb-viscous", INERTIA)
     result = candidate_tests(comparison.problem, comparison.estimate.parameters)
     assert select_effect(result) is None
-    names = {member.effect.name for member in set_ahead(result, set(), set())}
+    names = {member.effect.name for member in set_ahead(result, set())}
     assert names == {"gravity", "position-friction", "torque-offset"}
     diagnosis = ladder.first
     assert diagnosis.judgement is not None
@@ -66,7 +66,7 @@ def test_effects_that_help_only_together_are_named_together(made: Made) -> None:
 def test_nothing_is_ahead_of_a_clean_drive(made: Made, seed: int) -> None:
     comparison = compare(made(noise=1.0, samples=1200, rate=100.0, seed=seed), "coulomb-viscous", INERTIA)
     result = candidate_tests(comparison.problem, comparison.estimate.parameters)
-    assert set_ahead(result, set(), set()) == []
+    assert set_ahead(result, set()) == []
 
 
 def test_p_values_are_corrected_as_holm_says() -> None:

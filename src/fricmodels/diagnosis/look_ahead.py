@@ -28,16 +28,15 @@ _SEEDS = 3
 """Effects that are taken to be there, one after the other."""
 
 
-def set_ahead(result: CandidateTests, out: set[str], several: set[str]) -> list[Member]:
+def set_ahead(result: CandidateTests, out: set[str]) -> list[Member]:
     """Return the set of two or more effects that explains most, each significant beside the others; or nothing.
 
     Args:
         result: the tests of all candidates, of which none stands by itself.
         out: effects that are not considered.
-        several: kinds of effects of which another one is considered where one is there.
     """
     seeds = [t for t in result.tested if _explains(t, result) and not t.found.at_search_bound]
-    sets = [_around(result, seed, out, several) for seed in seeds[:_SEEDS]]
+    sets = [_around(result, seed, out) for seed in seeds[:_SEEDS]]
     return min((found for found in sets if len(found) > 1), key=lambda found: _left(result, found), default=[])
 
 
@@ -61,10 +60,10 @@ def _explains(test: CandidateTest, result: CandidateTests) -> bool:
     return test.evidence.gain > result.policy.least_gain
 
 
-def _around(result: CandidateTests, seed: CandidateTest, out: set[str], several: set[str]) -> list[Member]:
+def _around(result: CandidateTests, seed: CandidateTest, out: set[str]) -> list[Member]:
     """Return the effects that show beside a seed, and what shows in its place beside them."""
     begun = member_of(result, LookAlikes(seed, (seed,)))
-    others = found_in_turn(result, out, [begun], nothing(result), several)[1:]
+    others = found_in_turn(result, out, [begun], nothing(result))[1:]
     if not others:
         return []
     again = candidate_tests(
@@ -73,7 +72,7 @@ def _around(result: CandidateTests, seed: CandidateTest, out: set[str], several:
         leave_out=out,
         also=stacked(result, others),
         found=[m.effect.name for m in others],
-        several=several,
+        several=(),
         policy=result.policy,
     )
     best = select_effect(again)

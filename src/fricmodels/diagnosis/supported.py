@@ -164,7 +164,7 @@ def _looked_ahead(result: CandidateTests, out: set[str], judgement: Judgement, r
     found = _judged(result, beside, rest) if beside else judgement
     if found.supported(policy):
         return found
-    ahead = set_ahead(result, out, set())
+    ahead = set_ahead(result, out)
     joint = _judged(result, ahead, Rest.of(result, ahead)) if ahead else judgement
     return replace(joint, only_jointly=True) if len(joint.supported(policy)) > 1 else judgement
 

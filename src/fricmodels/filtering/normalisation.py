@@ -56,7 +56,7 @@ def normalised_space(drive: Drive) -> NormalisedSpace:
     """Build the state space of a drive in normalised units."""
     import casadi
 
-    space = Drive(drive.model, None, drive.motion).state_space(smooth=False)
+    space = Drive(drive.model, None, drive.motion).state_space()
     moving = len(space.states)
     kept = [i for i in range(space.x.numel()) if i != moving or drive.inertia is None]
     x, u = casadi.SX.sym("x", len(kept)), casadi.SX.sym("u", space.u.numel())

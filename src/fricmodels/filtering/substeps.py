@@ -24,7 +24,7 @@ def stable_substeps(drive: Drive, recording: Recording, scales: Scales) -> int:
     """
     import casadi
 
-    space = Drive(drive.model, drive.inertia, drive.motion).state_space(smooth=False)
+    space = Drive(drive.model, drive.inertia, drive.motion).state_space()
     moving = len(space.states)
     block = casadi.Function(
         "block", [space.x, space.u, space.width], [casadi.jacobian(space.rate[:moving], space.x)[:, :moving]]

@@ -28,7 +28,9 @@ if TYPE_CHECKING:
 
 
 _INTERVALS = 1 << 17
-"""Intervals whose friction is found together, for the same reason."""
+"""Intervals whose friction is found together, so that memory stays bounded."""
+_WIDEST = 256
+"""Largest half width that is tried for the acceleration, in samples."""
 
 
 def torque_error(drive: Drive, values: Mapping[str, float], prepared: Recording) -> Array:
@@ -290,7 +292,8 @@ def _window_means(errors: Sequence[Array], time: Array, half_width: int) -> list
     return [row[at] for row in inner]
 
 
-def sliding_half_width(recording: Recording, largest: int = 256) -> int:
+@once
+def sliding_half_width(recording: Recording) -> int:
     r"""Return the half width of Lanczos's differentiator that estimates the acceleration best while sliding.
 
     Per sample, noise of autocovariance R behind the weights d, and a third derivative of the velocity, give a mean
@@ -307,25 +310,13 @@ def sliding_half_width(recording: Recording, largest: int = 256) -> int:
     Source: the plug-in rule of D. Ruppert, S. J. Sheather, M. P. Wand, J. Amer. Statist. Assoc. 90 (1995), for the
     derivative.
     """
-    known = _half_widths(recording)
-    if largest not in known:
-        known[largest] = _best_half_width(recording, largest)
-    return known[largest]
-
-
-@once
-def _half_widths(_: Recording) -> dict[int, int]:
-    return {}
-
-
-def _best_half_width(recording: Recording, largest: int) -> int:
     from fricmodels.signals import velocity_noise
 
     noise = velocity_noise(recording)
     free = _free_of_reversals(recording)
     if not np.any(free > 1):
         return 1
-    widest = int(min(largest, max(2, np.quantile(free[free > 1], 0.75))))
+    widest = int(min(_WIDEST, max(2, np.quantile(free[free > 1], 0.75))))
     offset = np.arange(-widest, widest + 1) / widest
     cubic = 6 * np.linalg.pinv(np.vander(offset, 4, increasing=True))[3] / widest**3
     third = np.convolve(recording.velocity, cubic[::-1], mode="same")[free >= widest]
