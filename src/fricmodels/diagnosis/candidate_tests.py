@@ -301,7 +301,7 @@ def tested_at(regression: Regression, effect: Effect, found: NonlinearOptimum) -
 
 def no_evidence(regression: Regression) -> Evidence:
     """Return the evidence for an effect of which no column is left: it explains nothing."""
-    return Evidence(np.zeros(0), np.zeros((0, 0)), 1.0, 1.0, 0.0, 0.0, 1.0, regression.loss, regression.residual)
+    return Evidence(np.zeros(0), np.zeros((0, 0)), 1.0, 1.0, 0.0, 0.0, 1.0, regression.loss)
 
 
 def _whole_shift(regression: Regression, found: NonlinearOptimum) -> Evidence:
@@ -316,5 +316,4 @@ def _whole_shift(regression: Regression, found: NonlinearOptimum) -> Evidence:
         gain=gain,
         gain_p_value=gain_p_value,
         loss=after.loss,
-        residual=after.residual,
     )

@@ -79,8 +79,8 @@ def is_better(
 
 def against_channels(
     result: CandidateTests, gain: Gain, first: CandidateTest, beside: Array, together: Array | None = None
-) -> tuple[float, str]:
-    """Return the least ratio of what an effect explains to what a channel explains that predicts clearly more, and it.
+) -> float:
+    """Return the least ratio of what an effect explains to what a channel explains that predicts clearly more.
 
     The past of the residual or of the torque is no such channel: it shows all that lasts, whatever its form. A
     channel beside which the effect still does most of what it does is another cause. Against an effect of the time
@@ -94,7 +94,7 @@ def against_channels(
         together: columns of the effect and of a description of the rest. Then only a channel counts that explains as
             much as both do, with fewer terms.
     """
-    policy, least, rival = result.policy, np.inf, ""
+    policy, least = result.policy, float("inf")
     planned = OF_TIME if first.effect.depends_on_time else ()
     for predictor in passing_beside(result, gain.without, as_rivals=True, planned=planned):
         if predictor.channels in AUTOREGRESSIVE:
@@ -112,5 +112,5 @@ def against_channels(
         channels = frozenset({predictor.channels})
         instead = Instead(predictor.columns, channels, predictor.tried, predictor.terms)
         if is_better(result, first, gain, own / theirs, other, predictor.evidence.loss, instead):
-            least, rival = own / theirs, predictor.channels
-    return least, rival
+            least = own / theirs
+    return least

@@ -48,7 +48,6 @@ class Support:
             explains in its place.
         torque: RMS torque that only it explains, over the RMS torque.
         p_value: of the Wald test of its columns.
-        rival: that channel; empty where none predicts clearly more.
         p_beside_walk: where friction or zero may walk; 0 where that was not asked, as the effect is not there.
         over_all_motion: whether it is large there, though small in the rows.
         beside_one_channel: whether it stands in the place of one of the channels that describe the rest, beside the
@@ -60,7 +59,6 @@ class Support:
     of_channel: float
     torque: float
     p_value: float
-    rival: str = ""
     p_beside_walk: float = 0.0
     over_all_motion: bool = False
     beside_one_channel: bool = False
@@ -294,7 +292,6 @@ def _support_of(result: CandidateTests, member: Member, place: _Place) -> Suppor
         of_rest,
         float(np.sqrt(max(full.fall, 0.0) / np.sum(acting(result.problem) ** 2))),
         full.p_value,
-        "the description of the rest" if np.isfinite(of_rest) else "",
     )
     if not found.but_for_its_share(result.policy):
         return found  # no channel need be asked
@@ -303,5 +300,4 @@ def _support_of(result: CandidateTests, member: Member, place: _Place) -> Suppor
         together = np.vstack([place.base, member.columns])[len(place.named) :]
         alone = gain_of(result, place.named, member)
         rivals.append(against_channels(result, alone, member.found.first, place.named, together))
-    of_channel, rival = min(rivals)
-    return replace(found, of_channel=of_channel, rival=rival) if of_channel < of_rest else found
+    return replace(found, of_channel=min(rivals)) if min(rivals) < of_rest else found

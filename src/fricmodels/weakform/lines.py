@@ -60,13 +60,11 @@ class Line:
         k: wave number [1/rad or 1/m].
         torque: RMS torque of the wave [N m or N], over both directions.
         p_value: of the Wald test, corrected for the number of independent wave numbers.
-        statistic: F statistic of the Wald test.
     """
 
     k: float
     torque: float
     p_value: float
-    statistic: float
 
 
 class Whitened:
@@ -215,10 +213,10 @@ class Whitened:
             wald = float(theta @ np.linalg.pinv(variance, rcond=1e-12, hermitian=True) @ theta)
             statistic = wald * left / (terms * q)
             outcomes.append((min(1.0, independent * float(fdtrc(q, left, max(statistic, 0.0)))), -statistic))
-        p_value, negative = max(outcomes)
+        p_value, _ = max(outcomes)
         share = np.array([np.mean(way[self.steps.used]) for way in self.ways])
         squares = (theta.reshape(-1, 2) ** 2).sum(axis=1) / 2.0
-        return Line(k, float(np.sqrt(share @ squares)), p_value, -negative)
+        return Line(k, float(np.sqrt(share @ squares)), p_value)
 
     def without(self, waves: Sequence[float]) -> Array:
         r"""Return the residual without some waves, shape (N,), whatever share of them stands in the torque.

@@ -50,7 +50,6 @@ class Evidence:
         gain: share by which they lower the RMS of the residual on blocks that were not used for fitting them.
         gain_p_value: that the gain is zero or less, one-sided.
         loss: squared held-out residual of each row with the columns, shape (M,).
-        residual: residual of all rows with the columns, shape (M,).
     """
 
     coefficients: Array
@@ -61,7 +60,6 @@ class Evidence:
     gain: float
     gain_p_value: float
     loss: Array
-    residual: Array
 
     @property
     def left(self) -> float:
@@ -277,7 +275,6 @@ class Regression:
             gain,
             gain_p,
             loss,
-            left,
         )
 
     def _p_beside_the_largest(self, loss: Array, other: Array) -> float:
