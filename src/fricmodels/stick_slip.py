@@ -30,11 +30,6 @@ def pushing_signals(drive: Drive, loop: Loop | None = None) -> tuple[str, ...]:
     return (*(name for name in drive.model.signals if name in (needed | set(loop.channels)) - said), *own)
 
 
-def states_of(drive: Drive, loop: Loop | None) -> int:
-    """Return how many internal states the model and what drives it have."""
-    return len(drive.model.states) + (0 if loop is None else len(loop.states))
-
-
 class _Motion:
     """The drive's equations on one side of zero velocity, as expressions."""
 

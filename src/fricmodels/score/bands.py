@@ -191,9 +191,5 @@ def noise_floors(prepared: Recording) -> dict[float, tuple[float, float]]:
     return {window: (torque[window], motion[window]) for window in every}
 
 
-def _rms(values: Array) -> float:
-    return float(np.sqrt(np.mean(values**2)))
-
-
 def _percent(value: float, reference: float) -> float:
     return 100 * value / reference if reference > 0 else float("nan")

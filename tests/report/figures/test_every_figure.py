@@ -19,6 +19,7 @@ from fricmodels.drive import Drive
 from fricmodels.model import Model
 from fricmodels.report import figures
 from fricmodels.report.figures import DARK, LIGHT, recoloured
+from fricmodels.report.figures.residuals import changing
 from fricmodels.results.diagnosis import Candidate
 
 from .conftest import INERTIA, moved
@@ -54,7 +55,7 @@ def every(request, compared) -> dict[str, Any]:
     diagnosis = Diagnosis(poor, "missing-effect", (), None, {})
     steps = Ladder(diagnosis, (Rung(poor), Rung(good, added="cogging")), diagnosis, (diagnosis,))
     fit = plugins.load().estimators["ekf"]().fit(drive, recording)
-    maps = figures.residual_maps(poor)
+    maps = {name: figures.residual_map(poor, "velocity", name) for name in changing(poor)}
     assert set(maps) == {"position", "acceleration", "load_torque", "temperature", "time"}
     return {
         "overlay": figures.overlay(poor),

@@ -14,7 +14,7 @@ from fricmodels.report.figures.history import parameter_history
 from fricmodels.report.figures.hysteresis import hysteresis
 from fricmodels.report.figures.motion import simulated_motion, simulated_velocity
 from fricmodels.report.figures.ranking import MOST, candidates
-from fricmodels.report.figures.residuals import residual_map, residual_maps
+from fricmodels.report.figures.residuals import residual_map
 from fricmodels.report.figures.shares import error_shares
 from fricmodels.report.figures.spectrum import residual_spectrum
 from fricmodels.report.figures.steps import ladder
@@ -45,7 +45,6 @@ __all__ = [
     "parameter_history",
     "recoloured",
     "residual_map",
-    "residual_maps",
     "residual_spectrum",
     "simulated_motion",
     "simulated_velocity",

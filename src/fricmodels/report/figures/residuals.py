@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -15,8 +15,6 @@ from fricmodels.report.figures.style import LIGHT, Figure, graph_objects, styled
 
 if TYPE_CHECKING:
     from fricmodels.diagnosis.comparison import Comparison
-
-Unit = Literal["torque", "standard errors"]
 
 CELLS = 48
 """Most cells along each axis."""
@@ -143,7 +141,7 @@ def resemblance(part: Array) -> float:
     return float(max(1.0, 1.0 + 2.0 * np.sum(correlation[1:stop])))
 
 
-def residual_map(comparison: Comparison, x: str = "velocity", y: str = "position", unit: Unit = "torque") -> Figure:
+def residual_map(comparison: Comparison, x: str = "velocity", y: str = "position") -> Figure:
     """Draw the mean residual over two channels: blue where the model asks for too much torque, orange for too little.
 
     The cells are as small as the data allow. Those with less than one independent value are pale.
@@ -151,7 +149,6 @@ def residual_map(comparison: Comparison, x: str = "velocity", y: str = "position
     Args:
         comparison: a model and a recording.
         x, y: channels of the recording.
-        unit: mean residual as torque, or in units of its own standard error.
 
     Raises:
         InputError: when the recording lacks one of the channels, or it never changes.
@@ -163,14 +160,12 @@ def residual_map(comparison: Comparison, x: str = "velocity", y: str = "position
     scattered = visited & (cells.standard_error > 0)
     ratio = np.divide(cells.mean, cells.standard_error, out=np.full(known.shape, np.nan), where=scattered)
     mean = np.where(visited, cells.mean, np.nan)
-    shown = mean if unit == "torque" else ratio
     sure = known if known.any() else visited
-    finite = np.abs(shown[sure & np.isfinite(shown)])
+    finite = np.abs(mean[sure & np.isfinite(mean)])
     limit = float(np.quantile(finite, _COLOURED)) if np.any(finite > 0) else 1.0
-    title = samples.torque_axis("mean residual") if unit == "torque" else "mean residual [standard errors]"
     figure = graph_objects().Figure()
     for some, opacity, named in ((sure, 1.0, "mean residual"), (visited & ~sure, _WEAK, "few samples")):
-        own = np.where(some, shown, np.nan).astype(np.float32)
+        own = np.where(some, mean, np.nan).astype(np.float32)
         held = np.where(some[..., None], np.dstack([mean, ratio, cells.count]), np.nan).astype(np.float32)
         if opacity < 1 and not some.any():
             continue
@@ -200,7 +195,7 @@ def residual_map(comparison: Comparison, x: str = "velocity", y: str = "position
                 "y": 0,
                 "yanchor": "bottom",
                 "yref": "container",
-                "title": {"text": title, "side": "bottom", "font": {"size": 12}},
+                "title": {"text": samples.torque_axis("mean residual"), "side": "bottom", "font": {"size": 12}},
                 "tickfont": {"size": 11},
                 "exponentformat": "power",
                 "outlinewidth": 0,
@@ -233,11 +228,6 @@ def _held(edges: Array, visited: Mask) -> list[float]:
     """Return the range of an axis that the visited cells take."""
     held = np.flatnonzero(visited)
     return [float(edges[held[0]]), float(edges[held[-1] + 1])]
-
-
-def residual_maps(comparison: Comparison, unit: Unit = "torque") -> dict[str, Figure]:
-    """Return the maps of the residual over velocity and every other channel that changes, by name of the channel."""
-    return {name: residual_map(comparison, "velocity", name, unit) for name in changing(comparison)}
 
 
 def changing(comparison: Comparison) -> list[str]:
