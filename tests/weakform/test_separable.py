@@ -12,7 +12,7 @@ from fricmodels.dimension import Motion
 from fricmodels.drive import Drive
 from fricmodels.model import Model
 from fricmodels.recording import Recording
-from fricmodels.weakform.separable import SeparableTerm, separable
+from fricmodels.weakform.separable import Separable, SeparableTerm, separable
 
 Array = NDArray[np.float64]
 TIME = 1e-3 * np.arange(2000)
@@ -56,7 +56,14 @@ def rows(recording: Recording, drive: Drive, alpha: Array, *, slopes: bool) -> t
     def of_term(term: SeparableTerm, own: tuple[float, ...]) -> Array:
         return term.moving_rows(recording, np.array(own), states, slopes=slopes)
 
-    return split.fixed_rows(recording), split.moving_rows(alpha, of_term, slopes=slopes)
+    blocks = list(zip(split.moving_terms, split.moving_blocks(alpha, of_term), strict=True))
+    values = [block[: len(term.moving)] for term, block in blocks]
+    of_slopes = [block[len(term.moving) :] for term, block in blocks if slopes]
+    return split.fixed_rows(recording), np.concatenate([*values, *of_slopes])
+
+
+def moving(split: Separable) -> list[int]:
+    return [row for term in split.terms for row in term.moving]
 
 
 @pytest.mark.parametrize(
@@ -67,11 +74,9 @@ def test_the_rows_add_up_to_the_torque_of_the_whole(effects: tuple[str, ...], re
     split = separable(drive.model)
     values = np.array([VALUES[p.key] for p in drive.model.parameters])
     theta, alpha = values[list(split.linear)], values[list(split.nonlinear)]
-    fixed, moving = rows(recording, drive, alpha, slopes=False)
+    fixed, others = rows(recording, drive, alpha, slopes=False)
     factor = np.append(theta, 1.0)
-    total = factor[list(split.fixed)] @ fixed
-    if len(split.moving):
-        total = total + factor[list(split.moving)] @ moving
+    total = factor[list(split.fixed)] @ fixed + factor[moving(split)] @ others
     np.testing.assert_allclose(total, drive.friction(recording, VALUES), atol=1e-12)
 
 
@@ -82,7 +87,7 @@ def test_the_slopes_are_those_of_the_torque(effects: tuple[str, ...], recording:
     keys = [p.key for p in drive.model.parameters]
     values = np.array([VALUES[key] for key in keys])
     alpha, factor = values[list(split.nonlinear)], np.append(values[list(split.linear)], 1.0)
-    found = rows(recording, drive, alpha, slopes=True)[1][len(split.moving) :]
+    found = rows(recording, drive, alpha, slopes=True)[1][len(moving(split)) :]
     assert len(found) == len(split.slopes)
     for j, place in enumerate(split.nonlinear):
         step = 1e-4 * values[place]
@@ -111,8 +116,8 @@ def test_of_rows_that_are_alike_one_is_evaluated(law: str, of: tuple[int, int], 
     distinct = term.distinct_rows(recording, alpha, lambda *_: (), slopes=True)
     found = term.moving_rows(recording, alpha, lambda *_: (), slopes=True)
     assert (len(distinct), len(found)) == of
-    values = dict(zip(split.moving, found, strict=False))
-    slopes = dict(zip(split.slopes, found[len(split.moving) :], strict=True))
+    values = dict(zip(moving(split), found, strict=False))
+    slopes = dict(zip(split.slopes, found[len(moving(split)) :], strict=True))
     speed, forward = np.abs(recording.velocity), recording.velocity >= 0.0
     sides = [(2, 4, forward), (3, 5, ~forward)] if len(alpha) > 1 else [(1, 2, forward | True)]
     for j, (coulomb, stick, where) in enumerate(sides):

@@ -78,11 +78,6 @@ class Balance:
         return int(self.cluster.max()) + 1
 
     @property
-    def coefficients(self) -> dict[str, float]:
-        """Least squares without bounds."""
-        return dict(zip(self.names, self._solved[0].tolist(), strict=True))
-
-    @property
     def left(self) -> Array:
         """What is left of the torque in each row, shape (rows,)."""
         return self._solved[2]

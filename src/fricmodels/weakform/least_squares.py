@@ -65,11 +65,6 @@ class NormalEquations:
         return self._eigen[1]
 
     @property
-    def rank(self) -> int:
-        """Number of directions that the data determine."""
-        return len(self.gram) if self.quick is not None else int((self.values > RANK_TOLERANCE).sum())
-
-    @property
     def rounding(self) -> float:
         """Share of its largest eigenvalue to which the inverse, in scaled columns, is true where the products are."""
         seen = self.values[self.values > RANK_TOLERANCE]

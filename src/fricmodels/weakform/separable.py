@@ -30,6 +30,7 @@ class SeparableTerm:
         model: the term alone.
         own: indices of the term's nonlinear parameters among its own.
         nonlinear: indices into α of these.
+        moving: rows evaluated for every α, by index as the fixed ones.
 
     Of moving rows, and of slopes, that are alike only one is evaluated; see :mod:`.alike`.
     """
@@ -147,7 +148,6 @@ class Separable:
         terms: the law and the effects.
         linear, nonlinear: indices of the parameters :math:`\theta` and :math:`\alpha` among the model's.
         fixed: rows evaluated once, by index into :math:`(A, b)`; b has the index ``len(linear)``.
-        moving: rows evaluated for every :math:`\alpha`.
         slopes: pairs (row, index into α) of the derivatives that are not zero everywhere.
     """
 
@@ -155,31 +155,19 @@ class Separable:
     linear: tuple[int, ...]
     nonlinear: tuple[int, ...]
     fixed: tuple[int, ...]
-    moving: tuple[int, ...]
     slopes: tuple[tuple[int, int], ...]
 
     def fixed_rows(self, recording: Recording) -> Array:
         """Return the fixed rows at every sample, shape (len(fixed), N)."""
         return np.concatenate([term.fixed_rows(recording) for term in self.terms])
 
-    def moving_rows(
-        self, alpha: Array, rows: Callable[[SeparableTerm, tuple[float, ...]], Array], *, slopes: bool
-    ) -> Array:
-        """Return the moving rows, then the slopes if wanted, shape (rows, number of samples or of equations).
+    def moving_blocks(self, alpha: Array, rows: Callable[[SeparableTerm, tuple[float, ...]], Array]) -> list[Array]:
+        """Return the moving rows of each of the terms that move, shape (rows, number of samples or of equations).
 
         Args:
             alpha: the nonlinear parameters.
             rows: gives those of a term by its own nonlinear parameters, followed by its slopes if these are wanted.
-            slopes: whether they are.
         """
-        found = self.moving_blocks(alpha, rows)
-        values = [each[: len(term.moving)] for each, term in zip(found, self.moving_terms, strict=True)]
-        if slopes:
-            values += [each[len(term.moving) :] for each, term in zip(found, self.moving_terms, strict=True)]
-        return np.concatenate(values) if len(values) > 1 else values[0]
-
-    def moving_blocks(self, alpha: Array, rows: Callable[[SeparableTerm, tuple[float, ...]], Array]) -> list[Array]:
-        """Return what :meth:`moving_rows` is made of, one block for each of the terms that move."""
         return [rows(term, tuple(alpha[list(term.nonlinear)].tolist())) for term in self.moving_terms]
 
     @cached_property
@@ -206,7 +194,6 @@ def separable(model: Model) -> Separable:
         linear,
         nonlinear,
         tuple(row for term in terms for row in term.fixed),
-        tuple(row for term in terms for row in term.moving),
         tuple(slope for term in terms for slope in term.slopes),
     )
 
