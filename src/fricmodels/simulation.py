@@ -240,7 +240,7 @@ def _known_rows(_: Recording) -> dict[tuple[object, ...], Array]:
 
 
 def stepping_rows(
-    drive: Drive, driven: Recording, between_samples: Between = "linear", substeps: int = 1, loop: Loop | None = None
+    drive: Drive, driven: Recording, between_samples: Between, substeps: int, loop: Loop | None = None
 ) -> Array:
     """Return the inputs of :func:`stepping` along one run, shape (PHASES · substeps · (N − 1), inputs)."""
     step_length = np.repeat(np.diff(driven.time) / substeps, substeps)

@@ -251,7 +251,7 @@ def _supported(refits: Refits, judgement: Judgement) -> list[LookAlikes]:
     return there or most_of_the_error(refits, judgement) or all_of_the_error(refits, judgement)
 
 
-def is_predictable(comparison: Comparison, policy: Policy = POLICY) -> bool:
+def is_predictable(comparison: Comparison, policy: Policy) -> bool:
     """Whether what a fitted model leaves is far above noise, or a channel or a place predicts it.
 
     A model of which this is true is not adequate; no candidate need be tried to know it.
@@ -276,7 +276,7 @@ def _is_seen(result: CandidateTests, comparison: Comparison, view: ChannelPredic
     return view is not None and is_noticed(comparison, 100 * torque_share(result, view.evidence), result.policy)
 
 
-def seems_missing(comparison: Comparison, leave_out: Iterable[str], policy: Policy = POLICY) -> LookAlikes | None:
+def seems_missing(comparison: Comparison, leave_out: Iterable[str], policy: Policy) -> LookAlikes | None:
     """Return the effect that by itself explains best what a fitted model leaves: a first look, without any check."""
     return select_effect(_first_look(comparison, leave_out, policy))
 

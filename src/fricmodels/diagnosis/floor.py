@@ -39,7 +39,7 @@ def creditable(problem: WeakFormProblem, before: float, fall: float, policy: Pol
     return max(min(fall, before - floor(problem, policy)), 0.0)
 
 
-def above_noise(problem: WeakFormProblem, left: float, policy: Policy = POLICY) -> float:
+def above_noise(problem: WeakFormProblem, left: float, policy: Policy) -> float:
     """Return what a sum of squares has above the floor, and above noise of the motor torque [(N m)² or N²].
 
     That noise is what alternates too fast for anything else, and no floor for the search: an effect explains beside it.
@@ -59,7 +59,7 @@ def share_explained(problem: WeakFormProblem, before: float, left: float, policy
     return (before - left) / above if above > max(before - left, 0.0) else 1.0 if before > left else 0.0
 
 
-def leaves_nothing(problem: WeakFormProblem, before: float, left: float, policy: Policy = POLICY) -> bool:
+def leaves_nothing(problem: WeakFormProblem, before: float, left: float, policy: Policy) -> bool:
     """Whether what is left of a sum of squares is above noise by less than a gain that counts, see above."""
     return share_explained(problem, before, left, policy) >= 1.0 - policy.least_gain
 
@@ -92,7 +92,7 @@ def is_far_above_noise(comparison: Comparison, policy: Policy = POLICY) -> bool:
     return seen or is_large(comparison, policy)
 
 
-def is_large(comparison: Comparison, policy: Policy = POLICY) -> bool:
+def is_large(comparison: Comparison, policy: Policy) -> bool:
     """Whether what neither noise nor sampling leaves is a large part of the torque in the window that users are shown.
 
     What lasts for a few samples only is averaged away in the window of the decisions: a motion that begins with a jump,
@@ -105,7 +105,7 @@ def is_large(comparison: Comparison, policy: Policy = POLICY) -> bool:
     return min(_beyond_sampling(comparison, max(1, round(0.5e-3 * line.window_ms / interval)))) >= least
 
 
-def is_seen_above_noise(comparison: Comparison, policy: Policy = POLICY) -> bool:
+def is_seen_above_noise(comparison: Comparison, policy: Policy) -> bool:
     """Whether the error is far more than noise, and that which users are shown is more than noise as well.
 
     With much noise the window of the decisions is longer than any that is shown, and as long as a stroke it leaves an

@@ -160,7 +160,7 @@ def _latex(board: Leaderboard) -> bytes:
     return (head + "\n".join(texts)).encode()
 
 
-def latex(columns: Sequence[Column], title: str = "Leaderboard", label: str = "tab:leaderboard") -> str:
+def latex(columns: Sequence[Column], title: str, label: str) -> str:
     """Return a table in LaTeX with the rules of ``booktabs``; a long one as ``longtable``, which goes over pages.
 
     Args:

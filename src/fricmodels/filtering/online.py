@@ -38,7 +38,7 @@ class ProblemOnline(OnlineFilter):
         problem: the filter. estimator: whose it is. state: to go on from; see :attr:`state`.
     """
 
-    def __init__(self, problem: FilterProblem, estimator: str = "", state: Mapping[str, Any] | None = None) -> None:
+    def __init__(self, problem: FilterProblem, estimator: str, state: Mapping[str, Any] | None = None) -> None:
         self._problem = problem
         self._estimator = estimator
         self._memory = problem.initial_memory() if state is None else np.array(state["memory"], dtype=float)

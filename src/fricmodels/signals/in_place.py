@@ -16,7 +16,7 @@ BAND = 3.0
 """Standard errors from zero within which a velocity, or a change of position, is no evidence of motion."""
 
 
-def in_place(recording: Recording, still: Mask, band: float, passage: float, standing: float = 0.0) -> Mask:
+def in_place(recording: Recording, still: Mask, band: float, passage: float, standing: float) -> Mask:
     """Tell where the position changes no more than its sensor does at rest, while the velocity may be zero.
 
     Over as long as a drive that creeps at the limit of the band needs to show it; over the whole of shorter stretches.

@@ -219,7 +219,7 @@ def _half_width(time: Array, values: Array, every: list[slice], noise: Noise) ->
     return _least(risk, first // 3, shortest, limit) if first // 3 > shortest else first
 
 
-def best_smoothing(time: Array, values: Array, noise: Noise, runs: Runs | None = None) -> int:
+def best_smoothing(time: Array, values: Array, noise: Noise, runs: Runs | None) -> int:
     r"""Return the half width whose smoothed value has the least mean squared error.
 
     By :math:`\overline{(S_h y - y)^2} + 2\,s_h^T r` but for a constant, with the weights s and the autocovariance r of

@@ -236,7 +236,7 @@ class Whitened:
 
 
 def fast_lines(
-    white: Whitened, band: tuple[float, float], significance: float, least: float = 0.0
+    white: Whitened, band: tuple[float, float], significance: float, least: float
 ) -> tuple[tuple[Line, ...], Whitened]:
     """Return the significant waves over position within a band of wave numbers, the clearest first, and what is left.
 

@@ -38,7 +38,7 @@ WORSE = 1.1
 """A round whose squared error of prediction is larger than the best by this factor has gone astray."""
 
 
-def at_model_velocity(found: Solved, *, widen: bool = True) -> Solved:
+def at_model_velocity(found: Solved, *, widen: bool) -> Solved:
     r"""Return the fit with friction evaluated at the velocity that the model predicts, if that is more certain.
 
     In rounds, while the velocity is not predicted worse. Which velocity is more certain is told by Stein's unbiased

@@ -99,7 +99,7 @@ def _runs(recording: Recording) -> list[tuple[slice | Mask, float]]:
     return [(mask, float(mask.sum())) for mask in masks]
 
 
-def prediction_error(drive: Drive, values: Array, recording: Recording, *, held: bool = False) -> float:
+def prediction_error(drive: Drive, values: Array, recording: Recording, *, held: bool) -> float:
     """Return the mean square error of predicting the velocity one sample ahead; infinite where there is no model."""
     given = {drive.inertia_key: drive.inertia or float("nan")}
     predicted = model_velocity(drive, {**given, **dict(zip(drive.keys, values, strict=True))}, recording, held=held)
@@ -112,7 +112,7 @@ def sought(
     recording: Recording,
     held: Mapping[str, float],
     *,
-    torque_held: bool = False,
+    torque_held: bool,
 ) -> Array:
     """Return values that predict the velocity better, each linear one that is not held stepped up and down.
 
