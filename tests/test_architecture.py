@@ -24,6 +24,7 @@ LAYERS = (
         "files",
         "gaps",
         "lazy",
+        "once",
         "processes",
         "progress",
         "stored",

@@ -27,8 +27,8 @@ from fricmodels.drive import Drive
 from fricmodels.errors import InputError
 from fricmodels.kernels import Scan
 from fricmodels.loop import Loop
+from fricmodels.once import once
 from fricmodels.recording import Recording
-from fricmodels.signals.rest import once
 from fricmodels.stick_slip import MOTION, phase_of_step, pushing_signals
 
 Between: TypeAlias = Literal["linear", "held"]

@@ -9,7 +9,6 @@ from scipy.signal import lfilter
 from fricmodels.dimension import Motion
 from fricmodels.logcheck import findings
 from fricmodels.logcheck.rates import velocity_lag
-from fricmodels.logcheck.view import Log
 from fricmodels.recording import Recording
 from fricmodels.weakform.prepared import surest_velocity
 
@@ -42,7 +41,7 @@ def logged(counts: int, smoothing: float, late: int = 0, seed: int = 0) -> Recor
 def test_the_lag_is_that_of_the_filter_however_coarse_the_counts(counts: int, smoothing: float) -> None:
     true = (1.0 - smoothing) / smoothing + 0.5
     recording = logged(counts, smoothing)
-    found = velocity_lag(Log(recording))
+    found = velocity_lag(recording)
     assert found is not None
     assert found.late / INTERVAL == pytest.approx(true, abs=max(4.0 * found.error / INTERVAL, 0.05))
     assert found.error < 0.4 * INTERVAL
@@ -54,7 +53,7 @@ def test_the_lag_is_that_of_the_filter_however_coarse_the_counts(counts: int, sm
 @pytest.mark.parametrize("counts", [2**13, 2**17, 2**24])
 def test_a_backward_difference_is_not_late(counts: int) -> None:
     """Half a sample is what a difference costs."""
-    found = velocity_lag(Log(logged(counts, 1.0)))
+    found = velocity_lag(logged(counts, 1.0))
     assert found is not None
     assert not found.is_certain
 
@@ -62,7 +61,7 @@ def test_a_backward_difference_is_not_late(counts: int) -> None:
 @pytest.mark.parametrize("counts", [2**17, 2**24])
 def test_a_filter_that_costs_less_than_a_sample_is_named_and_the_position_taken(counts: int) -> None:
     recording = logged(counts, 0.7)
-    found = velocity_lag(Log(recording))
+    found = velocity_lag(recording)
     assert found is not None
     assert found.late / INTERVAL == pytest.approx(0.93, abs=0.05)
     assert found.is_certain
@@ -72,7 +71,7 @@ def test_a_filter_that_costs_less_than_a_sample_is_named_and_the_position_taken(
 @pytest.mark.parametrize("counts", [2**13, 2**17])
 def test_a_velocity_that_is_four_samples_late_is_named(counts: int) -> None:
     recording = logged(counts, 0.9, late=4)
-    found = velocity_lag(Log(recording))
+    found = velocity_lag(recording)
     assert found is not None
     assert found.is_certain
     assert found.late / INTERVAL == pytest.approx(4.6, abs=0.5)

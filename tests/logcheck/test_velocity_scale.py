@@ -12,7 +12,6 @@ from scipy.signal import filtfilt, lfilter
 from fricmodels.dimension import Motion
 from fricmodels.logcheck import Severity, findings
 from fricmodels.logcheck.scale import other_scale, velocity_scale
-from fricmodels.logcheck.view import Log
 from fricmodels.readers import units
 from fricmodels.recording import Recording
 from fricmodels.weakform.prepared import ready
@@ -47,7 +46,7 @@ def logged(scale: float = 1.0, *, counts: float = 2**16, noise: float = 5e-3, sm
 )
 def test_another_scale_is_told_whatever_the_sensors_do_besides(times: float, sensors: dict[str, float]) -> None:
     recording = logged(times, **sensors)
-    found = velocity_scale(Log(recording))
+    found = velocity_scale(recording)
     assert found is not None
     assert found.is_another
     assert found.value == pytest.approx(times, abs=4.0 * found.error)
@@ -77,7 +76,7 @@ def test_a_velocity_that_was_filtered_without_a_lag_has_its_scale() -> None:
 def test_stamps_that_wander_are_no_scale() -> None:
     recording = logged()
     late = INTERVAL * np.random.default_rng(1).uniform(-0.3, 0.3, SAMPLES)
-    found = velocity_scale(Log(recording.with_channels(derived=False, time=recording.time + late)))
+    found = velocity_scale(recording.with_channels(derived=False, time=recording.time + late))
     assert found is not None
     assert found.value == pytest.approx(1.0, abs=max(1e-3, 4.0 * found.error))
 

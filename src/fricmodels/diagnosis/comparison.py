@@ -15,6 +15,7 @@ from fricmodels.drive import Drive
 from fricmodels.errors import InputError
 from fricmodels.fitted_runs import numbered_as_fitted
 from fricmodels.model import Model
+from fricmodels.once import once
 from fricmodels.processes import give_back
 from fricmodels.progress import steps
 from fricmodels.recording import Recording, check_recording
@@ -24,7 +25,6 @@ from fricmodels.score.torque import filtered_torque_error, sliding_half_width
 from fricmodels.score.zeroed import levelled, unknown_runs, zeroed
 from fricmodels.signals.coasting import coasting
 from fricmodels.signals.lanczos import even_weights, lanczos_value
-from fricmodels.signals.rest import once
 from fricmodels.signals.switched import torque_noise
 from fricmodels.split import Split, split
 from fricmodels.term import Effect
@@ -227,24 +227,20 @@ def noise_torques(recording: Recording, inertia: float, half_width: int, draw: i
 
     Args:
         recording: prepared.
-        inertia: see :func:`fricmodels.score.torque.recorded_inertia`.
+        inertia: see :func:`fricmodels.score.proportional.recorded_inertia`.
         half_width: of the filter, in samples.
         draw: seed of the noise of the velocity, which is drawn.
     """
-    known, key = _known_noise(recording), (half_width, draw)
-    if key not in known:
-        like = noise_like(recording, np.random.default_rng(draw))
-        rate = float(np.std(lanczos_value(recording.time, like, half_width, recording.run, order=1)))
-        own = torque_noise(recording)
-        known[key] = rate, own.after(even_weights(half_width)[0])
-    rate, torque = known[key]
+    rate, torque = _filtered_noise(recording, half_width, draw)
     return inertia * rate, torque
 
 
 @once
-def _known_noise(_: Recording) -> dict[tuple[int, int], tuple[float, float]]:
-    """Return the noise of the acceleration and of the torque that is left in filtered signals, by width and draw."""
-    return {}
+def _filtered_noise(recording: Recording, half_width: int, draw: int) -> tuple[float, float]:
+    """Return the noise of the acceleration and of the torque that is left in filtered signals."""
+    like = noise_like(recording, np.random.default_rng(draw))
+    rate = float(np.std(lanczos_value(recording.time, like, half_width, recording.run, order=1)))
+    return rate, torque_noise(recording).after(even_weights(half_width)[0])
 
 
 _PARTS = 3

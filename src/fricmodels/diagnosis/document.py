@@ -24,11 +24,11 @@ from fricmodels.diagnosis.verdict import torque_share
 from fricmodels.dimension import INERTIA, Motion
 from fricmodels.files import write_text
 from fricmodels.model import Known, Model
+from fricmodels.once import once
 from fricmodels.results import comparison as facts
 from fricmodels.results import diagnosis as typed
 from fricmodels.results.comparison import ComparisonDocument
 from fricmodels.results.diagnosis import DiagnosisDocument
-from fricmodels.signals.rest import once
 from fricmodels.term import Effect
 from fricmodels.weakform.regression import to_order_by
 

@@ -8,7 +8,7 @@ from fricmodels import plugins
 from fricmodels.diagnosis.comparison import Comparison, refitted
 from fricmodels.diagnosis.ladder import Ladder, added
 from fricmodels.errors import FricmodelsError
-from fricmodels.signals.rest import once
+from fricmodels.once import once
 
 _MOST = 3
 """Look-alikes of one effect that are fitted: each costs a fit."""

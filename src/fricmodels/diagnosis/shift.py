@@ -6,8 +6,8 @@ from fricmodels.diagnosis.comparison import with_effect
 from fricmodels.diagnosis.diagnose import Diagnosis
 from fricmodels.diagnosis.floor import is_above_noise, is_noticed
 from fricmodels.errors import FricmodelsError
+from fricmodels.once import once
 from fricmodels.results.diagnosis import Shift
-from fricmodels.signals.rest import once
 
 
 @once

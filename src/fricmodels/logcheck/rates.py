@@ -13,7 +13,8 @@ from fricmodels.arrays import Array
 from fricmodels.logcheck import clock
 from fricmodels.logcheck.balance import CLUSTERS, Balance, Cells, balances, best
 from fricmodels.logcheck.finding import Finding, Severity
-from fricmodels.logcheck.view import Log, once_each
+from fricmodels.logcheck.view import Log
+from fricmodels.once import once
 from fricmodels.recording import Recording
 from fricmodels.results.words import figures
 from fricmodels.signals.clusters import certain, clusters, slope
@@ -334,8 +335,8 @@ class Lag:
         return certain((abs(self.late) - samples * self.interval) / self.error, self.clusters)
 
 
-@once_each
-def velocity_lag(log: Log) -> Lag | None:
+@once
+def velocity_lag(recording: Recording) -> Lag | None:
     r"""Return by how much the measured velocity comes later than the position moves, where there are both.
 
     .. math:: \bar v_k - \frac{\Delta q_k}{\Delta t} = -T\,\bar{\dot v}_k
@@ -345,10 +346,10 @@ def velocity_lag(log: Log) -> Lag | None:
     where the two have noise of their own: most drives derive the velocity from the counts that they log. Error over 32
     clusters. Of cells of one sample, of four and of sixteen that with the least error.
     """
+    log = Log(recording)
     if not {"position", "velocity"} <= set(log.measured):
         return None
-    short = log.short
-    recording = short.recording
+    short, recording = log.short, log.short.recording
     surest: Lag | None = None
     area = short.area(recording.velocity)
     for width in _CELLS:
@@ -371,9 +372,8 @@ def is_late(recording: Recording) -> bool:
 
     So it is for less than a sample: a viscous torque beside a spring of stiffness k is too small by k times the lag.
     """
-    log = Log(recording)
-    found = velocity_lag(log)
-    return found is not None and found.harms and in_same_unit(log)
+    found = velocity_lag(recording)
+    return found is not None and found.harms and in_same_unit(Log(recording))
 
 
 def in_same_unit(log: Log) -> bool:
@@ -384,7 +384,7 @@ def in_same_unit(log: Log) -> bool:
 
 def lag(log: Log) -> Iterator[Finding]:
     """Say whether the measured velocity comes later than the motion; see :func:`velocity_lag`."""
-    found = velocity_lag(log)
+    found = velocity_lag(log.recording)
     if found is None or not found.is_certain:
         return
     behind = found.late > 0.0

@@ -13,7 +13,8 @@ from fricmodels.arrays import Array, Index
 from fricmodels.logcheck.balance import CLUSTERS, Cells
 from fricmodels.logcheck.finding import Finding, Severity
 from fricmodels.logcheck.rates import in_same_unit
-from fricmodels.logcheck.view import UNITS, Log, once_each
+from fricmodels.logcheck.view import UNITS, Log
+from fricmodels.once import once
 from fricmodels.recording import Recording
 from fricmodels.results.words import figures
 from fricmodels.signals.clusters import certain, clusters
@@ -54,8 +55,8 @@ class Scale:
         )
 
 
-@once_each
-def velocity_scale(log: Log) -> Scale | None:
+@once
+def velocity_scale(recording: Recording) -> Scale | None:
     r"""Return the scale k of the measured velocity v beside the measured position q, where there are both.
 
     .. math:: \dot q = \frac{1}{k}\left(v - v_0 + T_1\dot v + T_2\ddot v\right)
@@ -66,6 +67,7 @@ def velocity_scale(log: Log) -> Scale | None:
     rounding of either channel shrinks the ratio. Error over 32 clusters. Of cells of 1 to 256 samples those with the
     least error. One sine alone does not tell T_2 from k: there the error is large.
     """
+    log = Log(recording)
     if not {"position", "velocity"} <= set(log.measured):
         return None
     short = log.short
@@ -114,7 +116,7 @@ def _derivatives(cells: Cells, mean: Array, at: Index) -> Array:
 
 def _another(log: Log) -> Scale | None:
     """Return the scale of a velocity where it certainly is another one; a gear between the two is none."""
-    found = velocity_scale(log)
+    found = velocity_scale(log.recording)
     return found if found is not None and found.is_another and in_same_unit(log) else None
 
 

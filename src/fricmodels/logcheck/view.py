@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import shlex
-from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property, wraps
+from functools import cached_property
 from itertools import pairwise
-from typing import TypeVar
 
 import numpy as np
 
@@ -18,7 +16,6 @@ from fricmodels.recording import Recording, word
 from fricmodels.results.words import figures
 from fricmodels.signals.noise_level import quantum
 from fricmodels.signals.one_way import goes_one_way
-from fricmodels.signals.rest import once
 from fricmodels.signals.segments import gap_lengths, usual_steps
 
 UNITS = {
@@ -236,23 +233,3 @@ class Log:
         factor = units.conversion(given, channel, self.recording.motion).factor
         times = " × " if given[:1].isdigit() else " "
         return plain if abs(factor - 1.0) < 1e-12 else f"{figures(value / factor, 4)}{times}{given} ({plain})"
-
-
-Found = TypeVar("Found")
-
-
-def once_each(find: Callable[[Log], Found]) -> Callable[[Log], Found]:
-    """Let a check find what it does once for each recording: when one is prepared it is asked, and when it is told."""
-
-    @once
-    def known(_: Recording) -> list[Found]:
-        return []
-
-    @wraps(find)
-    def found(log: Log) -> Found:
-        kept = known(log.recording)
-        if not kept:
-            kept.append(find(log))
-        return kept[0]
-
-    return found

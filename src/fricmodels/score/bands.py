@@ -9,12 +9,12 @@ import numpy as np
 
 from fricmodels.arrays import Array
 from fricmodels.drive import Drive
+from fricmodels.once import once
 from fricmodels.recording import Recording
 from fricmodels.results.words import about_noise, noise_text
 from fricmodels.score.balance import balances, noise_balances, over_windows
 from fricmodels.score.noise import apparent_inertia
 from fricmodels.score.proportional import recorded_inertia
-from fricmodels.signals.rest import once
 from fricmodels.signals.segments import stretches
 
 WINDOWS = (0.005, 0.020, 0.100)

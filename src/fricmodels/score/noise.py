@@ -8,10 +8,10 @@ from functools import lru_cache
 import numpy as np
 
 from fricmodels.arrays import Array
+from fricmodels.once import once
 from fricmodels.recording import Recording
 from fricmodels.signals import motion_noise, noise, noise_of, quantum, stretches
 from fricmodels.signals.lanczos import even_weights
-from fricmodels.signals.rest import once
 from fricmodels.signals.segments import is_even
 from fricmodels.signals.switched import torque_noise
 from fricmodels.signals.unlike_files import NoiseOfFiles

@@ -17,11 +17,11 @@ import numpy as np
 
 from fricmodels.arrays import Array, Index, Mask
 from fricmodels.drive import Drive
+from fricmodels.once import once
 from fricmodels.recording import Recording
 from fricmodels.score.holding import holding_interval
 from fricmodels.score.proportional import applied_torque, in_recorded_torque, of_acceleration, proportional_torque
 from fricmodels.score.sampling import about_reversals, slowest_certain, without_shift
-from fricmodels.signals.rest import once
 
 if TYPE_CHECKING:
     from fricmodels.signals import Noise

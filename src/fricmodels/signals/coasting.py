@@ -9,8 +9,8 @@ import numpy as np
 
 from fricmodels.arrays import Array
 from fricmodels.errors import InputError
+from fricmodels.once import once
 from fricmodels.recording import Recording
-from fricmodels.signals.rest import once
 
 _PIECES = 256
 """In which the slope of a run's velocity is taken, at the most."""

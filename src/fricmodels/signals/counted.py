@@ -11,10 +11,10 @@ from __future__ import annotations
 import numpy as np
 
 from fricmodels.arrays import Array
+from fricmodels.once import once
 from fricmodels.recording import Recording
 from fricmodels.signals.lanczos import lanczos_value
 from fricmodels.signals.noise_level import quantum
-from fricmodels.signals.rest import once
 from fricmodels.signals.segments import stretches
 
 _LEAST, _MOST = 500, 100_000

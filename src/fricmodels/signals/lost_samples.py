@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from fricmodels.arrays import Array
+from fricmodels.once import once
 from fricmodels.recording import Recording
-from fricmodels.signals.rest import once
 from fricmodels.signals.segments import gap_lengths, usual_steps
 from fricmodels.signals.stamps import WHOLE, unevenness
 

@@ -12,14 +12,13 @@ to what pushes it, and where that ends only the last digits of a sample would sa
 from __future__ import annotations
 
 import weakref
-from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import wraps
-from typing import Any, TypeVar
+from typing import Any
 
 import numpy as np
 
 from fricmodels.arrays import Array, Mask
+from fricmodels.once import once
 from fricmodels.recording import Recording
 from fricmodels.signals.in_place import BAND, bridged, held, in_place, pieces
 from fricmodels.signals.lanczos import even_weights, lanczos_value
@@ -45,28 +44,11 @@ _SHORT = 2.0
 _LONG = 20.0
 """A rest, or all of them together, so many correlation times long tells how large the noise is."""
 
-Subject = TypeVar("Subject")
-Found = TypeVar("Found")
-
 _STANDING = 0.01
 """Speed of a drive at standstill, in RMS changes of the velocity from sample to sample."""
 _SLOW = 0.05
 """Share of the passages that are slower than the one taken as slow; it is the lower quartile of the acceleration over
 time where the motion is Gaussian (Rice 1944)."""
-
-
-def once(find: Callable[[Subject], Found]) -> Callable[[Subject], Found]:
-    """Let a function find what it does once for each recording or other object; its arrays are not to be written to."""
-    known: dict[int, tuple[weakref.ref[Subject], Found]] = {}
-
-    @wraps(find)
-    def found(recording: Subject) -> Found:
-        key = id(recording)
-        if key not in known or known[key][0]() is not recording:
-            known[key] = (weakref.ref(recording, lambda _: known.pop(key, None)), find(recording))
-        return known[key][1]
-
-    return found
 
 
 @dataclass(frozen=True)

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from fricmodels.arrays import Array, Index, Mask
+from fricmodels.once import once
 from fricmodels.recording import Recording
 from fricmodels.signals.noise_colour import Noise
 from fricmodels.signals.noise_level import noise_of, quantum
-from fricmodels.signals.rest import once
 from fricmodels.signals.unlike_files import with_own_noises
 
 _FEW = 3

@@ -8,8 +8,8 @@ import numpy as np
 
 from fricmodels.arrays import Array
 from fricmodels.drive import Drive
+from fricmodels.once import once
 from fricmodels.recording import Recording
-from fricmodels.signals.rest import once
 from fricmodels.weakform.nonlinear import Nonlinear, Plan, linear_constraints, nonlinear_search
 from fricmodels.weakform.problem import WeakFormProblem
 from fricmodels.weakform.separable import SeparableTerm, separable

@@ -20,9 +20,9 @@ import numpy as np
 
 from fricmodels.arrays import Array
 from fricmodels.drive import Drive
+from fricmodels.once import once
 from fricmodels.recording import Recording
 from fricmodels.results.words import is_combined
-from fricmodels.signals.rest import once
 from fricmodels.weakform.equations import equations
 from fricmodels.weakform.fit import begun_at, settled
 from fricmodels.weakform.friction_limits import limits_of_friction

@@ -12,10 +12,10 @@ import numpy as np
 from fricmodels.drive import Drive
 from fricmodels.errors import InputError
 from fricmodels.model import Model
+from fricmodels.once import once
 from fricmodels.recording import Recording
 from fricmodels.results.words import MORE_MOTION, stretches_of_motion, without_gaps
 from fricmodels.score.torque import filtered_torque_error, sliding_half_width
-from fricmodels.signals.rest import once
 from fricmodels.weakform.acting import acting
 from fricmodels.weakform.friction_limits import limits_of_friction
 from fricmodels.weakform.identification import FAR_WORSE, identified

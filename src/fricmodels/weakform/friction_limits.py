@@ -8,8 +8,8 @@ import numpy as np
 
 from fricmodels.arrays import Array
 from fricmodels.drive import Drive
+from fricmodels.once import once
 from fricmodels.recording import Recording
-from fricmodels.signals.rest import once
 
 
 def limits_of_friction(drive: Drive, recording: Recording, parameters: Mapping[str, float]) -> tuple[float, float]:

@@ -7,9 +7,9 @@ from collections.abc import Mapping
 import numpy as np
 
 from fricmodels.drive import Drive
+from fricmodels.once import once
 from fricmodels.recording import Recording
 from fricmodels.signals import smoothed_velocity, velocity_noise
-from fricmodels.signals.rest import once
 
 
 @once

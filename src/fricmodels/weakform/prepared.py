@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from fricmodels.errors import InputError
+from fricmodels.once import once
 from fricmodels.processes import give_back
 from fricmodels.recording import Recording
 from fricmodels.signals import best_half_width, noise_of, prepare, velocity_noise, with_derived_velocity
@@ -15,7 +16,6 @@ from fricmodels.signals.counted import with_counted_position
 from fricmodels.signals.differences import is_difference
 from fricmodels.signals.integrated import with_integral_marked, with_integrated_position
 from fricmodels.signals.lanczos import even_weights
-from fricmodels.signals.rest import once
 from fricmodels.signals.stamp_noise import with_false_stamps
 from fricmodels.signals.stamps import with_even_stamps
 from fricmodels.weakform.smoothed import MAX_SAMPLES

@@ -12,8 +12,8 @@ from functools import cached_property
 import numpy as np
 
 from fricmodels.arrays import Array, Index, Mask
+from fricmodels.once import once
 from fricmodels.recording import Recording
-from fricmodels.signals.rest import once
 from fricmodels.weakform.jumps import jumps_at_reversals
 from fricmodels.weakform.stretches import stretches_of
 

@@ -7,11 +7,12 @@ from dataclasses import replace
 import numpy as np
 
 from fricmodels.dimension import ACCELERATION, DISPLACEMENT, TIME, VELOCITY, Dimension
+from fricmodels.once import once
 from fricmodels.parameter import Parameter
 from fricmodels.recording import Recording
 from fricmodels.signals.lanczos import lanczos_value
 from fricmodels.signals.noise_level import quantum
-from fricmodels.signals.rest import once, resting, smoothed_velocity
+from fricmodels.signals.rest import resting, smoothed_velocity
 
 _SHORTEST = 2.0
 """The shortest duration that can be told, in sampling intervals: sampling alone delays by part of one."""

@@ -11,8 +11,8 @@ from __future__ import annotations
 import numpy as np
 
 from fricmodels.arrays import Array
+from fricmodels.once import once
 from fricmodels.recording import Recording
-from fricmodels.signals.rest import once
 from fricmodels.weakform.stretches import stretches_of
 
 UNEXPLAINED = 0.01

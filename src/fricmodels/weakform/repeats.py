@@ -22,8 +22,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from fricmodels.arrays import Array, Index, Mask
+from fricmodels.once import once
 from fricmodels.recording import RUN, Recording
-from fricmodels.signals.rest import once, smoothed_velocity
+from fricmodels.signals.rest import smoothed_velocity
 
 _REPEATS = 0.98
 """Correlation from which on a motion repeats another one: all but a twenty-fifth of its square is the same. The Fourier

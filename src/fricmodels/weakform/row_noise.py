@@ -8,11 +8,11 @@ from weakref import WeakKeyDictionary
 import numpy as np
 
 from fricmodels.arrays import Array, Index
+from fricmodels.once import once
 from fricmodels.recording import Recording
 from fricmodels.score import noise
 from fricmodels.signals import lanczos_derivative, motion_noise, velocity_noise
 from fricmodels.signals.lanczos import lanczos_value
-from fricmodels.signals.rest import once
 from fricmodels.signals.switched import torque_noise
 from fricmodels.signals.unlike_files import NoiseOfFiles
 from fricmodels.weakform.quadrature import Quadrature

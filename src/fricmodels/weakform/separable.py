@@ -14,8 +14,8 @@ from fricmodels.drive import rest_width
 from fricmodels.expressions import constant_slopes
 from fricmodels.kernels import ArrayFunction
 from fricmodels.model import Model
+from fricmodels.once import once
 from fricmodels.recording import Recording
-from fricmodels.signals.rest import once
 from fricmodels.weakform.alike import alike
 
 Memory: TypeAlias = Callable[[Model, Array], Sequence[Array]]

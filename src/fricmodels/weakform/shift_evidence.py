@@ -24,8 +24,8 @@ from dataclasses import replace
 import numpy as np
 
 from fricmodels.arrays import Array, Mask
+from fricmodels.once import once
 from fricmodels.recording import Recording
-from fricmodels.signals.rest import once
 from fricmodels.weakform.known_delay import TRUE_TO
 from fricmodels.weakform.long_run import cosine_terms
 from fricmodels.weakform.nonlinear import Plan

@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 
 from fricmodels.arrays import Array, Index, Mask
+from fricmodels.once import once
 from fricmodels.recording import RATE, RUN, Origin, Recording
 from fricmodels.signals import lanczos_derivative, resting, smoothed_velocity, smoothing_half_width, standstill
 from fricmodels.signals.creeping import creeping_speed, creeping_stretches
-from fricmodels.signals.rest import once
 
 MAX_SAMPLES = 163_840
 """Longer recordings are diagnosed on this many samples, in blocks spread evenly over them."""

@@ -22,9 +22,9 @@ from collections.abc import Mapping
 import numpy as np
 
 from fricmodels.arrays import Array, Index, Mask
+from fricmodels.once import once
 from fricmodels.recording import Recording
 from fricmodels.signals import lanczos_derivative, motion_noise, quantum
-from fricmodels.signals.rest import once
 from fricmodels.signals.switched import torque_noise
 from fricmodels.weakform.problem import WeakFormProblem
 from fricmodels.weakform.quadrature import Quadrature

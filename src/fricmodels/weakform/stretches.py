@@ -7,8 +7,8 @@ import itertools
 import numpy as np
 
 from fricmodels.arrays import Array, Mask
+from fricmodels.once import once
 from fricmodels.recording import Recording
-from fricmodels.signals.rest import once
 from fricmodels.signals.segments import gap_lengths
 
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from fricmodels.arrays import Array, Mask, widened
+from fricmodels.once import once
 from fricmodels.recording import Recording
 from fricmodels.signals import smoothed_velocity, stretches
-from fricmodels.signals.rest import once
 from fricmodels.weakform.test_functions import HOPS
 
 CERTAIN = 3.0
@@ -27,31 +27,19 @@ def direction_unclear(recording: Recording, smooth: Array, slow: Mask, limits: t
     return widened(unclear, 1 + recording.derived_over)
 
 
+@once
 def creeping(recording: Recording, width: int) -> Mask:
     """Mark where the drive creeps so slowly that noise hides which way, for longer than an eighth of a bump.
 
     There the friction torque is not known, nor whether the drive moves at all. A reversal passes through faster.
     """
-    known = _creeping(recording)
-    if width not in known:
-        known[width] = _slow_for_long(recording, max(2, width // HOPS))
-    return known[width]
-
-
-@once
-def _creeping(_: Recording) -> dict[int, Mask]:
-    return {}
-
-
-def _slow_for_long(recording: Recording, count: int) -> Mask:
-    """Mark stretches of more than so many samples in which noise hides the direction."""
     velocity, error = smoothed_velocity(recording)
     slow = np.abs(velocity) <= CERTAIN * error
     unclear = np.zeros(len(recording), dtype=bool)
     for part in stretches(recording.time, recording.run):
         borders = np.flatnonzero(np.diff(slow[part].astype(np.int8))) + 1
         edges = np.concatenate([[0], borders, [part.stop - part.start]]) + part.start
-        long = slow[edges[:-1]] & (np.diff(edges) > count)
+        long = slow[edges[:-1]] & (np.diff(edges) > max(2, width // HOPS))
         unclear[part] = np.repeat(long, np.diff(edges))
     return unclear
 

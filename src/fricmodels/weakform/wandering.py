@@ -16,9 +16,9 @@ from collections.abc import Mapping
 import numpy as np
 
 from fricmodels.arrays import Array
+from fricmodels.once import once
 from fricmodels.recording import Recording
 from fricmodels.signals.integrated import from_zero
-from fricmodels.signals.rest import once
 from fricmodels.weakform.problem import WeakFormProblem
 from fricmodels.weakform.row_noise import noise_like
 from fricmodels.weakform.staircase import errors_of_staircase
