@@ -12,10 +12,10 @@ from fricmodels.errors import EstimationError
 from fricmodels.model import Model
 from fricmodels.recording import Recording
 from fricmodels.signals import Preparation
+from fricmodels.signals.segments import stretches
 from fricmodels.weakform.inference import covariance
 from fricmodels.weakform.nonlinear import Outcome, Plan, linear_constraints, nonlinear_search
 from fricmodels.weakform.separable import SeparableTerm, separable
-from fricmodels.weakform.stretches import segments
 from fricmodels.weakform.variable_projection import Equations, Projection
 
 
@@ -34,7 +34,7 @@ def derivative_equations(drive: Drive, recording: Recording, preparation: Prepar
     filtered = prepare(marked, preparation.model_copy(update={"decimate": 1, "smooth_velocity": True}))
     in_motion = 1.0 - filtered["at_rest"]
     factor = preparation.decimate
-    parts = [part for part in segments(filtered) if part.stop - part.start > 30 * factor]
+    parts = [part for part in stretches(filtered.time, filtered.run) if part.stop - part.start > 30 * factor]
     if not parts:
         raise EstimationError(f"recording '{recording.name}' is too short to keep every {factor}th sample only")
 

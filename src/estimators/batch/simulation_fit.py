@@ -25,12 +25,12 @@ from fricmodels.drive import Drive
 from fricmodels.model import Model
 from fricmodels.recording import Recording
 from fricmodels.signals import resting
+from fricmodels.signals.segments import joined
 from fricmodels.weakform.inference import covariance
 from fricmodels.weakform.least_squares import NormalEquations
 from fricmodels.weakform.nonlinear import Outcome, linear_constraints
 from fricmodels.weakform.predicted_velocity import model_velocity
 from fricmodels.weakform.ranges import natural_size
-from fricmodels.weakform.stretches import segments
 
 WIDTHS = (3e-2, 1e-2, 3e-3, 1e-3)
 """Widths of the smooth sign, in peak velocities."""
@@ -114,16 +114,14 @@ class Mesh:
     def of(cls, recording: Recording, velocity: Array, resting: Mask) -> Mesh:
         """Divide the intervals in which the velocity passes zero, stops or starts, and their neighbours."""
         direction = np.where(resting, 0.0, np.sign(velocity))
-        joined = np.zeros(len(recording) - 1, dtype=bool)
-        for piece in segments(recording):
-            joined[piece.start : piece.stop - 1] = True
-        changing = (direction[:-1] != direction[1:]) & joined
+        within = joined(recording.time, recording.run)
+        changing = (direction[:-1] != direction[1:]) & within
         near = np.convolve(changing, np.ones(3), mode="same") > 0.0
-        divisions = np.where(near & joined, DIVISIONS, 1)
+        divisions = np.where(near & within, DIVISIONS, 1)
         place = np.concatenate([[0.0], *(k + np.arange(1, d + 1) / d for k, d in enumerate(divisions))])
         sample = np.concatenate([[0], np.cumsum(divisions)])
         owner = np.repeat(np.arange(len(divisions)), divisions)
-        first = np.flatnonzero(joined[owner])
+        first = np.flatnonzero(within[owner])
         still = resting[:-1] | resting[1:]
         lean = np.where(still[owner[first]], 1.0, 0.5)
         return cls(np.interp(place, np.arange(len(recording)), recording.time), sample, first, place, lean)

@@ -5,7 +5,6 @@ from __future__ import annotations
 import shlex
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import pairwise
 
 import numpy as np
 
@@ -14,9 +13,9 @@ from fricmodels.dimension import Motion
 from fricmodels.readers import units
 from fricmodels.recording import Recording, word
 from fricmodels.results.words import figures
+from fricmodels.signals import segments
 from fricmodels.signals.noise_level import quantum
 from fricmodels.signals.one_way import goes_one_way
-from fricmodels.signals.segments import gap_lengths, usual_steps
 
 UNITS = {
     "time": "s",
@@ -74,14 +73,12 @@ class Log:
     @cached_property
     def joined(self) -> Mask:
         """Whether a sample and the next one belong together: one run, no gap between; shape (N − 1,)."""
-        return np.asarray(
-            (np.diff(self.recording.run) == 0) & (self.steps < gap_lengths(self.recording.time, self.recording.run))
-        )
+        return segments.joined(self.recording.time, self.recording.run)
 
     @cached_property
     def usual_steps(self) -> Array:
         """The median step of the run that each step lies in [s], shape (N − 1,)."""
-        return usual_steps(self.recording.time, self.recording.run)
+        return segments.usual_steps(self.recording.time, self.recording.run)
 
     @cached_property
     def part(self) -> Index:
@@ -91,8 +88,7 @@ class Log:
     @cached_property
     def parts(self) -> list[slice]:
         """The uninterrupted stretches, in order."""
-        borders = [0, *(np.flatnonzero(~self.joined) + 1).tolist(), len(self.recording)]
-        return [slice(a, b) for a, b in pairwise(borders)]
+        return segments.stretches(self.recording.time, self.recording.run)
 
     @cached_property
     def excerpt(self) -> Recording:

@@ -9,7 +9,7 @@ import numpy as np
 from fricmodels.arrays import Array, Index
 from fricmodels.recording import Recording
 from fricmodels.signals.noise_level import quantum
-from fricmodels.signals.segments import gap_lengths
+from fricmodels.signals.segments import joined
 
 _FURTHER = 5.0
 """A jump is five times as far as any step that is none. Of 300 good recordings, six of them with gaps, stick-slip or
@@ -52,9 +52,9 @@ def find_jumps(recording: Recording) -> Jumps | None:
         return None
     time, position = recording.time, recording["position"]
     length = np.diff(time)
-    joined = (np.diff(recording.run) == 0) & (length < gap_lengths(time, recording.run))
+    within = joined(time, recording.run)
     usual = float(np.median(length))
-    slower = np.where(joined, np.minimum(1.0, usual / np.where(length > 0.0, length, np.inf)), 0.0)
+    slower = np.where(within, np.minimum(1.0, usual / np.where(length > 0.0, length, np.inf)), 0.0)
     step = np.diff(position) * slower
     measured = "velocity" in recording and "velocity" not in recording.derived
     open_ = step
@@ -71,7 +71,7 @@ def find_jumps(recording: Recording) -> Jumps | None:
     at = at[np.abs(step[at]) > (1.0 if measured else _FURTHER) * float(others.max(initial=0.0))]
     if not len(at):
         return None
-    going = np.where(joined, step, np.nan)
+    going = np.where(within, step, np.nan)
     going[at] = np.nan
     near = at[:, None] + np.r_[-_BESIDE:0, 1 : _BESIDE + 1]
     beside = np.where((near >= 0) & (near < len(going)), going[np.clip(near, 0, len(going) - 1)], np.nan)

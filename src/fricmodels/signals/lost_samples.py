@@ -7,7 +7,7 @@ import numpy as np
 from fricmodels.arrays import Array
 from fricmodels.once import once
 from fricmodels.recording import Recording
-from fricmodels.signals.segments import gap_lengths, usual_steps
+from fricmodels.signals.segments import joined, usual_steps
 from fricmodels.signals.stamps import WHOLE, unevenness
 
 _WANDER = 0.1
@@ -30,7 +30,7 @@ def lost_samples(recording: Recording) -> Array:
     whole = (number > 1.0) & (np.abs(ratio - number) < WHOLE)
     if not whole.any():
         return none
-    whole &= (np.diff(recording.run) == 0) & (step < gap_lengths(recording.time, recording.run))
+    whole &= joined(recording.time, recording.run)
     whole &= (np.r_[ratio[1:], 1.0] > 1.0 - 2.0 * WHOLE) & (np.r_[1.0, ratio[:-1]] > 1.0 - 2.0 * WHOLE)
     return np.where(whole, number - 1.0, 0.0)
 

@@ -7,7 +7,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from fricmodels.arrays import Array, Index
+from fricmodels.arrays import Array, Index, Mask
 
 Runs = Index
 
@@ -55,6 +55,11 @@ def _of_each_run(time: Array, runs: Runs | None, number: Callable[[Array], float
         if stop - start > _FEW:
             found[start : stop - 1] = number(step[start : stop - 1])
     return found
+
+
+def joined(time: Array, runs: Runs) -> Mask:
+    """Return whether a sample and the next one belong together: one run, no gap between; shape (N − 1,)."""
+    return np.asarray((np.diff(runs) == 0) & (np.diff(time) < gap_lengths(time, runs)))
 
 
 def stretches(time: Array, runs: Runs | None = None) -> list[slice]:

@@ -16,6 +16,7 @@ from fricmodels.once import once
 from fricmodels.recording import Recording
 from fricmodels.results.words import MORE_MOTION, stretches_of_motion, without_gaps
 from fricmodels.score.torque import filtered_torque_error, sliding_half_width
+from fricmodels.signals.segments import stretches
 from fricmodels.weakform.acting import acting
 from fricmodels.weakform.friction_limits import limits_of_friction
 from fricmodels.weakform.identification import FAR_WORSE, identified
@@ -28,7 +29,6 @@ from fricmodels.weakform.reversals import clear_of_reversals
 from fricmodels.weakform.ripple import carriers_of
 from fricmodels.weakform.sharpened import at_sharpened_velocity
 from fricmodels.weakform.solve import WITHIN, Solved, begins_where, solve
-from fricmodels.weakform.stretches import segments
 
 _FAR_LESS = 0.1
 """Share of what a fit to all motion gains over the whole recording that it may lose in the rows of certain motion: it
@@ -69,7 +69,7 @@ def _way_out(problem: WeakFormProblem) -> str:
     """
     origin = problem.recording.origin
     whole = problem.recording if origin is None else origin.whole
-    lengths = np.array([piece.stop - piece.start for piece in segments(whole)])
+    lengths = np.array([piece.stop - piece.start for piece in stretches(whole.time, whole.run)])
     short = lengths[lengths < problem.bumps.width]
     if 2 * short.sum() <= lengths.sum():
         return MORE_MOTION

@@ -15,7 +15,7 @@ from fricmodels.arrays import Array, Index, Mask
 from fricmodels.once import once
 from fricmodels.recording import Recording
 from fricmodels.weakform.jumps import jumps_at_reversals
-from fricmodels.weakform.stretches import stretches_of
+from fricmodels.weakform.stretches import cells_of
 
 
 @dataclass(frozen=True)
@@ -62,7 +62,7 @@ class Quadrature:
         """
         from fricmodels.weakform.split import split_cells
 
-        _, step, joined = stretches_of(recording)
+        step, joined = cells_of(recording)
         moving, half, cell = ~resting, np.empty(len(step)), np.empty(len(step), dtype=np.int64)
         cell = cell[: split_cells(step, joined, velocity, resting, half, cell)].copy()
         earlier, later = velocity[cell], velocity[cell + 1]
@@ -225,7 +225,7 @@ def _cubic(recording: Recording) -> Array:
     """
     from fricmodels.weakform.split import bending_of
 
-    _, step, _ = stretches_of(recording)
+    step, _ = cells_of(recording)
     weights = np.empty((3, max(len(step) - 2, 0)))
     bending_of(0.5 * step, weights)
     return weights

@@ -13,7 +13,7 @@ import numpy as np
 from fricmodels.arrays import Array
 from fricmodels.once import once
 from fricmodels.recording import Recording
-from fricmodels.weakform.stretches import stretches_of
+from fricmodels.weakform.stretches import cells_of
 
 UNEXPLAINED = 0.01
 """Share of the RMS torque that is taken to be unexplained by any model: where nothing has noise, too, rows of all rates
@@ -34,7 +34,7 @@ def relative_intervals(recording: Recording) -> Array:
     Gaps aside. A logger that writes in two intervals by turns has one rate.
     """
     if len(recording.run_numbers) > 1:
-        _, length, joined = stretches_of(recording)
+        length, joined = cells_of(recording)
         run = np.unique(recording.run, return_inverse=True)[1]
         count = np.bincount(run[:-1][joined], minlength=run.max() + 1)
         mean = np.bincount(run[:-1][joined], length[joined], run.max() + 1) / np.maximum(count, 1)

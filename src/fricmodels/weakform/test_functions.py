@@ -23,8 +23,8 @@ import numpy as np
 
 from fricmodels.arrays import Array, Index, Mask
 from fricmodels.recording import Recording
+from fricmodels.signals.segments import stretches
 from fricmodels.weakform.quadrature import Quadrature
-from fricmodels.weakform.stretches import segments
 
 HOPS = 8
 """Neighbouring bumps are an eighth of a bump apart: finer ones say nothing new."""
@@ -91,7 +91,7 @@ class TestFunctions:
         self._cell = between[1:]
         self._fall = between[:-1] - between[1:]
         self._velocity_fall = changes[:-1] - changes[1:]
-        pieces = [piece for piece in segments(recording) if piece.stop - piece.start >= self.width]
+        pieces = [piece for piece in stretches(recording.time, recording.run) if piece.stop - piece.start >= self.width]
         self._first = np.array([piece.start for piece in pieces], dtype=np.int64)
         self._bumps = np.array([(p.stop - p.start) // self.hop - HOPS + 1 for p in pieces], dtype=np.int64)
         self.counts: Array | None = None
