@@ -71,7 +71,7 @@ class ConstantVelocity(Estimator):
             raise EstimationError(f"'{drive.model.name}' has internal states, which constant speed does not show")
         inertia = inertia_guess(drive, recording)
         kept = recording.with_channels(acceleration=smoothed_acceleration(recording))
-        linear = [p for p, ok in zip(drive.model.parameters, drive.model.linear, strict=True) if ok]
+        linear = drive.model.linear_parameters
         keys = [p.key for p in linear]
         held = [p.key for p in drive.model.parameters if p.key not in keys]
         guess = scanned_guess(drive, kept) if held else {}

@@ -99,8 +99,7 @@ class Design:
     @cached_property
     def nonlinear(self) -> tuple[float, ...]:
         """Values of the model parameters that are held."""
-        listed = zip(self.drive.model.parameters, self.drive.model.linear, strict=True)
-        return tuple(self.fixed[p.key] for p, linear in listed if not linear)
+        return tuple(self.drive.model.nonlinear_of(self.fixed))
 
 
 def smooth(time: Array, velocity: Array, samples: int) -> tuple[Array, Array]:

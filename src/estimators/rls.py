@@ -174,11 +174,10 @@ class RecursiveLeastSquares(SequentialEstimator):
             raise EstimationError(
                 f"'{drive.model.name}' has internal states, which rls cannot estimate; use ekf or detchmendy-sridhar"
             )
-        linear = dict(zip((p.key for p in drive.model.parameters), drive.model.linear, strict=True))
         fixed: dict[str, float] = {}
-        if not all(linear.values()):
+        if drive.model.nonlinear_parameters:
             guess = scanned_guess(drive, recording)
-            fixed = {key: guess[key] for key, is_linear in linear.items() if not is_linear}
+            fixed = {p.key: guess[p.key] for p in drive.model.nonlinear_parameters}
         if drive.inertia is not None:
             fixed[drive.inertia_key] = drive.inertia
         per_cycle = 2 * np.pi / dominant_frequency(recording) / recording.interval

@@ -212,8 +212,7 @@ class Drive:
             return None
         known = Drive(self.model.without_memory(), None, self.motion)
         values = dict(zip([p.key for p in self.model.parameters], parameters, strict=True))
-        pairs = zip(known.model.parameters, known.model.linear, strict=True)
-        columns, offset = known.regressors(recording, [values[p.key] for p, linear in pairs if not linear])
+        columns, offset = known.regressors(recording, known.model.nonlinear_of(values))
         acceleration = recording["acceleration"]
         needed = recording.driving_torque - offset - (self.inertia or 0.0) * acceleration
         columns = columns if self.inertia else np.vstack([columns, acceleration])

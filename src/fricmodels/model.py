@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
+from itertools import compress
 from typing import TYPE_CHECKING, Any
 
 from fricmodels import plugins
@@ -245,6 +246,24 @@ class Model:
             if worst is None or conflicts[worst] == 0:
                 return tuple(linear)
             linear[worst] = False
+
+    @cached_property
+    def linear_parameters(self) -> tuple[ModelParameter, ...]:
+        """The parameters in which the torque is linear, see :attr:`linear`."""
+        return tuple(compress(self.parameters, self.linear))
+
+    @cached_property
+    def nonlinear_parameters(self) -> tuple[ModelParameter, ...]:
+        """The other parameters."""
+        return tuple(p for p, linear in zip(self.parameters, self.linear, strict=True) if not linear)
+
+    def linear_of(self, values: Mapping[str, float], *, delay: bool = True) -> list[float]:
+        """Return the values of the linear parameters, of those by key; zero for a delay that is not wanted."""
+        return [values[p.key] if delay or not p.declared.delay else 0.0 for p in self.linear_parameters]
+
+    def nonlinear_of(self, values: Mapping[str, float]) -> list[float]:
+        """Return the values of the nonlinear parameters, of those by key."""
+        return [values[p.key] for p in self.nonlinear_parameters]
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Model) and other.terms == self.terms

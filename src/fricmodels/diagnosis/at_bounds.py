@@ -24,10 +24,9 @@ def beyond_bounds(comparison: Comparison, policy: Policy) -> WeakFormProblem | N
     own bound: else the fit would have it. ``None`` if there is none.
     """
     problem, parameters = comparison.problem, comparison.estimate.parameters
-    pairs = list(zip(problem.drive.model.parameters, problem.drive.model.linear, strict=True))
-    columns, _ = problem.columns(problem.drive, [parameters[p.key] for p, linear in pairs if not linear])
-    kept = set[str]()
-    for column, parameter in zip(columns, (p for p, linear in pairs if linear), strict=True):
+    model, kept = problem.drive.model, set[str]()
+    columns, _ = problem.columns(problem.drive, model.nonlinear_of(parameters))
+    for column, parameter in zip(columns, model.linear_parameters, strict=True):
         bounds = parameter.declared.lower, parameter.declared.upper
         if parameters[parameter.key] not in bounds or bounds[0] == bounds[1]:
             continue

@@ -226,8 +226,7 @@ def _candidate(
 
 def _first_columns(problem: WeakFormProblem, effect: Effect, alone: Drive) -> Array:
     """Return an effect's linear columns at the initial values of its nonlinear parameters, shape (q, rows)."""
-    pairs = zip(effect.parameters, alone.model.linear, strict=True)
-    return problem.columns(alone, [p.initial for p, linear in pairs if not linear])[0]
+    return problem.columns(alone, [p.declared.initial for p in alone.model.nonlinear_parameters])[0]
 
 
 def _has(problem: WeakFormProblem, signal: str) -> bool:

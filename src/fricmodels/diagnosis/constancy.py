@@ -102,11 +102,8 @@ def _tested(
 def _torque(result: CandidateTests, comparison: Comparison, effect: Effect) -> Array:
     """Return the torque of an effect as it was fitted, at the samples of the quadrature."""
     drive, values = result.problem.alone(effect), comparison.estimate.parameters
-    pairs = list(zip(drive.model.parameters, drive.model.linear, strict=True))
-    nonlinear = [values[p.key] for p, linear in pairs if not linear]
-    coefficients = np.array([values[p.key] for p, linear in pairs if linear])
-    columns, rest = result.problem.evaluate(drive, nonlinear)
-    return np.asarray(coefficients @ columns + rest)
+    columns, rest = result.problem.evaluate(drive, drive.model.nonlinear_of(values))
+    return np.asarray(np.array(drive.model.linear_of(values)) @ columns + rest)
 
 
 def _halves(result: CandidateTests) -> Iterator[tuple[str, Mask]]:

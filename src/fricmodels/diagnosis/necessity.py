@@ -30,8 +30,7 @@ def necessity(comparison: Comparison, effect: str) -> Evidence:
     if carriers:
         problem = carriers_alone(problem, carriers)
     rest = base_directions(replace(problem, drive=smaller), parameters)
-    pairs = zip(own.parameters, alone.model.linear, strict=True)
-    nonlinear = [parameters[f"{effect}.{p.symbol}"] for p, linear in pairs if not linear]
+    nonlinear = [parameters[f"{effect}.{p.declared.symbol}"] for p in alone.model.nonlinear_parameters]
     columns, _ = problem.columns(alone, nonlinear, delay)
     nuisances = np.vstack([problem.sign_change, problem.torque_rate])
     base = np.vstack([rest, nuisances[:1] if delay else nuisances])

@@ -84,10 +84,8 @@ def own_torque(comparison: Comparison, effect: Effect) -> float:
 def _torque(problem: WeakFormProblem, drive: Drive, values: Mapping[str, float]) -> Array:
     """Return the torque of a part of the model as the rows see it, shape (rows,)."""
     columns, rest = _columns(problem, drive, values)
-    pairs = zip(drive.model.parameters, drive.model.linear, strict=True)
-    return np.asarray(np.array([values[p.key] for p, linear in pairs if linear]) @ columns + rest)
+    return np.asarray(np.array(drive.model.linear_of(values)) @ columns + rest)
 
 
 def _columns(problem: WeakFormProblem, drive: Drive, values: Mapping[str, float]) -> tuple[Array, Array]:
-    pairs = zip(drive.model.parameters, drive.model.linear, strict=True)
-    return problem.columns(drive, [values[p.key] for p, linear in pairs if not linear])
+    return problem.columns(drive, drive.model.nonlinear_of(values))

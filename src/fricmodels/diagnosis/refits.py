@@ -196,9 +196,7 @@ def is_undetermined(fitted: Comparison, name: str) -> bool:
 
 def _linear_in(fitted: Comparison, name: str) -> list[str]:
     """Return the keys of the coefficients that an effect of a model is linear in, and that make it what it is."""
-    model = fitted.drive.model
-    pairs = zip(model.parameters, model.linear, strict=True)
-    own = [p for p, linear in pairs if linear and p.key.startswith(f"{name}.")]
+    own = [p for p in fitted.drive.model.linear_parameters if p.key.startswith(f"{name}.")]
     return [p.key for p in own if not p.declared.accompanies]
 
 

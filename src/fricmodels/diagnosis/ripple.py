@@ -89,7 +89,7 @@ def _tested(rows: WeakFormProblem, regression: Regression, waves: Waves, leave_o
     for name in registered:
         for effect in not_yet(registered[name].candidates(rows.recording), there):
             alone = rows.alone(effect)
-            nonlinear = [p for p, linear in zip(effect.parameters, alone.model.linear, strict=True) if not linear]
+            nonlinear = [p.declared for p in alone.model.nonlinear_parameters]
             is_wave = [p.periodic for p in nonlinear] == [True] or (effect.angular and not nonlinear)
             if effect.name in leave_out or not is_wave or alone.model.states:
                 continue

@@ -90,8 +90,7 @@ def _make_a_constant(terms: Sequence[Term], recording: Recording) -> bool:
     model = Model(laws[0], [t for t in known if isinstance(t, Effect)]) if laws else None
     if model is None or not all(s == "motor_torque_rate" or channel_of(s) in recording for s in model.required):
         return False
-    nonlinear = [p.declared.initial for p, linear in zip(model.parameters, model.linear, strict=True) if not linear]
-    columns, _ = Drive(model).regressors(recording, nonlinear)
+    columns, _ = Drive(model).regressors(recording, [p.declared.initial for p in model.nonlinear_parameters])
     ones = np.ones(len(recording))
     left = ones - np.linalg.lstsq(columns.T, ones, rcond=None)[0] @ columns
     return bool(left @ left < _WITHIN * len(ones))

@@ -135,12 +135,9 @@ def scanned_guess(drive: Drive, recording: Recording) -> dict[str, float]:
     Parameters without scan values keep their declared initial values. Internal states are integrated along the measured
     motion of the first 20 000 samples.
     """
-    parameters = drive.model.parameters
-    free = [i for i, linear in enumerate(drive.model.linear) if not linear]
     inertia = inertia_guess(drive, recording)
     choices: list[Sequence[float]] = []
-    for i in free:
-        declared = parameters[i].declared
+    for declared in (p.declared for p in drive.model.nonlinear_parameters):
         unit = scan_unit(declared.dimension, recording) if declared.scan else 1.0
         origin = float(np.min(recording["position"])) if declared.place and "position" in recording else 0.0
         values = [origin + unit * value for value in declared.scan] or [declared.initial]
@@ -155,8 +152,8 @@ def scanned_guess(drive: Drive, recording: Recording) -> dict[str, float]:
         part = part.select(rows[:: max(1, len(rows) // 4000)])
         moving = np.ones(len(part), dtype=bool)
     torque = part.driving_torque - inertia * part["acceleration"]
-    names = [p.key for p, linear in zip(parameters, drive.model.linear, strict=True) if linear]
-    declared_linear = [p for p, linear in zip(parameters, drive.model.linear, strict=True) if linear]
+    declared_linear = drive.model.linear_parameters
+    names = [p.key for p in declared_linear]
     lower = np.array([p.declared.lower for p in declared_linear])
     upper = np.array([p.declared.upper for p in declared_linear])
     above = [(i, names.index(p.at_least)) for i, p in enumerate(declared_linear) if p.at_least in names]
@@ -172,7 +169,7 @@ def scanned_guess(drive: Drive, recording: Recording) -> dict[str, float]:
         raise EstimationError(f"'{drive.model.name}' has no value to start from")
     found = {drive.inertia_key: inertia}
     nonlinear_values, linear_values = iter(best[1]), iter(best[2])
-    for p, is_linear in zip(parameters, drive.model.linear, strict=True):
+    for p, is_linear in zip(drive.model.parameters, drive.model.linear, strict=True):
         found[p.key] = float(next(linear_values) if is_linear else next(nonlinear_values))
     return found
 

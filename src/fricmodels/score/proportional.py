@@ -86,6 +86,5 @@ def _slope(drive: Drive, values: Mapping[str, float], signal: Literal["accelerat
     """Return the torque per unit of a signal that terms of a model have everywhere."""
     if signal not in drive.model.needs:
         return 0.0
-    pairs = zip(drive.model.parameters, drive.model.linear, strict=True)
-    linear = [*(values[p.key] for p, is_linear in pairs if is_linear), 1.0]
+    linear = [*drive.model.linear_of(values), 1.0]
     return float(drive.constant_derivatives[int(signal == "motor_torque")] @ linear)

@@ -102,10 +102,9 @@ def linear_model(name: str) -> Model:
         InputError: where sums cannot say all that it asks of a recording.
     """
     model = Model.parse(name)
-    curved = [p.key for p, linear in zip(model.parameters, model.linear, strict=True) if not linear]
-    if curved:
+    for curved in model.nonlinear_parameters:
         raise InputError(
-            f"'{name}' is not linear in '{curved[0]}', so that no sums can stand for a recording; "
+            f"'{name}' is not linear in '{curved.key}', so that no sums can stand for a recording; "
             f"fit it without sums, or take a law that is linear in its parameters, such as coulomb-viscous"
         )
     further = sorted(model.needs - _SIGNALS)

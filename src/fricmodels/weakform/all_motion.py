@@ -30,9 +30,7 @@ def residual_rms(
         nonlinear: the effect's nonlinear parameters.
         kept: which of its linear ones are free; all by default.
     """
-    model, estimated = problem.drive.model, problem.estimated or {}
-    own = [estimated[p.key] for p, linear in zip(model.parameters, model.linear, strict=True) if not linear]
-    design, offset = problem.evaluate(problem.drive, own)
+    design, offset = problem.evaluate(problem.drive, problem.drive.model.nonlinear_of(problem.estimated or {}))
     acceleration = problem.quadrature.recording["acceleration"]
     if effect is not None:
         more, _ = problem.evaluate(effect, nonlinear)

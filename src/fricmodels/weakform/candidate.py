@@ -65,13 +65,12 @@ class Candidate:
     @cached_property
     def linear(self) -> list[Parameter]:
         """The linear parameters."""
-        return [p for p, linear in zip(self.effect.parameters, self.alone.model.linear, strict=True) if linear]
+        return [p.declared for p in self.alone.model.linear_parameters]
 
     @cached_property
     def nonlinear(self) -> list[Parameter]:
         """The others, with the bounds that this recording sets."""
-        pairs = zip(self.effect.parameters, self.alone.model.linear, strict=True)
-        return [within_recording(self.problem, p) for p, linear in pairs if not linear]
+        return [within_recording(self.problem, p.declared) for p in self.alone.model.nonlinear_parameters]
 
     def columns(self, point: Point) -> Array:
         """Return the linear columns, shape (q, rows)."""

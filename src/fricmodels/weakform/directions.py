@@ -27,13 +27,11 @@ def base_directions(problem: WeakFormProblem, parameters: Mapping[str, float]) -
         parameters: the model's estimated parameters by key.
     """
     drive = problem.drive
-    pairs = list(zip(drive.model.parameters, drive.model.linear, strict=True))
-    chosen = [p for p, linear in pairs if not linear]
-    nonlinear = [parameters[p.key] for p in chosen]
-    theta = np.array([parameters[p.key] for p, linear in pairs if linear])
+    chosen, nonlinear = drive.model.nonlinear_parameters, drive.model.nonlinear_of(parameters)
+    theta = np.array(drive.model.linear_of(parameters))
     columns, offset = problem.columns(drive, nonlinear)
     whole = float(np.abs(theta) @ np.linalg.norm(columns, axis=1) + np.linalg.norm(offset))
-    free = [p.key not in problem.kept for p, linear in pairs if linear]
+    free = [p.key not in problem.kept for p in drive.model.linear_parameters]
     stacked = [columns[free]]
     for i, value in enumerate(nonlinear):
         # An instant is a stair with a step at each sample, and what the clock says no size.

@@ -56,7 +56,6 @@ def torque_by_acceleration(drive: Drive, estimated: Mapping[str, float]) -> floa
     It is :math:`(J + \partial\tau_F/\partial\dot\omega) / (1 - \partial\tau_F/\partial\tau)`, where these are constant:
     J/(1 + g) where a torque constant is off.
     """
-    pairs = zip(drive.model.parameters, drive.model.linear, strict=True)
-    linear = np.array([*(estimated[p.key] for p, is_linear in pairs if is_linear), 1.0])
+    linear = np.array([*drive.model.linear_of(estimated), 1.0])
     by_acceleration, by_torque = (drive.constant_derivatives @ linear).tolist()
     return float((drive.split(estimated)[0] + by_acceleration) / max(1.0 - by_torque, _LEAST_DELIVERED))

@@ -142,7 +142,7 @@ def _rounds(
         if rows.rows <= 4 * len(drive.parameters):
             break
         least, used = min(least, predicted.prediction_error), predicted
-        best = solve(rows, replace(begin.plan, start=_nonlinear(best)), timing=False)
+        best = solve(rows, replace(begin.plan, start=best.again.start), timing=False)
         change, values = best.values - values, best.values
         if _is_final(used, problem.recording) or _is_little(change, best):
             return best, used, True
@@ -196,11 +196,6 @@ def _everywhere(found: Solved) -> Solved:
 def _predicted(found: Solved) -> ModelVelocity | None:
     problem = found.problem
     return model_velocity(problem.drive, found.parameters, problem.recording, held=problem.held)
-
-
-def _nonlinear(found: Solved) -> dict[str, float]:
-    nonlinear = {p.key for p in found.problem.drive.parameters if not p.linear}
-    return {key: value for key, value in found.parameters.items() if key in nonlinear}
 
 
 def _smoothed_noise(recording: Recording, half_width: int) -> float:

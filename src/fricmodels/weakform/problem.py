@@ -132,7 +132,7 @@ class WeakFormProblem:
         """Return it with rows that count by what is left of them, too; see :mod:`.weighing`."""
         if self.bumps.counts is None or not self.rows:
             return self
-        columns, _ = self.columns(self.drive, [parameters[p.key] for p in self.drive.parameters if not p.linear])
+        columns, _ = self.columns(self.drive, self.drive.model.nonlinear_of(parameters))
         own = [] if self.drive.inertia is not None else [self.momentum]
         design = np.vstack([columns, self.sign_change, self.torque_rate, *own])
         counts = counts_as_left(self.recording, self.bumps, inertia, self.target, design)
@@ -379,9 +379,8 @@ class WeakFormProblem:
         points = self.quadrature.recording
         if self.estimated is None or not points.torque.any():
             return points.torque
-        pairs = list(zip(self.drive.model.parameters, self.drive.model.linear, strict=True))
-        nonlinear = [self.estimated[p.key] for p, linear in pairs if not linear]
-        theta = np.array([0.0 if p.declared.delay else self.estimated[p.key] for p, linear in pairs if linear])
+        nonlinear = self.drive.model.nonlinear_of(self.estimated)
+        theta = np.array(self.drive.model.linear_of(self.estimated, delay=False))
 
         def friction(torque: Array) -> Array:
             design, offset = self._regressors(self.drive, nonlinear, points.with_channels(torque=torque))

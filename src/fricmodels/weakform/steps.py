@@ -35,10 +35,8 @@ class Steps:
     def of(cls, problem: WeakFormProblem, parameters: Mapping[str, float]) -> Steps:
         """Evaluate what a fitted model leaves."""
         drive, bumps, recording = problem.drive, problem.bumps, problem.recording
-        pairs = list(zip(drive.model.parameters, drive.model.linear, strict=True))
-        nonlinear = [parameters[p.key] for p, linear in pairs if not linear]
-        theta = np.array([0.0 if p.declared.delay else parameters[p.key] for p, linear in pairs if linear])
-        design, offset = problem.evaluate(drive, nonlinear)
+        design, offset = problem.evaluate(drive, drive.model.nonlinear_of(parameters))
+        theta = np.array(drive.model.linear_of(parameters, delay=False))
         points = problem.quadrature.recording
         left = points.driving_torque - theta @ design - offset
         impulses = at_steps(problem.quadrature.impulses(left[None]), bumps.over_cells)[0]

@@ -122,8 +122,7 @@ static inline void {n}_online_begin({n}_online *filter) {{
         function = problem.drive.linear_function
         own = {"velocity": "velocity", "acceleration": "acceleration", "time": "s->time"}
         written = {s: own.get(s, f"s->{self.inputs[s]}" if s in self.inputs else "0.0") for s in model.signals}
-        nonlinear = [p.key for p, linear in zip(model.parameters, model.linear, strict=True) if not linear]
-        values = [literal(float(problem.fixed[key])) for key in nonlinear]
+        values = [literal(float(value)) for value in model.nonlinear_of(problem.fixed)]
         width = literal(_REST_WIDTH / _RESTING * problem.resting)
         body = c_lines(
             function,
