@@ -129,11 +129,12 @@ def taken(comparisons: Sequence[Comparison], found: Sequence[Judged]) -> Compari
 
 def show_motion(console: Any, found: Sequence[Judged], horizon: int | None, interval: float, closed: bool) -> None:
     """Print the simulated errors of each model on what was kept back."""
+    from fricmodels.dimension import DISPLACEMENT
     from fricmodels.motion.document import error_words, how
     from fricmodels.terminal import Column, show_table
 
     motion, held = found[0].rung.drive.motion, found[0].kept.between_samples == "held"
-    unit = "rad" if motion.value == "rotary" else "m"
+    unit = DISPLACEMENT.unit(motion)
     console.print(f"Simulated {how(horizon, interval, closed=closed, held=held)}:", markup=False, highlight=False)
     columns = [
         Column("model", tuple(each.rung.name for each in found)),

@@ -20,7 +20,7 @@ import numpy as np
 
 from fricmodels.arrays import Array
 from fricmodels.diagnosis.candidate_tests import CandidateTests
-from fricmodels.dimension import Motion
+from fricmodels.dimension import FORCE, Motion
 from fricmodels.results.words import figures
 from fricmodels.weakform.problem import WeakFormProblem
 from fricmodels.weakform.regression import Regression
@@ -50,7 +50,7 @@ class ColouredNoise:
     motion: Motion
 
     def __str__(self) -> str:
-        unit = "N m" if self.motion is Motion.ROTARY else "N"
+        unit = FORCE.unit(self.motion)
         return (
             f"coloured noise of the torque: standard deviation {figures(self.deviation)} {unit} "
             f"({figures(self.percent)} % of the RMS motor torque), correlation time {figures(1000 * self.lasts)} ms"

@@ -10,7 +10,7 @@ from fricmodels.diagnosis.floor import beyond_sampling_percent, is_seen_above_no
 from fricmodels.diagnosis.ladder import Ladder, added
 from fricmodels.diagnosis.predictability import AUTOREGRESSIVE
 from fricmodels.diagnosis.ripple import FastRipple
-from fricmodels.dimension import Motion
+from fricmodels.dimension import DISPLACEMENT, FORCE, Motion
 from fricmodels.results.words import (
     LINE,
     SAMPLING,
@@ -91,7 +91,7 @@ def _hidden_by_sampling(diagnosis: Diagnosis) -> list[str]:
 def fast_waves(ripple: FastRipple, motion: Motion) -> str:
     """Return in words which waves over position stand out of the error from sample to sample, and how they relate."""
     rotary = motion is Motion.ROTARY
-    length, torque = ("rad", "N m") if rotary else ("m", "N")
+    length, torque = DISPLACEMENT.unit(motion), FORCE.unit(motion)
     related = relations(ripple.waves)
     told = []
     for line in ripple.waves.lines:
@@ -152,7 +152,7 @@ def unknown(diagnosis: Diagnosis) -> str:
     rest = diagnosis.remaining
     if rest is None:
         return ""
-    unit = "N m" if diagnosis.comparison.drive.motion is Motion.ROTARY else "N"
+    unit = FORCE.unit(diagnosis.comparison.drive.motion)
     size = f": {figures(rest.SI)} {unit} RMS, {figures(rest.percent)} % of the motor torque"
     if not rest.SI > 0:
         size = ", no larger than what noise alone would leave"

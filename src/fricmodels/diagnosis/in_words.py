@@ -11,7 +11,7 @@ from fricmodels.diagnosis.basis_functions import unsigned, without_sign
 from fricmodels.diagnosis.candidate_tests import CandidateTests, beside_inertia
 from fricmodels.diagnosis.predictability import ChannelPredictor
 from fricmodels.diagnosis.sought_functions import ends_of_stretch, stretch
-from fricmodels.dimension import Motion
+from fricmodels.dimension import FORCE
 from fricmodels.results.words import ALONG, LINE, figures
 from fricmodels.weakform.regression import Evidence
 
@@ -58,7 +58,7 @@ def from_when_to_when(result: CandidateTests, view: ChannelPredictor | None) -> 
     begins, ends = low > time[0], high < time[-1]
     if not begins and not ends:
         return ""
-    unit = "N m" if problem.drive.motion is Motion.ROTARY else "N"
+    unit = FORCE.unit(problem.drive.motion)
     when = f"until about {figures(high)} s"
     if begins:
         when = f"from about {figures(low)} to about {figures(high)} s" if ends else f"from about {figures(low)} s on"

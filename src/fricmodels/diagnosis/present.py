@@ -18,7 +18,7 @@ from fricmodels.diagnosis.errors_table import sampled, show_bands
 from fricmodels.diagnosis.ladder import Ladder, Rung, added
 from fricmodels.diagnosis.places import profile
 from fricmodels.diagnosis.remarks import remarks_on
-from fricmodels.dimension import Motion
+from fricmodels.dimension import DISPLACEMENT, FORCE, INERTIA, VELOCITY, Motion
 from fricmodels.recording import Recording
 from fricmodels.results.words import (
     FOUND,
@@ -55,7 +55,7 @@ _SEARCHED = 4
 def show_comparison(console: Console, comparison: Comparison) -> None:
     """Print the errors, the parameters, model against measurement, and where the model fails."""
     drive = comparison.drive
-    unit = "N m" if drive.motion is Motion.ROTARY else "N"
+    unit = FORCE.unit(drive.motion)
     _heading(console, f"{drive.model.name} on {comparison.train.name}")
     say(console, f"{sampled(comparison)} {comparison.errors.in_words(unit)}")
     console.print()
@@ -75,7 +75,7 @@ def show_parameters(console: Console, comparison: Comparison, title: str = "Para
     """Print the parameters with their standard errors and units; what stands at its bound is marked."""
     drive, estimate = comparison.drive, comparison.estimate
     units = {p.key: p.declared.unit_for(drive.motion) for p in drive.parameters}
-    units.setdefault(drive.inertia_key, "kg m^2" if drive.motion is Motion.ROTARY else "kg")
+    units.setdefault(drive.inertia_key, INERTIA.unit(drive.motion))
     keys, errors = tuple(estimate.parameters), estimate.own_errors
     columns = [
         Column("parameter", keys),
@@ -93,7 +93,7 @@ def show_overlay(console: Console, comparison: Comparison, rows: int = 13) -> No
     """Plot the torque, measured and modelled, over a few reversals of the data kept back."""
     part = _stretch(comparison.test)
     modelled = part.torque - _error(comparison, part)
-    unit = "N m" if comparison.drive.motion is Motion.ROTARY else "N"
+    unit = FORCE.unit(comparison.drive.motion)
     quantity = "torque" if comparison.drive.motion is Motion.ROTARY else "force"
     series = [
         Band("measured", ".", part.time, part.torque),
@@ -107,7 +107,7 @@ def show_friction(console: Console, comparison: Comparison) -> None:
     """Plot friction torque against velocity: what the motion asks for, and the model's mean at each velocity."""
     drive = comparison.drive
     part, values = drive.timed(comparison.train, comparison.estimate.parameters)
-    unit, speed = ("N m", "rad/s") if drive.motion is Motion.ROTARY else ("N", "m/s")
+    unit, speed = FORCE.unit(drive.motion), VELOCITY.unit(drive.motion)
     modelled = drive.friction(part, values)
     measured = modelled + _error(comparison, comparison.train)
     # One sample in a hundred may lie anywhere: the friction torque at breakaway is uncertain.
@@ -124,7 +124,7 @@ def show_friction(console: Console, comparison: Comparison) -> None:
 def show_where(console: Console, comparison: Comparison) -> None:
     """Print the share of the squared error in each regime of motion, the greatest excess over its samples first."""
     rows = comparison.where
-    unit = "N m" if comparison.drive.motion is Motion.ROTARY else "N"
+    unit = FORCE.unit(comparison.drive.motion)
     bars = _bars(console, [row.share_of_squared_error for row in rows])
     columns = [
         Column("regime", tuple(row.regime for row in rows)),
@@ -250,7 +250,7 @@ def _show_visibility(console: Console, data: DiagnosisDocument) -> None:
             Column(f"RMS torque [{data.unit}]", tuple(form(row.smallest_torque, ".2g") for row in seen), True),
         ]
         if any(row.band for row in seen):
-            unit = "1/rad" if data.motion is Motion.ROTARY else "1/m"
+            unit = (DISPLACEMENT**-1).unit(data.motion)
             columns.append(Column(f"waves [{unit}]", tuple(_band(row) for row in seen)))
         show_table(console, columns, NOT_FOUND)
         console.print()

@@ -17,7 +17,7 @@ from fricmodels.diagnosis.predictability import ChannelPredictor
 from fricmodels.diagnosis.refits import Refits
 from fricmodels.diagnosis.sought_functions import ends_of_stretch
 from fricmodels.diagnosis.where import in_words
-from fricmodels.dimension import Motion
+from fricmodels.dimension import DISPLACEMENT, FORCE, Motion
 from fricmodels.recording import Recording
 from fricmodels.results.words import END_STOP
 from fricmodels.signals import resting
@@ -140,11 +140,11 @@ def held_at_rest(comparison: Comparison) -> str:
     held, friction = np.quantile(beyond, _MOST), float(np.median(0.5 * np.abs(forward - backward)))
     if held <= friction * _MUCH:
         return ""
-    unit = "N m" if drive.motion is Motion.ROTARY else "N"
+    unit = FORCE.unit(drive.motion)
     why = "its friction at rest is larger than in motion, or something else holds it, as a brake or an end stop does"
     ends = _ends(prepared, still, beyond > 0.5 * held)
     if ends:
-        length = "rad" if drive.motion is Motion.ROTARY else "m"
+        length = DISPLACEMENT.unit(drive.motion)
         at = " and ".join(f"{end:.4g}" for end in ends)
         why = f"it rests at the end of its travel, {at} {length}, as at {END_STOP}"
     return f", where the drive holds up to {held:.2g} {unit} more than the {friction:.2g} {unit} of the model: {why}"
@@ -190,7 +190,7 @@ def place_of_stretch(result: CandidateTests, predictor: ChannelPredictor) -> Pla
 
 def at_place(place: Place, motion: Motion) -> str:
     """Return a place in words, with its width and the mean torque there."""
-    length, torque = ("rad", "N m") if motion is Motion.ROTARY else ("m", "N")
+    length, torque = DISPLACEMENT.unit(motion), FORCE.unit(motion)
     unit = {"position": length, "speed": f"{length}/s", "load_torque": torque}.get(place.channel, "")
     middle, width = 0.5 * (place.low + place.high), place.high - place.low
     direction = "" if place.direction == "both" else f", {place.direction}"

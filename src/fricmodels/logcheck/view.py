@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from fricmodels.arrays import Array, Index, Mask
-from fricmodels.dimension import Motion
+from fricmodels.dimension import DISPLACEMENT, Motion
 from fricmodels.readers import units
 from fricmodels.recording import Recording, word
 from fricmodels.results.words import figures
@@ -52,7 +52,7 @@ class Log:
     @property
     def length_unit(self) -> str:
         """``rad`` or ``m``."""
-        return "rad" if self.rotary else "m"
+        return DISPLACEMENT.unit(self.recording.motion)
 
     @property
     def force_unit(self) -> str:

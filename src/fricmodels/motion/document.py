@@ -8,18 +8,13 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from fricmodels.dimension import Motion
+from fricmodels.dimension import DISPLACEMENT, Motion
 from fricmodels.files import write_text
 from fricmodels.motion.choose import Judged
 from fricmodels.motion.errors import MotionErrors
 from fricmodels.results.part import finite
 
 SCHEMA = "fricmodels/motion/1"
-
-
-def position_unit(motion: Motion) -> str:
-    """Return rad or m."""
-    return "rad" if motion is Motion.ROTARY else "m"
 
 
 def how(horizon: int | None, interval: float, *, closed: bool = False, held: bool = False) -> str:
@@ -33,7 +28,7 @@ def how(horizon: int | None, interval: float, *, closed: bool = False, held: boo
 
 def error_words(errors: MotionErrors, motion: Motion) -> str:
     """Say how far off a simulated motion is."""
-    unit = position_unit(motion)
+    unit = DISPLACEMENT.unit(motion)
     if not math.isfinite(errors.velocity):
         return "the simulation ended before the recording did"
     if not math.isfinite(errors.position):
@@ -69,7 +64,7 @@ def motion_document(found: Sequence[Judged], horizon: int | None, motion: Motion
         )
     return {
         "schema": SCHEMA,
-        "unit": position_unit(motion),
+        "unit": DISPLACEMENT.unit(motion),
         "horizon": horizon,
         "loop": "closed" if closed else "open",
         "between_samples": found[0].kept.between_samples,

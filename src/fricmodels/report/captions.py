@@ -9,7 +9,7 @@ import numpy as np
 
 from fricmodels.arrays import Array, Mask
 from fricmodels.diagnosis.where import in_words
-from fricmodels.dimension import Motion
+from fricmodels.dimension import FORCE, VELOCITY, Motion
 from fricmodels.report.figure_tables import axis_title, axis_unit, unit_shown
 from fricmodels.report.figures.spectrum import strongest
 from fricmodels.report.wording import listed, number
@@ -54,7 +54,7 @@ def where_words(comparison: Comparison, most: int = 1) -> str:
     rows = [row for row in rows if row.rms_torque_error > _CLEARLY * whole]
     if not rows:
         return "The error is about the same in all regimes of motion."
-    unit = "N m" if comparison.drive.motion is Motion.ROTARY else "N"
+    unit = FORCE.unit(comparison.drive.motion)
     parts: list[str] = []
     for row in rows:
         share = f"{figures(max(100 * row.share_of_samples, _LEAST_PART))} %{'' if parts else ' of the samples'}"
@@ -157,7 +157,7 @@ def curve_words(figure: Figure, comparison: Comparison) -> str:
         text += " The band of ±2 standard errors goes beyond the axis: this recording hardly determines the parameters."
     if "gap" not in meta:
         return text
-    unit, speed = ("N m", "rad/s") if comparison.drive.motion is Motion.ROTARY else ("N", "m/s")
+    unit, speed = FORCE.unit(comparison.drive.motion), VELOCITY.unit(comparison.drive.motion)
     return (
         f"{text} On average over a velocity they part most, by {number(abs(meta['gap']))} {unit}, at "
         f"{number(meta['at'])} {speed}."

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from fricmodels.dimension import Motion
+from fricmodels.dimension import DISPLACEMENT, Motion
 from fricmodels.errors import InputError
-from fricmodels.motion.document import error_words, how, position_unit
+from fricmodels.motion.document import error_words, how
 from fricmodels.report.figure_tables import points_of
 from fricmodels.report.page import Block, Fold, Picture, Section, Words, table
 from fricmodels.report.pictures import beyond_words, drawn
@@ -67,7 +67,7 @@ def _headline(found: Replays) -> str:
 
 def replay_words(found: Replays, motion: Motion) -> str:
     """Say how a motion was simulated, how far it is off, and how far noise alone would bring it."""
-    stretch, unit = found.stretch, f"{position_unit(motion)}/s"
+    stretch, unit = found.stretch, f"{DISPLACEMENT.unit(motion)}/s"
     anew = "each piece of it from its measured state"
     if stretch.horizon or stretch.excerpt:
         anew = f"anew from the measured state every {number(stretch.window)} s"
@@ -107,7 +107,7 @@ def motion_section(found: Sequence[Judged]) -> Section:
     blocks: list[Block] = [
         Picture("Simulated beside measured motion", sentence, figure, points_of(figure), "simulated-motion")
     ]
-    unit = position_unit(motion)
+    unit = DISPLACEMENT.unit(motion)
     rows = []
     for each in found:
         own = each.test

@@ -7,7 +7,7 @@ from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
 from fricmodels.diagnosis.where import grouped
-from fricmodels.dimension import Motion
+from fricmodels.dimension import FORCE
 from fricmodels.errors import InputError
 from fricmodels.report.captions import (
     against_words,
@@ -270,7 +270,7 @@ def ranked(best: Sequence[Candidate], model: str) -> Picture:
 
 def regimes(comparison: Comparison) -> Table:
     """Return the table of regimes in their groups, beside the whole."""
-    unit = "N m" if comparison.drive.motion is Motion.ROTARY else "N"
+    unit = FORCE.unit(comparison.drive.motion)
     titles = {"regime": False, f"RMS error [{unit}]": True, "squared error": True, "samples": True}
     rows = [("all that was fitted", number(comparison.errors.SI), "100 %", "100 %")]
     rows += [

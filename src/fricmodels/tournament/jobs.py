@@ -21,6 +21,7 @@ from fricmodels.estimator import Estimator
 from fricmodels.fit import Fit, Status
 from fricmodels.model import Model
 from fricmodels.recording import Recording
+from fricmodels.results.part import finite
 from fricmodels.tournament.sources import Loaded, Source, load
 from fricmodels.tournament.told import as_keys
 
@@ -246,4 +247,4 @@ def _number(value: Any) -> Any:
         return value
     if isinstance(value, int | np.integer):
         return int(value)
-    return float(value) if math.isfinite(value) else None
+    return finite(float(value))

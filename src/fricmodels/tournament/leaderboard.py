@@ -8,12 +8,12 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from statistics import median
-from typing import Any
 
 from fricmodels.display import Displayed
 from fricmodels.errors import InputError
 from fricmodels.files import write_listed
 from fricmodels.results.leaderboard import SCHEMA, LeaderboardDocument
+from fricmodels.results.part import finite
 from fricmodels.stored import read_results
 from fricmodels.tournament.jobs import Row
 from fricmodels.tournament.written_rows import WrittenRows
@@ -92,9 +92,9 @@ class Leaderboard(Displayed):
                     "tags": tags,
                     "seeds": len(rows),
                     "ok": sum(row["status"] == "ok" for row in rows),
-                    "median": _finite(median(values)),
-                    "lower_quartile": _finite(_quantile(values, 0.25)),
-                    "upper_quartile": _finite(_quantile(values, 0.75)),
+                    "median": finite(median(values)),
+                    "lower_quartile": finite(_quantile(values, 0.25)),
+                    "upper_quartile": finite(_quantile(values, 0.75)),
                     "median_seconds": median(seconds) if seconds else None,
                 }
             )
@@ -141,7 +141,3 @@ def _quantile(ordered: Sequence[float], fraction: float) -> float:
     if ordered[below] == ordered[above]:
         return ordered[below]
     return ordered[below] + (position - below) * (ordered[above] - ordered[below])
-
-
-def _finite(value: float) -> Any:
-    return value if math.isfinite(value) else None

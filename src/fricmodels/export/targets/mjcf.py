@@ -13,7 +13,7 @@ import xml.etree.ElementTree as ET
 from collections.abc import Iterable, Mapping
 from xml.sax.saxutils import quoteattr
 
-from fricmodels.dimension import Motion
+from fricmodels.dimension import INERTIA
 from fricmodels.errors import InputError, suggestion
 from fricmodels.export.targets.nearest import Nearest
 from fricmodels.export.targets.simple import number, xml_comment
@@ -114,7 +114,7 @@ def of_the_joint(text: str, found: Nearest, joint: str, armature: float | None) 
         text: the MJCF. found, joint, armature: see :func:`into_xml`.
     """
     root, inertia = parsed(text, "mujoco"), found.parameters[found.drive.inertia_key]
-    unit, lines = "kg m^2" if found.drive.motion is Motion.ROTARY else "kg", []
+    unit, lines = INERTIA.unit(found.drive.motion), []
     if armature is None:
         own = named_joint(_joints(root), joint).get("armature", "0")
         lines.append(
